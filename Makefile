@@ -119,6 +119,7 @@ campaign: ## the long tests (hours): 200 kills, every case of `discover`, 100,00
 	cargo test --release --test discovery -- --ignored
 	cargo test --release --test hardware campaign_ -- --ignored
 	cargo test --release --test rod a_hundred_intervals -- --ignored
+	cargo test --release --test rod ten_thousand -- --ignored --nocapture
 	WORKSPACE_STEPS=100000 cargo test --release --test rod inside_the_workspace
 	CAMPAIGN_OUT=results/robustness/campaign.csv cargo test --release --test rod full_campaign -- --ignored --nocapture
 

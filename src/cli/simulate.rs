@@ -10,7 +10,7 @@ use spinebench::effects::Model;
 use spinebench::rod::SolveStatus;
 use spinebench::runner::Progress;
 use spinebench::specs::read_model;
-use spinebench::tasks::{SimulationOptions, check_one_gravity, read_commands, simulate_recording};
+use spinebench::tasks::{SimulationOptions, TOUCHES_ITSELF, check_one_gravity, read_commands, simulate_recording};
 use std::path::{Path, PathBuf};
 
 /// Drive the rod model with the commands of a recording (displacements or tensions) and write a recording.
@@ -59,6 +59,14 @@ impl SimulateCommand {
             progress
                 .notice(&format!("{failed} of {all} rows could not be solved; see the column solver_status of {out}"));
         }
+        let itself = touching_itself(&played);
+        if itself > 0 {
+            let (all, out) = (played.len(), self.out.display());
+            progress.notice(&format!(
+                "in {itself} of {all} rows the robot touches itself, which the model does not prevent; see the column \
+                 {TOUCHES_ITSELF} of {out}"
+            ));
+        }
         progress.say(&written(&self.out, &played));
         Ok(())
     }
@@ -69,13 +77,18 @@ impl SimulateCommand {
 pub(super) fn nothing_solved(file: &Path, model: &Model, out: &Path, played: &Recording) -> CommandError {
     let (out, file, rows) = (out.display(), file.display(), played.len());
     let statuses = statuses(played);
-    let too_coarse = !statuses.is_empty() && statuses.iter().all(|status| status == SolveStatus::UnderResolved.name());
+    let all_are = |name: SolveStatus| !statuses.is_empty() && statuses.iter().all(|status| status == name.name());
+    let too_coarse = all_are(SolveStatus::UnderResolved);
     let suspect = match model.robot.suspect() {
         Some((key, value)) => format!("{file}: {key}: found {value}, which few robots have; check its unit"),
         None if too_coarse => format!(
             "{file}: robot.resolution.static_tolerance_m: found {}, which the finest grid does not reach where a robot bends \
              this sharply; expected ten times as much",
             model.robot.resolution.static_tolerance_m
+        ),
+        None if all_are(SolveStatus::Flutters) => format!(
+            "{file}: robot.loads: oscillations grow about every rest under these follower loads; expected smaller loads, or \
+             a simulation without --static, in which they grow"
         ),
         None => format!("no number of {file} is unusual; check the sizes of the commands against the robot's"),
     };
@@ -94,6 +107,14 @@ pub(super) fn written(file: &Path, recording: &Recording) -> String {
 pub(super) fn failures(played: &Recording) -> usize {
     let unsolved = |row: usize| played.valid.as_ref().is_some_and(|valid| !valid[row]);
     (0..statuses(played).len()).filter(|&row| unsolved(row)).count()
+}
+
+/// Number of rows in which the robot touches itself.
+fn touching_itself(played: &Recording) -> usize {
+    match played.extra.iter().find(|(name, _)| name == TOUCHES_ITSELF) {
+        Some((_, Extra::Numbers(flags))) => flags.iter().filter(|flag| **flag > 0.0).count(),
+        _ => 0,
+    }
 }
 
 /// The column `solver_status`; empty for a recording without it.

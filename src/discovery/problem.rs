@@ -92,7 +92,10 @@ impl<'a> Problem<'a> {
             let name = candidate.card.name;
             let contradicted = self.base_matches_model && name == "base_tilt";
             let needs_time = self.all.at_rest() && ONLY_IN_MOTION.contains(&name);
-            candidate.has_start() && !contradicted && !needs_time && !self.options.left_out.iter().any(|left_out| left_out == name)
+            candidate.has_start()
+                && !contradicted
+                && !needs_time
+                && !self.options.left_out.iter().any(|left_out| left_out == name)
         };
         FitProblem {
             model: &self.model,

@@ -60,8 +60,10 @@ impl Model {
         rod.contact.obstacles.truncate(self.obstacles.len());
         let Some(home) = Rod::touched_at_home(&rod) else { return Ok(()) };
         let path = format!("obstacles[{}]", home.obstacle);
-        let found = format!("{:.3} mm of it inside the straight robot at {:.4} m", 1e3 * home.penetration_m, home.s_m);
-        Err((path, BadOption { key: "", found, expected: "an obstacle that the robot does not touch at home" }))
+        let found =
+            format!("{:.3} mm of it in the straight robot, {:.4} m from its base", 1e3 * home.penetration_m, home.s_m);
+        let key = self.obstacles[home.obstacle].shape_name();
+        Err((path, BadOption { key, found, expected: "an obstacle outside the straight robot" }))
     }
 
     /// Refuses numbers that no robot has, as a wrong unit makes them. Only what somebody has written is held to these

@@ -62,6 +62,8 @@ const UNITS: &[(&str, &str, f64)] = &[
     ("_n_m2", "N m²", 1e-3),
     ("_rad_m", "rad/m", 1.0),
     ("_kg_m", "kg/m", 0.1),
+    ("_n_m", "N/m", 100.0),
+    ("_1_m", "1/m", 5.0),
     ("_nm", "N m", 0.01),
     ("_pa", "Pa", 1e6),
     ("_deg", "deg", 10.0),
@@ -87,6 +89,9 @@ impl ModelParameter {
             for (key, value) in value[effect.card().name].as_object().into_iter().flatten() {
                 collect(value, &format!("effects[{index}].{key}"), &mut found);
             }
+        }
+        if let Ok(obstacles) = serde_json::to_value(&model.obstacles) {
+            collect(&obstacles, "obstacles", &mut found);
         }
         if let (Ok(tracking), Ok(drives)) = (serde_json::to_value(&model.tracking), serde_json::to_value(&model.drives))
         {

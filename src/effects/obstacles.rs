@@ -87,12 +87,11 @@ impl Obstacle {
     /// # Errors
     /// The key of the shape (empty: the obstacle's own keys) and the expected range.
     pub(super) fn check(&self) -> Result<(), (&'static str, BadOption)> {
-        let shapes = [self.plane.is_some(), self.sphere.is_some(), self.cylinder.is_some(), self.capsule.is_some()];
-        let count = shapes.iter().filter(|&&given| given).count();
-        let found = format!("{count} shapes");
-        let one = BadOption { key: "", found, expected: "one of `plane`, `sphere`, `cylinder` and `capsule`" };
+        let count = self.shapes().count();
         if count != 1 {
-            return Err(("", one));
+            let found = format!("{count} shapes in one obstacle");
+            let expected = "one of `plane`, `sphere`, `cylinder` and `capsule`";
+            return Err(("", BadOption { key: self.shape_name(), found, expected }));
         }
         let at = |key: &'static str| move |error: BadOption| (key, error);
         self.plane.map_or(Ok(()), |plane| plane.check()).map_err(at("plane"))?;
@@ -101,6 +100,22 @@ impl Obstacle {
         self.capsule.map_or(Ok(()), |capsule| capsule.check()).map_err(at("capsule"))?;
         non_negative("friction_coefficient", self.friction_coefficient).map_err(at(""))?;
         BadOption::unless_positive_or_null("stiffness_n_m", self.stiffness_n_m).map_err(at(""))
+    }
+
+    /// The keys of the shapes that are given.
+    fn shapes(&self) -> impl Iterator<Item = &'static str> {
+        let given = [
+            (self.plane.is_some(), "plane"),
+            (self.sphere.is_some(), "sphere"),
+            (self.cylinder.is_some(), "cylinder"),
+            (self.capsule.is_some(), "capsule"),
+        ];
+        given.into_iter().filter(|(given, _)| *given).map(|(_, name)| name)
+    }
+
+    /// The key of its shape.
+    pub(super) fn shape_name(&self) -> &'static str {
+        self.shapes().next().unwrap_or("plane")
     }
 
     /// The obstacle as the rod has it; `None` without a shape.

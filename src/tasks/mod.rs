@@ -41,6 +41,7 @@ pub use response::{Response, response};
 pub use robot_recordings::{check_one_gravity, check_tendons, read_commands, read_measured};
 pub use rollout::rollout;
 pub use simulate_recording::{RecordingWithRates, SimulationOptions, simulate_recording, simulate_with_rates};
+pub use simulated_columns::TOUCHES_ITSELF;
 pub use static_poses::{StaticPoseOptions, plan_static_poses, record_static_poses, star_m};
 pub use targets::{TargetOptions, draw_targets, spread_targets, target_pool};
 pub use tip_model::{has_tip_model, tip_model};

@@ -133,8 +133,9 @@ impl SimulatedColumns {
         if self.has_obstacles {
             extra.extend(self.contact_columns());
         }
-        let touches_itself =
-            |seen: &Option<(Observation, SolutionDetail)>| seen.as_ref().is_some_and(|(_, detail)| detail.touches_itself);
+        let touches_itself = |seen: &Option<(Observation, SolutionDetail)>| {
+            seen.as_ref().is_some_and(|(_, detail)| detail.touches_itself)
+        };
         if self.seen.iter().any(touches_itself) {
             let flag = |seen: &Option<(Observation, SolutionDetail)>| f64::from(u8::from(touches_itself(seen)));
             extra.push((TOUCHES_ITSELF.to_owned(), Extra::Numbers(self.seen.iter().map(flag).collect())));

@@ -22,7 +22,7 @@ fn spec(card: &Card, value: &dyn Fn(&str, f64) -> f64) -> EffectSpec {
 /// A value at which an effect is clearly there.
 fn strong(name: &str, null: f64) -> f64 {
     match name {
-        "mass_kg" => 0.02,
+        "mass_kg" | "distance_m" => 0.02,
         "coupled" => 0.0,
         "tendon" => 2.0,
         "offset_m" | "width_m" => 0.002,

@@ -254,6 +254,38 @@ const BAD: &[(Place, &str, usize, &str)] = &[
         4,
         "robot.disks.masses_kg: found -1",
     ),
+    (
+        Place::Robot,
+        "obstacles: [{plane: {normal: [0, 0, 0], distance_m: -0.1}}]\n",
+        4,
+        "obstacles[0].plane.normal: found [0.0, 0.0, 0.0], expected a vector that is not zero",
+    ),
+    (
+        Place::Robot,
+        "obstacles:\n- plane: {normal: [1, 0, 0], distance_m: -0.1}\n- sphere: {center_m: [0.1, 0, 0.1], radius_m: -0.01}\n",
+        6,
+        "obstacles[1].sphere.radius_m: found -0.01, expected a finite number above 0",
+    ),
+    (
+        Place::Robot,
+        "obstacles: [{sphere: {center_m: [0.021, 0, 0.1], radius_m: 0.02}}]\n",
+        4,
+        "obstacles[0].sphere: found 2.000 mm of it in the straight robot, 0.1000 m from its base, expected",
+    ),
+    (Place::Robot, "obstacles: [{friction_coefficient: 0.1}]\n", 4, "found 0 shapes in one obstacle, expected one of"),
+    (
+        Place::Robot,
+        "obstacles: [{plane: {normal: [1, 0, 0], distance_m: -0.1}, friction_coefficient: -0.1}]\n",
+        4,
+        "obstacles[0].friction_coefficient: found -0.1",
+    ),
+    (
+        Place::Robot,
+        "obstacles: [{plane: {normal: [1, 0, 0]}}]\n",
+        4,
+        "obstacles[0].plane.distance_m: found no such key",
+    ),
+    (Place::Robot, "  contact_radius_m: -0.001\n", 4, "robot.contact_radius_m: found -0.001"),
 ];
 
 enum Place {

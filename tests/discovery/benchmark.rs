@@ -4,7 +4,7 @@
 use spinebench::base::Seed;
 use spinebench::benchmark::{
     AnsweredEffect, CaseAnswer, CaseBatch, CaseDesign, CaseGroup, CatalogueSpan, Commands, DISTURBANCES, OracleOptions,
-    Prior, Truth, TruthOptions, draw, explore_commands, drawn_catalogue, measure_case, score,
+    Prior, Truth, TruthOptions, draw, drawn_catalogue, explore_commands, measure_case, score,
 };
 use spinebench::data::findings::Verdict;
 use spinebench::effects::{CATALOGUE, Model};

@@ -197,6 +197,28 @@ fn a_baseline_that_the_model_does_not_fit_is_doubted() {
     calibration_is_told_as_it_is(&other);
 }
 
+/// A wall at 45 mm along −y, met by balls of 1 mm along the body.
+#[test]
+fn a_wall_of_another_simulator_is_named() {
+    let wall = discover(&nominal(), &chain("r15.csv"), Some(&chain("baseline.csv")), &Options::default()).unwrap();
+    assert_eq!((wall.findings.verdict, names(&wall)), (Verdict::Named, vec!["contact"]), "{}", wall.findings.summary);
+    assert!((told(&wall, "distance_m").0 - 0.046).abs() < 2e-3);
+    assert!((told(&wall, "azimuth_rad").0 + std::f64::consts::FRAC_PI_2).abs() < 0.05);
+}
+
+/// Spheres of 20 to 30 mm beside the body, touched in a third of the rows.
+#[test]
+#[ignore = "make campaign"]
+fn spheres_of_another_simulator_are_named() {
+    for name in ["sphere_recording", "sphere_recording_2", "sphere_recording_3"] {
+        let file = format!("{}/tests/reference/stability/{name}.csv", env!("CARGO_MANIFEST_DIR"));
+        let measured = Recording::read(std::path::Path::new(&file)).unwrap();
+        let sphere = discover(&nominal(), &measured, Some(&chain("baseline.csv")), &Options::default()).unwrap();
+        let told = (sphere.findings.verdict, names(&sphere));
+        assert_eq!(told, (Verdict::Named, vec!["contact"]), "{name}: {}", sphere.findings.summary);
+    }
+}
+
 #[test]
 #[ignore = "make campaign"]
 fn friction_of_another_simulator_is_named() {

@@ -11,6 +11,7 @@ use std::process::{Command, Output};
 
 const NOMINAL: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/models/nominal.yaml");
 const LENGTHS: &str = "trial,time_s,tendon_1_m,tendon_2_m,tendon_3_m,tendon_4_m";
+const TENSIONS: &str = "trial,time_s,tendon_1_n,tendon_2_n,tendon_3_n,tendon_4_n";
 
 /// A folder with files in it, and the program run there.
 struct Bench(tempfile::TempDir);
@@ -593,4 +594,81 @@ fn a_grid_that_is_too_coarse_is_told_with_its_key() {
     bench.ok("simulate --static --model tolerant.yaml --commands rest.csv --out out.csv");
     let tip_m = Recording::read(&bench.path("out.csv")).unwrap().tip_m.unwrap()[0];
     assert!((tip_m[0] + 0.712).abs() < 0.002, "{tip_m:?}");
+}
+
+const LOADS: &str = "tip_force_x_n,tip_force_y_n,tip_force_z_n,tip_moment_x_nm,tip_moment_y_nm,tip_moment_z_nm";
+const WIRE: &str = "robot:\n  backbone: {length_m: 0.30, radius_m: 0.002, youngs_modulus_pa: 2.5e9, poisson_ratio: 0.39, \
+                    density_kg_m3: 1200}\n  tendons: {radius_m: 0.01, angles_deg: [0, 90, 180, 270], pretension_m: 0}\n  \
+                    gravity_m_s2: [0, 0, 0]\n";
+
+fn column(recording: &Recording, name: &str) -> Vec<String> {
+    let found = recording.extra.iter().find(|(own, _)| own == name).unwrap_or_else(|| panic!("no column {name}"));
+    match &found.1 {
+        Extra::Text(cells) => cells.clone(),
+        Extra::Numbers(numbers) => numbers.iter().map(f64::to_string).collect(),
+    }
+}
+
+#[test]
+fn a_rest_says_on_which_branch_it_is() {
+    let bench = Bench::new();
+    bench.put("wire.yaml", WIRE);
+    let rows = ["0,0,0,0,0,0,0,0,-0.5,0,0,0", "0,1,0,0,0,0,0,0,-1.3,0,0,0", "0,2,0,0,0,0,0,0,-1.31,0,0,0"];
+    bench.put("in.csv", &format!("{TENSIONS},{LOADS}\n{}\n", rows.join("\n")));
+    bench.ok("simulate --static --model wire.yaml --commands in.csv --out out.csv");
+    let out = Recording::read(&bench.path("out.csv")).unwrap();
+    assert_eq!(statuses(&out), ["converged"; 3]);
+    assert_eq!(column(&out, "branch"), ["same", "bifurcation", "same"]);
+    assert!(tips(&out)[1][0] > 0.1 && tips(&out)[2][0] > tips(&out)[1][0], "{:?}", tips(&out));
+}
+
+#[test]
+fn a_fluttering_rest_is_told_and_a_motion_starts_there() {
+    let bench = Bench::new();
+    let load = "  damping_time_s: 0\n  loads:\n  - point: {position_m: 0.3, force_n: [0, 0, -7.5], frame: body}\n";
+    bench.put("beck.yaml", &format!("{WIRE}{load}"));
+    bench.put("in.csv", &format!("{TENSIONS}\n0,0,0,0,0,0\n0,0.5,0,0,0,0\n"));
+    let refused = bench.run("simulate --static --model beck.yaml --commands in.csv --out rest.csv");
+    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(refused.status.code() == Some(1) && said.contains("robot.loads: oscillations grow"), "{said}");
+    bench.ok("simulate --model beck.yaml --commands in.csv --out out.csv");
+    let out = Recording::read(&bench.path("out.csv")).unwrap();
+    assert_eq!(statuses(&out), ["flutters", "converged"]);
+    assert!(tips(&out)[0][0].abs() < 1e-9 && tips(&out)[1][0].abs() > 1e-3, "{:?}", tips(&out));
+}
+
+#[test]
+fn contact_is_written_with_its_force_and_place() {
+    let bench = Bench::new();
+    bench.put("wall.yaml", &format!("{WIRE}obstacles: [{{plane: {{normal: [1, 0, 0], distance_m: -0.032}}}}]\n"));
+    let rows = "0,0,0,0,0,0,-0.05,0,0,0,0,0\n0,1,0,0,0,0,-0.3,0,0,0,0,0\n";
+    bench.put("in.csv", &format!("{TENSIONS},{LOADS}\n{rows}"));
+    for flags in [" --static", ""] {
+        bench.ok(&format!("simulate --model wall.yaml --commands in.csv --out out.csv{flags}"));
+        let out = Recording::read(&bench.path("out.csv")).unwrap();
+        let numbers = |name: &str| column(&out, name).iter().map(|cell| cell.parse().unwrap()).collect::<Vec<f64>>();
+        assert_eq!(numbers("contact_force_x_n")[0], 0.0);
+        if flags.is_empty() {
+            continue;
+        }
+        // The surface is 2 mm from the axis: the tip is held at −30 mm.
+        assert!((numbers("contact_force_x_n")[1] - 0.1942).abs() < 1e-3 && numbers("contact_s_m")[1] == 0.3);
+        assert!((tips(&out)[1][0] + 0.030).abs() < 5e-5, "{:?}", tips(&out));
+    }
+}
+
+#[test]
+fn calibrate_finds_the_place_of_a_wall() {
+    let bench = Bench::new();
+    let nominal = std::fs::read_to_string(NOMINAL).unwrap();
+    let wall = |x_m: f64| format!("{nominal}obstacles: [{{plane: {{normal: [-1, 0, 0], distance_m: {x_m}}}}}]\n");
+    bench.put("truth.yaml", &wall(-0.03));
+    bench.put("guess.yaml", &wall(-0.035));
+    let rows: String = (0..20).map(|k| format!("0,{k},{0},0,-{0},0\n", 0.001 * f64::from(k))).collect();
+    bench.put("in.csv", &format!("{LENGTHS}\n{rows}"));
+    bench.ok("simulate --static --model truth.yaml --commands in.csv --out rec.csv");
+    bench.ok("calibrate --static --model guess.yaml --measured rec.csv --fit obstacles[0].plane.distance_m --out fitted.yaml");
+    let fitted = spinebench::specs::read_model(&bench.path("fitted.yaml")).unwrap();
+    let found_m = fitted.obstacles[0].plane.unwrap().distance_m;
+    assert!((found_m + 0.03).abs() < 1e-4, "{found_m}");
 }

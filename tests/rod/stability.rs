@@ -2,6 +2,8 @@
 
 use crate::support::rods::{read, round_rod};
 use nalgebra::Vector3;
+use rayon::prelude::*;
+use spinebench::base::Seed;
 use spinebench::rod::{Branch, PointLoad, Rod, RodParams, SolveStatus, TipWrench};
 
 /// Euler's load of [`wire_of_30_cm`], N.
@@ -191,4 +193,68 @@ fn names_of_column(file: &str, column: usize) -> Vec<String> {
     let path = format!("{}/tests/reference/stability/{file}", env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(path).unwrap();
     text.lines().skip(1).map(|line| line.split(',').nth(column).unwrap_or_default().to_owned()).collect()
+}
+
+/// A random wire, and a random share of its buckling load with a little beside it.
+fn random_column(random: &mut impl rand::RngExt) -> (RodParams, TipWrench) {
+    let mut log = |low: f64, high: f64| (low.ln() + random.random_range(0.0..1.0) * (high / low).ln()).exp();
+    let (length_m, slenderness, e_pa) = (log(0.05, 1.0), log(0.002, 0.03), log(1e6, 2e11));
+    let radius_m = slenderness * length_m;
+    let area_m2 = std::f64::consts::PI * radius_m * radius_m;
+    let mut params = round_rod(length_m, radius_m, e_pa, e_pa / 2.7, 2000.0 * area_m2);
+    let softer = random.random_range(0.3..1.0);
+    params.spans[0].bending_n_m2[1] *= softer;
+    params.spans[0].principal_angle_rad = random.random_range(-1.5..1.5);
+    if random.random_range(0..2) == 1 {
+        let [about_x, about_y] = [(); 2].map(|()| random.random_range(-0.15..0.15) / length_m);
+        params.spans[0].rest_curvature_rad_m = Vector3::new(about_x, about_y, 0.0);
+    }
+    let stiffness_n_m2 = params.spans[0].bending_n_m2[1];
+    // The first mode of the unloaded wire decays within a few periods.
+    params.damping_time_s = 0.1 * length_m * length_m * (params.spans[0].mass_kg_m / stiffness_n_m2).sqrt();
+    let euler_n = std::f64::consts::PI.powi(2) * stiffness_n_m2 / (4.0 * length_m * length_m);
+    let (angle, lateral) = (random.random_range(0.0..std::f64::consts::TAU), random.random_range(0.0..1.0_f64));
+    let side = Vector3::new(f64::cos(angle), f64::sin(angle), 0.0) * 1e-2 * lateral.powi(4);
+    let force_n = (side - Vector3::z() * random.random_range(0.5..3.0)) * euler_n;
+    (params, TipWrench { force_n, moment_nm: Vector3::zeros() })
+}
+
+/// Settles random columns and disturbs what has converged: the share that converged. None may be left by the rod.
+fn share_of_stable_rests(draws: u64) -> f64 {
+    let one = |number: u64| {
+        let (params, load) = random_column(&mut Seed(52).index(number).rng());
+        let (length_m, time_s) = (params.length_m(), 10.0 * params.damping_time_s);
+        let mut rod = Rod::new(params);
+        rod.set_tip_load(load);
+        let status = rod.settle(&[]);
+        if status != SolveStatus::Converged {
+            println!("draw {number}: {status}");
+            return false;
+        }
+        let rest_m = rod.tip_m();
+        let shoved = load.force_n + rod.tip_rotation().column(0) * (3e-3 * load.force_n.norm());
+        for (force_n, periods) in [(shoved, 3.0), (load.force_n, 30.0)] {
+            rod.set_tip_load(TipWrench { force_n, ..load });
+            assert_eq!(rod.advance(&[], periods * time_s), SolveStatus::Converged, "draw {number} moves");
+        }
+        let away = (rod.tip_m() - rest_m).norm() / length_m;
+        assert!(away < 0.1, "draw {number} has left its rest by {away} lengths");
+        true
+    };
+    (0..draws).into_par_iter().filter(|&number| one(number)).count() as f64 / draws as f64
+}
+
+#[test]
+fn random_columns_rest_where_they_stay() {
+    let share = share_of_stable_rests(200);
+    println!("converged: {share}");
+    assert!(share > 0.99, "{share}");
+}
+
+#[test]
+#[ignore = "make campaign"]
+fn ten_thousand_random_columns_rest_where_they_stay() {
+    let share = share_of_stable_rests(10_000);
+    println!("converged: {share}");
+    assert!(share > 0.99, "{share}");
 }

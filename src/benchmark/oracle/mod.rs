@@ -219,7 +219,9 @@ fn nulls(card: &Card, model: &Model) -> Vec<Vec<f64>> {
     let mut found = vec![Vec::new()];
     for parameter in card.parameters {
         let values: Vec<f64> = match parameter.seek {
-            Seek::Size(_) | Seek::Scanned(..) | Seek::Replaces(..) | Seek::Distance(_) | Seek::Located(_) => vec![null_value(parameter, model)],
+            Seek::Size(_) | Seek::Scanned(..) | Seek::Replaces(..) | Seek::Distance(_) | Seek::Located(_) => {
+                vec![null_value(parameter, model)]
+            }
             Seek::Shape(tries) => tries.to_vec(),
             Seek::Place => (0..PLACES).map(|k| length_m * (k as f64 + 0.5) / PLACES as f64).collect(),
             Seek::Tendon => (1..=model.robot.tendons.angles_deg.len()).map(|tendon| tendon as f64).collect(),

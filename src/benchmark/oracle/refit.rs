@@ -91,9 +91,11 @@ impl Refit<'_> {
         for (k, (card, values)) in members.iter().enumerate() {
             for (index, parameter) in card.parameters.iter().enumerate() {
                 let step = match parameter.seek {
-                    Seek::Size(size) | Seek::Scanned(size, _) | Seek::Replaces(_, size) | Seek::Distance(size) | Seek::Located(size) => {
-                        0.05 * size
-                    }
+                    Seek::Size(size)
+                    | Seek::Scanned(size, _)
+                    | Seek::Replaces(_, size)
+                    | Seek::Distance(size)
+                    | Seek::Located(size) => 0.05 * size,
                     Seek::Shape(_) => 0.05 * values[index].abs().max(0.5),
                     Seek::Place | Seek::Tendon | Seek::Flag => continue,
                 };

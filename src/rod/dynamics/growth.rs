@@ -6,10 +6,13 @@ use nalgebra::Vector3;
 use crate::rod::equations::boundary_conditions::TendonConstraint;
 use crate::rod::stability::linearised_motion::Growth;
 use crate::rod::state::rod::Rod;
+use crate::rod::state::step_size::FlutterLimit;
 
 /// Longest step times the rate of the fastest growth, and times the frequency where an oscillation grows.
 const MAX_GROWTH_PER_STEP: f64 = 0.5;
 const MAX_ANGLE_PER_STEP: f64 = 0.2;
+/// Steps for which the eigenvalues of a growing oscillation serve.
+const FLUTTER_STEPS: u32 = 10;
 /// A derivative whose tangent exceeds this share of the elastic stiffness in all directions proves stability also at the
 /// states near its own at which it still serves as derivative.
 const SAFE_MARGIN: f64 = 0.15;
@@ -28,7 +31,6 @@ impl Rod {
 
     fn fit_of_growth(&mut self, holds: &[TendonConstraint], h: f64) -> f64 {
         if self.has_follower_loads() {
-            self.refresh_motion(holds);
             return self.fit_of_eigenvalues(holds, h);
         }
         if self.tangent(holds, 0.0).exceeds(SAFE_MARGIN) {
@@ -55,6 +57,12 @@ impl Rod {
 
     /// The same under loads without a potential.
     fn fit_of_eigenvalues(&mut self, holds: &[TendonConstraint], h: f64) -> f64 {
+        if let Some(limit) = self.step_size.flutter.as_mut().filter(|limit| limit.steps_left > 0) {
+            limit.steps_left -= 1;
+            return limit.longest_s / h;
+        }
+        self.step_size.flutter = None;
+        self.refresh_motion(holds);
         let (rate, most) = match self.growth(holds) {
             Some(Growth::Divergence(rate)) => (rate, MAX_GROWTH_PER_STEP),
             Some(Growth::Flutter(rate)) => (rate, MAX_ANGLE_PER_STEP),
@@ -64,6 +72,7 @@ impl Rod {
             }
         };
         let fit = most / (rate * h);
+        self.step_size.flutter = Some(FlutterLimit { longest_s: most / rate, steps_left: FLUTTER_STEPS });
         if fit >= 1.0 {
             let sideways = self.sideways();
             self.deviate_once(&sideways, rate);

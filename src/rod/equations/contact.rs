@@ -142,12 +142,7 @@ impl ContactPoint {
 /// Weights of the two positions and the two unit tangents at `share` of a cell.
 fn hermite(share: f64, length_m: f64) -> [f64; 4] {
     let (t, rest) = (share, 1.0 - share);
-    [
-        (1.0 + 2.0 * t) * rest * rest,
-        t * t * (3.0 - 2.0 * t),
-        length_m * t * rest * rest,
-        -length_m * t * t * rest,
-    ]
+    [(1.0 + 2.0 * t) * rest * rest, t * t * (3.0 - 2.0 * t), length_m * t * rest * rest, -length_m * t * t * rest]
 }
 
 impl Touch {
@@ -223,9 +218,7 @@ impl RodEquations {
     pub(crate) fn home_penetration(&self) -> Option<HomePenetration> {
         let mut shape = self.workspace().shape;
         shape.update(&self.grid, &self.sections, &vec![0.0; self.grid.unknowns]);
-        let of = |obstacle: usize| {
-            self.contact_points.iter().map(move |point| (obstacle, point))
-        };
+        let of = |obstacle: usize| self.contact_points.iter().map(move |point| (obstacle, point));
         let all = (0..self.params.contact.obstacles.len()).flat_map(of).map(|(obstacle, point)| {
             let surface = self.params.contact.obstacles[obstacle].shape.surface(&point.place_m(&shape));
             HomePenetration { obstacle, s_m: point.s_m, penetration_m: point.radius_m - surface.distance_m }
@@ -287,8 +280,8 @@ impl RodEquations {
             } else {
                 let direction = stretch_m.normalize();
                 let turning = along - direction * direction.transpose();
-                touch.stiffness_n_m += turning * (limit_n / stretch_m.norm())
-                    - direction * normal.transpose() * (own.friction_coefficient * stiffness_n_m);
+                // That the limit grows with the normal force is left out: K stays symmetric, and the iteration contracts.
+                touch.stiffness_n_m += turning * (limit_n / stretch_m.norm());
                 touch.stretch_m = stretch_m * (limit_n / trial_n);
             }
             let friction_n = -touch.stretch_m * stiffness_n_m;

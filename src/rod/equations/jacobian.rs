@@ -276,7 +276,12 @@ impl Derivative {
     }
 
     /// Adds `directionᵀ weight direction` to K.
-    pub(super) fn add_to_stiffness(&mut self, system: &RodEquations, direction: &VectorDerivative, weight: &Matrix3<f64>) {
+    pub(super) fn add_to_stiffness(
+        &mut self,
+        system: &RodEquations,
+        direction: &VectorDerivative,
+        weight: &Matrix3<f64>,
+    ) {
         let (n, size) = (system.grid.unknowns, system.size());
         let [x, y, z] = direction.rows().map(|row| &row[..n]);
         for i in 0..n {

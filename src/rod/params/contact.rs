@@ -31,9 +31,8 @@ const SAME_PLACE_M: f64 = 1e-9;
 impl Contact {
     /// Distance of the surface from the backbone at `position_m`, metres.
     pub fn radius_at(&self, position_m: f64) -> f64 {
-        let here = |disk: &&DiskSurface| {
-            position_m >= disk.start_m - SAME_PLACE_M && position_m <= disk.end_m + SAME_PLACE_M
-        };
+        let here =
+            |disk: &&DiskSurface| position_m >= disk.start_m - SAME_PLACE_M && position_m <= disk.end_m + SAME_PLACE_M;
         self.disks.iter().filter(here).map(|disk| disk.radius_m).fold(self.radius_m, f64::max)
     }
 

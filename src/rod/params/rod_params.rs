@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
-use super::hysteresis_law::MomentLaw;
 use super::contact::Contact;
+use super::hysteresis_law::MomentLaw;
 use super::loads::{LineLoad, PointLoad, TipWrench};
 use super::resolution::Resolution;
 use super::span::{Span, Taper};

@@ -6,7 +6,7 @@
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-use crate::rod::equations::boundary_conditions::TendonConstraint;
+use crate::rod::equations::boundary_conditions::{SolveConditions, TendonConstraint};
 use crate::rod::equations::jacobian::Derivative;
 use crate::rod::equations::system::RodEquations;
 use crate::rod::state::rod::Rod;
@@ -31,6 +31,29 @@ impl Rod {
     /// last derivative in motion.
     pub(crate) fn tangent(&self, holds: &[TendonConstraint], rate: f64) -> Tangent {
         Tangent::new(&self.system, &self.solver.derivative, (holds, &self.state.taut), rate)
+    }
+
+    /// The tangent of a rest under `holds` and the whole load at other `unknowns`; the solver stays as it is.
+    pub(crate) fn tangent_at(&self, holds: &[TendonConstraint], unknowns: &[f64]) -> Tangent {
+        let Rod { system, state, motion, tip_load, .. } = self;
+        let conditions = SolveConditions {
+            holds,
+            taut: &state.taut,
+            tip_load,
+            load_share: 1.0,
+            gravity_m_s2: system.params.gravity_m_s2,
+            motion,
+            histories: &state.histories,
+            sliding: &state.sliding,
+            contact_memory: &state.contact_memory,
+            fixed_touches: None,
+            obstacle_share: 1.0,
+            settled: true,
+        };
+        let (mut workspace, mut derivative) = (system.workspace(), Derivative::new(system));
+        system.evaluate(unknowns, &conditions, &mut workspace);
+        derivative.update(system, unknowns, &conditions, &workspace);
+        Tangent::new(system, &derivative, (holds, &state.taut), 0.0)
     }
 }
 

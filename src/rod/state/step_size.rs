@@ -9,15 +9,26 @@ pub(crate) struct StepSize {
     pub(crate) next_s: f64,
     /// Whether deviations grow, and the rod has one.
     pub(crate) deviates: bool,
+    /// Longest step that growing oscillations allow, s, and the steps for which it holds.
+    pub(crate) flutter: Option<FlutterLimit>,
     /// Steps since the rod was made or restarted.
     pub(crate) taken: u64,
     /// Time of each stage as a share of the step.
     pub(crate) stage_times: Vec<f64>,
 }
 
+/// What oscillations that grow under follower loads allow.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FlutterLimit {
+    /// Longest step, s.
+    pub(crate) longest_s: f64,
+    /// Steps until it is computed again.
+    pub(crate) steps_left: u32,
+}
+
 impl StepSize {
     pub(crate) fn new(tableau: &Tableau) -> StepSize {
         let stage_times: Vec<f64> = tableau.rows.iter().map(|row| row.iter().sum()).collect();
-        StepSize { next_s: f64::INFINITY, deviates: false, taken: 0, stage_times }
+        StepSize { next_s: f64::INFINITY, deviates: false, flutter: None, taken: 0, stage_times }
     }
 }

@@ -57,8 +57,7 @@ impl Rod {
             .map(|states| fine.grid.interpolate_histories(&self.system.grid, states))
             .collect();
         // The forces of contacts stay: more points would press more on the same penetration.
-        let touches: Vec<Touch> =
-            self.solver.workspace.touches.iter().map(|touch| touch.on_grid(&fine.grid)).collect();
+        let touches: Vec<Touch> = self.solver.workspace.touches.iter().map(|touch| touch.on_grid(&fine.grid)).collect();
         let motion = Motion::rest(&fine.grid, &fine.masses);
         let conditions = SolveConditions {
             holds,

@@ -7,6 +7,7 @@ use crate::rod::equations::boundary_conditions::TendonConstraint;
 use crate::rod::equations::shape::distance_m;
 use crate::rod::params::loads::TipWrench;
 use crate::rod::solver::status::SolveStatus;
+use crate::rod::stability::tangent::Tangent;
 use crate::rod::state::branch::Branch;
 use crate::rod::state::rest::SettledConditions;
 use crate::rod::state::rod::Rod;
@@ -21,8 +22,12 @@ pub(crate) struct RestBefore {
 
 /// An equilibrium this near to the one before (share of the length) is on the same branch if it is stable.
 const NEAR: f64 = 0.02;
-/// Places between the two equilibria at which the energy is asked for convexity, as shares of the way.
+/// Under the same loads one that is firm, and this near to a firm one, is too.
+const FAR: f64 = 0.2;
+/// Places between the two equilibria at which the energy is asked for convexity, as shares of the way …
 const BETWEEN: [f64; 4] = [0.0, 0.25, 0.5, 0.75];
+/// … of which one is enough if an equilibrium is firm: if the tangent there exceeds this share of the elastic stiffness.
+const FIRM: f64 = 0.3;
 /// Increments of the load: first, and smallest before the rod is let go.
 const FIRST_INCREMENT: f64 = 0.25;
 const SMALLEST_INCREMENT: f64 = 0.004;
@@ -51,8 +56,7 @@ impl Rod {
         }
         match self.judge(holds) {
             Stability::Flutters => return SolveStatus::Flutters,
-            Stability::Stable if self.is_near(before) => return SolveStatus::Converged,
-            Stability::Stable if self.is_convex_from(holds, before) => return self.solve_afresh(holds),
+            Stability::Stable if self.is_on_branch_of(holds, before) => return SolveStatus::Converged,
             Stability::Stable | Stability::Unstable(_) => {}
         }
         self.state.copy_from(&before.state);
@@ -63,26 +67,32 @@ impl Rod {
         self.descend(holds)
     }
 
-    /// Whether the present, stable equilibrium is too near to `before` for another branch. Rods whose energy is not at hand
-    /// are not asked.
-    fn is_near(&self, before: &RestBefore) -> bool {
+    /// Whether the present, stable equilibrium is on the branch of `before`: it is near, or the energy is convex on the
+    /// straight way between them, so that no barrier lies there. Rods whose energy is not at hand are not asked.
+    fn is_on_branch_of(&self, holds: &[TendonConstraint], before: &RestBefore) -> bool {
         let length_m = self.system.params.length_m();
         let has_energy = !self.has_follower_loads() && self.system.params.moment_laws.is_empty();
-        !has_energy || distance_m(&before.state.shape, &self.state.shape, length_m) < NEAR * length_m
+        let moved = distance_m(&before.state.shape, &self.state.shape, length_m) / length_m;
+        if !has_energy || moved < NEAR {
+            return true;
+        }
+        // Tendons only stiffen: under the same loads the former shape is as stable as it was.
+        let same_load = before.under.as_ref().is_some_and(|under| under.tip_load == self.tip_load);
+        let firm = |tangent: &Tangent| tangent.exceeds(FIRM);
+        if same_load
+            && firm(&self.tangent(holds, 0.0))
+            && (moved < FAR || firm(&self.tangent_between(holds, before, 0.5)))
+        {
+            return true;
+        }
+        BETWEEN.into_iter().all(|share| self.tangent_between(holds, before, share).exceeds(0.0))
     }
 
-    /// Whether the energy is convex on the straight way from `before` to the present equilibrium, so that no barrier lies
-    /// between them.
-    fn is_convex_from(&mut self, holds: &[TendonConstraint], before: &RestBefore) -> bool {
-        let found = self.state.clone();
-        let convex = BETWEEN.into_iter().all(|share| {
-            let ends = before.state.unknowns.iter().zip(&found.unknowns);
-            self.state.unknowns.iter_mut().zip(ends).for_each(|(x, (from, to))| *x = from + share * (to - from));
-            self.refresh_static(holds, 1.0);
-            self.tangent(holds, 0.0).exceeds(0.0)
-        });
-        self.state = found;
-        convex
+    /// The tangent under `holds` at a share of the straight way from `before` to the present equilibrium.
+    fn tangent_between(&self, holds: &[TendonConstraint], before: &RestBefore, share: f64) -> Tangent {
+        let ends = before.state.unknowns.iter().zip(&self.state.unknowns);
+        let between: Vec<f64> = ends.map(|(from, to)| from + share * (to - from)).collect();
+        self.tangent_at(holds, &between)
     }
 
     /// Solves again from the present equilibrium, so that the solver holds its derivative.

@@ -14,7 +14,7 @@ fn with_effect(card: &Card, value: &dyn Fn(&str, f64) -> f64) -> Model {
 /// A value at which an effect is clearly there, away from the kinks of backlash and delay.
 fn strong(name: &str, null: f64) -> f64 {
     match name {
-        "mass_kg" => 0.02,
+        "mass_kg" | "distance_m" => 0.02,
         "coupled" => 0.0,
         "tendon" => 2.0,
         "offset_m" | "width_m" => 0.002,
@@ -31,7 +31,7 @@ fn strong(name: &str, null: f64) -> f64 {
         _ if name.ends_with("_rad") => 0.03,
         "scale" => 1.2,
         "coefficient" => 0.2,
-        "presliding_m" => null,
+        "presliding_m" | "curvature_1_m" => null,
         other => panic!("{other}: give this parameter a strong value"),
     }
 }
