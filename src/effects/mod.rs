@@ -24,7 +24,7 @@ use crate::rod::RodParams;
 pub use driven_model::DrivenModel;
 pub use model::{Model, check_effect_units, check_effects};
 pub use model_parameter::{ModelParameter, ParameterError, Variable};
-pub use obstacles::{Capsule, Cylinder, Obstacle, Plane, Sphere};
+pub use obstacles::{Capsule, Cylinder, ObstacleSpec, Plane, Sphere};
 pub use perturbation::VariationError;
 pub use replay::{ReplayError, Replayed, Trial, replay};
 pub use robot::{

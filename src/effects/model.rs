@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::robot::units::{ANGLE, COMPLIANCE, FORCE, MASS, SHIFT};
-use super::{Effect, EffectSpec, Obstacle, Robot, Seek, TendonDrive, Tracking, check_drives};
+use super::{Effect, EffectSpec, ObstacleSpec, Robot, Seek, TendonDrive, Tracking, check_drives};
 use crate::base::BadOption;
 use crate::rod::{Rod, RodParams};
 
@@ -21,7 +21,7 @@ pub struct Model {
     pub effects: Vec<EffectSpec>,
     /// Obstacles that the robot may touch.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub obstacles: Vec<Obstacle>,
+    pub obstacles: Vec<ObstacleSpec>,
     /// What is tracked besides the tip.
     #[serde(default, skip_serializing_if = "Tracking::is_default")]
     pub tracking: Tracking,
@@ -82,7 +82,7 @@ impl Model {
     /// The rod with all effects, then `extra` ones; payloads are applied last.
     pub fn rod(&self, extra: &[EffectSpec]) -> RodParams {
         let mut rod = self.robot.rod();
-        rod.contact.obstacles = self.obstacles.iter().filter_map(Obstacle::for_rod).collect();
+        rod.contact.obstacles = self.obstacles.iter().filter_map(ObstacleSpec::for_rod).collect();
         let (hung, own): (Vec<_>, Vec<_>) = self.effects(extra).into_iter().partition(|effect| effect.is_payload());
         own.iter().chain(&hung).for_each(|effect| effect.modify_rod(&mut rod));
         rod

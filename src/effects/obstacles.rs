@@ -10,7 +10,7 @@ use crate::rod::{self, ObstacleShape};
 /// A fixed obstacle: one shape, and how it touches.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Obstacle {
+pub struct ObstacleSpec {
     /// All behind a plane.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plane: Option<Plane>,
@@ -81,7 +81,7 @@ pub struct Capsule {
 /// Shortest vector that is a direction.
 const SHORTEST_DIRECTION: f64 = 1e-9;
 
-impl Obstacle {
+impl ObstacleSpec {
     /// Refuses numbers that make no obstacle.
     ///
     /// # Errors

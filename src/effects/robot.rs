@@ -18,7 +18,7 @@ pub use tendons::{OffsetPoint, RadiusPoint, Tendons};
 
 use super::{finite, non_negative};
 use crate::base::{BadOption, TendonLayout};
-use crate::rod::{Contact, Resolution, RodParams, TipWrench};
+use crate::rod::{ContactSurface, Resolution, RodParams, TipWrench};
 
 /// Upper bound on sections, disks and cells.
 const MOST_PARTS: usize = 10_000;
@@ -203,9 +203,9 @@ impl Robot {
             tip_load: TipWrench::default(),
             point_loads: Vec::new(),
             line_loads: Vec::new(),
-            contact: Contact {
+            contact: ContactSurface {
                 radius_m: self.contact_radius_m.unwrap_or(self.backbone.radius_m),
-                ..Contact::default()
+                ..ContactSurface::default()
             },
             moment_laws: Vec::new(),
             resolution: self.resolution,

@@ -14,7 +14,7 @@ mod state;
 mod statics;
 
 pub use equations::contact::{ContactSum, HomePenetration};
-pub use params::contact::{Contact, DiskSurface};
+pub use params::contact::{ContactSurface, DiskSurface};
 pub use params::hysteresis_law::{HistoryMoment, HistoryState, MomentLaw};
 pub use params::loads::{LineLoad, PointLoad, TipWrench};
 pub use params::obstacle::{Obstacle, ObstacleShape};
@@ -27,7 +27,7 @@ pub use params::tendon::{PRESLIDING_M, PathPoint, Tendon, TendonPath};
 pub use sensitivity::perturbed_rods::{NotPerturbable, PerturbedRods};
 pub use sensitivity::tip_jacobian::{Direction, PoseRates, TipRate};
 pub use solver::status::SolveStatus;
-pub use state::branch::Branch;
+pub use state::branch::RestBranch;
 pub use state::fields::CrossSection;
 pub use state::fields::Energy;
 pub use state::readout::Effort;

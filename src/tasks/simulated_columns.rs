@@ -7,7 +7,7 @@ use crate::base::{Observation, PlantError};
 use crate::data::Recording;
 use crate::data::recording::Extra;
 use crate::effects::Model;
-use crate::rod::{Branch, ContactSum, PoseRates, Rod, SolveStatus};
+use crate::rod::{ContactSum, PoseRates, RestBranch, Rod, SolveStatus};
 
 /// The column that marks rows in which the robot touches itself.
 pub const TOUCHES_ITSELF: &str = "touches_itself";
@@ -20,7 +20,7 @@ pub(super) struct SolutionDetail {
     /// Estimated tip error of the spatial discretisation, metres.
     space_m: f64,
     /// How the equilibrium is connected with the one before.
-    branch: Branch,
+    branch: RestBranch,
     contact: Option<ContactSum>,
     touches_itself: bool,
 }

@@ -606,6 +606,7 @@ fn column(recording: &Recording, name: &str) -> Vec<String> {
     match &found.1 {
         Extra::Text(cells) => cells.clone(),
         Extra::Numbers(numbers) => numbers.iter().map(f64::to_string).collect(),
+        other => panic!("{other:?}"),
     }
 }
 

@@ -1,10 +1,12 @@
-//! Contact with obstacles against a boundary-value solver with complementarity (`tests/reference/stability`).
+//! ContactSurface with obstacles against a boundary-value solver with complementarity (`tests/reference/stability`).
 
 use std::collections::HashMap;
 
 use crate::support::rods::{model, read, round_rod, vector};
 use nalgebra::Vector3;
-use spinebench::rod::{Contact, Drive, LineLoad, Obstacle, ObstacleShape, Rod, RodParams, SolveStatus, TipWrench};
+use spinebench::rod::{
+    ContactSurface, Drive, LineLoad, Obstacle, ObstacleShape, Rod, RodParams, SolveStatus, TipWrench,
+};
 
 const LENGTH_M: f64 = 0.3;
 /// Accepted distance of a tip, in lengths: a rigid obstacle gives way by 10⁻⁵ lengths, and the points of contact are 1.6 mm
@@ -18,7 +20,7 @@ fn wire_against(shape: ObstacleShape) -> RodParams {
     let obstacle = Obstacle { shape, friction_coefficient: 0.0, stiffness_n_m: None };
     RodParams {
         damping_time_s: 0.03,
-        contact: Contact { obstacles: vec![obstacle], ..Contact::default() },
+        contact: ContactSurface { obstacles: vec![obstacle], ..ContactSurface::default() },
         ..round_rod(LENGTH_M, 2e-3, 2.5e9, 2.5e9 / 2.78, 1200.0 * area_m2)
     }
 }

@@ -4,7 +4,7 @@ use crate::support::rods::{read, round_rod};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use spinebench::base::Seed;
-use spinebench::rod::{Branch, PointLoad, Rod, RodParams, SolveStatus, TipWrench};
+use spinebench::rod::{PointLoad, RestBranch, Rod, RodParams, SolveStatus, TipWrench};
 
 /// Euler's load of [`wire_of_30_cm`], N.
 const EULER_N: f64 = 0.861_285_463_341_661_9;
@@ -57,7 +57,7 @@ fn of_two_sides_that_are_alike_a_rod_takes_that_of_x() {
         rod.restart();
         rod.set_tip_load(push(0.0, -axial_share * EULER_N));
         assert_eq!(rod.settle(&[]), SolveStatus::Converged, "{axial_share}");
-        assert_eq!(rod.branch(), Branch::Bifurcation);
+        assert_eq!(rod.branch(), RestBranch::Bifurcation);
         let tip_m = rod.tip_m();
         assert!(tip_m.x > 0.05 && tip_m.y.abs() < 1e-6, "{axial_share}: {tip_m}");
     }
@@ -94,7 +94,7 @@ fn an_upright_column_falls_at_greenhills_weight() {
         params.gravity_m_s2 = Vector3::new(0.0, 0.0, -share * critical);
         let mut rod = Rod::new(params);
         assert_eq!(rod.settle(&[]), SolveStatus::Converged, "{share}");
-        let branch = if stands { Branch::Same } else { Branch::Bifurcation };
+        let branch = if stands { RestBranch::Same } else { RestBranch::Bifurcation };
         println!("{share}: {:?}", rod.tip_m().as_slice());
         assert_eq!((rod.branch(), rod.tip_m().x > 1e-3), (branch, !stands), "{share}: {}", rod.tip_m());
     }
@@ -173,12 +173,12 @@ fn a_curved_strip_snaps_through_at_its_fold() {
             let (tip_m, branch) = settle(row, row["force_x_n"]);
             let off_m = (tip_m - Vector3::new(row["tip_x_m"], 0.0, row["tip_z_m"])).norm();
             println!("{curvature}: {} N: {off_m:.1e} m {}", row["force_x_n"], branch.name());
-            assert!(off_m < TIP_TOLERANCE * LENGTH_M && branch == Branch::Same, "{row:?}: {off_m} m {branch:?}");
+            assert!(off_m < TIP_TOLERANCE * LENGTH_M && branch == RestBranch::Same, "{row:?}: {off_m} m {branch:?}");
         }
         let (tip_m, branch) = settle(upper[0], fold_n + 1e-3 * EULER_N);
-        assert!(tip_m.x > 0.0 && branch == Branch::Same, "{curvature}: {tip_m} {branch:?}");
+        assert!(tip_m.x > 0.0 && branch == RestBranch::Same, "{curvature}: {tip_m} {branch:?}");
         let (tip_m, branch) = settle(upper[0], fold_n - 1e-3 * EULER_N);
-        assert!(tip_m.x < 0.0 && branch == Branch::SnapThrough, "{curvature}: {tip_m} {branch:?}");
+        assert!(tip_m.x < 0.0 && branch == RestBranch::SnapThrough, "{curvature}: {tip_m} {branch:?}");
         let lower = own.iter().filter(|(row, kind)| *kind == "lower" && row["force_x_n"] < fold_n);
         for (row, _) in lower {
             let (tip_m, _) = settle(row, row["force_x_n"]);

@@ -132,7 +132,7 @@ mod tests {
         assert_eq!(counts.keys().copied().collect::<Vec<_>>(), [1, 2, 3, 4, 5]);
         assert!(counts.values().all(|count| (50..110).contains(count)), "{counts:?}");
         let effects: Vec<&DrawnEffect> = robots.iter().flatten().collect();
-        for card in CATALOGUE {
+        for card in drawn_catalogue() {
             let times = effects.iter().filter(|effect| effect.card.name == card.name).count();
             assert!((25..90).contains(&times), "{} {times}", card.name);
         }

@@ -1,9 +1,9 @@
-//! Contact with obstacles: points along the rod, the forces on them, and their derivative.
+//! ContactSurface with obstacles: points along the rod, the forces on them, and their derivative.
 //!
 //! A point of a cell lies on the cubic through the poses of the cell's ends (Hermite), so that a force on it is a force and
 //! a moment on each end. A penetrated obstacle pushes back in proportion (a penalty); a rigid one is so stiff that the
 //! penetration is rounding beside the length (docs/rod.md). Friction is an elastic stretch of each point along the surface
-//! that slips where its force exceeds the Coulomb limit (return mapping; Wriggers, Computational Contact Mechanics, 2006,
+//! that slips where its force exceeds the Coulomb limit (return mapping; Wriggers, Computational ContactSurface Mechanics, 2006,
 //! section 4.2).
 
 use nalgebra::{Matrix3, Vector3};
@@ -14,7 +14,7 @@ use super::shape::Shape;
 use super::system::{RodEquations, Workspace};
 use super::world_vectors::VectorDerivative;
 use crate::rod::discretisation::grid::Grid;
-use crate::rod::params::contact::Contact;
+use crate::rod::params::contact::ContactSurface;
 use crate::rod::params::rod_params::RodParams;
 
 /// Points of contact in each cell, evenly spread; the last one lies at its end.
@@ -157,7 +157,7 @@ impl Touch {
 
 impl ContactMemory {
     /// Ends a step: the rod is at `shape` and touches at `touches`.
-    pub(crate) fn commit(&mut self, contact: &Contact, grid: &Grid, shape: &Shape, touches: &[Touch]) {
+    pub(crate) fn commit(&mut self, contact: &ContactSurface, grid: &Grid, shape: &Shape, touches: &[Touch]) {
         if !contact.rubs() {
             return;
         }

@@ -5,7 +5,7 @@ use super::obstacle::Obstacle;
 /// What a rod touches, and with which surface: a tube around the backbone, closed by a hemisphere at the tip, wider where
 /// there are disks.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Contact {
+pub struct ContactSurface {
     /// Fixed obstacles; without any there is no contact.
     pub obstacles: Vec<Obstacle>,
     /// Radius of the tube, metres.
@@ -28,7 +28,7 @@ pub struct DiskSurface {
 /// Slack of the ends of a disk, metres: one of no thickness lies at the end of a cell.
 const SAME_PLACE_M: f64 = 1e-9;
 
-impl Contact {
+impl ContactSurface {
     /// Distance of the surface from the backbone at `position_m`, metres.
     pub fn radius_at(&self, position_m: f64) -> f64 {
         let here =

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
-use super::contact::Contact;
+use super::contact::ContactSurface;
 use super::hysteresis_law::MomentLaw;
 use super::loads::{LineLoad, PointLoad, TipWrench};
 use super::resolution::Resolution;
@@ -40,7 +40,7 @@ pub struct RodParams {
     /// Constant loads over part of the rod.
     pub line_loads: Vec<LineLoad>,
     /// Obstacles, and the surface that touches them.
-    pub contact: Contact,
+    pub contact: ContactSurface,
     /// History-dependent moment laws.
     pub moment_laws: Vec<Arc<dyn MomentLaw>>,
     /// Numerical resolution.

@@ -2,7 +2,7 @@
 
 /// How an equilibrium is connected with the one before.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Branch {
+pub enum RestBranch {
     /// The rod stays stable while the loads change from the ones to the others.
     #[default]
     Same,
@@ -12,13 +12,13 @@ pub enum Branch {
     SnapThrough,
 }
 
-impl Branch {
+impl RestBranch {
     /// Name used in recordings.
     pub fn name(self) -> &'static str {
         match self {
-            Branch::Same => "same",
-            Branch::Bifurcation => "bifurcation",
-            Branch::SnapThrough => "snap_through",
+            RestBranch::Same => "same",
+            RestBranch::Bifurcation => "bifurcation",
+            RestBranch::SnapThrough => "snap_through",
         }
     }
 }

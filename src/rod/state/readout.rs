@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::branch::Branch;
+use super::branch::RestBranch;
 use super::rod::Rod;
 use crate::rod::equations::contact::{ContactSum, HomePenetration};
 use crate::rod::equations::system::RodEquations;
@@ -52,7 +52,7 @@ impl Rod {
     }
 
     /// How the last equilibrium is connected with the one before.
-    pub fn branch(&self) -> Branch {
+    pub fn branch(&self) -> RestBranch {
         self.branch
     }
 

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::branch::Branch;
+use super::branch::RestBranch;
 use super::grid_level::GridLevel;
 use super::rates::Rates;
 use super::rest::SettledConditions;
@@ -48,7 +48,7 @@ pub struct Rod {
     /// Share of the stiffness of obstacles.
     pub(crate) obstacle_share: f64,
     /// How the present equilibrium is connected with the one before.
-    pub(crate) branch: Branch,
+    pub(crate) branch: RestBranch,
     /// Commands and loads of the present equilibrium; `None` once the rod has moved.
     pub(crate) settled_under: Option<SettledConditions>,
     /// Log of solves for rods that follow this one; `None` when nothing follows.
@@ -84,7 +84,7 @@ impl Rod {
             tableau,
             tip_load,
             obstacle_share: 1.0,
-            branch: Branch::Same,
+            branch: RestBranch::Same,
             settled_under: None,
             log: None,
             grid_level: GridLevel::new(&system),

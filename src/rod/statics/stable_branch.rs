@@ -8,7 +8,7 @@ use crate::rod::equations::shape::distance_m;
 use crate::rod::params::loads::TipWrench;
 use crate::rod::solver::status::SolveStatus;
 use crate::rod::stability::tangent::Tangent;
-use crate::rod::state::branch::Branch;
+use crate::rod::state::branch::RestBranch;
 use crate::rod::state::rest::SettledConditions;
 use crate::rod::state::rod::Rod;
 use crate::rod::state::rod_state::RodState;
@@ -50,7 +50,7 @@ impl Rod {
     /// Makes sure that the rod would stay in the equilibrium under `holds` that it is in and would get there from
     /// `before`; else finds the one where it would.
     pub(crate) fn find_stable_rest(&mut self, holds: &[TendonConstraint], before: &RestBefore) -> SolveStatus {
-        self.branch = Branch::Same;
+        self.branch = RestBranch::Same;
         if self.is_stable_by_bound() {
             return SolveStatus::Converged;
         }
@@ -61,7 +61,7 @@ impl Rod {
         }
         self.state.copy_from(&before.state);
         if self.follow_loads(holds, before) {
-            self.branch = Branch::Same;
+            self.branch = RestBranch::Same;
             return self.solve_afresh(holds);
         }
         self.descend(holds)
@@ -154,10 +154,10 @@ impl Rod {
 
     /// How the rod loses stability beyond `share` of the loads. At a bifurcation it softens, or stiffens, to both sides of
     /// the critical direction alike; at a limit point it softens to one side and stiffens to the other.
-    fn loss_of_stability(&mut self, path: &LoadPath, share: f64) -> Branch {
+    fn loss_of_stability(&mut self, path: &LoadPath, share: f64) -> RestBranch {
         let holds = path.at(share).0;
         self.refresh_on_path(path, share);
-        let Some(weakest) = self.tangent(&holds, 0.0).weakest() else { return Branch::SnapThrough };
+        let Some(weakest) = self.tangent(&holds, 0.0).weakest() else { return RestBranch::SnapThrough };
         let by = PROBE * self.system.params.length_m() / self.system.size_of_step_m(&weakest, &self.solver.workspace);
         let here = self.state.unknowns.clone();
         let mut stiffness = |by: f64| {
@@ -170,7 +170,7 @@ impl Rod {
         self.state.unknowns = here;
         self.solver.forget();
         let (odd, even) = (0.5 * (one - other), 0.5 * (one + other) - middle);
-        if odd.abs() > even.abs() { Branch::SnapThrough } else { Branch::Bifurcation }
+        if odd.abs() > even.abs() { RestBranch::SnapThrough } else { RestBranch::Bifurcation }
     }
 
     /// Lets the rod go under the whole load, as if in honey: it descends, without crossing a barrier, to where it stays.

@@ -6,7 +6,7 @@ pub mod random_robot;
 
 use nalgebra::{Matrix3, Vector3};
 use spinebench::effects::{EffectSpec, Model};
-use spinebench::rod::{Contact, Resolution, RodParams, Span, Tendon, TipWrench};
+use spinebench::rod::{ContactSurface, Resolution, RodParams, Span, Tendon, TipWrench};
 use std::collections::HashMap;
 
 /// Rows of a reference file by column name.
@@ -43,7 +43,7 @@ pub fn round_rod(length_m: f64, radius_m: f64, e_pa: f64, g_pa: f64, mass_kg_m: 
         tip_load: TipWrench::default(),
         point_loads: vec![],
         line_loads: vec![],
-        contact: Contact::default(),
+        contact: ContactSurface::default(),
         moment_laws: vec![],
         resolution: Resolution::default(),
     }
