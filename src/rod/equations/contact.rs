@@ -201,6 +201,24 @@ impl RodEquations {
         conditions.obstacle_share * self.params.contact.obstacles[obstacle].stiffness_n_m.unwrap_or_else(rigid_n_m)
     }
 
+    /// The largest motion of a point of contact between two shapes, metres.
+    pub(crate) fn contact_motion_m(&self, from: &Shape, to: &Shape) -> f64 {
+        let moved = |point: &ContactPoint| (point.place_m(to) - point.place_m(from)).norm();
+        self.contact_points.iter().map(moved).fold(0.0, f64::max)
+    }
+
+    /// Half the thickness of the thinnest obstacle together with that of the rod, metres.
+    pub(crate) fn thinnest_obstacle_m(&self) -> f64 {
+        let obstacles = self.params.contact.obstacles.iter();
+        obstacles.map(|obstacle| obstacle.shape.radius_m()).fold(f64::INFINITY, f64::min) + self.params.contact.radius_m
+    }
+
+    /// The share of the stiffness of a rigid obstacle below which the force E·I/L² would push the rod through the thinnest
+    /// one.
+    pub(crate) fn softest_obstacle_share(&self) -> f64 {
+        self.params.length_m() / (RIGID_AT_REST * self.thinnest_obstacle_m())
+    }
+
     /// The largest force of an obstacle on one point of `shape`, N; negative where the rod touches nothing.
     pub(crate) fn hardest_contact_n(&self, conditions: &SolveConditions, shape: &Shape) -> f64 {
         let mut hardest_n = f64::NEG_INFINITY;

@@ -62,6 +62,15 @@ pub struct Surface {
 }
 
 impl ObstacleShape {
+    /// Half of its thickness, metres; infinite for a half space.
+    pub(crate) fn radius_m(&self) -> f64 {
+        match self {
+            ObstacleShape::HalfSpace { .. } => f64::INFINITY,
+            ObstacleShape::Sphere { radius_m, .. } | ObstacleShape::Capsule { radius_m, .. } => *radius_m,
+            ObstacleShape::Cylinder { radius_m, length_m, .. } => radius_m.min(0.5 * length_m),
+        }
+    }
+
     /// The surface as seen from `place_m`.
     pub fn surface(&self, place_m: &Vector3<f64>) -> Surface {
         match self {

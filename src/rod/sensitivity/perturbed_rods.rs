@@ -8,7 +8,7 @@
 use nalgebra::{DVector, Dyn, LU};
 
 use crate::rod::discretisation::grid::Grid;
-use crate::rod::equations::boundary_conditions::{SolveConditions, TendonConstraint};
+use crate::rod::equations::boundary_conditions::TendonConstraint;
 use crate::rod::equations::motion::Motion;
 use crate::rod::equations::system::RodEquations;
 use crate::rod::params::loads::TipWrench;
@@ -16,7 +16,6 @@ use crate::rod::params::rod_params::RodParams;
 use crate::rod::solver::status::SolveStatus;
 use crate::rod::state::rates::Rates;
 use crate::rod::state::rod::{Drive, Rod};
-use crate::rod::state::rod_state::RodState;
 use crate::rod::state::solve_log::{SolveLog, SolvedStep};
 
 /// A rod cannot follow the leader: it has other parts, or coincident parts have separated. Holds its number, from 1.
@@ -261,30 +260,6 @@ impl LeaderDerivative {
     }
 }
 
-/// The conditions of a solve under the whole load.
-fn full_load<'a>(
-    system: &RodEquations,
-    state: &'a RodState,
-    (motion, tip_load): (&'a Motion, &'a TipWrench),
-    (holds, taut): (&'a [TendonConstraint], &'a [bool]),
-    settled: bool,
-) -> SolveConditions<'a> {
-    SolveConditions {
-        holds,
-        taut,
-        tip_load,
-        load_share: 1.0,
-        gravity_m_s2: system.params.gravity_m_s2,
-        motion,
-        histories: &state.histories,
-        sliding: &state.sliding,
-        contact_memory: &state.contact_memory,
-        fixed_touches: None,
-        obstacle_share: 1.0,
-        settled,
-    }
-}
-
 impl Rod {
     /// The residual at a solution.
     fn at_solution<'a>(
@@ -295,7 +270,7 @@ impl Rod {
         settled: bool,
     ) -> LeaderSolution<'a> {
         let Rod { system, solver, state, motion, tip_load, .. } = self;
-        let conditions = full_load(system, state, (motion, tip_load), (holds, taut), settled);
+        let conditions = state.under_full_load(&system.params, (motion, tip_load), (holds, taut), settled);
         system.evaluate(unknowns, &conditions, &mut solver.workspace);
         let residual = DVector::from_column_slice(&solver.workspace.residual);
         LeaderSolution { unknowns, taut, residual, settled, contraction: None }
@@ -305,7 +280,7 @@ impl Rod {
     fn linearise(&mut self, solution: &LeaderSolution, holds: &[TendonConstraint]) -> LeaderDerivative {
         let Rod { system, solver, state, motion, tip_load, .. } = self;
         let &LeaderSolution { unknowns, taut, settled, .. } = solution;
-        let conditions = full_load(system, state, (motion, tip_load), (holds, taut), settled);
+        let conditions = state.under_full_load(&system.params, (motion, tip_load), (holds, taut), settled);
         solver.derivative.update(system, unknowns, &conditions, &solver.workspace);
         let factors = solver.derivative.matrix(system, &conditions).lu();
         LeaderDerivative { factors, rate: motion.rate, taut: taut.to_vec(), corrections: 1 }
@@ -323,7 +298,7 @@ impl Rod {
         let mut unknowns = solution.unknowns.to_vec();
         let Rod { system, solver, state, motion, tip_load, .. } = self;
         let &mut LeaderSolution { taut, settled, .. } = solution;
-        let conditions = full_load(system, state, (motion, tip_load), (holds, taut), settled);
+        let conditions = state.under_full_load(&system.params, (motion, tip_load), (holds, taut), settled);
         let (mut first_m, mut last_m) = (0.0, f64::NAN);
         for done in 1..=MOST_CORRECTIONS {
             system.evaluate(&unknowns, &conditions, &mut solver.workspace);

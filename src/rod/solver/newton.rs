@@ -38,6 +38,8 @@ const UNRELIABLE_IMBALANCE: f64 = 1e8;
 const MAX_CONTACT_FORCE: f64 = 10.0;
 /// … and attempts to find the share of a correction that respects it.
 const MOST_CONTACT_SEARCHES: usize = 24;
+/// Parts of a correction, each no longer than the thinnest obstacle, in which obstacles are looked for.
+const MOST_CONTACT_PARTS: f64 = 64.0;
 
 /// The correction that was subtracted from the unknowns.
 struct Correction {
@@ -170,7 +172,7 @@ impl NewtonSolver {
     /// The share of a correction up to which no obstacle presses harder than [`MAX_CONTACT_FORCE`] or than now. Beyond, the
     /// derivative belongs to another shape.
     fn share_up_to_contact(
-        &mut self,
+        &self,
         system: &RodEquations,
         unknowns: &[f64],
         step: &DVector<f64>,
@@ -181,13 +183,27 @@ impl NewtonSolver {
         }
         let hardest_now_n = system.hardest_contact_n(conditions, &self.workspace.shape);
         let limit_n = hardest_now_n.max(MAX_CONTACT_FORCE * system.bending_force_n());
-        let mut hardest_n = |share: f64| {
+        let moved_shape = |share: f64| {
             let moved: Vec<f64> = unknowns.iter().zip(step.iter()).map(|(x, dx)| x - share * dx).collect();
-            let shape = self.trial.get_or_insert_with(|| self.workspace.shape.clone());
+            let mut shape = self.workspace.shape.clone();
             shape.update(&system.grid, &system.sections, &moved[..system.grid.unknowns]);
-            system.hardest_contact_n(conditions, shape)
+            shape
         };
-        let (mut low, mut high) = ((0.0, hardest_now_n), (1.0, hardest_n(1.0)));
+        let hardest_n = |share: f64| system.hardest_contact_n(conditions, &moved_shape(share));
+        // A thin obstacle must not be jumped over.
+        let moved_m = system.contact_motion_m(&self.workspace.shape, &moved_shape(1.0));
+        let parts = (moved_m / system.thinnest_obstacle_m()).ceil().clamp(1.0, MOST_CONTACT_PARTS);
+        let (mut low, mut high) = ((0.0, hardest_now_n), (0.0, hardest_now_n));
+        for part in 1..=parts as usize {
+            low = high;
+            high = (part as f64 / parts, hardest_n(part as f64 / parts));
+            if high.1 > limit_n {
+                break;
+            }
+            if high.1 > 0.0 && hardest_now_n <= 0.0 {
+                return high.0;
+            }
+        }
         if high.1 <= limit_n {
             return 1.0;
         }
@@ -211,6 +227,7 @@ impl NewtonSolver {
     /// Computes the derivative of the residual in the workspace.
     fn differentiate(&mut self, system: &RodEquations, unknowns: &[f64], conditions: &SolveConditions) {
         self.derivatives += 1;
+        self.differentiated_under = *conditions.tip_load;
         self.contact_set.clone_from(&self.workspace.contact_set());
         self.unreliable = self.largest_imbalance(system) > UNRELIABLE_IMBALANCE;
         self.derivative.update(system, unknowns, conditions, &self.workspace);

@@ -4,8 +4,8 @@ use nalgebra::{DVector, Dyn, LU};
 
 use super::newton_damping::NewtonDamping;
 use crate::rod::equations::jacobian::Derivative;
-use crate::rod::equations::shape::Shape;
 use crate::rod::equations::system::{RodEquations, Workspace};
+use crate::rod::params::loads::TipWrench;
 
 const MOST_ITERATIONS: usize = 150;
 
@@ -24,8 +24,8 @@ pub(crate) struct NewtonSolver {
     pub(super) residual_predicted: bool,
     /// Contacts of the derivative.
     pub(super) contact_set: Vec<(usize, usize)>,
-    /// Room for the shape after a correction; only with obstacles.
-    pub(super) trial: Option<Shape>,
+    /// Load at the tip under which the derivative was computed.
+    pub(crate) differentiated_under: TipWrench,
     /// The last derivative that proved stability.
     stable: Option<StableDerivative>,
     /// Steps of the present solve since the derivative or the taut set changed.
@@ -78,7 +78,7 @@ impl NewtonSolver {
             unreliable: false,
             residual_predicted: false,
             contact_set: Vec::new(),
-            trial: None,
+            differentiated_under: TipWrench::default(),
             stable: None,
             steps: Vec::new(),
             damping: NewtonDamping::new(),

@@ -6,13 +6,16 @@
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-use crate::rod::equations::boundary_conditions::{SolveConditions, TendonConstraint};
+use crate::rod::equations::boundary_conditions::TendonConstraint;
 use crate::rod::equations::jacobian::Derivative;
 use crate::rod::equations::system::RodEquations;
 use crate::rod::state::rod::Rod;
 
 /// Compliance assigned to an inextensible tendon, as a share of the compliance of the rod along it.
 const STIFF: f64 = 1e-6;
+/// An eigenvalue above this, in units of the elastic stiffness, is not told from zero: a buckled rod turns about the axis
+/// of its load as easily as the lateral load lets it.
+pub(crate) const NEUTRAL: f64 = 1e-5;
 /// Iterations for an eigenvalue, per row.
 const EIGEN_ITERATIONS: usize = 40;
 /// Eigenvalues this close to the lowest one, in units of the elastic stiffness, belong to the same loss of stability: a
@@ -36,20 +39,7 @@ impl Rod {
     /// The tangent of a rest under `holds` and the whole load at other `unknowns`; the solver stays as it is.
     pub(crate) fn tangent_at(&self, holds: &[TendonConstraint], unknowns: &[f64]) -> Tangent {
         let Rod { system, state, motion, tip_load, .. } = self;
-        let conditions = SolveConditions {
-            holds,
-            taut: &state.taut,
-            tip_load,
-            load_share: 1.0,
-            gravity_m_s2: system.params.gravity_m_s2,
-            motion,
-            histories: &state.histories,
-            sliding: &state.sliding,
-            contact_memory: &state.contact_memory,
-            fixed_touches: None,
-            obstacle_share: 1.0,
-            settled: true,
-        };
+        let conditions = state.under_full_load(&system.params, (motion, tip_load), (holds, &state.taut), true);
         let (mut workspace, mut derivative) = (system.workspace(), Derivative::new(system));
         system.evaluate(unknowns, &conditions, &mut workspace);
         derivative.update(system, unknowns, &conditions, &workspace);
@@ -108,7 +98,7 @@ impl Tangent {
         let most = EIGEN_ITERATIONS * symmetric.nrows();
         let Some(eigen) = SymmetricEigen::try_new(symmetric, f64::EPSILON, most) else { return Vec::new() };
         let lowest = eigen.eigenvalues.min();
-        if lowest >= 0.0 {
+        if lowest >= -NEUTRAL {
             return Vec::new();
         }
         let alike = eigen.eigenvalues.iter().enumerate().filter(|(_, value)| **value < lowest + SAME_EIGENVALUE);

@@ -168,22 +168,10 @@ impl Rod {
         gravity_m_s2: Vector3<f64>,
         settled: bool,
     ) {
-        let RodState { unknowns, taut, histories, sliding, contact_memory, .. } = &self.state;
-        let conditions = SolveConditions {
-            holds,
-            taut,
-            tip_load,
-            load_share,
-            gravity_m_s2,
-            motion: &self.motion,
-            histories,
-            sliding,
-            contact_memory,
-            fixed_touches: None,
-            obstacle_share: self.obstacle_share,
-            settled,
-        };
-        self.solver.refresh(&self.system, unknowns, &conditions);
+        let Rod { system, solver, state, motion, obstacle_share, .. } = self;
+        let full = state.under_full_load(&system.params, (motion, tip_load), (holds, &state.taut), settled);
+        let conditions = SolveConditions { load_share, gravity_m_s2, obstacle_share: *obstacle_share, ..full };
+        solver.refresh(system, &state.unknowns, &conditions);
     }
 
     /// Ends a step of `dt_s` seconds (infinite: at rest) for everything that remembers, at the last evaluation of the

@@ -3,6 +3,7 @@
 use crate::rod::equations::boundary_conditions::TendonConstraint;
 use crate::rod::solver::status::SolveStatus;
 use crate::rod::stability::linearised_motion::{Growth, all_positive};
+use crate::rod::stability::tangent::NEUTRAL;
 use crate::rod::state::rod::Rod;
 
 /// What becomes of small deviations from an equilibrium.
@@ -36,7 +37,7 @@ impl Rod {
             };
         }
         let tangent = self.tangent(holds, 0.0);
-        if tangent.exceeds(0.0) {
+        if tangent.exceeds(-NEUTRAL) {
             return Stability::Stable;
         }
         let descents = tangent.descents();

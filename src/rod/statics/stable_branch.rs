@@ -181,7 +181,7 @@ impl Rod {
             self.seed_tensions(holds);
             self.refresh_static(holds, 1.0);
             let descents = self.tangent(holds, 0.0).descents();
-            let status = match self.preferred_direction(&descents) {
+            let status = match self.downhill(&descents).or_else(|| self.preferred_direction(&descents)) {
                 None => self.relax_dynamically(holds, 1.0),
                 Some(direction) => self.descend_along(holds, &direction),
             };
@@ -195,6 +195,19 @@ impl Rod {
             }
         }
         SolveStatus::Unstable
+    }
+
+    /// The combination of equally unstable `directions` in which the energy falls; `None` where it falls in none.
+    fn downhill(&self, directions: &[Vec<f64>]) -> Option<Vec<f64>> {
+        let mut combined = vec![0.0; directions.first()?.len()];
+        let mut fall = 0.0;
+        for direction in directions {
+            let slope: f64 = direction.iter().zip(&self.solver.workspace.residual).map(|(d, r)| d * r).sum();
+            combined.iter_mut().zip(direction).for_each(|(sum, d)| *sum -= slope * d);
+            fall += slope * slope;
+        }
+        let size_m = self.system.size_of_step_m(&combined, &self.solver.workspace);
+        (fall > 0.0 && size_m > ALIKE * self.system.params.length_m()).then_some(combined)
     }
 
     /// Descends from the present shape on the lower side of `direction`, or where the two are alike on both.

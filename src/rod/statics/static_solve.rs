@@ -41,7 +41,10 @@ impl Rod {
         let mut status = self.solve(holds, load, gravity_m_s2, true, STATIC_TOLERANCE_M);
         if status != SolveStatus::Converged {
             self.state = start;
-            for share in OBSTACLE_SHARES {
+            // So soft that the rod would pass through, an obstacle is none.
+            let passes = |share: &f64| self.system.softest_obstacle_share() > *share;
+            let shares: Vec<f64> = OBSTACLE_SHARES.into_iter().filter(|share| !passes(share)).collect();
+            for share in shares {
                 self.obstacle_share = share;
                 self.solver.forget();
                 status = self.solve(holds, load, gravity_m_s2, true, STATIC_TOLERANCE_M);
