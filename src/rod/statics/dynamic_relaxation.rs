@@ -23,6 +23,9 @@ const FIRST_STEP: f64 = 0.5;
 const SHORTEST_STEP: f64 = 1e-4;
 const LONGEST_STEP: f64 = 1e3;
 const FALLING_STEP: f64 = 0.02;
+/// Factor on these limits for a rod that falls: next to a bifurcation it gathers speed slowly, and it rests only once it
+/// has turned about the axis of its load.
+const FALLING_EFFORT: usize = 3;
 /// Motion in one longest step below which the rod is at rest, in lengths.
 const AT_REST: f64 = 1e-4;
 /// Share of the loads that the first step raises.
@@ -39,10 +42,11 @@ impl Rod {
         let max_iterations = (MOST_WORK / overdamped.system.grid.cells.len().max(1) as u64).clamp(200, MOST_ITERATIONS);
         // A rod under its full load starts next to an unstable equilibrium, which longer steps would find again.
         let falling = share == 1.0;
+        let effort = if falling { FALLING_EFFORT } else { 1 };
         let (mut step, mut rise) = (if falling { FALLING_STEP } else { FIRST_STEP }, FIRST_SHARE);
         let mut status = SolveStatus::NotConverged;
         let mut last_move = if falling { 0.0 } else { f64::INFINITY };
-        for _ in 0..MOST_SOLVES {
+        for _ in 0..effort * MOST_SOLVES {
             let target = f64::min(share + rise, 1.0);
             let start = overdamped.state.clone();
             overdamped.motion.prepare(&start, &overdamped.system.masses, &[1.0], &[], step * OVERDAMPED_TIME_S);
@@ -51,7 +55,9 @@ impl Rod {
                 status = status.or(SolveStatus::NotConverged);
                 overdamped.state = start;
                 (step, rise) = (0.25 * step, 0.3 * rise);
-                if step < SHORTEST_STEP || overdamped.nearly_crushed() || overdamped.solver.iterations > max_iterations
+                if step < SHORTEST_STEP
+                    || overdamped.nearly_crushed()
+                    || overdamped.solver.iterations > effort as u64 * max_iterations
                 {
                     break;
                 }
