@@ -150,7 +150,15 @@ impl Robot {
         at("", self.base_rotation_rad.iter().try_for_each(|&x| finite("base_rotation_rad", x)))?;
         at("", self.contact_radius_m.map_or(Ok(()), |radius_m| non_negative("contact_radius_m", radius_m)))?;
         let thin = self.contact_radius_m.is_none_or(|radius_m| radius_m < length_m);
-        at("", refuse(thin, "contact_radius_m", &self.contact_radius_m, "a radius less than the backbone's length"))?;
+        at(
+            "",
+            refuse(
+                thin,
+                "contact_radius_m",
+                &self.contact_radius_m.unwrap_or_default(),
+                "a radius less than the backbone's length",
+            ),
+        )?;
         for (index, load) in self.loads.iter().enumerate() {
             at(&format!("loads[{index}].{}", load.name()), load.check(length_m))?;
         }
