@@ -1,9 +1,9 @@
-//! ContactSurface with obstacles: points along the rod, the forces on them, and their derivative.
+//! Contact with obstacles: points along the rod, the forces on them, and their derivative.
 //!
 //! A point of a cell lies on the cubic through the poses of the cell's ends (Hermite), so that a force on it is a force and
 //! a moment on each end. A penetrated obstacle pushes back in proportion (a penalty); a rigid one is so stiff that the
 //! penetration is rounding beside the length (docs/rod.md). Friction is an elastic stretch of each point along the surface
-//! that slips where its force exceeds the Coulomb limit (return mapping; Wriggers, Computational ContactSurface Mechanics, 2006,
+//! that slips where its force exceeds the Coulomb limit (return mapping; Wriggers, Computational Contact Mechanics, 2006,
 //! section 4.2).
 
 use nalgebra::{Matrix3, Vector3};
