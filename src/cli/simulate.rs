@@ -105,8 +105,7 @@ pub(super) fn written(file: &Path, recording: &Recording) -> String {
 
 /// Number of rows that the solver could not solve.
 pub(super) fn failures(played: &Recording) -> usize {
-    let unsolved = |row: usize| played.valid.as_ref().is_some_and(|valid| !valid[row]);
-    (0..statuses(played).len()).filter(|&row| unsolved(row)).count()
+    played.valid.iter().flatten().filter(|valid| !**valid).count()
 }
 
 /// Number of rows in which the robot touches itself.

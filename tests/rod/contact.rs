@@ -1,4 +1,4 @@
-//! ContactSurface with obstacles against a boundary-value solver with complementarity (`tests/reference/stability`).
+//! Contact with obstacles against a boundary-value solver with complementarity (`tests/reference/stability`).
 
 use std::collections::HashMap;
 

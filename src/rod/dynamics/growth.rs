@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 
 use crate::rod::equations::boundary_conditions::TendonConstraint;
 use crate::rod::stability::linearised_motion::Growth;
-use crate::rod::state::rod::Rod;
+use crate::rod::state::rod::{Drive, Rod};
 use crate::rod::state::step_size::FlutterLimit;
 
 /// Longest step times the rate of the fastest growth, and times the frequency where an oscillation grows.
@@ -18,25 +18,27 @@ const FLUTTER_STEPS: u32 = 10;
 const SAFE_MARGIN: f64 = 0.15;
 
 impl Rod {
-    /// The longest step that growing deviations allow after the step of `h` seconds that has just been solved, as a share
-    /// of `h`: infinite where none grow, below 1 if the step was too long.
-    pub(crate) fn growth_fit(&mut self, holds: &[TendonConstraint], h: f64) -> f64 {
+    /// The longest step that growing deviations allow after the step of `h` seconds to `drives` that has just been solved,
+    /// as a share of `h`: infinite where none grow, below 1 if the step was too long.
+    pub(crate) fn growth_fit(&mut self, drives: &dyn Fn(f64) -> Vec<Drive>, h: f64) -> f64 {
         // A derivative may serve the iteration and know nothing of a load that has come to push along the rod.
-        let same_load = self.solver.differentiated_under == self.tip_load;
-        let known = self.is_below_buckling() || (same_load && self.solver.is_stable_derivative(&self.state.taut));
-        let fit = if known { f64::INFINITY } else { self.fit_of_growth(holds, h) };
+        let knows_load = self.solver.differentiated_under == self.tip_load;
+        let is_stable = self.is_below_buckling() || (knows_load && self.solver.is_stable_derivative(&self.state.taut));
+        let holds = if is_stable { None } else { self.holds(&drives(h)) };
+        let fit = match holds {
+            None => f64::INFINITY,
+            Some(holds) if self.has_follower_loads() => self.fit_of_eigenvalues(&holds, h),
+            Some(holds) => self.fit_of_growth(&holds, h, knows_load),
+        };
         if fit == f64::INFINITY {
             self.step_size.deviates = false;
         }
         fit
     }
 
-    fn fit_of_growth(&mut self, holds: &[TendonConstraint], h: f64) -> f64 {
-        if self.has_follower_loads() {
-            return self.fit_of_eigenvalues(holds, h);
-        }
-        let same_load = self.solver.differentiated_under == self.tip_load;
-        if same_load && self.tangent(holds, 0.0).exceeds(SAFE_MARGIN) {
+    /// The same where an energy decides; `knows_load`: whether the derivative is one under the present load.
+    fn fit_of_growth(&mut self, holds: &[TendonConstraint], h: f64, knows_load: bool) -> f64 {
+        if knows_load && self.tangent(holds, 0.0).exceeds(SAFE_MARGIN) {
             self.solver.mark_derivative_stable(&self.state.taut);
             return f64::INFINITY;
         }

@@ -62,7 +62,7 @@ impl Rod {
             let status = self.try_step(drives, h, &before);
             let mut fit = if status == SolveStatus::Converged { self.fit(&before, h) } else { 0.0 };
             if fit >= REPEAT_BELOW {
-                let growth_fit = self.holds(&drives(h)).map_or(f64::INFINITY, |holds| self.growth_fit(&holds, h));
+                let growth_fit = self.growth_fit(drives, h);
                 if growth_fit < REPEAT_BELOW {
                     floor *= growth_fit;
                     shortest = 0.999 * floor.min(h);

@@ -10,6 +10,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::boundary_conditions::SolveConditions;
 use super::jacobian::Derivative;
+use super::rates::add_gram;
 use super::shape::Shape;
 use super::system::{RodEquations, Workspace};
 use super::world_vectors::VectorDerivative;
@@ -329,25 +330,22 @@ pub(crate) fn add_contact_loads(
 impl Derivative {
     /// Adds what the contact forces change with the shape. Their geometric part, as of dead loads, is in the loads.
     pub(super) fn add_contact(&mut self, system: &RodEquations, workspace: &Workspace) {
+        let rows = (system.grid.unknowns, system.size());
         let mut moved = VectorDerivative::zeros(system.grid.unknowns);
         for touch in &workspace.touches {
             let ContactPoint { cell, weights: [a, b, c, d], .. } = touch.point;
-            let ends = [(cell, a, c), (cell + 1, b, d)];
             moved.fill_zero();
-            for (end, position, tangent) in ends {
-                let direction = workspace.shape.end_r[end].column(2).into_owned();
+            for (end, position, tangent) in [(cell, a, c), (cell + 1, b, d)] {
+                let (turn, direction) =
+                    (&self.variation.end_turn[end], workspace.shape.end_r[end].column(2).into_owned());
                 moved.add_scaled(&self.variation.end_move[end], position);
-                moved.add_cross(&self.variation.end_turn[end], &direction, tangent);
-            }
-            self.add_to_stiffness(system, &moved, &touch.stiffness_n_m);
-            for (end, _, tangent) in ends {
+                moved.add_cross(turn, &direction, tangent);
                 // The moment of the force about the end turns with the tangent: (δθ × t) × f = t (δθ·f) − δθ (t·f).
-                let direction = workspace.shape.end_r[end].column(2).into_owned();
                 let force_n = touch.force_n * tangent;
-                let turning = direction * force_n.transpose() - Matrix3::identity() * direction.dot(&force_n);
-                let turns = self.variation.end_turn[end].clone();
-                self.add_to_stiffness(system, &turns, &-turning);
+                let turning = Matrix3::identity() * direction.dot(&force_n) - force_n * direction.transpose();
+                add_gram(&mut self.stiffness, rows, turn, &turning);
             }
+            add_gram(&mut self.stiffness, rows, &moved, &touch.stiffness_n_m.transpose());
         }
     }
 }

@@ -7,7 +7,7 @@
 //!
 //! What a change of shape does to the friction of tendons is left out: the iteration contracts without it.
 
-use nalgebra::{DMatrix, Matrix3, Vector3};
+use nalgebra::{DMatrix, Vector3};
 
 use super::boundary_conditions::{SolveConditions, TendonConstraint};
 use super::rates::RateMatrices;
@@ -23,7 +23,7 @@ use crate::rod::discretisation::grid::Grid;
 pub(crate) struct Derivative {
     pub(crate) variation: ShapeVariation,
     /// Row-major K with the borders d balance / d tension and d length / d unknown.
-    stiffness: Vec<f64>,
+    pub(super) stiffness: Vec<f64>,
     /// D and M.
     rates: RateMatrices,
     /// Σ δp × f of all loads distal to a cell end, and the same including the rest of the cell distal to a Gauss point.
@@ -275,22 +275,6 @@ impl Derivative {
         }
     }
 
-    /// Adds `directionᵀ weight direction` to K.
-    pub(super) fn add_to_stiffness(
-        &mut self,
-        system: &RodEquations,
-        direction: &VectorDerivative,
-        weight: &Matrix3<f64>,
-    ) {
-        let (n, size) = (system.grid.unknowns, system.size());
-        let [x, y, z] = direction.rows().map(|row| &row[..n]);
-        for i in 0..n {
-            let w = weight.tr_mul(&Vector3::new(x[i], y[i], z[i]));
-            let row = &mut self.stiffness[i * size..i * size + n];
-            combine_onto(row, [x, y, z], [w.x, w.y, w.z]);
-        }
-    }
-
     /// d balance / d tension, and its transpose d length / d unknown (the two differ only where weights are held or the
     /// tendon has friction).
     #[inline(always)]
@@ -319,13 +303,6 @@ impl Derivative {
             let pull = if let TendonConstraint::Length(pull) = *hold { pull } else { 0.0 };
             self.stiffness[(n + i) * size + n + i] = -system.params.tendons[i].compliance_at(pull);
         }
-    }
-}
-
-/// `out += a·x + b·y + c·z`.
-fn combine_onto(out: &mut [f64], [x, y, z]: [&[f64]; 3], [a, b, c]: [f64; 3]) {
-    for (out, ((x, y), z)) in out.iter_mut().zip(x.iter().zip(y).zip(z)) {
-        *out += a * x + b * y + c * z;
     }
 }
 

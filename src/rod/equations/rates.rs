@@ -84,7 +84,8 @@ impl RateMatrices {
             let r = &workspace.shape.node_r[g];
             let velocity = r.tr_mul(&conditions.motion.node_velocity(g, &workspace.shape.node_p[g]));
             let damping = Matrix3::from_diagonal(&(velocity.abs() * (2.0 * drag * node.weight_m)));
-            add_gram(&mut self.viscosity, &variation.node_move[g], &(r * damping * r.transpose()));
+            let n = system.grid.unknowns;
+            add_gram(&mut self.viscosity, (n, n), &variation.node_move[g], &(r * damping * r.transpose()));
         }
     }
 
@@ -113,7 +114,7 @@ impl RateMatrices {
         for mass in system.masses.iter().filter(|mass| mass.turns()) {
             let r = &workspace.shape.end_r[mass.end];
             let inertia = r * Matrix3::from_diagonal(&mass.inertia_kg_m2) * r.transpose();
-            add_gram(&mut self.inertia, &variation.end_turn[mass.end], &inertia);
+            add_gram(&mut self.inertia, (n, n), &variation.end_turn[mass.end], &inertia);
         }
     }
 }
@@ -130,13 +131,17 @@ fn gather(rows: &mut [f64], length: usize, next: &mut usize, from: &VectorDeriva
     }
 }
 
-/// Adds `directionᵀ weight direction` to a square matrix.
-fn add_gram(out: &mut [f64], direction: &VectorDerivative, weight: &Matrix3<f64>) {
-    let n = out.len().isqrt();
+/// Adds `directionᵀ weightᵀ direction` to the first `n` rows and columns of a row-major matrix with rows of `size`.
+pub(super) fn add_gram(
+    out: &mut [f64],
+    (n, size): (usize, usize),
+    direction: &VectorDerivative,
+    weight: &Matrix3<f64>,
+) {
     let [x, y, z] = direction.rows().map(|row| &row[..n]);
     for i in 0..n {
         let w = weight * Vector3::new(x[i], y[i], z[i]);
-        let row = &mut out[i * n..(i + 1) * n];
+        let row = &mut out[i * size..i * size + n];
         let columns = x.iter().zip(y).zip(z);
         for (slot, ((x, y), z)) in row.iter_mut().zip(columns) {
             *slot += w.x * x + w.y * y + w.z * z;

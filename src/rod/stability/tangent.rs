@@ -4,7 +4,7 @@
 //! exactly if no deviation grows faster than exp(s t) (Sylvester's law of inertia; D and M only add stiffness as s
 //! grows), so that one factorisation decides, and none but Cholesky's is needed.
 
-use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use nalgebra::{DMatrix, DVector, Dyn, SymmetricEigen};
 
 use crate::rod::equations::boundary_conditions::TendonConstraint;
 use crate::rod::equations::jacobian::Derivative;
@@ -94,27 +94,28 @@ impl Tangent {
     /// The directions, as changes of the polynomial coefficients, in which the energy falls fastest: one, or two where a
     /// rod buckles as easily in one direction as across it. Empty when no eigenvalue is negative or the iteration fails.
     pub(crate) fn descents(&self) -> Vec<Vec<f64>> {
-        let symmetric = self.symmetric();
-        let most = EIGEN_ITERATIONS * symmetric.nrows();
-        let Some(eigen) = SymmetricEigen::try_new(symmetric, f64::EPSILON, most) else { return Vec::new() };
+        let Some(eigen) = self.eigen() else { return Vec::new() };
         let lowest = eigen.eigenvalues.min();
         if lowest >= -NEUTRAL {
             return Vec::new();
         }
-        let alike = eigen.eigenvalues.iter().enumerate().filter(|(_, value)| **value < lowest + SAME_EIGENVALUE);
-        let unscaled = |(index, _): (usize, &f64)| {
-            eigen.eigenvectors.column(index).iter().zip(&self.scale).map(|(x, s)| x * s).collect()
-        };
-        alike.map(unscaled).collect()
+        let alike = (0..self.scale.len()).filter(|&index| eigen.eigenvalues[index] < lowest + SAME_EIGENVALUE);
+        alike.map(|index| self.direction(&eigen, index)).collect()
     }
 
     /// The direction of the lowest eigenvalue, as a change of the polynomial coefficients.
     pub(crate) fn weakest(&self) -> Option<Vec<f64>> {
-        let symmetric = self.symmetric();
-        let most = EIGEN_ITERATIONS * symmetric.nrows();
-        let eigen = SymmetricEigen::try_new(symmetric, f64::EPSILON, most)?;
-        let lowest = eigen.eigenvectors.column(eigen.eigenvalues.imin());
-        Some(lowest.iter().zip(&self.scale).map(|(x, s)| x * s).collect())
+        let eigen = self.eigen()?;
+        Some(self.direction(&eigen, eigen.eigenvalues.imin()))
+    }
+
+    fn eigen(&self) -> Option<SymmetricEigen<f64, Dyn>> {
+        SymmetricEigen::try_new(self.symmetric(), f64::EPSILON, EIGEN_ITERATIONS * self.scale.len())
+    }
+
+    /// Eigenvector `index` as a change of the polynomial coefficients.
+    fn direction(&self, eigen: &SymmetricEigen<f64, Dyn>, index: usize) -> Vec<f64> {
+        eigen.eigenvectors.column(index).iter().zip(&self.scale).map(|(x, s)| x * s).collect()
     }
 
     /// The stiffness along a change of the polynomial coefficients.
