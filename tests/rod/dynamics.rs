@@ -179,6 +179,25 @@ fn rest_stays_at_rest() {
 }
 
 #[test]
+fn a_very_short_time_changes_nothing() {
+    let mut rod = Rod::new(nominal());
+    let pulls = [0.005_45, 0.002_15, -0.005_45, -0.002_15];
+    assert_eq!(rod.settle(&[Drive::Pull(0.0); 4]), SolveStatus::Converged);
+    assert_eq!(moved(&mut rod, &[0.0; 4], &pulls), SolveStatus::Converged);
+    let drives = pulls.map(Drive::Pull);
+    let mut interrupted = rod.clone();
+    for duration_s in [2e-7, 1e-8, 3e-6, 1e-9] {
+        assert_eq!(interrupted.advance(&drives, duration_s), SolveStatus::Converged, "{duration_s} s");
+    }
+    for _ in 0..5 {
+        assert_eq!(rod.advance(&drives, 0.02), SolveStatus::Converged);
+        assert_eq!(interrupted.advance(&drives, 0.02), SolveStatus::Converged);
+        let apart_m = (rod.tip_m() - interrupted.tip_m()).norm();
+        assert!(apart_m < 1e-4, "{apart_m} m");
+    }
+}
+
+#[test]
 fn tendons_pull_and_never_push() {
     let mut rod = Rod::new(nominal());
     assert_eq!(rod.settle(&[Drive::Pull(0.0); 4]), SolveStatus::Converged);

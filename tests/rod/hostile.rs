@@ -1,15 +1,17 @@
-//! Models at the edges of their ranges: every step ends converged or with a named status, with finite numbers, in time.
+//! Models at the edges of their ranges: every step ends converged or with a named status, with finite numbers, after a bounded effort.
 
 use spinebench::base::{Plant, PlantError, Seed};
 use spinebench::effects::Model;
 use spinebench::plants::{Simulated, SimulatedOptions};
 use spinebench::rod::SolveStatus;
-use std::time::{Duration, Instant};
 
 fn nominal() -> Model {
     let text = include_str!("../../models/nominal.yaml");
     serde_yaml::with::singleton_map_recursive::deserialize(serde_yaml::Deserializer::from_str(text)).unwrap()
 }
+
+/// Iterations of Newton's method for a trial of four commands: the hardest of the cases below takes 2,000.
+const MAX_ITERATIONS: u64 = 10_000;
 
 /// A name and what is changed of the nominal model.
 type Case = (&'static str, fn(&mut Model));
@@ -17,12 +19,11 @@ type Case = (&'static str, fn(&mut Model));
 /// Counts of what converged and what failed by name, in lengths and in tensions, at rest and moving.
 fn torture(name: &str, model: &Model) -> (usize, usize) {
     model.check().unwrap_or_else(|error| panic!("{name}: {error:?}"));
-    let started = Instant::now();
     let options = SimulatedOptions { travel_m: f64::INFINITY, ..SimulatedOptions::default() };
     let mut plant = Simulated::new(model, &[], options);
     let tendons = plant.tendons();
     let reach_m = 2.0 * model.robot.backbone.length_m;
-    let (mut solved, mut failed) = (0, 0);
+    let (mut solved, mut failed, mut iterations) = (0, 0, 0);
     let mut count = |outcome: Result<spinebench::base::Observation, PlantError>| match outcome {
         Ok(seen) => {
             assert!(seen.tip_m.iter().all(|x| x.is_finite()), "{name}: {seen:?}");
@@ -53,16 +54,17 @@ fn torture(name: &str, model: &Model) -> (usize, usize) {
             }
             count(plant.step(&vec![0.0; tendons]));
         }
+        iterations = plant.rod().effort().iterations.max(iterations);
         let mut tensions = vec![0.0; tendons];
         tensions[k % tendons] = 5.0;
         plant.reset_slack(Seed(1));
         if count(plant.apply_tensions(&tensions, true)) {
             count(plant.apply_tensions(&vec![0.0; tendons], false));
         }
+        iterations = plant.rod().effort().iterations.max(iterations);
     }
-    let took = started.elapsed();
-    println!("{name:28} {solved:3} converged {failed:3} failed {:6.2} s", took.as_secs_f64());
-    assert!(took < Duration::from_secs(60), "{name} took {took:?}");
+    println!("{name:28} {solved:3} converged {failed:3} failed {iterations:6} iterations");
+    assert!(iterations < MAX_ITERATIONS, "{name}: {iterations} iterations");
     (solved, failed)
 }
 

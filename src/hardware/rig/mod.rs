@@ -75,8 +75,8 @@ pub struct Rig {
     last_pose_change: LastPoseChange,
     /// Whether the tip follows the screws.
     tip_following: TipFollowing,
-    /// The last plausible tip position, with its time.
-    last_plausible: Option<(f64, Point3)>,
+    /// The last plausible pose of the tip.
+    last_plausible: Option<TipPose>,
     /// A jump of the tip that has not been undone.
     jump: Option<TipJump>,
     events: Vec<Event>,

@@ -4,6 +4,7 @@ use super::Rig;
 use super::stop_reasons::implausible;
 use crate::base::{Point3, distance_m};
 use crate::hardware::safety::{GuardState, StopReason};
+use crate::hardware::tracking::TipPose;
 
 /// Share of a jump that has to be undone before the tip is plausible again: the robot is held meanwhile, so that a tip
 /// that stays away has not moved but is measured elsewhere.
@@ -39,12 +40,12 @@ impl Rig {
         }
         let limits = self.parts.limits;
         let pose = self.parts.tracking.latest()?;
-        let (time_s, tip_m) = (pose.time_s, pose.position_m);
+        let (pose, tip_m) = (*pose, pose.position_m);
         self.jump = self.jump.filter(|jump| distance_m(&tip_m, &jump.from_m) > UNDONE_SHARE * jump.by_m);
-        if let Some((then_s, from_m)) = self.last_plausible.filter(|(then_s, _)| *then_s < time_s) {
-            let (by_m, within_s) = (distance_m(&tip_m, &from_m), time_s - then_s);
-            if by_m > limits.tip_speed_m_s * within_s {
-                self.jump.get_or_insert(TipJump { from_m, by_m, within_s });
+        if let Some(last) = self.last_plausible {
+            let (by_m, within_s) = (distance_m(&tip_m, &last.position_m), time_between_s(&last, &pose));
+            if within_s > 0.0 && by_m > limits.tip_speed_m_s * within_s {
+                self.jump.get_or_insert(TipJump { from_m: last.position_m, by_m, within_s });
             }
         }
         if let Some(jump) = &self.jump {
@@ -59,7 +60,31 @@ impl Rig {
                 )));
             }
         }
-        self.last_plausible = Some((time_s, tip_m));
+        self.last_plausible = Some(pose);
         None
+    }
+}
+
+/// Time from pose to pose, s, by the tracker's clock: local times may belong to two estimates of the clock offset, which
+/// falls when a frame is less delayed than all before. A tracker that has restarted counts from zero, so that local times
+/// have to serve.
+fn time_between_s(first: &TipPose, second: &TipPose) -> f64 {
+    f64::max(second.stamp_s - first.stamp_s, second.time_s - first.time_s)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pose(stamp_s: f64, time_s: f64) -> TipPose {
+        TipPose { stamp_s, time_s, position_m: [0.0; 3], quaternion: [1.0, 0.0, 0.0, 0.0] }
+    }
+
+    #[test]
+    fn a_better_clock_offset_makes_no_jump() {
+        // The offset falls by 0.29 s: a tip that took 0.3 s would seem to have taken 0.01 s.
+        assert!((time_between_s(&pose(5.0, 1.3), &pose(5.3, 1.31)) - 0.3).abs() < 1e-12);
+        // A tracker that has restarted.
+        assert!((time_between_s(&pose(500.0, 1.3), &pose(0.1, 1.8)) - 0.5).abs() < 1e-12);
     }
 }

@@ -69,7 +69,9 @@ impl RigidPose {
 /// Pose of the tip at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TipPose {
-    /// Local time, s.
+    /// The tracker's clock, s.
+    pub stamp_s: f64,
+    /// Local time, s: moves with the estimate of the clock offset.
     pub time_s: f64,
     /// Position in the robot's base frame, metres.
     pub position_m: Point3,
@@ -78,8 +80,8 @@ pub struct TipPose {
 }
 
 impl TipPose {
-    pub(super) fn new(time_s: f64, pose: RigidPose) -> TipPose {
-        TipPose { time_s, position_m: pose.position_m, quaternion: pose.quaternion }
+    pub(super) fn new(stamp_s: f64, time_s: f64, pose: RigidPose) -> TipPose {
+        TipPose { stamp_s, time_s, position_m: pose.position_m, quaternion: pose.quaternion }
     }
 
     /// The pose without its time.

@@ -13,19 +13,12 @@ const WIDEST_GAP: f64 = 2.5;
 /// Tolerance of times relative to the frame period.
 const PLAY: f64 = 1e-6;
 
-#[derive(Clone, Copy, Debug)]
-struct TimedTip {
-    /// The server's clock, s.
-    stamp_s: f64,
-    tip: TipPose,
-}
-
 /// Valid samples in the order of their stamps.
 #[derive(Clone, Debug)]
 pub(super) struct TipBuffer {
     period_s: f64,
     offset_s: f64,
-    samples: VecDeque<TimedTip>,
+    samples: VecDeque<TipPose>,
 }
 
 impl TipBuffer {
@@ -38,7 +31,7 @@ impl TipBuffer {
     pub(super) fn set_offset(&mut self, offset_s: f64) {
         if offset_s != self.offset_s {
             self.offset_s = offset_s;
-            self.samples.iter_mut().for_each(|sample| sample.tip.time_s = sample.stamp_s + offset_s);
+            self.samples.iter_mut().for_each(|sample| sample.time_s = sample.stamp_s + offset_s);
         }
     }
 
@@ -47,7 +40,7 @@ impl TipBuffer {
         if self.samples.len() == KEPT {
             self.samples.pop_front();
         }
-        self.samples.push_back(TimedTip { stamp_s, tip: TipPose::new(stamp_s + self.offset_s, tip) });
+        self.samples.push_back(TipPose::new(stamp_s, stamp_s + self.offset_s, tip));
     }
 
     /// Removes all samples.
@@ -57,18 +50,19 @@ impl TipBuffer {
 
     /// The newest sample.
     pub(super) fn latest(&self) -> Option<&TipPose> {
-        self.samples.back().map(|sample| &sample.tip)
+        self.samples.back()
     }
 
     /// The pose at a local time: interpolated between its neighbours if they are close together, else the sample before
     /// if it is at most one period old, else none.
     pub(super) fn at(&self, time_s: f64) -> Option<TipPose> {
-        let after = self.samples.partition_point(|sample| sample.tip.time_s <= time_s);
-        let before = self.samples.get(after.checked_sub(1)?)?.tip;
-        let next = self.samples.get(after).map(|sample| sample.tip);
+        let after = self.samples.partition_point(|sample| sample.time_s <= time_s);
+        let before = *self.samples.get(after.checked_sub(1)?)?;
+        let next = self.samples.get(after);
         if let Some(next) = next.filter(|next| next.time_s - before.time_s <= (WIDEST_GAP + PLAY) * self.period_s) {
             let fraction = (time_s - before.time_s) / (next.time_s - before.time_s);
-            return Some(TipPose::new(time_s, before.pose().towards(&next.pose(), fraction)));
+            let pose = before.pose().towards(&next.pose(), fraction);
+            return Some(TipPose::new(time_s - self.offset_s, time_s, pose));
         }
         (time_s - before.time_s <= (1.0 + PLAY) * self.period_s).then_some(before)
     }

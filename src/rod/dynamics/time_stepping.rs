@@ -27,17 +27,25 @@ impl Rod {
     }
 
     /// Moves the rod for `duration_s`. `drives` gives the drives at a time from now, seconds. Jumps of drive speed
-    /// should lie at the beginning or the end.
+    /// should lie at the beginning or the end. Durations below a thousandth of the longest step are added up until they
+    /// make a step.
     pub fn advance_with(&mut self, drives: &dyn Fn(f64) -> Vec<Drive>, duration_s: f64) -> SolveStatus {
-        self.choose_motion_grid();
         let resolution = self.system.params.resolution;
-        let mut now = 0.0;
-        let mut left = duration_s;
+        let owed_s = std::mem::take(&mut self.step_size.owed_s);
+        // The solver's error of position, which a step corrects, is one of velocity that is larger by 1/h.
+        if owed_s + duration_s < SHORTEST_STEP * resolution.time_step_s {
+            self.step_size.owed_s = owed_s + duration_s;
+            let is_command = self.holds(&drives(duration_s)).is_some();
+            return if is_command { SolveStatus::Converged } else { SolveStatus::BadCommand };
+        }
+        self.choose_motion_grid();
+        let mut now = -owed_s;
+        let mut left = owed_s + duration_s;
         while left > 1e-9 * duration_s {
             let wanted = self.step_size.next_s.min(resolution.time_step_s);
             let count = (left / wanted - 1e-9).ceil().max(1.0);
             let h = if count <= 2.0 { left / count } else { wanted };
-            let (mut status, taken) = self.step(&|t| drives(now + t), h);
+            let (mut status, taken) = self.step(&|t| drives(f64::max(0.0, now + t)), h);
             if status == SolveStatus::Converged {
                 status = self.verify_motion();
             }

@@ -151,10 +151,10 @@ impl PerturbedRods {
             return movement(&mut self.leader);
         }
         self.leader.log = Some(SolveLog::default());
+        let mut start_s = -self.leader.step_size.owed_s;
         let status = movement(&mut self.leader);
-        let mut start_s = 0.0;
         for solved in self.leader.log.take().unwrap_or_default().solved {
-            let drives_then = |number: usize, t: f64| drives(number, start_s * scale(number) + t);
+            let drives_then = |number: usize, t: f64| drives(number, f64::max(0.0, start_s * scale(number) + t));
             if self.match_leader_grid().is_none() {
                 return SolveStatus::UnderResolved;
             }

@@ -34,13 +34,6 @@ const ROUNDING: f64 = 1e-8;
 /// Imbalance (an angle) beyond which a derivative is not reused.
 const UNRELIABLE_IMBALANCE: f64 = 1e8;
 
-/// Largest force of an obstacle on one point during the iteration, in units of E·I/L² …
-const MAX_CONTACT_FORCE: f64 = 10.0;
-/// … and attempts to find the share of a correction that respects it.
-const MOST_CONTACT_SEARCHES: usize = 24;
-/// Parts of a correction, each no longer than the thinnest obstacle, in which obstacles are looked for.
-const MOST_CONTACT_PARTS: f64 = 64.0;
-
 /// The correction that was subtracted from the unknowns.
 struct Correction {
     step: DVector<f64>,
@@ -167,61 +160,6 @@ impl NewtonSolver {
         }
         unknowns.iter_mut().zip(step.iter()).for_each(|(x, dx)| *x -= dx);
         Ok(Correction { step, size, shortened })
-    }
-
-    /// The share of a correction up to which no obstacle presses harder than [`MAX_CONTACT_FORCE`] or than now. Beyond, the
-    /// derivative belongs to another shape.
-    fn share_up_to_contact(
-        &self,
-        system: &RodEquations,
-        unknowns: &[f64],
-        step: &DVector<f64>,
-        conditions: &SolveConditions,
-    ) -> f64 {
-        if system.contact_points.is_empty() {
-            return 1.0;
-        }
-        let hardest_now_n = system.hardest_contact_n(conditions, &self.workspace.shape);
-        let limit_n = hardest_now_n.max(MAX_CONTACT_FORCE * system.bending_force_n());
-        let moved_shape = |share: f64| {
-            let moved: Vec<f64> = unknowns.iter().zip(step.iter()).map(|(x, dx)| x - share * dx).collect();
-            let mut shape = self.workspace.shape.clone();
-            shape.update(&system.grid, &system.sections, &moved[..system.grid.unknowns]);
-            shape
-        };
-        let hardest_n = |share: f64| system.hardest_contact_n(conditions, &moved_shape(share));
-        // A thin obstacle must not be jumped over.
-        let moved_m = system.contact_motion_m(&self.workspace.shape, &moved_shape(1.0));
-        let parts = (moved_m / system.thinnest_obstacle_m()).ceil().clamp(1.0, MOST_CONTACT_PARTS);
-        let (mut low, mut high) = ((0.0, hardest_now_n), (0.0, hardest_now_n));
-        for part in 1..=parts as usize {
-            low = high;
-            high = (part as f64 / parts, hardest_n(part as f64 / parts));
-            if high.1 > limit_n {
-                break;
-            }
-            if high.1 > 0.0 && hardest_now_n <= 0.0 {
-                return high.0;
-            }
-        }
-        if high.1 <= limit_n {
-            return 1.0;
-        }
-        // Regula falsi for half the limit, with bisections, since the force may rise steeply.
-        for attempt in 0..MOST_CONTACT_SEARCHES {
-            let between = (0.5 * limit_n - low.1) / (high.1 - low.1);
-            let part = if attempt % 2 == 0 { between.clamp(0.05, 0.95) } else { 0.5 };
-            let share = low.0 + part * (high.0 - low.0);
-            let found = (share, hardest_n(share));
-            if found.1 > limit_n {
-                high = found;
-            } else if found.1 > 0.0 {
-                return share;
-            } else {
-                low = found;
-            }
-        }
-        low.0
     }
 
     /// Computes the derivative of the residual in the workspace.

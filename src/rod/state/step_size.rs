@@ -7,6 +7,8 @@ use crate::rod::params::scheme::Tableau;
 pub(crate) struct StepSize {
     /// Suggested length of the next step from the error of the last one, s; infinite before the first.
     pub(crate) next_s: f64,
+    /// Time that was asked for and was too short for a step, s: it is added to the next motion.
+    pub(crate) owed_s: f64,
     /// Whether deviations grow, and the rod has one.
     pub(crate) deviates: bool,
     /// Longest step that growing oscillations allow, s, and the steps for which it holds.
@@ -29,6 +31,6 @@ pub(crate) struct FlutterLimit {
 impl StepSize {
     pub(crate) fn new(tableau: &Tableau) -> StepSize {
         let stage_times: Vec<f64> = tableau.rows.iter().map(|row| row.iter().sum()).collect();
-        StepSize { next_s: f64::INFINITY, deviates: false, flutter: None, taken: 0, stage_times }
+        StepSize { next_s: f64::INFINITY, owed_s: 0.0, deviates: false, flutter: None, taken: 0, stage_times }
     }
 }

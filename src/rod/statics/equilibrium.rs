@@ -37,6 +37,7 @@ impl Rod {
         }
         if status.is_equilibrium() {
             self.state.rates = Rates::zero(&self.system.grid, &self.system.masses);
+            self.step_size.owed_s = 0.0;
             self.settled_under = Some(SettledConditions {
                 holds,
                 tip_load: self.tip_load,
