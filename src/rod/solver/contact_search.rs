@@ -32,14 +32,11 @@ struct ContactSearch<'a> {
 }
 
 impl ContactSearch<'_> {
-    fn move_to(&mut self, share: f64) {
+    /// Moves the shape to `share` of the correction and measures the force there.
+    fn probe(&mut self, share: f64) -> Probe {
         let coefficients = &self.unknowns[..self.system.grid.unknowns];
         let moved: Vec<f64> = coefficients.iter().zip(self.correction.iter()).map(|(x, dx)| x - share * dx).collect();
         self.shape.update(&self.system.grid, &self.system.sections, &moved);
-    }
-
-    fn probe(&mut self, share: f64) -> Probe {
-        self.move_to(share);
         Probe { share, force_n: self.system.hardest_contact_n(self.conditions, &self.shape) }
     }
 
@@ -80,13 +77,13 @@ impl NewtonSolver {
         let now = Probe { share: 0.0, force_n: system.hardest_contact_n(conditions, here) };
         let limit_n = now.force_n.max(MAX_CONTACT_FORCE * system.bending_force_n());
         let mut search = ContactSearch { system, conditions, unknowns, correction, shape: here.clone() };
-        search.move_to(1.0);
+        let whole = search.probe(1.0);
         // A thin obstacle must not be jumped over.
         let moved_m = system.contact_motion_m(here, &search.shape);
-        let parts = (moved_m / system.thinnest_obstacle_m()).ceil().clamp(1.0, MAX_PARTS);
+        let parts = (moved_m / system.thinnest_obstacle_m()).ceil().clamp(1.0, MAX_PARTS) as usize;
         let mut free = now;
-        for part in 1..=parts as usize {
-            let next = search.probe(part as f64 / parts);
+        for part in 1..=parts {
+            let next = if part == parts { whole } else { search.probe(part as f64 / parts as f64) };
             if next.force_n > limit_n {
                 return search.touch(free, next, limit_n);
             }
