@@ -1,7 +1,7 @@
 //! spinebench: does this learning-based continuum-robot controller really work, and where is my simulator wrong?
 //!
 //! Rooms, lowest first; a room may import only rooms above its own line in `docs/architecture.md`:
-//! [`base`] value types and seeds, [`math`] numerics, [`data`] all files, [`rod`] the Cosserat rod, [`effects`] the
+//! [`base`] value types and seeds, [`math`] numerics, [`data`] all files, [`rows`] the rows of result tables, [`rod`] the Cosserat rod, [`effects`] the
 //! catalogue of missing physics, [`hardware`] motors, tracker and safety, [`simulators`] simulators of motors and tracker,
 //! [`plants`] robots, [`learn`] networks and Gaussian processes, [`discovery`] what a model lacks, [`policies`]
 //! controllers, [`tasks`] the loops, [`calibration`] numbers of a model from recordings, [`benchmark`] the blind benchmark of
@@ -20,6 +20,7 @@ pub mod plants;
 pub mod policies;
 pub mod report;
 pub mod rod;
+pub mod rows;
 pub mod runner;
 pub mod simulators;
 pub mod specs;

@@ -1,8 +1,8 @@
 //! Who runs on which robot, at which settings.
 
 use serde_json::{Value, json};
-use spinebench::data::rows::PeerRow;
 use spinebench::rod::{Resolution, Scheme};
+use spinebench::rows::experiment::PeerRow;
 
 use crate::drive::{self, Case};
 use crate::environment::Facts;

@@ -1,7 +1,7 @@
 //! The rows of the comparison.
 
 use nalgebra::Vector3;
-use spinebench::data::rows::PeerRow;
+use spinebench::rows::experiment::PeerRow;
 
 use crate::drive::Case;
 

@@ -1,6 +1,6 @@
 //! Whole runs of the program on this machine.
 
-use spinebench::data::rows::ScalingRow;
+use spinebench::rows::experiment::ScalingRow;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::Instant;

@@ -3,6 +3,7 @@
 mod interruption;
 mod observation;
 mod option;
+mod outcome;
 mod rows;
 mod seed;
 pub mod series;
@@ -13,6 +14,7 @@ mod traits;
 pub use interruption::{InterruptRequest, Interrupted, interruption_point};
 pub use observation::{Displacements, Observation, Point3, SeenPoint, distance_m};
 pub use option::BadOption;
+pub use outcome::Outcome;
 pub use rows::Rows;
 pub use seed::{Generator, Seed};
 pub use tendon_layout::{PlacedTendon, TendonLayout};

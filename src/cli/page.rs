@@ -2,9 +2,10 @@
 
 use super::{CommandError, CommandResult};
 use clap::Args;
-use spinebench::data::{TableDescription, table_descriptions, write_atomic};
+use spinebench::data::{TableDescription, write_atomic};
 use spinebench::report::page::{picture, splice};
 use spinebench::report::page_counts::recounted;
+use spinebench::rows::table_descriptions;
 use std::path::{Path, PathBuf};
 
 /// Insert published tables and figures into a Markdown page, between the lines `<!-- begin:FILE -->` and

@@ -6,7 +6,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::table_row::table_rows;
+use super::table_rows;
 use super::{DataError, write_atomic};
 
 /// Verdict of a discovery.
@@ -272,7 +272,7 @@ pub struct PlaceRow {
 pub const OR: &str = " or ";
 
 table_rows! {
-    "discovery.csv", key [case]:
+    "discovery.csv", key [case], failed [|row| row.verdict.starts_with("failed")]:
     /// One blind case and the answer to it (`discovery.csv` of the benchmark).
     pub struct CaseRow {
         /// Number of the case.

@@ -1,7 +1,9 @@
 //! Conversion between plain structs and table rows through serde: field names are column names, in declaration order.
 
+use std::cell::RefCell;
+
 use serde::de::value::MapDeserializer;
-use serde::de::{self, IntoDeserializer};
+use serde::de::{self, DeserializeOwned, IntoDeserializer};
 use serde::ser::{self, Impossible};
 use serde::{Deserializer, Serialize, Serializer, forward_to_deserialize_any};
 
@@ -45,157 +47,119 @@ impl de::Error for RowError {
     }
 }
 
-/// The fields of a row, name and value, in declaration order.
-pub(crate) fn fields_of<R: Serialize>(row: &R) -> Result<Vec<(&'static str, FieldValue)>, RowError> {
-    row.serialize(RowSerializer)
+/// Beginning of the serde name of a field whose own fields stand among the columns: a struct of several columns.
+pub(crate) const FLAT: &str = "+";
+
+/// A row's cells, name and value, in declaration order.
+type Fields = Vec<(&'static str, FieldValue)>;
+
+/// The fields of a row, those of structs within it among them.
+pub(crate) fn fields_of<R: Serialize>(row: &R) -> Result<Fields, RowError> {
+    row.serialize(FieldSerializer { name: FLAT })
 }
 
 fn not_flat<T>(what: &str) -> Result<T, RowError> {
     Err(RowError::NotFlat(what.to_owned()))
 }
 
-/// Serialises a struct to its fields.
-struct RowSerializer;
+/// Serialises the field of this name; a whole row is called [`FLAT`].
+struct FieldSerializer {
+    name: &'static str,
+}
 
-/// The fields met so far.
-#[derive(Default)]
-struct Fields(Vec<(&'static str, FieldValue)>);
+impl FieldSerializer {
+    fn cell(self, value: FieldValue) -> Result<Fields, RowError> {
+        if self.name.starts_with(FLAT) { not_flat("a value without a column") } else { Ok(vec![(self.name, value)]) }
+    }
+}
 
-impl ser::SerializeStruct for Fields {
-    type Ok = Vec<(&'static str, FieldValue)>;
+/// The fields of a struct met so far.
+struct StructFields(Fields);
+
+impl ser::SerializeStruct for StructFields {
+    type Ok = Fields;
     type Error = RowError;
 
     fn serialize_field<T: Serialize + ?Sized>(&mut self, key: &'static str, value: &T) -> Result<(), RowError> {
-        self.0.push((key, value.serialize(CellSerializer)?));
+        self.0.extend(value.serialize(FieldSerializer { name: key })?);
         Ok(())
     }
 
-    fn end(self) -> Result<Self::Ok, RowError> {
+    fn end(self) -> Result<Fields, RowError> {
         Ok(self.0)
     }
 }
 
-/// Serialises one field.
-struct CellSerializer;
+macro_rules! serialize_cells {
+    ($($name:ident: $kind:ty => $cell:ident),* $(,)?) => {
+        $(fn $name(self, value: $kind) -> Result<Fields, RowError> { self.cell(FieldValue::$cell(value.into())) })*
+    };
+}
 
 macro_rules! refuse {
-    ($ok:ty; $($name:ident($($kind:ty),*)),* $(,)?) => {
-        $(fn $name(self, $(_: $kind),*) -> Result<$ok, RowError> { not_flat(stringify!($name)) })*
+    ($($name:ident($($kind:ty),*) -> $ok:ty, $what:literal;)*) => {
+        $(fn $name(self, $(_: $kind),*) -> Result<$ok, RowError> { not_flat($what) })*
     };
 }
 
-macro_rules! refuse_compound {
-    ($ok:ty) => {
-        type SerializeSeq = Impossible<$ok, RowError>;
-        type SerializeTuple = Impossible<$ok, RowError>;
-        type SerializeTupleStruct = Impossible<$ok, RowError>;
-        type SerializeTupleVariant = Impossible<$ok, RowError>;
-        type SerializeMap = Impossible<$ok, RowError>;
-        type SerializeStructVariant = Impossible<$ok, RowError>;
-
-        fn serialize_seq(self, _: Option<usize>) -> Result<Self::SerializeSeq, RowError> {
-            not_flat("a sequence")
-        }
-        fn serialize_tuple(self, _: usize) -> Result<Self::SerializeTuple, RowError> {
-            not_flat("a tuple")
-        }
-        fn serialize_tuple_struct(self, name: &'static str, _: usize) -> Result<Self::SerializeTupleStruct, RowError> {
-            not_flat(name)
-        }
-        fn serialize_tuple_variant(
-            self,
-            name: &'static str,
-            _: u32,
-            _: &'static str,
-            _: usize,
-        ) -> Result<Self::SerializeTupleVariant, RowError> {
-            not_flat(name)
-        }
-        fn serialize_map(self, _: Option<usize>) -> Result<Self::SerializeMap, RowError> {
-            not_flat("a map")
-        }
-        fn serialize_struct_variant(
-            self,
-            name: &'static str,
-            _: u32,
-            _: &'static str,
-            _: usize,
-        ) -> Result<Self::SerializeStructVariant, RowError> {
-            not_flat(name)
-        }
-        fn serialize_newtype_variant<T: Serialize + ?Sized>(
-            self,
-            name: &'static str,
-            _: u32,
-            _: &'static str,
-            _: &T,
-        ) -> Result<$ok, RowError> {
-            not_flat(name)
-        }
-        fn serialize_newtype_struct<T: Serialize + ?Sized>(self, _: &'static str, value: &T) -> Result<$ok, RowError> {
-            value.serialize(self)
-        }
-    };
-}
-
-impl Serializer for RowSerializer {
-    type Ok = Vec<(&'static str, FieldValue)>;
+impl Serializer for FieldSerializer {
+    type Ok = Fields;
     type Error = RowError;
-    type SerializeStruct = Fields;
+    type SerializeSeq = Impossible<Fields, RowError>;
+    type SerializeTuple = Impossible<Fields, RowError>;
+    type SerializeTupleStruct = Impossible<Fields, RowError>;
+    type SerializeTupleVariant = Impossible<Fields, RowError>;
+    type SerializeMap = Impossible<Fields, RowError>;
+    type SerializeStruct = StructFields;
+    type SerializeStructVariant = Impossible<Fields, RowError>;
 
-    refuse_compound!(Self::Ok);
-    refuse!(Self::Ok; serialize_bool(bool), serialize_i8(i8), serialize_i16(i16), serialize_i32(i32), serialize_i64(i64),
-        serialize_u8(u8), serialize_u16(u16), serialize_u32(u32), serialize_u64(u64), serialize_f32(f32),
-        serialize_f64(f64), serialize_char(char), serialize_str(&str), serialize_bytes(&[u8]), serialize_none(),
-        serialize_unit(), serialize_unit_struct(&'static str),
-        serialize_unit_variant(&'static str, u32, &'static str));
-
-    fn serialize_some<T: Serialize + ?Sized>(self, value: &T) -> Result<Self::Ok, RowError> {
-        value.serialize(self)
-    }
-
-    fn serialize_struct(self, _: &'static str, _: usize) -> Result<Fields, RowError> {
-        Ok(Fields::default())
-    }
-}
-
-macro_rules! cell_numbers {
-    ($($name:ident: $kind:ty => $cell:ident),* $(,)?) => {
-        $(fn $name(self, value: $kind) -> Result<FieldValue, RowError> { Ok(FieldValue::$cell(value.into())) })*
-    };
-}
-
-impl Serializer for CellSerializer {
-    type Ok = FieldValue;
-    type Error = RowError;
-    type SerializeStruct = Impossible<FieldValue, RowError>;
-
-    refuse_compound!(FieldValue);
-    refuse!(FieldValue; serialize_bytes(&[u8]), serialize_unit_struct(&'static str));
-    cell_numbers!(serialize_bool: bool => Flag, serialize_i8: i8 => Integer, serialize_i16: i16 => Integer,
+    serialize_cells!(serialize_bool: bool => Flag, serialize_i8: i8 => Integer, serialize_i16: i16 => Integer,
         serialize_i32: i32 => Integer, serialize_i64: i64 => Integer, serialize_u8: u8 => Unsigned,
         serialize_u16: u16 => Unsigned, serialize_u32: u32 => Unsigned, serialize_u64: u64 => Unsigned,
         serialize_f32: f32 => Number, serialize_f64: f64 => Number, serialize_char: char => Text,
         serialize_str: &str => Text);
+    refuse! {
+        serialize_bytes(&[u8]) -> Fields, "bytes";
+        serialize_unit_struct(&'static str) -> Fields, "a struct without fields";
+        serialize_seq(Option<usize>) -> Self::SerializeSeq, "a sequence";
+        serialize_tuple(usize) -> Self::SerializeTuple, "a tuple";
+        serialize_tuple_struct(&'static str, usize) -> Self::SerializeTupleStruct, "a tuple";
+        serialize_tuple_variant(&'static str, u32, &'static str, usize) -> Self::SerializeTupleVariant, "a tuple";
+        serialize_map(Option<usize>) -> Self::SerializeMap, "a map";
+        serialize_struct_variant(&'static str, u32, &'static str, usize) -> Self::SerializeStructVariant, "a struct";
+    }
 
-    fn serialize_none(self) -> Result<FieldValue, RowError> {
-        Ok(FieldValue::Missing)
+    fn serialize_none(self) -> Result<Fields, RowError> {
+        self.cell(FieldValue::Missing)
     }
-    fn serialize_unit(self) -> Result<FieldValue, RowError> {
-        Ok(FieldValue::Missing)
+    fn serialize_unit(self) -> Result<Fields, RowError> {
+        self.cell(FieldValue::Missing)
     }
-    fn serialize_some<T: Serialize + ?Sized>(self, value: &T) -> Result<FieldValue, RowError> {
+    fn serialize_some<T: Serialize + ?Sized>(self, value: &T) -> Result<Fields, RowError> {
         value.serialize(self)
     }
-    fn serialize_unit_variant(self, _: &'static str, _: u32, variant: &'static str) -> Result<FieldValue, RowError> {
-        Ok(FieldValue::Text(variant.to_owned()))
+    fn serialize_unit_variant(self, _: &'static str, _: u32, variant: &'static str) -> Result<Fields, RowError> {
+        self.cell(FieldValue::Text(variant.to_owned()))
     }
-    fn serialize_struct(self, name: &'static str, _: usize) -> Result<Self::SerializeStruct, RowError> {
+    fn serialize_newtype_struct<T: Serialize + ?Sized>(self, _: &'static str, value: &T) -> Result<Fields, RowError> {
+        value.serialize(self)
+    }
+    fn serialize_newtype_variant<T: Serialize + ?Sized>(
+        self,
+        name: &'static str,
+        _: u32,
+        _: &'static str,
+        _: &T,
+    ) -> Result<Fields, RowError> {
         not_flat(name)
+    }
+    fn serialize_struct(self, name: &'static str, _: usize) -> Result<StructFields, RowError> {
+        if self.name.starts_with(FLAT) { Ok(StructFields(Vec::new())) } else { not_flat(name) }
     }
 }
 
 /// A row as text cells under their column names, to be read as a struct.
+#[derive(Clone, Copy)]
 pub(crate) struct TextRow<'a> {
     /// Column names.
     pub(crate) names: &'a [&'a str],
@@ -203,49 +167,36 @@ pub(crate) struct TextRow<'a> {
     pub(crate) cells: &'a [&'a str],
 }
 
-impl<'de> Deserializer<'de> for TextRow<'_> {
-    type Error = RowError;
-
-    fn deserialize_any<V: de::Visitor<'de>>(self, _: V) -> Result<V::Value, RowError> {
-        not_flat("a row is read into a struct")
-    }
-
-    fn deserialize_struct<V: de::Visitor<'de>>(
-        self,
-        _: &'static str,
-        fields: &'static [&'static str],
-        visitor: V,
-    ) -> Result<V::Value, RowError> {
-        let cells = self.names.iter().zip(self.cells);
-        let row =
-            visitor.visit_map(MapDeserializer::new(cells.map(|(&name, &text)| (name, TextCell { name, text }))))?;
-        match self.names.iter().find(|name| !fields.contains(name)) {
+impl TextRow<'_> {
+    /// Reads the row; each of its columns must be a field.
+    pub(crate) fn read<R: DeserializeOwned>(self) -> Result<R, RowError> {
+        let fields = RefCell::new(Vec::new());
+        let row = R::deserialize(FieldReader { row: self, fields: &fields, name: FLAT, text: "" })?;
+        match self.names.iter().find(|name| !fields.borrow().contains(*name)) {
             Some(name) => Err(RowError::UnknownColumn((*name).to_owned())),
             None => Ok(row),
         }
     }
-
-    forward_to_deserialize_any! {
-        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf option unit unit_struct
-        newtype_struct seq tuple tuple_struct map enum identifier ignored_any
-    }
 }
 
-/// One cell and the name of its column.
+/// Reads the field of this name from its cell, or one that starts with [`FLAT`] from the columns that are its fields.
 #[derive(Clone, Copy)]
-struct TextCell<'a> {
+struct FieldReader<'a> {
+    row: TextRow<'a>,
+    /// Fields of all structs met so far.
+    fields: &'a RefCell<Vec<&'static str>>,
     name: &'a str,
     text: &'a str,
 }
 
-impl TextCell<'_> {
+impl FieldReader<'_> {
     fn parse<T: std::str::FromStr>(&self, expected: &str) -> Result<T, RowError> {
         let wrong = |_| RowError::Value { column: self.name.to_owned(), expected: expected.to_owned() };
         self.text.parse().map_err(wrong)
     }
 }
 
-impl<'a> IntoDeserializer<'_, RowError> for TextCell<'a> {
+impl IntoDeserializer<'_, RowError> for FieldReader<'_> {
     type Deserializer = Self;
     fn into_deserializer(self) -> Self {
         self
@@ -260,7 +211,7 @@ macro_rules! parse_cells {
     };
 }
 
-impl<'de> Deserializer<'de> for TextCell<'_> {
+impl<'de> Deserializer<'de> for FieldReader<'_> {
     type Error = RowError;
 
     parse_cells! {
@@ -306,7 +257,23 @@ impl<'de> Deserializer<'de> for TextCell<'_> {
         visitor.visit_newtype_struct(self)
     }
 
+    fn deserialize_struct<V: de::Visitor<'de>>(
+        self,
+        _: &'static str,
+        fields: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, RowError> {
+        if !self.name.starts_with(FLAT) {
+            return not_flat("a field of several columns");
+        }
+        self.fields.borrow_mut().extend(fields);
+        let cells = self.row.names.iter().zip(self.row.cells).filter(|(name, _)| fields.contains(name));
+        let cells = cells.map(|(&name, &text)| (name, FieldReader { name, text, ..self }));
+        let flat = fields.iter().filter(|field| field.starts_with(FLAT));
+        visitor.visit_map(MapDeserializer::new(cells.chain(flat.map(|&name| (name, FieldReader { name, ..self })))))
+    }
+
     forward_to_deserialize_any! {
-        i128 u128 str string bytes byte_buf unit unit_struct seq tuple tuple_struct map struct identifier ignored_any
+        i128 u128 str string bytes byte_buf unit unit_struct seq tuple tuple_struct map identifier ignored_any
     }
 }

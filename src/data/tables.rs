@@ -1,4 +1,4 @@
-//! Published tables: rows of plain structs (see [`super::rows`]) to CSV and back. The fields are the columns, in the
+//! Published tables: rows of plain structs (see [`crate::rows`]) to CSV and back. The fields are the columns, in the
 //! order of their declaration. Numbers are rounded to a stated number of significant digits, so that a difference
 //! between two published files is a difference in the science and not in the last bit; a number that is not there
 //! (NaN) is an empty cell.
@@ -81,7 +81,7 @@ pub fn as_published<R: Serialize + DeserializeOwned>(name: &Path, rows: &[R]) ->
         let names: Vec<&str> = fields.iter().map(|(name, _)| *name).collect();
         let cells: Vec<String> = fields.iter().map(|(_, cell)| text(cell)).collect();
         let cells: Vec<&str> = cells.iter().map(String::as_str).collect();
-        R::deserialize(TextRow { names: &names, cells: &cells })
+        TextRow { names: &names, cells: &cells }.read()
     };
     let rows: Result<Vec<R>, RowError> = rows.iter().map(again).collect();
     rows.map_err(|error| DataError::Write { file: name.to_owned(), reason: error.to_string() })
@@ -114,7 +114,7 @@ pub fn read_csv_beside<R: DeserializeOwned>(
     let (names, columns): (Vec<&str>, Vec<Vec<String>>) = own.into_iter().unzip();
     let rows = (0..table.rows).map(|row| {
         let cells: Vec<&str> = columns.iter().map(|column| column[row].as_str()).collect();
-        R::deserialize(TextRow { names: &names, cells: &cells }).map_err(|error| place(&table, row, error))
+        TextRow { names: &names, cells: &cells }.read().map_err(|error| place(&table, row, error))
     });
     let rows = rows.collect::<Result<_, DataError>>()?;
     Ok((beside.into_iter().map(|(name, cells)| (name.to_owned(), cells)).collect(), rows))

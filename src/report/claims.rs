@@ -10,7 +10,7 @@ use super::style::{
     training_short,
 };
 use super::{Artifact, Figure, Published, ReportError, pictures, text};
-use crate::data::rows::ClaimRow;
+use crate::rows::experiment::ClaimRow;
 
 /// Registry entry.
 pub(super) const FIGURE: Figure =

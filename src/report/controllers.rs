@@ -3,16 +3,16 @@
 
 use std::collections::BTreeMap;
 
+use super::cells::modes_in_order;
 use super::controllers_table::{controller_rows, markdown};
 use super::drawing::axes::{Axis, Panel};
 use super::drawing::canvas::{Canvas, Text, TextAlign};
 use super::drawing::legend::{LegendEntry, legend};
 use super::order::{distinct, trainings};
 use super::style::{GREY, PAGE_WIDTH, SMALL, mode_title, policies_in_order, policy_label, policy_look, training_label};
-use super::summarise::modes_in_order;
 use super::{Artifact, Figure, Published, ReportError, csv, pictures, text};
-use crate::data::responses::{ControllerRow, PaceRow};
 use crate::math::summary::mean;
+use crate::rows::responses::{ControllerRow, PaceRow};
 
 /// Registry entry.
 pub(super) const FIGURE: Figure = Figure {
@@ -44,12 +44,12 @@ fn draw(rows: &[ControllerRow], paces: &[PaceRow]) -> Canvas {
     let known = trainings(rows.iter().map(|row| row.training.as_str()));
     let training = known.last().copied().unwrap_or_default();
     let rows: Vec<&ControllerRow> = rows.iter().filter(|row| row.training == training).collect();
-    let paces: Vec<&PaceRow> = paces.iter().filter(|row| row.training == training && row.status == "ok").collect();
-    let modes = rows.iter().map(|row| row.mode.as_str()).chain(paces.iter().map(|row| row.mode.as_str()));
+    let paces: Vec<&PaceRow> = paces.iter().filter(|row| row.training == training && row.status.is_ok()).collect();
+    let modes = rows.iter().map(|row| row.cell.mode.as_str()).chain(paces.iter().map(|row| row.cell.mode.as_str()));
     let modes = modes_in_order(modes);
     let in_time = modes.iter().filter_map(|mode| in_time(&rows, mode));
     let panels: Vec<Curves> = in_time.chain(modes.iter().filter_map(|mode| over_speed(&paces, mode))).collect();
-    let shown = policies_in_order(rows.iter().map(|row| row.policy.as_str()));
+    let shown = policies_in_order(rows.iter().map(|row| row.cell.policy.as_str()));
     let (left, gap, high, pitch) = (56.0, 62.0, 170.0, 240.0);
     let width = (PAGE_WIDTH - left - 12.0 - gap) / 2.0;
     let keys: Vec<(LegendEntry, &str)> =
@@ -84,23 +84,24 @@ fn panel(canvas: &mut Canvas, curves: &Curves, corner: [f64; 2], size: [f64; 2],
 }
 
 fn in_time<'a>(rows: &[&'a ControllerRow], mode: &str) -> Option<Curves<'a>> {
-    let rows: Vec<&&ControllerRow> = rows.iter().filter(|row| row.mode == mode).collect();
+    let rows: Vec<&&ControllerRow> = rows.iter().filter(|row| row.cell.mode == mode).collect();
     let errors =
         |row: &ControllerRow| [row.error_1s_m, row.error_2s_m, row.error_5s_m, row.error_end_m].map(|m| 1e3 * m);
-    let curves: Vec<(&str, Vec<f64>)> = rows.iter().map(|row| (row.policy.as_str(), errors(row).to_vec())).collect();
+    let curves: Vec<(&str, Vec<f64>)> =
+        rows.iter().map(|row| (row.cell.policy.as_str(), errors(row).to_vec())).collect();
     let columns = ["1 s", "2 s", "5 s", "end"].map(str::to_owned).to_vec();
     (!curves.is_empty()).then(|| Curves { title: mode_title(mode), axis: "time since the start", columns, curves })
 }
 
 fn over_speed<'a>(paces: &[&'a PaceRow], mode: &str) -> Option<Curves<'a>> {
-    let rows: Vec<&&PaceRow> = paces.iter().filter(|row| row.mode == mode).collect();
+    let rows: Vec<&&PaceRow> = paces.iter().filter(|row| row.cell.mode == mode).collect();
     let mut speeds: Vec<f64> = distinct(rows.iter().map(|row| row.speed));
     speeds.sort_by(f64::total_cmp);
     let mut by_policy: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
     for row in &rows {
-        by_policy.entry(row.policy.as_str()).or_insert_with(|| {
+        by_policy.entry(row.cell.policy.as_str()).or_insert_with(|| {
             let at = |speed: &f64| {
-                let same = rows.iter().filter(|other| other.policy == row.policy && other.speed == *speed);
+                let same = rows.iter().filter(|other| other.cell.policy == row.cell.policy && other.speed == *speed);
                 1e3 * mean(&same.map(|other| other.rms_m).collect::<Vec<_>>())
             };
             speeds.iter().map(at).collect()

@@ -1,44 +1,29 @@
 //! The table behind [`super::controllers`]: responses summarised by policy and mode, and laps beside them.
 
-use std::collections::{BTreeMap, BTreeSet};
-
+use super::cells::{CellErrors, SeedError, mode_first, summarise_cells};
 use super::markup::MarkdownTable;
 use super::order::{rank, trainings};
-use super::style::{policy_markdown, policy_rank};
-use super::summarise::MODES;
-use crate::data::responses::{ControllerRow, PaceRow, ResponseRow};
-use crate::math::summary::{interval_95, mean, quantile};
+use super::style::policy_markdown;
+use crate::math::summary::{mean, quantile};
+use crate::rows::responses::{ControllerRow, PaceRow, ResponseRow};
 
 /// Responses, summarised by training, mode and policy.
 pub(super) fn controller_rows(responses: &[ResponseRow]) -> Vec<ControllerRow> {
     let order = trainings(responses.iter().map(|row| row.training.as_str()));
-    let mut cells: BTreeMap<_, Vec<&ResponseRow>> = BTreeMap::new();
-    for row in responses {
-        let mode = (rank(&MODES, &row.mode), row.mode.as_str());
-        let policy = (policy_rank(&row.policy), row.policy.as_str());
-        let key = (rank(&order, &row.training), mode, policy, (row.gp_points, row.real_points));
-        cells.entry(key).or_default().push(row);
-    }
-    cells.values().map(|rows| summarised(rows)).collect()
+    let error =
+        |row: &ResponseRow| SeedError { seed: row.seed, error_m: row.status.is_ok().then_some(row.error_end_m) };
+    let cells = summarise_cells(responses, |row| (rank(&order, &row.training), mode_first(&row.cell)), error);
+    cells.iter().map(summarised).collect()
 }
 
-fn summarised(rows: &[&ResponseRow]) -> ControllerRow {
-    let good: Vec<&ResponseRow> = rows.iter().copied().filter(|row| row.status == "ok").collect();
-    let column = |value: fn(&ResponseRow) -> f64| -> Vec<f64> { good.iter().map(|row| value(row)).collect() };
-    let seeds: BTreeSet<u64> = good.iter().map(|row| row.seed).collect();
-    let of_seed =
-        |seed: &u64| mean(&good.iter().filter(|row| row.seed == *seed).map(|row| row.error_end_m).collect::<Vec<_>>());
-    let means: Vec<f64> = seeds.iter().map(of_seed).collect();
-    let [low_95_m, high_95_m] = interval_95(&means).unwrap_or([f64::NAN; 2]);
-    let there = good.iter().filter(|row| row.within_3mm_s.is_finite()).count();
-    let first = rows[0];
+fn summarised(cell: &CellErrors<ResponseRow>) -> ControllerRow {
+    let column = |value: fn(&ResponseRow) -> f64| -> Vec<f64> { cell.good.iter().map(|row| value(row)).collect() };
+    let [low_95_m, high_95_m] = cell.interval_95_m();
+    let within_3mm = cell.good.iter().filter(|row| row.within_3mm_s.is_finite()).count();
     ControllerRow {
-        training: first.training.clone(),
-        policy: first.policy.clone(),
-        mode: first.mode.clone(),
-        gp_points: first.gp_points,
-        real_points: first.real_points,
-        error_end_m: mean(&means),
+        training: cell.rows[0].training.clone(),
+        cell: cell.rows[0].cell.clone(),
+        error_end_m: cell.mean_m(),
         low_95_m,
         high_95_m,
         error_end_p95_m: quantile(&column(|row| row.error_end_m), 0.95),
@@ -46,16 +31,16 @@ fn summarised(rows: &[&ResponseRow]) -> ControllerRow {
         within_5mm_s: median_time(&column(|row| row.within_5mm_s)),
         within_3mm_s: median_time(&column(|row| row.within_3mm_s)),
         within_2mm_s: median_time(&column(|row| row.within_2mm_s)),
-        within_3mm_share: there as f64 / good.len() as f64,
+        within_3mm_share: within_3mm as f64 / cell.good.len() as f64,
         within_3mm_per_limit: median_time(&column(|row| row.within_3mm_s / row.limit_s)),
         error_1s_m: mean(&column(|row| row.error_1s_m)),
         error_2s_m: mean(&column(|row| row.error_2s_m)),
         error_5s_m: mean(&column(|row| row.error_5s_m)),
         overshoot_m: mean(&column(|row| row.overshoot_m)),
         tendon_travel_m: mean(&column(|row| row.tendon_travel_m)),
-        seeds: seeds.len() as u64,
-        trials: good.len() as u64,
-        failed: (rows.len() - good.len()) as u64,
+        seeds: cell.seeds(),
+        trials: cell.good.len() as u64,
+        failed: cell.failed(),
     }
 }
 
@@ -105,9 +90,9 @@ fn responses_table(rows: &[ControllerRow]) -> MarkdownTable {
     let row = |row: &ControllerRow| {
         let interval = format!("{} ({}–{})", mm(row.error_end_m), mm(row.low_95_m), mm(row.high_95_m));
         vec![
-            policy_markdown(&row.policy).to_owned(),
+            policy_markdown(&row.cell.policy).to_owned(),
             row.training.clone(),
-            row.mode.clone(),
+            row.cell.mode.clone(),
             interval,
             mm(row.tracked_end_m),
             mm(row.error_end_p95_m),
@@ -131,26 +116,21 @@ fn paces_table(paces: &[PaceRow]) -> MarkdownTable {
     let mut speeds: Vec<f64> = paces.iter().map(|row| row.speed).collect();
     speeds.sort_by(f64::total_cmp);
     speeds.dedup();
-    let mut cells: BTreeMap<_, Vec<&PaceRow>> = BTreeMap::new();
-    for row in paces {
-        let mode = (rank(&MODES, &row.mode), row.mode.as_str());
-        let policy = (policy_rank(&row.policy), row.policy.as_str());
-        let sizes = (row.gp_points, row.real_points);
-        cells.entry((rank(&order, &row.training), mode, policy, sizes)).or_default().push(row);
-    }
-    let line = |rows: &Vec<&PaceRow>| {
+    let error = |row: &PaceRow| SeedError { seed: row.seed, error_m: row.status.is_ok().then_some(row.rms_m) };
+    let cells = summarise_cells(paces, |row| (rank(&order, &row.training), mode_first(&row.cell)), error);
+    let line = |cell: &CellErrors<PaceRow>| {
         let at = |speed: &f64| {
-            let same = rows.iter().filter(|row| row.speed == *speed && row.status == "ok");
+            let same = cell.good.iter().filter(|row| row.speed == *speed);
             mm(mean(&same.map(|row| row.rms_m).collect::<Vec<_>>()))
         };
-        let first = rows[0];
-        let mut cells = vec![policy_markdown(&first.policy).to_owned(), first.training.clone(), first.mode.clone()];
+        let PaceRow { training, cell: label, .. } = cell.rows[0];
+        let mut cells = vec![policy_markdown(&label.policy).to_owned(), training.clone(), label.mode.clone()];
         cells.extend(speeds.iter().map(at));
         cells
     };
     let mut header = ["policy", "training", "mode"].map(str::to_owned).to_vec();
     header.extend(speeds.iter().map(|speed| format!("{speed}×")));
-    MarkdownTable { header, rows: cells.values().map(line).collect() }
+    MarkdownTable { header, rows: cells.iter().map(line).collect() }
 }
 
 /// A length in millimetres; a dash for none.

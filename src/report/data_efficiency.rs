@@ -1,6 +1,7 @@
 //! How many real points a policy needs: error of the true tip against the number of points that its Gaussian process, or its
 //! network, has seen; and the points from which on the error stays within 5, 3 and 2 mm.
 
+use super::cells::modes_in_order;
 use super::controllers_table::{controller_rows, mm};
 use super::drawing::axes::{Axis, Panel};
 use super::drawing::canvas::{Canvas, Text, TextAlign};
@@ -11,9 +12,8 @@ use super::style::{
     GREY, PAGE_WIDTH, SMALL, TALL, mode_title, policies_in_order, policy_label, policy_look, policy_markdown,
     training_label,
 };
-use super::summarise::modes_in_order;
 use super::{Artifact, Figure, Published, ReportError, csv, pictures, text};
-use crate::data::responses::{ControllerRow, PointsNeededRow};
+use crate::rows::responses::{ControllerRow, PointsNeededRow};
 
 /// Registry entry.
 pub(super) const FIGURE: Figure = Figure {
@@ -38,13 +38,13 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
 
 /// Real points behind a cell: those of its process or those of its network.
 fn points(row: &ControllerRow) -> u64 {
-    row.gp_points.max(row.real_points)
+    row.cell.gp_points.max(row.cell.real_points)
 }
 
 /// The cells of one training, mode and policy, by the number of points.
 fn curve<'a>(rows: &[&'a ControllerRow], mode: &str, policy: &str) -> Vec<&'a ControllerRow> {
     let mut own: Vec<&ControllerRow> =
-        rows.iter().copied().filter(|row| row.mode == mode && row.policy == policy).collect();
+        rows.iter().copied().filter(|row| row.cell.mode == mode && row.cell.policy == policy).collect();
     own.sort_by_key(|row| points(row));
     own
 }
@@ -54,8 +54,10 @@ fn points_needed(rows: &[ControllerRow]) -> Vec<PointsNeededRow> {
     let mut needed = Vec::new();
     for training in trainings(rows.iter().map(|row| row.training.as_str())) {
         let own: Vec<&ControllerRow> = rows.iter().filter(|row| row.training == training).collect();
-        for mode in modes_in_order(own.iter().map(|row| row.mode.as_str())) {
-            for policy in policies_in_order(own.iter().filter(|row| row.mode == mode).map(|row| row.policy.as_str())) {
+        for mode in modes_in_order(own.iter().map(|row| row.cell.mode.as_str())) {
+            for policy in
+                policies_in_order(own.iter().filter(|row| row.cell.mode == mode).map(|row| row.cell.policy.as_str()))
+            {
                 let curve: Vec<(u64, f64)> =
                     curve(&own, mode, policy).iter().map(|row| (points(row), row.error_end_m)).collect();
                 needed.extend(WANTED_M.iter().map(|&wanted_m| PointsNeededRow {
@@ -110,8 +112,8 @@ fn draw(rows: &[ControllerRow]) -> Canvas {
     let known = trainings(rows.iter().map(|row| row.training.as_str()));
     let training = known.last().copied().unwrap_or_default();
     let rows: Vec<&ControllerRow> = rows.iter().filter(|row| row.training == training).collect();
-    let modes = modes_in_order(rows.iter().map(|row| row.mode.as_str()));
-    let shown = policies_in_order(rows.iter().map(|row| row.policy.as_str()));
+    let modes = modes_in_order(rows.iter().map(|row| row.cell.mode.as_str()));
+    let shown = policies_in_order(rows.iter().map(|row| row.cell.policy.as_str()));
     let mut sizes = distinct(rows.iter().map(|row| points(row)));
     sizes.sort_unstable();
     let names: Vec<String> = sizes.iter().map(u64::to_string).collect();

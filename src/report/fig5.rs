@@ -7,8 +7,8 @@ use super::drawing::legend::{LegendEntry, legend};
 use super::style::{BLUE, DASHED, GREY, INK, PAGE_WIDTH, SMALL, VERMILION};
 use super::{Artifact, Figure, Published, ReportError, csv, pictures};
 use crate::base::Point3;
-use crate::data::rows::{GapRow, GapSummaryRow};
 use crate::math::summary::{mean, quantile, root_mean_square};
+use crate::rows::experiment::{GapRow, GapSummaryRow};
 
 /// Registry entry.
 pub(super) const FIGURE: Figure =
@@ -32,11 +32,11 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
 }
 
 fn simulated(row: &GapRow) -> Point3 {
-    [row.sim_x_m, row.sim_y_m, row.sim_z_m]
+    [row.gap.sim_x_m, row.gap.sim_y_m, row.gap.sim_z_m]
 }
 
 fn real(row: &GapRow) -> Point3 {
-    [row.real_x_m, row.real_y_m, row.real_z_m]
+    [row.gap.real_x_m, row.gap.real_y_m, row.gap.real_z_m]
 }
 
 /// Differences along one axis, simulated minus measured as the paper's e = p_sim − p_exp; metres.

@@ -8,7 +8,7 @@ use super::order::trainings;
 use super::style::{BLUE, GREY, INK, Look, MARKER, Marker, PAGE_WIDTH, SMALL, SOLID, TEXT, VERMILION, heading};
 use super::summarise::reach_summary;
 use super::{Artifact, Figure, Published, ReportError, csv, pictures};
-use crate::data::rows::ReachSummaryRow;
+use crate::rows::experiment::ReachSummaryRow;
 
 /// Registry entry.
 pub(super) const FIGURE: Figure =
@@ -32,19 +32,19 @@ const PARTS: [PolicyPanel; 2] = [
         policy: "pi_real",
         title: "(a) πᵣₑₐₗ",
         axis: "real points that the network is trained on",
-        size: |row| row.real_points,
+        size: |row| row.cell.real_points,
     },
     PolicyPanel {
         policy: "a",
         title: "(b) policy A",
         axis: "real points that the Gaussian process is fitted to",
-        size: |row| row.gp_points,
+        size: |row| row.cell.gp_points,
     },
 ];
 
 fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
-    let swept = published.trials.iter().filter(|row| PARTS.iter().any(|part| part.policy == row.policy));
-    let swept: Vec<_> = swept.filter(|row| LOOKS.iter().any(|(mode, _, _)| *mode == row.mode)).cloned().collect();
+    let swept = published.trials.iter().filter(|row| PARTS.iter().any(|part| part.policy == row.cell.policy));
+    let swept: Vec<_> = swept.filter(|row| LOOKS.iter().any(|(mode, _, _)| *mode == row.cell.mode)).cloned().collect();
     if swept.is_empty() {
         return Err(ReportError::NoRows { figure: FIGURE.name, needs: "trials.csv of pi_real or a" });
     }
@@ -57,7 +57,7 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
 fn draw(summary: &[ReachSummaryRow]) -> Canvas {
     let columns = trainings(summary.iter().map(|row| row.training.as_str()));
     let parts: Vec<&PolicyPanel> =
-        PARTS.iter().filter(|part| summary.iter().any(|row| row.policy == part.policy)).collect();
+        PARTS.iter().filter(|part| summary.iter().any(|row| row.cell.policy == part.policy)).collect();
     let (left, gap) = (56.0, 22.0);
     let width = (PAGE_WIDTH - left - 12.0 - gap * (columns.len() - 1) as f64) / columns.len() as f64;
     let (top, high, pitch) = (76.0, 165.0, 236.0);
@@ -74,10 +74,10 @@ fn draw(summary: &[ReachSummaryRow]) -> Canvas {
         canvas.text(Text::new(heading(training), [middle, 52.0], TEXT, TextAlign::Centre).bold());
     }
     for (line, part) in parts.iter().enumerate() {
-        let y = errors(summary.iter().filter(|row| row.policy == part.policy));
+        let y = errors(summary.iter().filter(|row| row.cell.policy == part.policy));
         for (column, training) in columns.iter().enumerate() {
             let rows: Vec<&ReachSummaryRow> =
-                summary.iter().filter(|row| row.policy == part.policy && row.training == *training).collect();
+                summary.iter().filter(|row| row.cell.policy == part.policy && row.training == *training).collect();
             let sizes = sizes(&rows, part);
             let names: Vec<String> = sizes.iter().map(u64::to_string).collect();
             let panel = Panel {
@@ -115,7 +115,7 @@ fn lines(canvas: &mut Canvas, panel: &Panel, rows: &[&ReachSummaryRow], sizes: &
     let place = |row: &ReachSummaryRow| sizes.iter().position(|size| *size == (part.size)(row)).unwrap_or(0) as f64;
     let of_mode = |mode: &str| {
         let mut rows: Vec<&ReachSummaryRow> =
-            rows.iter().copied().filter(|row| row.mode == mode && row.trials > 0).collect();
+            rows.iter().copied().filter(|row| row.cell.mode == mode && row.trials > 0).collect();
         rows.sort_by_key(|row| (part.size)(row));
         rows
     };

@@ -13,8 +13,8 @@ use super::style::{
 use super::summarise::track_summary;
 use super::{Artifact, Figure, Published, ReportError, csv, pictures, text};
 use crate::base::Point3;
-use crate::data::rows::{TrackRow, TrackSummaryRow};
 use crate::math::summary::{interval_95, mean};
+use crate::rows::experiment::{TrackRow, TrackSummaryRow};
 
 /// Registry entry.
 pub(super) const FIGURE: Figure =
@@ -53,20 +53,22 @@ fn runs<'a>(tracks: &'a [TrackRow], training: &str) -> Vec<Run<'a>> {
     let Some(seed) = trained.clone().map(|row| row.seed).min() else { return Vec::new() };
     let policies = policies_in_order(trained.clone().map(|row| row.policy.as_str()));
     let run = |policy| {
-        let mut rows: Vec<&TrackRow> =
-            trained.clone().filter(|row| row.seed == seed && row.policy == policy && row.error_m.is_finite()).collect();
-        rows.sort_by_key(|row| row.step);
+        let mut rows: Vec<&TrackRow> = trained
+            .clone()
+            .filter(|row| row.seed == seed && row.policy == policy && row.sample.error_m.is_finite())
+            .collect();
+        rows.sort_by_key(|row| row.sample.step);
         Run { policy, rows }
     };
     policies.into_iter().map(run).filter(|run| !run.rows.is_empty()).collect()
 }
 
 fn target(row: &TrackRow) -> Point3 {
-    [row.target_x_m, row.target_y_m, row.target_z_m]
+    [row.sample.target_x_m, row.sample.target_y_m, row.sample.target_z_m]
 }
 
 fn tip(row: &TrackRow) -> Point3 {
-    [row.tip_x_m, row.tip_y_m, row.tip_z_m]
+    [row.sample.tip_x_m, row.sample.tip_y_m, row.sample.tip_z_m]
 }
 
 /// Mean over repetitions of each policy's figures, with intervals where there are enough.
@@ -199,8 +201,8 @@ fn series(canvas: &mut Canvas, runs: &[Run], summary: &[TrackSummaryRow], top: f
         [(LegendEntry::Line(GREY, DASHED), "mean over the run"), (LegendEntry::Line(INK, SOLID), "end of the run")];
     legend(canvas, [LEFT + 170.0, top], PAGE_WIDTH, &keys);
     let rows = || runs.iter().flat_map(|run| &run.rows);
-    let x = Axis::covering("time (s)", rows().map(|row| row.time_s).chain([0.0]), 8);
-    let y = Axis::covering("", rows().map(|row| 1e3 * row.error_m).chain([0.0]), 2);
+    let x = Axis::covering("time (s)", rows().map(|row| row.sample.time_s).chain([0.0]), 8);
+    let y = Axis::covering("", rows().map(|row| 1e3 * row.sample.error_m).chain([0.0]), 2);
     for (index, run) in runs.iter().enumerate() {
         let last = index + 1 == runs.len();
         let panel = Panel {
@@ -222,7 +224,7 @@ fn strip(canvas: &mut Canvas, panel: &Panel, run: &Run, summary: &[TrackSummaryR
     let first = run.rows[0];
     let same =
         |row: &&TrackSummaryRow| row.policy == first.policy && row.training == first.training && row.seed == first.seed;
-    let points: Vec<[f64; 2]> = run.rows.iter().map(|row| [row.time_s, 1e3 * row.error_m]).collect();
+    let points: Vec<[f64; 2]> = run.rows.iter().map(|row| [row.sample.time_s, 1e3 * row.sample.error_m]).collect();
     panel.line(canvas, &points, look.colour, SOLID, 1.1);
     let right = panel.corner[0] + panel.size[0] + 10.0;
     let line = |number: f64| panel.corner[1] + 12.0 + 14.0 * number;
@@ -233,7 +235,7 @@ fn strip(canvas: &mut Canvas, panel: &Panel, run: &Run, summary: &[TrackSummaryR
     panel.line(canvas, &[[panel.x.low, mean_mm], [panel.x.high, mean_mm]], GREY, DASHED, HAIR);
     let end = row.completion_time_s;
     panel.line(canvas, &[[end, panel.y.low], [end, panel.y.high]], INK, SOLID, HAIR);
-    let end_words = if row.status == "ok" { format!("{end:.0} s") } else { row.status.clone() };
+    let end_words = if row.status.is_ok() { format!("{end:.0} s") } else { row.status.to_string() };
     let words = [format!("mean {mean_mm:.1} mm"), format!("oscill. {:.1} mm", 1e3 * row.oscillation_m), end_words];
     for (number, words) in words.into_iter().enumerate() {
         canvas.text(Text::new(words, [right, line(number as f64 + 1.0)], SMALL, TextAlign::Left));

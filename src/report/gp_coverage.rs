@@ -7,8 +7,8 @@ use super::drawing::legend::{LegendEntry, legend};
 use super::order::distinct;
 use super::style::{DASHED, GREY, HAIR, LOOKS, Look, PAGE_WIDTH, SMALL, TALL};
 use super::{Artifact, Figure, Published, ReportError, pictures};
-use crate::data::rows::GpCoverageRow;
 use crate::math::summary::mean;
+use crate::rows::experiment::GpCoverageRow;
 
 /// Registry entry.
 pub(super) const FIGURE: Figure = Figure {
@@ -28,13 +28,13 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
 }
 
 fn draw(rows: &[GpCoverageRow]) -> Canvas {
-    let mut sizes = distinct(rows.iter().map(|row| row.points));
+    let mut sizes = distinct(rows.iter().map(|row| row.coverage.points));
     sizes.sort_unstable();
     let looks: Vec<Look> = (0..sizes.len()).map(|index| LOOKS[index % LOOKS.len()]).collect();
     let names: Vec<String> = sizes.iter().map(|points| format!("{points} points")).collect();
     let keys: Vec<(LegendEntry, &str)> =
         looks.iter().map(|look| LegendEntry::Plain(*look)).zip(names.iter().map(String::as_str)).collect();
-    let axes = distinct(rows.iter().map(|row| row.axis.as_str()));
+    let axes = distinct(rows.iter().map(|row| row.coverage.axis.as_str()));
     let wide = (PAGE_WIDTH - LEFT - 12.0 - GAP * (axes.len() - 1) as f64) / axes.len() as f64;
     let mut canvas = Canvas::new(PAGE_WIDTH, TALL);
     let below = legend(&mut canvas, [LEFT, 16.0], PAGE_WIDTH - 8.0, &keys);
@@ -53,12 +53,12 @@ fn draw(rows: &[GpCoverageRow]) -> Canvas {
         panel.draw(&mut canvas);
         panel.line(&mut canvas, &[[0.0, 0.0], [100.0, 100.0]], GREY, DASHED, HAIR);
         for (points, look) in sizes.iter().zip(&looks) {
-            let own = |row: &&GpCoverageRow| row.axis == *axis && row.points == *points;
-            let mut shares: Vec<f64> = distinct(rows.iter().filter(own).map(|row| row.promised));
+            let own = |row: &&GpCoverageRow| row.coverage.axis == *axis && row.coverage.points == *points;
+            let mut shares: Vec<f64> = distinct(rows.iter().filter(own).map(|row| row.coverage.promised));
             shares.sort_by(f64::total_cmp);
             let point = |promised: &f64| {
-                let same = rows.iter().filter(own).filter(|row| row.promised == *promised);
-                let covered = mean(&same.map(|row| row.covered).collect::<Vec<_>>());
+                let same = rows.iter().filter(own).filter(|row| row.coverage.promised == *promised);
+                let covered = mean(&same.map(|row| row.coverage.covered).collect::<Vec<_>>());
                 [100.0 * promised, 100.0 * covered, f64::NAN]
             };
             let line: Vec<[f64; 3]> = shares.iter().map(point).filter(|point| point[1].is_finite()).collect();

@@ -2,6 +2,7 @@
 //! This module cannot reach the code that computed the rows, so every figure can be redrawn from `results/`.
 
 pub mod calibration;
+mod cells;
 mod controllers_table;
 pub mod discovery;
 mod drawing;

@@ -7,7 +7,7 @@ use super::order::distinct;
 use super::peers_labels::{name, order, rank, title};
 use super::style::{DASHED, GREY, HAIR, LINE, LOOKS, Look, MARKER, PAGE_WIDTH, SMALL};
 use super::{Artifact, Figure, Published, ReportError, pictures, text};
-use crate::data::rows::PeerRow;
+use crate::rows::experiment::PeerRow;
 
 /// Registry entry.
 pub(super) const FIGURE: Figure =

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::order::distinct;
 use super::peers_labels::{name, order, title};
-use crate::data::rows::PeerRow;
+use crate::rows::experiment::PeerRow;
 
 /// Error limits of the columns, mm.
 const WANTED_MM: [f64; 4] = [10.0, 1.0, 0.1, 0.01];

@@ -1,5 +1,6 @@
 //! A population of robots: the error of each policy over robots, and the share of robots on which each claim holds.
 
+use super::cells::modes_in_order;
 use super::drawing::axes::{Axis, Panel};
 use super::drawing::canvas::{Canvas, Text, TextAlign};
 use super::order::trainings;
@@ -8,9 +9,8 @@ use super::style::{
     GREY, HAIR, INK, MARKER, Marker, PAGE_WIDTH, SMALL, TALL, TEXT, claim_label, mode_title, policies_in_order,
     policy_label, policy_look, training_label,
 };
-use super::summarise::modes_in_order;
 use super::{Artifact, Figure, Published, ReportError, csv, pictures, text};
-use crate::data::population::{PopulationRow, RobotClaimRow};
+use crate::rows::population::{PopulationRow, RobotClaimRow};
 
 /// Registry entry.
 pub(super) const FIGURE: Figure = Figure {
@@ -49,8 +49,8 @@ fn draw(rows: &[PopulationRow], claims: &[RobotClaimRow]) -> Canvas {
     let training = known.last().copied().unwrap_or_default();
     let rows: Vec<&PopulationRow> = rows.iter().filter(|row| row.training == training).collect();
     let claims: Vec<&RobotClaimRow> = claims.iter().filter(|row| row.training == training).collect();
-    let modes = modes_in_order(rows.iter().map(|row| row.mode.as_str()));
-    let policies = policies_in_order(rows.iter().map(|row| row.policy.as_str()));
+    let modes = modes_in_order(rows.iter().map(|row| row.cell.mode.as_str()));
+    let policies = policies_in_order(rows.iter().map(|row| row.cell.policy.as_str()));
     let robots = rows.iter().map(|row| row.robots).max().unwrap_or(0);
     let mut canvas = Canvas::new(PAGE_WIDTH, TALL);
     let note = format!(
@@ -72,7 +72,7 @@ fn draw(rows: &[PopulationRow], claims: &[RobotClaimRow]) -> Canvas {
         };
         panel.draw(&mut canvas);
         for (place, policy) in policies.iter().enumerate() {
-            if let Some(row) = rows.iter().find(|row| row.policy == *policy && row.mode == *mode) {
+            if let Some(row) = rows.iter().find(|row| row.cell.policy == *policy && row.cell.mode == *mode) {
                 spread(&mut canvas, &panel, place as f64, row);
             }
         }
@@ -87,7 +87,7 @@ fn draw(rows: &[PopulationRow], claims: &[RobotClaimRow]) -> Canvas {
 
 /// The errors of one policy over robots.
 fn spread(canvas: &mut Canvas, panel: &Panel, x: f64, row: &PopulationRow) {
-    let look = policy_look(&row.policy);
+    let look = policy_look(&row.cell.policy);
     let at = |error_m: f64| panel.at(x, (1e3 * error_m).log10());
     if !(row.p05_m > 0.0 && row.largest_m.is_finite()) {
         return;

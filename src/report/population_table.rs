@@ -2,58 +2,32 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::cells::{CellErrors, mode_first, summarise_cells};
 use super::controllers_table::mm;
 use super::markup::MarkdownTable;
 use super::order::{rank, trainings};
-use super::style::{policy_markdown, policy_rank};
-use super::summarise::MODES;
-use crate::data::population::{AttributionRow, PopulationRow, RobotClaimRow, RobotRow};
-use crate::data::rows::TrialRow;
+use super::style::policy_markdown;
+use super::summarise::trial_error;
 use crate::math::distribution::{holm, student_95, student_beyond};
 use crate::math::summary::{mean, quantile, rank_correlation, standard_deviation};
+use crate::rows::experiment::TrialRow;
+use crate::rows::population::{AttributionRow, PopulationRow, RobotClaimRow, RobotRow};
 
-/// The errors of one policy, mode and data size, by robot.
-struct PolicyErrors<'a> {
-    first: &'a TrialRow,
-    /// Mean error over targets of each robot that has one, metres, by repetition.
-    robots_m: BTreeMap<u64, f64>,
-    failed: u64,
-}
-
-fn by_policy(trials: &[TrialRow]) -> Vec<PolicyErrors<'_>> {
+/// The errors of each policy, mode and data size; every repetition has a robot of its own.
+fn by_policy(trials: &[TrialRow]) -> Vec<CellErrors<'_, TrialRow>> {
     let order = trainings(trials.iter().map(|row| row.training.as_str()));
-    let mut cells: BTreeMap<_, Vec<&TrialRow>> = BTreeMap::new();
-    for row in trials {
-        let mode = (rank(&MODES, &row.mode), row.mode.as_str());
-        let policy = (policy_rank(&row.policy), row.policy.as_str());
-        let key = (rank(&order, &row.training), mode, policy, (row.gp_points, row.real_points));
-        cells.entry(key).or_default().push(row);
-    }
-    cells.into_values().map(|rows| errors_of(&rows)).collect()
-}
-
-fn errors_of<'a>(rows: &[&'a TrialRow]) -> PolicyErrors<'a> {
-    let good = |row: &&&TrialRow| row.status == "ok" && row.error_m.is_finite();
-    let mut robots: BTreeMap<u64, Vec<f64>> = BTreeMap::new();
-    rows.iter().filter(good).for_each(|row| robots.entry(row.seed).or_default().push(row.error_m));
-    PolicyErrors {
-        first: rows[0],
-        robots_m: robots.into_iter().map(|(seed, errors)| (seed, mean(&errors))).collect(),
-        failed: rows.iter().filter(|row| !good(row)).count() as u64,
-    }
+    summarise_cells(trials, |row| (rank(&order, &row.training), mode_first(&row.cell)), trial_error)
 }
 
 /// The errors of each policy over robots.
 pub(super) fn population_rows(trials: &[TrialRow]) -> Vec<PopulationRow> {
-    let row = |cell: PolicyErrors| {
-        let errors_m: Vec<f64> = cell.robots_m.values().copied().collect();
-        let largest = cell.robots_m.iter().max_by(|one, other| one.1.total_cmp(other.1));
+    let row = |cell: CellErrors<TrialRow>| {
+        let robots_m = cell.seed_means_m();
+        let errors_m: Vec<f64> = robots_m.values().copied().collect();
+        let largest = robots_m.iter().max_by(|one, other| one.1.total_cmp(other.1));
         PopulationRow {
-            training: cell.first.training.clone(),
-            policy: cell.first.policy.clone(),
-            mode: cell.first.mode.clone(),
-            gp_points: cell.first.gp_points,
-            real_points: cell.first.real_points,
+            training: cell.rows[0].training.clone(),
+            cell: cell.rows[0].cell.clone(),
             robots: errors_m.len() as u64,
             p05_m: quantile(&errors_m, 0.05),
             p25_m: quantile(&errors_m, 0.25),
@@ -62,7 +36,7 @@ pub(super) fn population_rows(trials: &[TrialRow]) -> Vec<PopulationRow> {
             p95_m: quantile(&errors_m, 0.95),
             largest_m: largest.map_or(f64::NAN, |(_, error_m)| *error_m),
             largest_seed: largest.map_or(0, |(seed, _)| *seed),
-            failed: cell.failed,
+            failed: cell.failed(),
         }
     };
     by_policy(trials).into_iter().map(row).collect()
@@ -87,8 +61,13 @@ pub(super) fn attribution_rows(trials: &[TrialRow], robots: &[RobotRow]) -> Vec<
 }
 
 /// Robots with the effect against robots without it (Welch, Biometrika 34, 1947), and the uncorrected p-value.
-fn attributed(cell: &PolicyErrors, effect: &str, strengths: &BTreeMap<u64, f64>) -> Option<(AttributionRow, f64)> {
-    let (with, without): (Vec<_>, Vec<_>) = cell.robots_m.iter().partition(|(seed, _)| strengths.contains_key(seed));
+fn attributed(
+    cell: &CellErrors<TrialRow>,
+    effect: &str,
+    strengths: &BTreeMap<u64, f64>,
+) -> Option<(AttributionRow, f64)> {
+    let robots_m = cell.seed_means_m();
+    let (with, without): (Vec<_>, Vec<_>) = robots_m.iter().partition(|(seed, _)| strengths.contains_key(seed));
     let errors = |robots: &[(&u64, &f64)]| robots.iter().map(|(_, error_m)| **error_m).collect::<Vec<f64>>();
     let (with_m, without_m) = (errors(&with), errors(&without));
     if with_m.len() < 2 || without_m.len() < 2 {
@@ -101,11 +80,8 @@ fn attributed(cell: &PolicyErrors, effect: &str, strengths: &BTreeMap<u64, f64>)
     let half_m = student_95(freedom) * (a + b).sqrt();
     let sizes: Vec<f64> = with.iter().filter_map(|(seed, _)| strengths.get(seed)).copied().collect();
     let row = AttributionRow {
-        training: cell.first.training.clone(),
-        policy: cell.first.policy.clone(),
-        mode: cell.first.mode.clone(),
-        gp_points: cell.first.gp_points,
-        real_points: cell.first.real_points,
+        training: cell.rows[0].training.clone(),
+        cell: cell.rows[0].cell.clone(),
         effect: effect.to_owned(),
         robots_with: with_m.len() as u64,
         robots_without: without_m.len() as u64,
@@ -148,9 +124,9 @@ fn error_table(rows: &[PopulationRow]) -> MarkdownTable {
             .iter()
             .map(|row| {
                 let head = [
-                    policy_markdown(&row.policy).to_owned(),
+                    policy_markdown(&row.cell.policy).to_owned(),
                     row.training.clone(),
-                    row.mode.clone(),
+                    row.cell.mode.clone(),
                     row.robots.to_string(),
                 ];
                 let numbers = [row.median_m, row.p05_m, row.p95_m, row.largest_m].map(mm);
@@ -191,9 +167,9 @@ fn effect_table(decided: &[&AttributionRow]) -> MarkdownTable {
             .iter()
             .map(|row| {
                 let head = [
-                    policy_markdown(&row.policy).to_owned(),
+                    policy_markdown(&row.cell.policy).to_owned(),
                     row.training.clone(),
-                    row.mode.clone(),
+                    row.cell.mode.clone(),
                     row.effect.clone(),
                 ];
                 let interval = format!("{} to {}", mm(row.low_95_m), mm(row.high_95_m));

@@ -4,16 +4,16 @@ use std::path::Path;
 
 use super::sweep_rows::SweepTable;
 use crate::data::findings::{CaseRow, IntervalRow};
-use crate::data::learning_peers::LearningPeerRow;
-use crate::data::population::{RobotClaimRow, RobotRow};
-use crate::data::repairs::{IdentificationRow, MonitorRow, RepairRow, RepairTrialRow};
-use crate::data::responses::{PaceRow, ResponseRow};
-use crate::data::rows::{
+use crate::data::tables::{Beside, as_published, to_csv_beside};
+use crate::data::{DataError, TableRow, tables, write_atomic};
+use crate::rows::experiment::{
     ClaimRow, GapRow, GpCoverageRow, GpLeaveOneOutRow, GpRow, NetworkRow, PeerRow, ScalingRow, SweepRow, TrackRow,
     TrialRow, WaypointRow, WorkspaceRow,
 };
-use crate::data::tables::{Beside, as_published, to_csv_beside};
-use crate::data::{DataError, TableRow, tables, write_atomic};
+use crate::rows::learning_peers::LearningPeerRow;
+use crate::rows::population::{RobotClaimRow, RobotRow};
+use crate::rows::repairs::{IdentificationRow, MonitorRow, RepairRow, RepairTrialRow};
+use crate::rows::responses::{PaceRow, ResponseRow};
 
 macro_rules! published {
     ($($(#[doc = $about:literal])+ $field:ident: $row:ty,)*) => {
@@ -39,6 +39,11 @@ macro_rules! published {
                     $($field: as_published(&folder.join(<$row>::TABLE.file), &self.$field)?,)*
                     sweep: self.sweep.clone(),
                 })
+            }
+
+            /// Rows that stand for something that failed; of a tracking run it is the last.
+            pub fn failed(&self) -> usize {
+                0 $(+ self.$field.iter().filter(|row| row.failed()).count())*
             }
 
             /// Adds the rows of further repetitions.

@@ -1,5 +1,6 @@
 //! A changed robot and its repair: the error of goal reaching before, after, and mended in several ways, one panel a change.
 
+use super::cells::modes_in_order;
 use super::drawing::axes::{Axis, Panel};
 use super::drawing::canvas::{Canvas, Text, TextAlign};
 use super::drawing::legend::{LegendEntry, legend};
@@ -9,10 +10,9 @@ use super::style::{
     DOTTED, GREY, LINE, PAGE_WIDTH, SMALL, TEXT, capitalised, mode_title, policies_in_order, policy_label, policy_look,
     training_label,
 };
-use super::summarise::modes_in_order;
 use super::{Artifact, Figure, Published, ReportError, csv, pictures, text};
-use crate::data::repairs::{RepairRow, RepairSummaryRow};
 use crate::math::summary::mean;
+use crate::rows::repairs::{RepairRow, RepairSummaryRow};
 
 /// Registry entry.
 pub(super) const FIGURE: Figure = Figure {
@@ -39,13 +39,13 @@ fn draw(rows: &[RepairSummaryRow], repairs: &[RepairRow]) -> Canvas {
     let known = trainings(rows.iter().map(|row| row.training.as_str()));
     let training = known.last().copied().unwrap_or_default();
     let rows: Vec<&RepairSummaryRow> = rows.iter().filter(|row| row.training == training).collect();
-    let modes = modes_in_order(rows.iter().map(|row| row.mode.as_str()));
+    let modes = modes_in_order(rows.iter().map(|row| row.cell.mode.as_str()));
     let changes = distinct(rows.iter().map(|row| row.change.as_str()));
     let lines = changes.len().div_ceil(COLUMNS);
     let (left, gap, high, pitch, head) = (50.0, 16.0, 120.0, 188.0, 28.0);
     let width = (PAGE_WIDTH - left - 12.0 - gap * (COLUMNS - 1) as f64) / COLUMNS as f64;
     let block = head + pitch * lines as f64;
-    let keys: Vec<(LegendEntry, &str)> = policies_in_order(rows.iter().map(|row| row.policy.as_str()))
+    let keys: Vec<(LegendEntry, &str)> = policies_in_order(rows.iter().map(|row| row.cell.policy.as_str()))
         .into_iter()
         .map(|policy| (LegendEntry::Plain(policy_look(policy)), policy_label(policy)))
         .collect();
@@ -71,7 +71,7 @@ fn draw(rows: &[RepairSummaryRow], repairs: &[RepairRow]) -> Canvas {
             let corner = [left + column as f64 * (width + gap), top + head + 12.0 + pitch * line as f64];
             let y = if column == 0 { y.clone() } else { y.bare() };
             let own: Vec<&RepairSummaryRow> =
-                rows.iter().copied().filter(|row| row.mode == *mode && row.change == *change).collect();
+                rows.iter().copied().filter(|row| row.cell.mode == *mode && row.change == *change).collect();
             let panel = panel(&mut canvas, &own, (corner, [width, high]), change, y);
             let nearest_mm = nearest_mm(repairs, change);
             if nearest_mm.is_finite() {
@@ -95,9 +95,9 @@ fn panel(canvas: &mut Canvas, rows: &[&RepairSummaryRow], place: ([f64; 2], [f64
     let x = Axis::categories("", &names);
     let panel = Panel { corner: place.0, size: place.1, x, y, title: change.replace('_', " ") };
     panel.draw(canvas);
-    for policy in policies_in_order(rows.iter().map(|row| row.policy.as_str())) {
+    for policy in policies_in_order(rows.iter().map(|row| row.cell.policy.as_str())) {
         let at = |(place, (variant, _)): (usize, &(&str, &str))| {
-            let row = rows.iter().find(|row| row.policy == policy && row.variant == *variant)?;
+            let row = rows.iter().find(|row| row.cell.policy == policy && row.variant == *variant)?;
             row.mean_m.is_finite().then_some([place as f64, 1e3 * row.mean_m, f64::NAN])
         };
         let points: Vec<[f64; 3]> = VARIANTS.iter().enumerate().filter_map(at).collect();

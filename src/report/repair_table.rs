@@ -1,15 +1,15 @@
 //! The tables behind [`super::repair`]: what was noticed and named, and the errors by change, mode, policy and variant.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use super::Published;
+use super::cells::{CellErrors, SeedError, mode_first, summarise_cells};
 use super::controllers_table::mm;
 use super::markup::MarkdownTable;
 use super::order::{distinct, rank, trainings};
 use super::style::{policy_markdown, policy_rank};
-use super::summarise::MODES;
-use crate::data::repairs::{RepairRow, RepairSummaryRow, RepairTrialRow};
-use crate::math::summary::{interval_95, mean, quantile, standard_deviation};
+use crate::math::summary::{mean, quantile, standard_deviation};
+use crate::rows::repairs::{RepairRow, RepairSummaryRow, RepairTrialRow};
 
 /// The variants in their order, and how a narrow axis calls them.
 pub(super) const VARIANTS: [(&str, &str); 6] = [
@@ -29,60 +29,53 @@ fn variant_rank(variant: &str) -> usize {
 pub(super) fn summary_rows(trials: &[RepairTrialRow], repairs: &[RepairRow]) -> Vec<RepairSummaryRow> {
     let order = trainings(trials.iter().map(|row| row.training.as_str()));
     let changes = distinct(trials.iter().map(|row| row.change.as_str()));
-    let mut cells: BTreeMap<_, BTreeMap<usize, Vec<&RepairTrialRow>>> = BTreeMap::new();
-    for row in trials {
-        let mode = (rank(&MODES, &row.mode), row.mode.as_str());
-        let policy = (policy_rank(&row.policy), row.policy.as_str());
-        let change = rank(&changes, &row.change);
-        let key = (rank(&order, &row.training), mode, change, policy, (row.gp_points, row.real_points));
-        cells.entry(key).or_default().entry(variant_rank(&row.variant)).or_default().push(row);
-    }
-    let mut summaries = Vec::new();
-    for variants in cells.values() {
-        let before_m = variants.get(&0).map_or(f64::NAN, |rows| mean(&seed_means_m(rows)));
-        summaries.extend(variants.values().map(|rows| summary(rows, before_m, repairs)));
-    }
-    summaries
+    let key = |row: &RepairTrialRow| (rank(&order, &row.training), rank(&changes, &row.change));
+    let error = |row: &RepairTrialRow| {
+        let good = row.status.is_ok() && row.error_m.is_finite();
+        SeedError { seed: row.seed, error_m: good.then_some(row.error_m) }
+    };
+    let cells = summarise_cells(
+        trials,
+        |row| {
+            let ((training, change), (mode, policy, sizes)) = (key(row), mode_first(&row.cell));
+            (training, mode, change, policy, sizes, variant_rank(&row.variant))
+        },
+        error,
+    );
+    let before_m = |row: &RepairTrialRow| {
+        let before = cells.iter().find(|cell| {
+            let other = cell.rows[0];
+            key(other) == key(row) && other.cell == row.cell && variant_rank(&other.variant) == 0
+        });
+        before.map_or(f64::NAN, CellErrors::mean_m)
+    };
+    cells.iter().map(|cell| summary(cell, before_m(cell.rows[0]), repairs)).collect()
 }
 
-fn good<'a>(rows: &[&'a RepairTrialRow]) -> Vec<&'a RepairTrialRow> {
-    rows.iter().copied().filter(|row| row.status == "ok" && row.error_m.is_finite()).collect()
-}
-
-/// Mean error of each repetition, metres.
-fn seed_means_m(rows: &[&RepairTrialRow]) -> Vec<f64> {
-    let mut errors: BTreeMap<u64, Vec<f64>> = BTreeMap::new();
-    good(rows).iter().for_each(|row| errors.entry(row.seed).or_default().push(row.error_m));
-    errors.values().map(|errors| mean(errors)).collect()
-}
-
-fn summary(rows: &[&RepairTrialRow], before_m: f64, repairs: &[RepairRow]) -> RepairSummaryRow {
-    let (first, kept, means) = (rows[0], good(rows), seed_means_m(rows));
-    let [low_95_m, high_95_m] = interval_95(&means).unwrap_or([f64::NAN; 2]);
-    let named = repairs.iter().find(|row| row.change == first.change && row.training == first.training);
-    let new_samples = match first.variant.as_str() {
-        "repaired" | "moved_points" => named.map_or(0, |row| row.samples),
-        "new_points" => first.gp_points,
-        "new_real" => first.real_points,
+fn summary(cell: &CellErrors<RepairTrialRow>, before_m: f64, repairs: &[RepairRow]) -> RepairSummaryRow {
+    let RepairTrialRow { training, change, variant, cell: label, .. } = cell.rows[0];
+    let [low_95_m, high_95_m] = cell.interval_95_m();
+    let diagnosed = repairs.iter().find(|row| row.change == *change && row.training == *training);
+    let new_samples = match variant.as_str() {
+        "repaired" | "moved_points" => diagnosed.map_or(0, |row| row.samples),
+        "new_points" => label.gp_points,
+        "new_real" => label.real_points,
         _ => 0,
     };
     RepairSummaryRow {
-        training: first.training.clone(),
-        change: first.change.clone(),
-        variant: first.variant.clone(),
-        policy: first.policy.clone(),
-        mode: first.mode.clone(),
-        gp_points: first.gp_points,
-        real_points: first.real_points,
+        training: training.clone(),
+        change: change.clone(),
+        variant: variant.clone(),
+        cell: label.clone(),
         new_samples,
-        mean_m: mean(&means),
+        mean_m: cell.mean_m(),
         low_95_m,
         high_95_m,
-        sd_m: standard_deviation(&kept.iter().map(|row| row.error_m).collect::<Vec<_>>()),
-        of_before: mean(&means) / before_m,
-        seeds: kept.iter().map(|row| row.seed).collect::<BTreeSet<_>>().len() as u64,
-        trials: kept.len() as u64,
-        failed: (rows.len() - kept.len()) as u64,
+        sd_m: standard_deviation(&cell.good.iter().map(|row| row.error_m).collect::<Vec<_>>()),
+        of_before: cell.mean_m() / before_m,
+        seeds: cell.seeds(),
+        trials: cell.good.len() as u64,
+        failed: cell.failed(),
     }
 }
 
@@ -98,9 +91,9 @@ pub(super) fn markdown(rows: &[RepairSummaryRow], published: &Published) -> Stri
     );
     let known = trainings(rows.iter().map(|row| row.training.as_str()));
     for training in &known {
-        for mode in distinct(rows.iter().filter(|row| row.training == *training).map(|row| row.mode.as_str())) {
+        for mode in distinct(rows.iter().filter(|row| row.training == *training).map(|row| row.cell.mode.as_str())) {
             text.push_str(&format!("\n{} loop, training: {training}\n\n", if mode == "open" { "Open" } else { mode }));
-            let own = |row: &&RepairSummaryRow| row.training == *training && row.mode == mode;
+            let own = |row: &&RepairSummaryRow| row.training == *training && row.cell.mode == mode;
             text.push_str(&errors_table(&rows.iter().filter(own).collect::<Vec<_>>()).markdown());
         }
     }
@@ -108,7 +101,7 @@ pub(super) fn markdown(rows: &[RepairSummaryRow], published: &Published) -> Stri
 }
 
 fn noticed(published: &Published) -> String {
-    let ok: Vec<_> = published.monitors.iter().filter(|row| row.status == "ok").collect();
+    let ok: Vec<_> = published.monitors.iter().filter(|row| row.status.is_ok()).collect();
     let hours: f64 = ok.iter().map(|row| row.watched_s).sum::<f64>() / 3600.0;
     let alarms: u64 = ok.iter().map(|row| row.false_alarms).sum();
     format!(
@@ -176,7 +169,7 @@ fn errors_table(rows: &[&RepairSummaryRow]) -> MarkdownTable {
     let mut cells: BTreeMap<(usize, usize, &str), Vec<&RepairSummaryRow>> = BTreeMap::new();
     let changes = distinct(rows.iter().map(|row| row.change.as_str()));
     for row in rows {
-        let key = (rank(&changes, &row.change), policy_rank(&row.policy), row.policy.as_str());
+        let key = (rank(&changes, &row.change), policy_rank(&row.cell.policy), row.cell.policy.as_str());
         cells.entry(key).or_default().push(row);
     }
     let line = |rows: &Vec<&RepairSummaryRow>| {
@@ -184,7 +177,7 @@ fn errors_table(rows: &[&RepairSummaryRow]) -> MarkdownTable {
             let own = rows.iter().find(|row| row.variant == *variant);
             own.map_or_else(|| "–".to_owned(), |row| with_interval(row))
         };
-        let mut line = vec![rows[0].change.clone(), policy_markdown(&rows[0].policy).to_owned()];
+        let mut line = vec![rows[0].change.clone(), policy_markdown(&rows[0].cell.policy).to_owned()];
         line.extend(VARIANTS.iter().map(cell));
         line
     };
@@ -202,6 +195,7 @@ fn with_interval(row: &RepairSummaryRow) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rows::cell::{CellLabel, Outcome};
 
     fn trial(seed: u64, variant: &str, error_m: f64, status: &str) -> RepairTrialRow {
         RepairTrialRow {
@@ -209,15 +203,12 @@ mod tests {
             training: "converged".into(),
             change: "load".into(),
             variant: variant.into(),
-            policy: "a".into(),
-            mode: "closed".into(),
-            gp_points: 100,
-            real_points: 0,
+            cell: CellLabel { policy: "a".into(), mode: "closed".into(), gp_points: 100, real_points: 0 },
             target: 0,
             error_m,
             steps: 1,
             settled: true,
-            status: status.into(),
+            status: Outcome::from(status.to_owned()),
         }
     }
 

@@ -5,7 +5,7 @@ use super::drawing::canvas::{Canvas, Text, TextAlign};
 use super::drawing::legend::{LegendEntry, legend};
 use super::style::{DASHED, GREY, HAIR, LINE, LOOKS, MARKER, PAGE_WIDTH, SMALL};
 use super::{Artifact, Figure, Published, ReportError, pictures, text};
-use crate::data::rows::ScalingRow;
+use crate::rows::experiment::ScalingRow;
 use std::fmt::Write as _;
 
 /// Registry entry.

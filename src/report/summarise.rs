@@ -2,75 +2,57 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::order::{distinct, rank, trainings};
+use super::cells::{CellErrors, SeedError, policy_first, summarise_cells};
+use super::order::{rank, trainings};
 use super::paper;
 use super::style::policy_rank;
-use crate::data::rows::{ReachSummaryRow, TrackRow, TrackSummaryRow, TrialRow};
-use crate::math::summary::{interval_95, mean, oscillation, root_mean_square, standard_deviation};
-
-/// Modes in the order of Table I.
-pub(super) const MODES: [&str; 3] = ["open", "closed", "closed_load"];
-
-/// Modes, each once: the paper's in its order, then others by name.
-pub(super) fn modes_in_order<'a>(modes: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
-    let mut found = distinct(modes);
-    found.sort_by_key(|mode| (rank(&MODES, mode), *mode));
-    found
-}
+use crate::base::Outcome;
+use crate::math::summary::{mean, oscillation, root_mean_square, standard_deviation};
+use crate::rows::experiment::{ReachSummaryRow, TrackRow, TrackSummaryRow, TrialRow};
 
 /// Duration of the windows in which path tracking's oscillation is measured, seconds.
 pub const OSCILLATION_WINDOW_S: f64 = 5.0;
 
+/// The error of a trial that ended without failure.
+pub(super) fn trial_error(row: &TrialRow) -> SeedError {
+    let good = row.status.is_ok() && row.error_m.is_finite();
+    SeedError { seed: row.seed, error_m: good.then_some(row.error_m) }
+}
+
 /// Goal-reaching trials, summarised by training, policy, mode and data sizes; in the order of Table I, sizes increasing.
 /// The paper's numbers are given for the sizes of Table I (100 points where a sweep includes it), or for the only size.
 pub fn reach_summary(trials: &[TrialRow]) -> Vec<ReachSummaryRow> {
-    let mut cells: BTreeMap<_, Vec<&TrialRow>> = BTreeMap::new();
     let order = trainings(trials.iter().map(|row| row.training.as_str()));
-    for row in trials {
-        let key = (
-            rank(&order, &row.training),
-            (policy_rank(&row.policy), row.policy.as_str()),
-            (rank(&MODES, &row.mode), row.mode.as_str()),
-            (row.gp_points, row.real_points),
-        );
-        cells.entry(key).or_default().push(row);
-    }
     let sizes = |row: &TrialRow| {
-        let same = trials.iter().filter(|other| other.policy == row.policy && other.mode == row.mode);
-        same.map(|other| (other.gp_points, other.real_points)).collect::<BTreeSet<_>>().len()
+        let same =
+            trials.iter().filter(|other| other.cell.policy == row.cell.policy && other.cell.mode == row.cell.mode);
+        same.map(|other| (other.cell.gp_points, other.cell.real_points)).collect::<BTreeSet<_>>().len()
     };
-    cells.values().map(|rows| reach_cell(rows, sizes(rows[0]) == 1)).collect()
+    let cells = summarise_cells(trials, |row| (rank(&order, &row.training), policy_first(&row.cell)), trial_error);
+    cells.iter().map(|cell| reach_cell(cell, sizes(cell.rows[0]) == 1)).collect()
 }
 
 /// One cell; `only`: its policy and mode have a single size.
-fn reach_cell(rows: &[&TrialRow], only: bool) -> ReachSummaryRow {
-    let mut errors: BTreeMap<u64, Vec<f64>> = BTreeMap::new();
-    let good: Vec<&&TrialRow> = rows.iter().filter(|row| row.status == "ok" && row.error_m.is_finite()).collect();
-    for row in &good {
-        errors.entry(row.seed).or_default().push(row.error_m);
-    }
-    let means: Vec<f64> = errors.values().map(|errors| mean(errors)).collect();
-    let spreads: Vec<f64> = errors.values().map(|errors| standard_deviation(errors)).collect();
-    let [low_95_m, high_95_m] = interval_95(&means).unwrap_or([f64::NAN; 2]);
-    let first = rows[0];
+fn reach_cell(cell: &CellErrors<TrialRow>, only: bool) -> ReachSummaryRow {
+    let spreads: Vec<f64> = cell.errors_m.values().map(|errors| standard_deviation(errors)).collect();
+    let [low_95_m, high_95_m] = cell.interval_95_m();
+    let TrialRow { training, cell: label, .. } = cell.rows[0];
     let size_of_paper =
-        first.gp_points == paper::TABLE_1_GP_POINTS || first.real_points == paper::TABLE_1_REAL_POINTS || only;
-    let printed = paper::table_1(&first.policy, &first.mode).filter(|_| size_of_paper);
+        label.gp_points == paper::TABLE_1_GP_POINTS || label.real_points == paper::TABLE_1_REAL_POINTS || only;
+    let printed = paper::table_1(&label.policy, &label.mode).filter(|_| size_of_paper);
+    let over_trials = |value: fn(&TrialRow) -> f64| mean(&cell.good.iter().map(|row| value(row)).collect::<Vec<_>>());
     ReachSummaryRow {
-        training: first.training.clone(),
-        policy: first.policy.clone(),
-        mode: first.mode.clone(),
-        gp_points: first.gp_points,
-        real_points: first.real_points,
-        mean_m: mean(&means),
+        training: training.clone(),
+        cell: label.clone(),
+        mean_m: cell.mean_m(),
         sd_m: root_mean_square(&spreads),
         low_95_m,
         high_95_m,
-        seeds: errors.len() as u64,
-        trials: good.len() as u64,
-        failed: (rows.len() - good.len()) as u64,
-        settled_share: mean(&good.iter().map(|row| f64::from(u8::from(row.settled))).collect::<Vec<_>>()),
-        mean_steps: mean(&good.iter().map(|row| row.steps as f64).collect::<Vec<_>>()),
+        seeds: cell.seeds(),
+        trials: cell.good.len() as u64,
+        failed: cell.failed(),
+        settled_share: over_trials(|row| f64::from(u8::from(row.settled))),
+        mean_steps: over_trials(|row| row.steps as f64),
         paper_mean_m: printed.map_or(f64::NAN, |printed| printed.mean_m),
         paper_sd_m: printed.map_or(f64::NAN, |printed| printed.sd_m),
     }
@@ -89,18 +71,18 @@ pub fn track_summary(tracks: &[TrackRow]) -> Vec<TrackSummaryRow> {
 
 /// The error at the end of the first path point, which the robot reaches from home.
 fn start_error_m(rows: &[&TrackRow]) -> f64 {
-    rows.iter().rev().find(|row| row.path_point == 0).map_or(f64::NAN, |row| row.error_m)
+    rows.iter().rev().find(|row| row.sample.path_point == 0).map_or(f64::NAN, |row| row.sample.error_m)
 }
 
 fn track_run(mut rows: Vec<&TrackRow>) -> TrackSummaryRow {
-    rows.sort_by_key(|row| row.step);
-    let errors: Vec<f64> = rows.iter().map(|row| row.error_m).filter(|error| error.is_finite()).collect();
-    let times: Vec<f64> = rows.iter().map(|row| row.time_s).collect();
+    rows.sort_by_key(|row| row.sample.step);
+    let errors: Vec<f64> = rows.iter().map(|row| row.sample.error_m).filter(|error| error.is_finite()).collect();
+    let times: Vec<f64> = rows.iter().map(|row| row.sample.time_s).collect();
     let last_s = times.last().copied().unwrap_or(f64::NAN);
     let step_s = (last_s - times[0]) / (times.len() - 1).max(1) as f64;
     let window = (OSCILLATION_WINDOW_S / step_s).round() as usize;
-    let branches: Vec<&str> = rows.iter().map(|row| row.branch.as_str()).collect();
-    let failure = rows.iter().find(|row| row.status != "ok");
+    let branches: Vec<&str> = rows.iter().map(|row| row.sample.branch.as_str()).collect();
+    let failure = rows.iter().map(|row| &row.sample.status).find(|status| !status.is_ok());
     TrackSummaryRow {
         seed: rows[0].seed,
         training: rows[0].training.clone(),
@@ -112,6 +94,6 @@ fn track_run(mut rows: Vec<&TrackRow>) -> TrackSummaryRow {
         oscillation_m: oscillation(&errors, window),
         switches: branches.windows(2).filter(|pair| pair[0] != pair[1]).count() as u64,
         steps: rows.len() as u64,
-        status: failure.map_or_else(|| "ok".to_owned(), |row| row.status.clone()),
+        status: failure.cloned().unwrap_or(Outcome::Ok),
     }
 }

@@ -3,9 +3,9 @@
 use std::collections::{BTreeMap, HashMap};
 
 use super::sweep_rows::SweepCell;
-use crate::data::rows::ComparisonRow;
 use crate::math::distribution::{holm, student_beyond};
 use crate::math::summary::{interval_95, mean, standard_deviation};
+use crate::rows::experiment::ComparisonRow;
 
 /// One point of a sweep: which value each field has, and what came out there.
 pub struct SweptPoint {
@@ -38,7 +38,7 @@ pub fn comparisons(fields: &[(String, Vec<String>)], points: &[SweptPoint]) -> V
 fn pairs<'a>(point: &'a SweptPoint, reference: &'a SweptPoint) -> impl Iterator<Item = (&'a SweepCell, &'a SweepCell)> {
     let key = |cell: &SweepCell| {
         let row = &cell.row;
-        (row.task.clone(), row.training.clone(), row.policy.clone(), row.mode.clone())
+        (row.task.clone(), row.training.clone(), row.cell.policy.clone(), row.cell.mode.clone())
     };
     let mut theirs: HashMap<_, Vec<&SweepCell>> = HashMap::new();
     for cell in reference.cells.iter().rev() {
@@ -62,10 +62,7 @@ fn compared((cell, reference): (&SweepCell, &SweepCell), field: &str, label: &st
         reference: label.to_owned(),
         task: row.task.clone(),
         training: row.training.clone(),
-        policy: row.policy.clone(),
-        mode: row.mode.clone(),
-        gp_points: row.gp_points,
-        real_points: row.real_points,
+        cell: row.cell.clone(),
         difference_m,
         low_95_m,
         high_95_m,
@@ -96,16 +93,14 @@ fn correct(rows: &mut [(usize, ComparisonRow)]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::data::rows::SweepRow;
+    use crate::rows::cell::CellLabel;
+    use crate::rows::experiment::SweepRow;
 
     fn cell(policy: &str, gp_points: u64, seed_means_m: &[f64]) -> SweepCell {
         let row = SweepRow {
             task: "reach".into(),
             training: "paper".into(),
-            policy: policy.into(),
-            mode: "open".into(),
-            gp_points,
-            real_points: 0,
+            cell: CellLabel { policy: policy.into(), mode: "open".into(), gp_points, real_points: 0 },
             mean_m: mean(seed_means_m),
             sd_over_seeds_m: f64::NAN,
             low_95_m: f64::NAN,

@@ -1,6 +1,7 @@
 //! Table I: goal-reaching error of every policy in open loop, in closed loop and with a load, beside the paper's
 //! numbers; as Markdown, LaTeX, CSV and a picture.
 
+use super::cells::MODES;
 use super::drawing::axes::{Axis, Panel};
 use super::drawing::canvas::{Canvas, Text, TextAlign};
 use super::drawing::legend::{LegendEntry, legend};
@@ -11,10 +12,10 @@ use super::style::{
     BLUE, Colour, GREEN, HAIR, INK, MARKER, Marker, ORANGE, PAGE_WIDTH, SMALL, policies_in_order, policy_label,
     policy_latex, policy_markdown, training_label,
 };
-use super::summarise::{MODES, reach_summary};
+use super::summarise::reach_summary;
 use super::{Artifact, Figure, Published, ReportError, csv, paper, pictures, text};
-use crate::data::rows::ReachSummaryRow;
 use crate::policies;
+use crate::rows::experiment::ReachSummaryRow;
 
 /// Registry entry.
 pub(super) const FIGURE: Figure =
@@ -47,7 +48,7 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     one_size(&summary)?;
     let names = trainings(trials.iter().map(|row| row.training.as_str()));
     let sources = sources(&names);
-    let shown = policies_in_order(summary.iter().map(|row| row.policy.as_str()));
+    let shown = policies_in_order(summary.iter().map(|row| row.cell.policy.as_str()));
     let mut files = vec![
         csv("summary.csv", &summary)?,
         text("table1.md", markdown(&summary, &sources, &shown)),
@@ -59,10 +60,10 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
 
 /// A cell of the table averages over one size of data only.
 fn one_size(summary: &[ReachSummaryRow]) -> Result<(), ReportError> {
-    let cell = |row: &ReachSummaryRow| (row.training.clone(), row.policy.clone(), row.mode.clone());
+    let cell = |row: &ReachSummaryRow| (row.training.clone(), row.cell.policy.clone(), row.cell.mode.clone());
     let Some(pair) = summary.windows(2).find(|pair| cell(&pair[0]) == cell(&pair[1])) else { return Ok(()) };
-    let size = |row: &ReachSummaryRow| format!("{} + {}", row.gp_points, row.real_points);
-    let found = format!("policy {} with {} and {} real points", pair[0].policy, size(&pair[0]), size(&pair[1]));
+    let size = |row: &ReachSummaryRow| format!("{} + {}", row.cell.gp_points, row.cell.real_points);
+    let found = format!("policy {} with {} and {} real points", pair[0].cell.policy, size(&pair[0]), size(&pair[1]));
     Err(ReportError::Mixed { figure: FIGURE.name, found, expected: "size of data for a policy" })
 }
 
@@ -81,7 +82,7 @@ fn entry(summary: &[ReachSummaryRow], source: &Source, policy: &str, mode: &str)
         let printed = paper::table_1(policy, mode)?;
         return Some(TableEntry { mean_m: printed.mean_m, sd_m: printed.sd_m, interval_m: None });
     };
-    let cell = |row: &&ReachSummaryRow| row.training == training && row.policy == policy && row.mode == mode;
+    let cell = |row: &&ReachSummaryRow| row.training == training && row.cell.policy == policy && row.cell.mode == mode;
     let row = summary.iter().find(cell).filter(|row| row.trials > 0)?;
     let interval_m = row.low_95_m.is_finite().then_some([row.low_95_m, row.high_95_m]);
     Some(TableEntry { mean_m: row.mean_m, sd_m: row.sd_m, interval_m })

@@ -6,14 +6,15 @@ use super::outcomes::Outcomes;
 use super::stages::{BlindStages, RepairCampaign, RepairVariant, SharedParts, Stages};
 use crate::base::Point3;
 use crate::benchmark::DrawnEffect;
-use crate::data::responses::{PaceRow, ResponseRow};
-use crate::data::rows::{GapRow, GpCoverageRow, GpLeaveOneOutRow, GpRow, TrackRow, TrialRow};
 use crate::effects::EffectSpec;
 use crate::learn::networks::Trained;
 use crate::policies::{self, FORWARD, NetworkDescription, PolicyEntry, TrainingData, networks};
+use crate::rows::cell::CellLabel;
+use crate::rows::experiment::{GapSample, GpCoverage, GpLeftOut, GpScore, ReachTrial, TrackSample};
+use crate::rows::responses::{PaceLap, ResponseTrial};
 use crate::specs::{
-    Experiment, ExperimentSet, SweepPoint, SweptField, Training, TrialCell, gp_sizes, pace_cells, reach_cells,
-    response_cells, track_cells, trial_cells,
+    Experiment, ExperimentSet, SweepPoint, SweptField, Training, gp_sizes, pace_cells, reach_cells, response_cells,
+    track_cells, trial_cells,
 };
 use crate::tasks::SimulatedBy;
 use std::collections::BTreeSet;
@@ -61,13 +62,13 @@ pub(super) struct Repetition {
     pub(super) seed: u64,
     /// What its robot has beside the experiment's, where repetitions differ in their robots.
     pub(super) robot: Vec<DrawnEffect>,
-    pub(super) gap: Option<Handle<Vec<GapRow>>>,
+    pub(super) gap: Option<Handle<Vec<GapSample>>>,
     pub(super) waypoints: Option<Handle<Vec<Point3>>>,
     /// With the kind of training that each depends on.
-    pub(super) gps: Vec<(String, Handle<GpRow>)>,
+    pub(super) gps: Vec<(String, Handle<GpScore>)>,
     /// What the intervals of the same processes cover, where that is asked for.
-    pub(super) gp_coverages: Vec<(String, Handle<Vec<GpCoverageRow>>)>,
-    pub(super) gp_left_out: Vec<(String, Handle<Vec<GpLeaveOneOutRow>>)>,
+    pub(super) gp_coverages: Vec<(String, Handle<Vec<GpCoverage>>)>,
+    pub(super) gp_left_out: Vec<(String, Handle<Vec<GpLeftOut>>)>,
     pub(super) trained: Vec<TrainedCells>,
     /// Blind cases of discovery.
     pub(super) blind: Vec<BlindStages>,
@@ -79,10 +80,10 @@ pub(super) struct TrainedCells {
     pub(super) training: String,
     /// With the points of the data that each depends on.
     pub(super) networks: Vec<(&'static NetworkDescription, usize, Handle<Trained>)>,
-    pub(super) reach: Vec<(TrialCell, Handle<Vec<TrialRow>>)>,
-    pub(super) track: Vec<(TrialCell, Handle<Vec<TrackRow>>)>,
-    pub(super) response: Vec<(TrialCell, Handle<Vec<ResponseRow>>)>,
-    pub(super) pace: Vec<(TrialCell, Handle<Vec<PaceRow>>)>,
+    pub(super) reach: Vec<(CellLabel, Handle<Vec<ReachTrial>>)>,
+    pub(super) track: Vec<(CellLabel, Handle<Vec<TrackSample>>)>,
+    pub(super) response: Vec<(CellLabel, Handle<Vec<ResponseTrial>>)>,
+    pub(super) pace: Vec<(CellLabel, Handle<Vec<PaceLap>>)>,
     pub(super) repair: Option<RepairCampaign>,
 }
 
@@ -158,7 +159,7 @@ impl Repetition {
         runs.extend(self.blind.iter().map(blind));
         for trained in &self.trained {
             let head = format!("seed {} {}", self.seed, trained.training);
-            let run = |task: &str, cell: &TrialCell, stage: usize| {
+            let run = |task: &str, cell: &CellLabel, stage: usize| {
                 let (policy, mode, gp, real) = (&cell.policy, &cell.mode, cell.gp_points, cell.real_points);
                 let gp = if gp > 0 { format!(" gp_points {gp}") } else { String::new() };
                 let real = if real > 0 { format!(" real_points {real}") } else { String::new() };
@@ -294,7 +295,7 @@ fn gaussian_processes(experiment: &Experiment) -> Vec<(String, Training, usize)>
 /// or stands for the rod; in the order of [`networks`].
 fn networks_of(
     experiment: &Experiment,
-    cells: impl Iterator<Item = TrialCell>,
+    cells: impl Iterator<Item = CellLabel>,
 ) -> Vec<(&'static NetworkDescription, usize)> {
     let known = networks();
     let rank = |network: &NetworkDescription| known.iter().position(|other| other.name == network.name);
@@ -310,10 +311,10 @@ fn networks_of(
 }
 
 /// How much data a network of a cell depends on: real points, points of the error model, or 0 for simulated data.
-pub(super) fn points_of(network: &NetworkDescription, cell: &TrialCell) -> usize {
+pub(super) fn points_of(network: &NetworkDescription, cell: &CellLabel) -> usize {
     match network.data {
         TrainingData::Simulated | TrainingData::Randomised => 0,
-        TrainingData::Real => cell.real_points,
-        TrainingData::Generated => cell.gp_points,
+        TrainingData::Real => cell.real_points as usize,
+        TrainingData::Generated => cell.gp_points as usize,
     }
 }

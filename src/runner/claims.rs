@@ -6,10 +6,10 @@
 //! reproduced, outside it is not, across its border or from too few seeds it is undecided.
 
 use super::metrics::{ANY_TRAINING, Tables, value};
-use crate::data::population::RobotClaimRow;
-use crate::data::rows::ClaimRow;
 use crate::math::distribution::wilson_95;
 use crate::math::summary::{interval_95, mean};
+use crate::rows::experiment::ClaimRow;
+use crate::rows::population::RobotClaimRow;
 use crate::specs::{ClaimMetric, PaperClaim, Relation};
 
 /// Seeds below which no claim is decided.
@@ -138,20 +138,22 @@ fn unit(relation: &Relation) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::data::rows::GpRow;
     use crate::report::Published;
+    use crate::rows::experiment::{GpRow, GpScore};
 
     fn gps(errors: &[f64]) -> Tables {
         let row = |(seed, &error): (usize, &f64)| GpRow {
             seed: seed as u64,
             training: "any".into(),
-            points: 100,
-            kernel: "se_ard".into(),
-            cross_validation_mae_m: error,
-            log_marginal_likelihood: 0.0,
-            noise_x_m: 0.0,
-            noise_y_m: 0.0,
-            noise_z_m: 0.0,
+            score: GpScore {
+                points: 100,
+                kernel: "se_ard".into(),
+                cross_validation_mae_m: error,
+                log_marginal_likelihood: 0.0,
+                noise_x_m: 0.0,
+                noise_y_m: 0.0,
+                noise_z_m: 0.0,
+            },
         };
         Tables::from(Published { gps: errors.iter().enumerate().map(row).collect(), ..Published::default() })
     }

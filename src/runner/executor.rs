@@ -3,7 +3,7 @@
 
 use super::graph::{Failure, Graph, StageNode};
 use super::key::Key;
-use super::outcomes::{Outcome, Outcomes, SharingCost};
+use super::outcomes::{Outcomes, SharingCost, StageOutcome};
 use super::plan::{Need, plan_with};
 use super::progress::{Progress, StageEvent};
 use super::stage::{AnyResult, InputResults};
@@ -93,7 +93,7 @@ pub struct WorkerShare<'a> {
 /// # Errors
 /// When no thread can be started.
 pub fn execute(graph: &Graph, store: &Store, wanted: &[usize], options: &RunOptions) -> Result<Outcomes, Failure> {
-    let mut values: Vec<Option<Outcome>> = graph.nodes.iter().map(|_| None).collect();
+    let mut values: Vec<Option<StageOutcome>> = graph.nodes.iter().map(|_| None).collect();
     let needs = plan_with(graph, wanted, |number, node| {
         values[number] = load(node, store, options.progress).map(Ok);
         values[number].is_some()
@@ -146,7 +146,7 @@ struct Execution<'a> {
     queue: Mutex<StageQueue<'a>>,
     /// Notified when stages have ended.
     news: Condvar,
-    values: Vec<Mutex<Option<Outcome>>>,
+    values: Vec<Mutex<Option<StageOutcome>>>,
     timings: Vec<Mutex<Option<Timing>>>,
     /// Uses of each result that are still to come; a wanted one counts one more, so that it stays.
     uses: Vec<AtomicUsize>,
@@ -225,7 +225,7 @@ impl<'a> Execution<'a> {
         }
     }
 
-    fn run(mut self, needs: &[Need], values: Vec<Option<Outcome>>, wanted: &[usize]) -> Result<Outcomes, Failure> {
+    fn run(mut self, needs: &[Need], values: Vec<Option<StageOutcome>>, wanted: &[usize]) -> Result<Outcomes, Failure> {
         let cached = values.iter().flatten().count();
         self.values = values.into_iter().map(Mutex::new).collect();
         wanted.iter().for_each(|&stage| *self.uses[stage].get_mut() += 1);
@@ -411,7 +411,7 @@ impl<'a> Execution<'a> {
     }
 
     /// Keeps a result in memory. One of several workers keeps the youngest only.
-    fn keep(&self, number: usize, outcome: Outcome) {
+    fn keep(&self, number: usize, outcome: StageOutcome) {
         *lock(&self.values[number]) = Some(outcome);
         let Some(sharing) = &self.sharing else { return };
         let mut held = lock(&sharing.held);
@@ -439,7 +439,7 @@ impl<'a> Execution<'a> {
     }
 
     /// The result of a stage: from memory, from the store, or computed again where the stored one is damaged.
-    fn value(&self, number: usize) -> Outcome {
+    fn value(&self, number: usize) -> StageOutcome {
         if let Some(outcome) = &*lock(&self.values[number]) {
             return outcome.clone();
         }
@@ -453,7 +453,7 @@ impl<'a> Execution<'a> {
     }
 
     /// The result of a stage that was stored and is not, or is damaged.
-    fn compute_again(&self, node: &StageNode) -> Outcome {
+    fn compute_again(&self, node: &StageNode) -> StageOutcome {
         let (value, bytes) = compute(node, &self.inputs(node)?)?;
         self.write(node, &bytes);
         Ok(value)

@@ -5,7 +5,7 @@ use super::outcomes::Outcomes;
 use super::provenance::stages_behind;
 use super::store::Store;
 use super::timing::Timing;
-use crate::data::rows::StageRow;
+use crate::rows::experiment::StageRow;
 use crate::specs::{Document, SpecError, to_yaml};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

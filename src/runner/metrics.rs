@@ -1,9 +1,9 @@
 //! From published rows to one value per seed.
 
 use crate::data::DataError;
-use crate::data::rows::{GapRow, GpRow, NetworkRow, TrackSummaryRow, TrialRow};
 use crate::math::summary::{mean, standard_deviation};
 use crate::report::{Published, track_summary};
+use crate::rows::experiment::{GapRow, GpRow, NetworkRow, TrackSummaryRow, TrialRow};
 use crate::specs::{ClaimMetric, FrameAxis, ReachCell};
 use std::path::Path;
 
@@ -68,8 +68,8 @@ pub(super) fn value(tables: &Tables, metric: &ClaimMetric, seed: u64, training: 
         }
         ClaimMetric::GpError { points } => {
             let ours = |row: &&GpRow| row.training == training || row.training == ANY_TRAINING;
-            let found = |row: &&GpRow| row.seed == seed && row.points == *points && ours(row);
-            tables.published.gps.iter().find(found)?.cross_validation_mae_m
+            let found = |row: &&GpRow| row.seed == seed && row.score.points == *points && ours(row);
+            tables.published.gps.iter().find(found)?.score.cross_validation_mae_m
         }
         ClaimMetric::TrackMean { policy } => run(tables, policy, seed, training)?.mean_error_m,
         ClaimMetric::TrackOscillation { policy } => run(tables, policy, seed, training)?.oscillation_m,
@@ -85,11 +85,11 @@ fn reach_errors_m(tables: &Tables, cell: &ReachCell, seed: u64, training: &str) 
     let ours = |row: &&TrialRow| {
         row.seed == seed
             && row.training == training
-            && row.policy == cell.policy
-            && row.mode == cell.mode
-            && cell.gp_points.is_none_or(|points| points == row.gp_points)
-            && cell.real_points.is_none_or(|points| points == row.real_points)
-            && row.status == "ok"
+            && row.cell.policy == cell.policy
+            && row.cell.mode == cell.mode
+            && cell.gp_points.is_none_or(|points| points == row.cell.gp_points)
+            && cell.real_points.is_none_or(|points| points == row.cell.real_points)
+            && row.status.is_ok()
             && row.error_m.is_finite()
     };
     tables.published.trials.iter().filter(ours).map(|row| row.error_m).collect()
@@ -98,14 +98,14 @@ fn reach_errors_m(tables: &Tables, cell: &ReachCell, seed: u64, training: &str) 
 /// The tracking run that did not fail.
 fn run<'a>(tables: &'a Tables, policy: &str, seed: u64, training: &str) -> Option<&'a TrackSummaryRow> {
     let ours = |row: &&TrackSummaryRow| row.seed == seed && row.training == training && row.policy == policy;
-    tables.runs.iter().find(ours).filter(|row| row.status == "ok")
+    tables.runs.iter().find(ours).filter(|row| row.status.is_ok())
 }
 
 fn gap_rms_m(tables: &Tables, axis: FrameAxis, seed: u64) -> f64 {
     let difference = |row: &GapRow| match axis {
-        FrameAxis::X => row.sim_x_m - row.real_x_m,
-        FrameAxis::Y => row.sim_y_m - row.real_y_m,
-        FrameAxis::Z => row.sim_z_m - row.real_z_m,
+        FrameAxis::X => row.gap.sim_x_m - row.gap.real_x_m,
+        FrameAxis::Y => row.gap.sim_y_m - row.gap.real_y_m,
+        FrameAxis::Z => row.gap.sim_z_m - row.gap.real_z_m,
     };
     let squares: Vec<f64> =
         tables.published.gaps.iter().filter(|row| row.seed == seed).map(|row| difference(row).powi(2)).collect();

@@ -5,7 +5,7 @@ use super::stage::{AnyResult, StageResult};
 use super::timing::Timing;
 use serde::{Deserialize, Serialize};
 
-pub(super) type Outcome = Result<AnyResult, Failure>;
+pub(super) type StageOutcome = Result<AnyResult, Failure>;
 
 /// What it cost a process that others worked at the same run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -28,7 +28,7 @@ pub struct SharingCost {
 
 /// What became of the stages that were wanted, and of those computed for them.
 pub struct Outcomes {
-    pub(super) values: Vec<Option<Outcome>>,
+    pub(super) values: Vec<Option<StageOutcome>>,
     /// Time of each computed stage; `None` for those read from the store or not needed.
     pub timings: Vec<Option<Timing>>,
     /// Stages computed now.
@@ -63,7 +63,7 @@ impl Outcomes {
     }
 
     pub(super) fn new(
-        values: Vec<Option<Outcome>>,
+        values: Vec<Option<StageOutcome>>,
         timings: Vec<Option<Timing>>,
         cached: usize,
         stopped: bool,

@@ -4,7 +4,7 @@
 use super::campaign::{Campaign, CampaignEntry};
 use super::outcomes::Outcomes;
 use super::store::Store;
-use crate::data::rows::StageRow;
+use crate::rows::experiment::StageRow;
 use std::collections::BTreeSet;
 
 /// The numbers of all stages behind what an experiment publishes.

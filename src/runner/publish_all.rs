@@ -6,7 +6,7 @@ use super::outcomes::Outcomes;
 use super::provenance::provenance;
 use super::results::{Files, Publication, all_claims, put, write_files};
 use super::store::Store;
-use crate::data::rows::ClaimRow;
+use crate::rows::experiment::ClaimRow;
 use std::collections::BTreeMap;
 use std::path::Path;
 

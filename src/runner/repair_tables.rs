@@ -2,57 +2,55 @@
 
 use super::graph::{Failure, Handle};
 use super::jobs::diagnosis::Diagnosis;
-use super::metrics::Tables;
 use super::outcomes::Outcomes;
-use super::stages::{RepairCampaign, RepairStages, RepairVariant};
-use crate::data::repairs::{IdentificationRow, MonitorRow, RepairRow, RepairTrialRow};
-use crate::data::rows::TrialRow;
+use super::stages::{RepairCampaign, RepairStages};
+use super::tables::TrainedRepetition;
+use crate::base::Outcome;
 use crate::effects::EffectSpec;
-use crate::specs::TrialCell;
+use crate::report::Published;
+use crate::rows::experiment::ReachTrial;
+use crate::rows::repairs::{IdentificationRow, MonitorRow, RepairRow, RepairTrialRow};
 
 /// Adds the rows of one repetition and training; `targets` rows where a failure has made trials impossible.
-pub(super) fn add(
-    tables: &mut Tables,
-    (seed, training): (u64, &str),
-    repair: &RepairCampaign,
-    targets: usize,
-    outcomes: &Outcomes,
-) {
+pub(super) fn add(published: &mut Published, repetition: &TrainedRepetition, repair: &RepairCampaign, targets: usize) {
+    let TrainedRepetition { seed, training, outcomes } = *repetition;
     // The same for every kind of training.
-    if tables.published.identifications.iter().all(|row| row.seed != seed) {
-        tables.published.identifications.push(identification_row(seed, repair, outcomes));
+    if published.identifications.iter().all(|row| row.seed != seed) {
+        published.identifications.push(identification_row(seed, repair, outcomes));
     }
-    tables.published.monitors.push(monitor_row(seed, training, repair, outcomes));
+    published.monitors.push(monitor_row(repetition, repair));
     for change in &repair.changes {
-        tables.published.repairs.push(repair_row(seed, training, change, outcomes));
+        published.repairs.push(repair_row(seed, training, change, outcomes));
         for (variant, cell, stage) in &change.trials {
-            let label = |target: u64| labelled((seed, training, &change.change), *variant, cell, target);
-            let rows: Vec<RepairTrialRow> = match outcomes.get(*stage) {
-                Ok(rows) => rows.iter().map(|row| measured(label(row.target), row)).collect(),
-                Err(failure) => (0..targets as u64)
-                    .map(|target| RepairTrialRow { status: failure.to_string(), ..label(target) })
-                    .collect(),
+            let unmeasured = |status: Outcome| {
+                (0..targets as u64).map(|target| ReachTrial::unmeasured(target, status.clone())).collect()
             };
-            tables.published.repair_trials.extend(rows);
+            let row = |trial: ReachTrial| RepairTrialRow {
+                seed,
+                training: training.to_owned(),
+                change: change.change.clone(),
+                variant: variant.name().to_owned(),
+                cell: cell.clone(),
+                target: trial.target,
+                error_m: trial.error_m,
+                steps: trial.steps,
+                settled: trial.settled,
+                status: trial.status,
+            };
+            published.repair_trials.extend(repetition.values(*stage, unmeasured).into_iter().map(row));
         }
     }
 }
 
-fn monitor_row(seed: u64, training: &str, repair: &RepairCampaign, outcomes: &Outcomes) -> MonitorRow {
-    let training = training.to_owned();
-    match outcomes.get(repair.monitor) {
-        Ok(tried) => MonitorRow {
-            seed,
-            training,
-            threshold: tried.monitor.threshold(),
-            watched_s: tried.watched_s,
-            false_alarms: tried.false_alarms,
-            status: "ok".to_owned(),
-        },
-        Err(failure) => {
-            let status = failure.to_string();
-            MonitorRow { seed, training, threshold: f64::NAN, watched_s: 0.0, false_alarms: 0, status }
-        }
+fn monitor_row(repetition: &TrainedRepetition, repair: &RepairCampaign) -> MonitorRow {
+    let tried = repetition.outcomes.get(repair.monitor);
+    MonitorRow {
+        seed: repetition.seed,
+        training: repetition.training.to_owned(),
+        threshold: tried.as_ref().map_or(f64::NAN, |tried| tried.monitor.threshold()),
+        watched_s: tried.as_ref().map_or(0.0, |tried| tried.watched_s),
+        false_alarms: tried.as_ref().map_or(0, |tried| tried.false_alarms),
+        status: Outcome::from(&tried),
     }
 }
 
@@ -91,37 +89,11 @@ fn repair_row(seed: u64, training: &str, change: &RepairStages, outcomes: &Outco
     }
 }
 
-/// The diagnosis, and `ok` or why there is none.
-fn diagnosis(stage: Handle<Diagnosis>, outcomes: &Outcomes) -> (Diagnosis, String) {
-    let nothing = |failure: Failure| (Diagnosis::nothing("failed".to_owned(), 0), failure.to_string());
-    outcomes.get(stage).map_or_else(nothing, |diagnosis| (diagnosis.clone(), "ok".to_owned()))
-}
-
-fn labelled(
-    (seed, training, change): (u64, &str, &str),
-    variant: RepairVariant,
-    cell: &TrialCell,
-    target: u64,
-) -> RepairTrialRow {
-    RepairTrialRow {
-        seed,
-        training: training.to_owned(),
-        change: change.to_owned(),
-        variant: variant.name().to_owned(),
-        policy: cell.policy.clone(),
-        mode: cell.mode.clone(),
-        gp_points: cell.gp_points as u64,
-        real_points: cell.real_points as u64,
-        target,
-        error_m: f64::NAN,
-        steps: 0,
-        settled: false,
-        status: String::new(),
-    }
-}
-
-fn measured(label: RepairTrialRow, row: &TrialRow) -> RepairTrialRow {
-    RepairTrialRow { error_m: row.error_m, steps: row.steps, settled: row.settled, status: row.status.clone(), ..label }
+/// The diagnosis, and what became of it.
+fn diagnosis(stage: Handle<Diagnosis>, outcomes: &Outcomes) -> (Diagnosis, Outcome) {
+    let result: Result<&Diagnosis, Failure> = outcomes.get(stage);
+    let status = Outcome::from(&result);
+    (result.map_or_else(|_| Diagnosis::nothing("failed".to_owned(), 0), Clone::clone), status)
 }
 
 /// Effects as they stand in a model file, on one line: `tip_load: {mass_kg: 0.02}`.

@@ -4,10 +4,10 @@ use super::campaign::{CampaignEntry, PointStages};
 use super::claims::{evaluate, per_robot};
 use super::metrics::Tables;
 use super::outcomes::Outcomes;
-use crate::data::population::{RobotClaimRow, RobotRow};
-use crate::data::rows::ClaimRow;
 use crate::data::{DataError, TableRow, tables, write_atomic_batch};
 use crate::report::{self, OutputFolder, Published, ReportError};
+use crate::rows::experiment::ClaimRow;
+use crate::rows::population::{RobotClaimRow, RobotRow};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -72,7 +72,7 @@ impl CampaignEntry {
             files.insert(folder.join(name), bytes);
         }
         let notices = self.figures_to(&tables, &folder, &mut files);
-        let failed = failed(&tables);
+        let failed = tables.published.failed();
         // Those of many robots are not about the paper's setting.
         let claims = if self.experiment.population.is_some() { Vec::new() } else { claims };
         Ok(Publication { files, claims, failed, notices })
@@ -136,19 +136,6 @@ impl CampaignEntry {
         }
         notices
     }
-}
-
-/// Trials, tracking runs and cases that failed.
-pub(super) fn failed(tables: &Tables) -> usize {
-    tables.published.trials.iter().filter(|row| row.status != "ok").count()
-        + tables.runs.iter().filter(|row| row.status != "ok").count()
-        + tables.published.responses.iter().filter(|row| row.status != "ok").count()
-        + tables.published.paces.iter().filter(|row| row.status != "ok").count()
-        + tables.published.identifications.iter().filter(|row| row.status != "ok").count()
-        + tables.published.monitors.iter().filter(|row| row.status != "ok").count()
-        + tables.published.repairs.iter().filter(|row| row.status != "ok").count()
-        + tables.published.repair_trials.iter().filter(|row| row.status != "ok").count()
-        + tables.published.cases.iter().filter(|row| row.verdict.starts_with("failed")).count()
 }
 
 /// Adds the table of these rows to the files of `folder`, unless there are none.

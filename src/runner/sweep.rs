@@ -4,13 +4,15 @@
 use super::campaign::{CampaignEntry, PointStages};
 use super::metrics::Tables;
 use super::outcomes::Outcomes;
-use super::results::{Files, Publication, PublishError, failed};
+use super::results::{Files, Publication, PublishError};
 use crate::data::TableRow;
-use crate::data::rows::{ComparisonRow, SweepRow};
 use crate::data::tables::{Beside, to_csv_beside};
 use crate::report::{
     Published, SweepCell, SweepTable, SweptPoint, comparisons, gp_sweep, reach_sweep, response_sweep, track_sweep,
 };
+use crate::rows::cell::CellLabel;
+use crate::rows::experiment::{ComparisonRow, SweepRow};
+use crate::specs::track_cells;
 use std::path::Path;
 
 /// The figure that every sweep has.
@@ -48,7 +50,12 @@ impl CampaignEntry {
         let name = &self.experiment.name;
         let others = self.experiment.figures.iter().filter(|figure| *figure != FIGURE);
         notices.extend(others.map(|figure| format!("{name}: {figure} is of one setting and not made of a sweep")));
-        Ok(Publication { files, claims: Vec::new(), failed: all.iter().map(failed).sum(), notices })
+        Ok(Publication {
+            files,
+            claims: Vec::new(),
+            failed: all.iter().map(|one| one.published.failed()).sum(),
+            notices,
+        })
     }
 
     /// The table of what makes a difference; none where there is nothing to compare.
@@ -85,12 +92,12 @@ fn summary(point: &PointStages, tables: &Tables) -> SweptPoint {
     let mut cells: Vec<SweepCell> = reach_sweep(&tables.published.trials);
     cells.extend(response_sweep(&tables.published.responses));
     if let Some(track) = &point.experiment.runs.track {
-        let sizes = crate::specs::track_cells(&point.experiment);
-        let sizes = |policy: &str| {
-            let cell = sizes.iter().find(|cell| cell.policy == policy);
-            cell.map_or([0, 0], |cell| [cell.gp_points as u64, cell.real_points as u64])
+        let tracked = track_cells(&point.experiment);
+        let cell = |policy: &str| {
+            let unused = || CellLabel { policy: policy.to_owned(), mode: track.mode.clone(), ..CellLabel::default() };
+            tracked.iter().find(|cell| cell.policy == policy).cloned().unwrap_or_else(unused)
         };
-        cells.extend(track_sweep(&tables.runs, &track.mode, sizes));
+        cells.extend(track_sweep(&tables.runs, cell));
     }
     cells.extend(gp_sweep(&tables.published.gps));
     SweptPoint { values: point.values.clone(), cells }

@@ -1,66 +1,70 @@
-//! Stage results to published rows: labels filled in, failures turned into rows, everything in a fixed order.
+//! Stage results to published rows: every label is filled in here, failures become rows, everything is in a fixed order.
 
 use super::campaign::{PointStages, TrainedCells};
-use super::graph::Failure;
+use super::graph::{Failure, Handle};
 use super::metrics::Tables;
 use super::outcomes::Outcomes;
 use super::repair_tables;
+use super::stage::StageResult;
+use crate::base::Outcome;
 use crate::benchmark::{DrawnEffect, ScoredCase};
-use crate::data::population::RobotRow;
-use crate::data::responses::{PaceRow, ResponseRow};
-use crate::data::rows::{GpCoverageRow, GpLeaveOneOutRow, GpRow, NetworkRow, TrackRow, TrialRow, WaypointRow};
 use crate::learn::networks::Trained;
 use crate::policies::{NetworkDescription, TrainingData};
-use crate::report::track_summary;
-use crate::specs::{Experiment, TrialCell};
+use crate::report::{Published, track_summary};
+use crate::rows::cell::{CellLabel, CellRow};
+use crate::rows::experiment::{
+    GapRow, GpCoverageRow, GpLeaveOneOutRow, GpRow, NetworkRow, ReachTrial, TrackRow, TrackSample, WaypointRow,
+};
+use crate::rows::population::RobotRow;
+use crate::rows::responses::{PaceLap, ResponseTrial};
+use crate::specs::Experiment;
 
 pub(super) fn assemble(point: &PointStages, outcomes: &Outcomes) -> Tables {
     let mut tables = Tables::default();
+    let published = &mut tables.published;
     for one in &point.repetitions {
         let seed = one.seed;
-        tables.published.robots.extend(one.robot.iter().flat_map(|effect| robot_rows(seed, effect)));
-        if let Some(Ok(rows)) = one.gap.map(|stage| outcomes.get(stage)) {
-            tables.published.gaps.extend(rows.iter().cloned().map(|mut row| {
-                row.seed = seed;
-                row
-            }));
-        }
-        if let Some(Ok(points)) = one.waypoints.map(|stage| outcomes.get(stage)) {
-            let row = |(waypoint, &[x_m, y_m, z_m]): (usize, &[f64; 3])| WaypointRow {
-                seed,
-                waypoint: waypoint as u64,
-                x_m,
-                y_m,
-                z_m,
-            };
-            tables.published.waypoints.extend(points.iter().enumerate().map(row));
-        }
-        let gps = one.gps.iter().filter_map(|(training, stage)| Some((training, outcomes.get(*stage).ok()?)));
-        tables.published.gps.extend(gps.map(|(training, row)| GpRow {
+        published.robots.extend(one.robot.iter().flat_map(|effect| robot_rows(seed, effect)));
+        let gaps = one.gap.into_iter().flat_map(|stage| all(outcomes, stage));
+        published.gaps.extend(gaps.map(|gap| GapRow { seed, gap }));
+        let waypoints = one.waypoints.into_iter().flat_map(|stage| all(outcomes, stage));
+        published.waypoints.extend(waypoints.enumerate().map(|(waypoint, [x_m, y_m, z_m])| WaypointRow {
             seed,
-            training: training.clone(),
-            ..row.clone()
+            waypoint: waypoint as u64,
+            x_m,
+            y_m,
+            z_m,
         }));
+        for (training, stage) in &one.gps {
+            let score = outcomes.get(*stage).ok().cloned();
+            published.gps.extend(score.map(|score| GpRow { seed, training: training.clone(), score }));
+        }
         for (training, stage) in &one.gp_coverages {
-            let rows = outcomes.get(*stage).into_iter().flatten();
-            let label = |row: &GpCoverageRow| GpCoverageRow { seed, training: training.clone(), ..row.clone() };
-            tables.published.gp_coverages.extend(rows.map(label));
+            let row = |coverage| GpCoverageRow { seed, training: training.clone(), coverage };
+            published.gp_coverages.extend(all(outcomes, *stage).map(row));
         }
         for (training, stage) in &one.gp_left_out {
-            let rows = outcomes.get(*stage).into_iter().flatten();
-            let label = |row: &GpLeaveOneOutRow| GpLeaveOneOutRow { seed, training: training.clone(), ..row.clone() };
-            tables.published.gp_left_out.extend(rows.map(label));
+            let row = |left_out| GpLeaveOneOutRow { seed, training: training.clone(), left_out };
+            published.gp_left_out.extend(all(outcomes, *stage).map(row));
         }
         for ScoredCase { row, intervals } in one.blind.iter().map(|case| case.scored(outcomes)) {
-            tables.published.cases.push(row);
-            tables.published.intervals.extend(intervals);
+            published.cases.push(row);
+            published.intervals.extend(intervals);
         }
         for cells in &one.trained {
-            trained(&mut tables, &point.experiment, seed, cells, outcomes);
+            trained(published, &point.experiment, seed, cells, outcomes);
         }
     }
     tables.runs = track_summary(&tables.published.tracks);
     tables
+}
+
+/// The values of a stage; none where it failed.
+fn all<T: Clone>(outcomes: &Outcomes, stage: Handle<Vec<T>>) -> impl Iterator<Item = T>
+where
+    Vec<T>: StageResult,
+{
+    outcomes.get(stage).into_iter().flatten().cloned()
 }
 
 /// The parameters of an effect that the robot of a repetition has.
@@ -76,71 +80,72 @@ fn robot_rows(seed: u64, effect: &DrawnEffect) -> impl Iterator<Item = RobotRow>
 }
 
 /// Rows of one seed and training. Seeds ascend, trainings and cells are in the order of their expansion.
-fn trained(tables: &mut Tables, experiment: &Experiment, seed: u64, cells: &TrainedCells, outcomes: &Outcomes) {
+fn trained(published: &mut Published, experiment: &Experiment, seed: u64, cells: &TrainedCells, outcomes: &Outcomes) {
+    let repetition = TrainedRepetition { seed, training: &cells.training, outcomes };
     let training = &cells.training;
     for (network, points, stage) in &cells.networks {
         if let Ok(trained) = outcomes.get(*stage) {
-            tables.published.networks.push(network_row(seed, training, network, *points, trained, experiment));
+            published.networks.push(network_row(seed, training, network, *points, trained, experiment));
         }
     }
-    for (cell, stage) in &cells.reach {
-        let failed = |failure: Failure| failed_trials(cell, experiment.targets.drawn, &failure);
-        let rows = outcomes.get(*stage).map_or_else(failed, Clone::clone);
-        tables.published.trials.extend(rows.into_iter().map(|row| TrialRow {
-            seed,
-            training: training.clone(),
-            mode: cell.mode.clone(),
-            gp_points: cell.gp_points as u64,
-            real_points: cell.real_points as u64,
-            ..row
-        }));
-    }
+    let targets = 0..experiment.targets.drawn as u64;
+    let lap = experiment.runs.pace.iter().flat_map(|run| run.speeds.iter().map(|speed| (*speed, run.lap_s / speed)));
+    published.trials.extend(repetition.rows(&cells.reach, |status| {
+        targets.clone().map(|target| ReachTrial::unmeasured(target, status.clone())).collect()
+    }));
+    published.responses.extend(repetition.rows(&cells.response, |status| {
+        targets.clone().map(|target| ResponseTrial::unmeasured(target, status.clone())).collect()
+    }));
+    published.paces.extend(repetition.rows(&cells.pace, |status| {
+        lap.clone().map(|(speed, lap_s)| PaceLap::unmeasured(speed, lap_s, status.clone())).collect()
+    }));
     for (cell, stage) in &cells.track {
-        let rows = outcomes.get(*stage).map_or_else(|failure| vec![failed_track(cell, &failure)], Clone::clone);
-        let label = |row| TrackRow { seed, training: training.clone(), ..row };
-        tables.published.tracks.extend(rows.into_iter().map(label));
+        let samples = repetition.values(*stage, |status| vec![TrackSample::unmeasured(status)]);
+        let row = |sample| TrackRow { seed, training: training.clone(), policy: cell.policy.clone(), sample };
+        published.tracks.extend(samples.into_iter().map(row));
     }
-    fixed_duration(tables, experiment, seed, cells, outcomes);
     if let Some(repair) = &cells.repair {
-        repair_tables::add(tables, (seed, training), repair, experiment.targets.drawn, outcomes);
+        repair_tables::add(published, &repetition, repair, experiment.targets.drawn);
     }
 }
 
-/// Responses and laps of one seed and training.
-fn fixed_duration(tables: &mut Tables, experiment: &Experiment, seed: u64, cells: &TrainedCells, outcomes: &Outcomes) {
-    let training = &cells.training;
-    for (cell, stage) in &cells.response {
-        let failed = |failure: Failure| {
-            (0..experiment.targets.drawn as u64)
-                .map(|draw| ResponseRow::unmeasured(draw, failure.to_string()))
-                .collect()
-        };
-        let rows: Vec<ResponseRow> = outcomes.get(*stage).map_or_else(failed, Clone::clone);
-        tables.published.responses.extend(rows.into_iter().map(|row| ResponseRow {
-            seed,
-            training: training.clone(),
-            policy: cell.policy.clone(),
-            mode: cell.mode.clone(),
-            gp_points: cell.gp_points as u64,
-            real_points: cell.real_points as u64,
-            ..row
-        }));
+/// One seed and training, and what became of its stages.
+pub(super) struct TrainedRepetition<'a> {
+    pub(super) seed: u64,
+    pub(super) training: &'a str,
+    pub(super) outcomes: &'a Outcomes,
+}
+
+impl TrainedRepetition<'_> {
+    /// The values of a stage, or those that stand for its failure.
+    pub(super) fn values<T: Clone>(&self, stage: Handle<Vec<T>>, unmeasured: impl FnOnce(Outcome) -> Vec<T>) -> Vec<T>
+    where
+        Vec<T>: StageResult,
+    {
+        let failed = |failure: Failure| unmeasured(Outcome::Failed(failure.to_string()));
+        self.outcomes.get(stage).map_or_else(failed, Clone::clone)
     }
-    let laps = experiment.runs.pace.iter().flat_map(|run| run.speeds.iter().map(|speed| (*speed, run.lap_s / speed)));
-    for (cell, stage) in &cells.pace {
-        let failed = |failure: Failure| {
-            laps.clone().map(|(speed, lap_s)| PaceRow::unmeasured(speed, lap_s, failure.to_string())).collect()
+
+    /// The rows of cells: what was measured, with its label.
+    fn rows<T: Clone>(
+        &self,
+        cells: &[(CellLabel, Handle<Vec<T>>)],
+        unmeasured: impl Fn(Outcome) -> Vec<T>,
+    ) -> Vec<CellRow<T>>
+    where
+        Vec<T>: StageResult,
+    {
+        let row = |cell: &CellLabel, value: T| CellRow {
+            seed: self.seed,
+            training: self.training.to_owned(),
+            cell: cell.clone(),
+            value,
         };
-        let rows: Vec<PaceRow> = outcomes.get(*stage).map_or_else(failed, Clone::clone);
-        tables.published.paces.extend(rows.into_iter().map(|row| PaceRow {
-            seed,
-            training: training.clone(),
-            policy: cell.policy.clone(),
-            mode: cell.mode.clone(),
-            gp_points: cell.gp_points as u64,
-            real_points: cell.real_points as u64,
-            ..row
-        }));
+        let of_cell = |(cell, stage): &(CellLabel, Handle<Vec<T>>)| {
+            let values = self.values(*stage, &unmeasured).into_iter();
+            values.map(|value| row(cell, value)).collect::<Vec<_>>()
+        };
+        cells.iter().flat_map(of_cell).collect()
     }
 }
 
@@ -165,50 +170,5 @@ fn network_row(
         epochs: trained.epochs as u64,
         validation_mae_m: trained.validation_mae,
         paper_mae_m: network.paper_mae_m,
-    }
-}
-
-/// The trials that a failure before them made impossible: one row a target, as there would have been.
-fn failed_trials(cell: &TrialCell, targets: usize, failure: &Failure) -> Vec<TrialRow> {
-    let row = |target: usize| TrialRow {
-        seed: 0,
-        training: String::new(),
-        policy: cell.policy.clone(),
-        mode: String::new(),
-        gp_points: 0,
-        real_points: 0,
-        target: target as u64,
-        target_x_m: f64::NAN,
-        target_y_m: f64::NAN,
-        target_z_m: f64::NAN,
-        tip_x_m: f64::NAN,
-        tip_y_m: f64::NAN,
-        tip_z_m: f64::NAN,
-        error_m: f64::NAN,
-        steps: 0,
-        settled: false,
-        switches: 0,
-        status: failure.to_string(),
-    };
-    (0..targets).map(row).collect()
-}
-
-fn failed_track(cell: &TrialCell, failure: &Failure) -> TrackRow {
-    TrackRow {
-        seed: 0,
-        training: String::new(),
-        policy: cell.policy.clone(),
-        step: 0,
-        time_s: 0.0,
-        path_point: 0,
-        target_x_m: f64::NAN,
-        target_y_m: f64::NAN,
-        target_z_m: f64::NAN,
-        tip_x_m: f64::NAN,
-        tip_y_m: f64::NAN,
-        tip_z_m: f64::NAN,
-        error_m: f64::NAN,
-        branch: String::new(),
-        status: failure.to_string(),
     }
 }

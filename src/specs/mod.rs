@@ -14,7 +14,7 @@ pub use document::locate::{PathEnd, locate};
 pub use document::merged::Document;
 pub use document::path::{KeyPath, Step};
 pub use experiment::cells::{
-    TrialCell, gp_sizes, pace_cells, reach_cells, repair_cells, repair_worker, response_cells, track_cells, trial_cells,
+    gp_sizes, pace_cells, reach_cells, repair_cells, repair_worker, response_cells, track_cells, trial_cells,
 };
 pub use experiment::claims::{ClaimMetric, FrameAxis, PaperClaim, ReachCell, Relation, Size};
 pub use experiment::repair::{RepairRecordings, RepairRun};

@@ -3,7 +3,7 @@
 use super::TaskError;
 use super::reach::LoopMode;
 use super::watched::{WatchedRobot, WatchedStep};
-use crate::base::{BadOption, Point3, Policy, Seed, distance_m};
+use crate::base::{BadOption, Outcome, Point3, Policy, Seed, distance_m};
 
 /// A lap. Lengths in metres.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,7 +17,7 @@ pub struct Lap {
     /// Distance travelled by all tendons together, the way to the first point included.
     pub tendon_travel_m: f64,
     /// `ok`, or the failure.
-    pub status: String,
+    pub status: Outcome,
 }
 
 /// Runs a policy from rest at home: `lead_in_s` at the first point of the path, then once along it at constant speed in

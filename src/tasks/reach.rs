@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::TaskError;
-use crate::base::{BadOption, Observation, Plant, PlantError, Point3, Policy, PolicyError, Seed, distance_m};
+use crate::base::{BadOption, Observation, Outcome, Plant, PlantError, Point3, Policy, PolicyError, Seed, distance_m};
 
 /// Which observation the policy receives.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -64,8 +64,8 @@ pub struct ReachOutcome {
     pub settled: bool,
     /// Number of changes between the controllers of a hybrid policy.
     pub switches: usize,
-    /// `ok`, or the failure; a failed trial ends with its last measurement.
-    pub status: String,
+    /// A failed trial ends with its last measurement.
+    pub status: Outcome,
 }
 
 /// A failure inside a trial.
@@ -75,14 +75,6 @@ pub(super) enum TrialError {
     Plant(#[from] PlantError),
     #[error("policy: {0}")]
     Policy(#[from] PolicyError),
-}
-
-/// The status of a trial as text.
-pub(super) fn status(result: Result<(), TrialError>) -> String {
-    match result {
-        Ok(()) => "ok".to_owned(),
-        Err(error) => error.to_string(),
-    }
 }
 
 /// Runs a trial. Open loop and load are properties of the observation and the plant, unknown to the policy. The seed
@@ -99,7 +91,7 @@ pub fn reach(
     seed: Seed,
 ) -> Result<ReachOutcome, TaskError> {
     options.check()?;
-    let mut trial = ReachTrial { measured_m: Vec::new(), steps: 0, settled: false, switches: 0 };
+    let mut trial = ReachRun { measured_m: Vec::new(), steps: 0, settled: false, switches: 0 };
     let result = trial.run(plant, policy, target_m, mode, options, seed);
     let tip_m = trial.measured_m.last().copied().unwrap_or([f64::NAN; 3]);
     let tail = &trial.measured_m[trial.measured_m.len().saturating_sub(options.averaged_samples)..];
@@ -110,18 +102,18 @@ pub fn reach(
         steps: trial.steps,
         settled: trial.settled,
         switches: trial.switches,
-        status: status(result),
+        status: Outcome::from(&result),
     })
 }
 
-struct ReachTrial {
+struct ReachRun {
     measured_m: Vec<Point3>,
     steps: usize,
     settled: bool,
     switches: usize,
 }
 
-impl ReachTrial {
+impl ReachRun {
     fn run(
         &mut self,
         plant: &mut dyn Plant,

@@ -3,7 +3,7 @@
 use super::TaskError;
 use super::reach::LoopMode;
 use super::watched::{WatchedRobot, WatchedRun, WatchedStep};
-use crate::base::{BadOption, Point3, Policy, Seed, distance_m};
+use crate::base::{BadOption, Outcome, Point3, Policy, Seed, distance_m};
 
 /// The response to one target. Lengths in metres, times in seconds; not a number where there is none.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,7 +25,7 @@ pub struct Response {
     /// Distance travelled by all tendons together.
     pub tendon_travel_m: f64,
     /// `ok`, or the failure.
-    pub status: String,
+    pub status: Outcome,
 }
 
 const WITHIN_M: [f64; 3] = [0.005, 0.003, 0.002];
@@ -57,7 +57,7 @@ pub fn response(
 }
 
 fn summarised(run: &WatchedRun, target_m: &Point3, step_s: f64, max_step_m: Option<f64>) -> Response {
-    let complete = run.status == "ok";
+    let complete = run.status.is_ok();
     let steps = &run.steps;
     let end_s = steps.last().map_or(0.0, |step| step.time_s);
     let last: Vec<&WatchedStep> = steps.iter().filter(|step| step.time_s > end_s - 1.0 + ROUNDING_S).collect();
@@ -112,7 +112,7 @@ mod tests {
             pulls_m: vec![0.003 * (index + 1) as f64, -0.003 * (index + 1) as f64],
         };
         let steps = tips_x_m.iter().enumerate().map(step).collect();
-        WatchedRun { home_m: [0.0; 3], steps, status: "ok".to_owned() }
+        WatchedRun { home_m: [0.0; 3], steps, status: Outcome::Ok }
     }
 
     #[test]

@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::TaskError;
-use super::reach::{TrialError, status};
-use crate::base::{BadOption, Plant, Point3, Policy, Seed, distance_m};
+use super::reach::TrialError;
+use crate::base::{BadOption, Outcome, Plant, Point3, Policy, Seed, distance_m};
 
 /// When the target advances along the path.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -57,7 +57,7 @@ pub struct TrackStep {
     /// Controller of a hybrid policy that gave the command.
     pub branch: &'static str,
     /// `ok`, or in the last step the failure that ended the run.
-    pub status: String,
+    pub status: Outcome,
 }
 
 /// Tracks `path_m` from rest at home. The run ends when the policy has settled at the last point, when the steps for it are
@@ -87,7 +87,7 @@ pub fn track(
             tip_m,
             error_m: distance_m(&tip_m, &target_m),
             branch: last.map_or("", |step| step.branch),
-            status: status(Err(error)),
+            status: Outcome::Failed(error.to_string()),
         });
     }
     Ok(steps)
@@ -118,7 +118,7 @@ fn follow(
                 tip_m: seen.tip_m,
                 error_m,
                 branch: action.branch,
-                status: "ok".to_owned(),
+                status: Outcome::Ok,
             });
             let near = options.within_m.is_none_or(|within_m| error_m <= within_m);
             settled_steps = if action.settled && near { settled_steps + 1 } else { 0 };

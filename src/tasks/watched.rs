@@ -1,7 +1,7 @@
 //! A robot that is driven for a fixed time, with the tip as it is measured and as it is without tracking noise.
 
-use super::reach::{TrialError, status};
-use crate::base::{Observation, Plant, Point3, Policy, Seed, distance_m};
+use super::reach::TrialError;
+use crate::base::{Observation, Outcome, Plant, Point3, Policy, Seed, distance_m};
 
 /// A robot, and the same robot without tracking noise, where there is one: it gets the same commands, and its tip is the
 /// true one.
@@ -38,7 +38,7 @@ impl WatchedStep {
 pub(super) struct WatchedRun {
     pub(super) home_m: Point3,
     pub(super) steps: Vec<WatchedStep>,
-    pub(super) status: String,
+    pub(super) status: Outcome,
 }
 
 impl WatchedRun {
@@ -61,8 +61,8 @@ impl WatchedRobot {
         open: bool,
         seed: Seed,
     ) -> WatchedRun {
-        let mut run = WatchedRun { home_m: [f64::NAN; 3], steps: Vec::new(), status: String::new() };
-        run.status = status(self.play(policy, targets_m, open, seed, &mut run));
+        let mut run = WatchedRun { home_m: [f64::NAN; 3], steps: Vec::new(), status: Outcome::Ok };
+        run.status = Outcome::from(&self.play(policy, targets_m, open, seed, &mut run));
         run
     }
 

@@ -59,7 +59,7 @@ fn a_population_is_run_and_published_with_what_holds_on_how_many_robots() {
         let errors: Vec<f64> = published
             .trials
             .iter()
-            .filter(|row| row.seed == seed && row.policy == policy)
+            .filter(|row| row.seed == seed && row.cell.policy == policy)
             .map(|row| row.error_m)
             .collect();
         errors.iter().sum::<f64>() / errors.len() as f64
@@ -81,6 +81,6 @@ fn a_population_is_run_and_published_with_what_holds_on_how_many_robots() {
     let first: Vec<f64> = published.trials.iter().filter(|row| row.target == 0).map(|row| row.error_m).collect();
     assert!(first.windows(2).all(|pair| pair[0] != pair[1]), "{first:?}");
     spinebench(&["verify", "few", "--quiet"]);
-    let effects: Vec<spinebench::data::population::AttributionRow> = published_rows(&results).unwrap();
+    let effects: Vec<spinebench::rows::population::AttributionRow> = published_rows(&results).unwrap();
     assert!(effects.iter().all(|row| row.robots_with + row.robots_without == 8), "{effects:?}");
 }

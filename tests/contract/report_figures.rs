@@ -83,11 +83,11 @@ fn poor_rows_are_drawn_or_refused_but_never_crash() {
             rows.repair_trials.truncate(keep);
             (figure.render)(&rows).unwrap();
             rows.trials.iter_mut().for_each(|row| row.error_m = f64::NAN);
-            rows.tracks.iter_mut().for_each(|row| (row.error_m, row.tip_x_m) = (f64::NAN, f64::NAN));
+            rows.tracks.iter_mut().for_each(|row| (row.sample.error_m, row.sample.tip_x_m) = (f64::NAN, f64::NAN));
             rows.responses.iter_mut().for_each(|row| (row.error_1s_m, row.error_end_m) = (f64::NAN, f64::INFINITY));
             rows.paces.iter_mut().for_each(|row| row.rms_m = f64::NAN);
             rows.repair_trials.iter_mut().for_each(|row| row.error_m = f64::NAN);
-            rows.gaps.iter_mut().for_each(|row| (row.sim_x_m, row.real_y_m) = (f64::NAN, f64::INFINITY));
+            rows.gaps.iter_mut().for_each(|row| (row.gap.sim_x_m, row.gap.real_y_m) = (f64::NAN, f64::INFINITY));
             rows.claims.iter_mut().for_each(|row| (row.ours, row.paper) = (f64::NAN, 0.0));
             rows.sweep.rows.iter_mut().for_each(|row| (row.mean_m, row.sd_over_seeds_m) = (f64::NAN, f64::INFINITY));
             rows.cases

@@ -1,9 +1,10 @@
 //! The numbers in tables and summaries, against values worked out by hand.
 
 use crate::support::report_rows::{claims, gaps, published, table, tracks};
-use spinebench::data::rows::{GapSummaryRow, TrialRow};
+use spinebench::base::Outcome;
 use spinebench::data::tables;
 use spinebench::report::{Published, ReportError, figure, paper, reach_summary, track_summary};
+use spinebench::rows::experiment::{GapSummaryRow, ReachTrial, TrialRow};
 
 fn file(figure_name: &str, rows: &Published, name: &str) -> String {
     let files = (figure(figure_name).unwrap().render)(rows).unwrap();
@@ -13,8 +14,15 @@ fn file(figure_name: &str, rows: &Published, name: &str) -> String {
 
 /// Trials of policy A in closed loop with these errors: (seed, error).
 fn trials(errors_m: &[(u64, f64)]) -> Vec<TrialRow> {
-    let pattern = table(1).into_iter().find(|row| row.policy == "a" && row.mode == "closed").unwrap();
-    errors_m.iter().map(|&(seed, error_m)| TrialRow { seed, error_m, ..pattern.clone() }).collect()
+    let pattern = table(1).into_iter().find(|row| row.cell.policy == "a" && row.cell.mode == "closed").unwrap();
+    errors_m
+        .iter()
+        .map(|&(seed, error_m)| TrialRow {
+            seed,
+            value: ReachTrial { error_m, ..pattern.value.clone() },
+            ..pattern.clone()
+        })
+        .collect()
 }
 
 #[test]
@@ -34,7 +42,7 @@ fn means_and_spreads_are_over_targets_within_seeds_and_intervals_over_seeds() {
 #[test]
 fn failed_trials_are_counted_and_left_out() {
     let mut rows = trials(&[(0, 0.01), (0, 0.03), (0, f64::NAN)]);
-    rows[2].status = "no_equilibrium".to_owned();
+    rows[2].status = Outcome::Failed("no_equilibrium".to_owned());
     let row = &reach_summary(&rows)[0];
     assert_eq!((row.trials, row.failed), (2, 1));
     assert!((row.mean_m - 0.02).abs() < 1e-15);
@@ -45,7 +53,7 @@ fn failed_trials_are_counted_and_left_out() {
 #[test]
 fn a_cell_never_mixes_sizes_of_data() {
     let mut rows = trials(&[(0, 0.01), (0, 0.03)]);
-    rows[1].gp_points = 200;
+    rows[1].cell.gp_points = 200;
     let error = (figure("table1").unwrap().render)(&Published { trials: rows, ..Published::default() }).unwrap_err();
     assert!(matches!(error, ReportError::Mixed { .. }), "{error}");
 }
@@ -75,10 +83,13 @@ fn the_papers_table_has_no_open_loop_for_c() {
 #[test]
 fn sweeps_have_the_papers_numbers_at_its_sizes_only() {
     let summary = reach_summary(&published("fig6", 1).trials);
-    let with: Vec<(u64, u64)> =
-        summary.iter().filter(|row| row.paper_mean_m.is_finite()).map(|row| (row.gp_points, row.real_points)).collect();
+    let with: Vec<(u64, u64)> = summary
+        .iter()
+        .filter(|row| row.paper_mean_m.is_finite())
+        .map(|row| (row.cell.gp_points, row.cell.real_points))
+        .collect();
     assert_eq!(with, [(100, 0), (100, 0), (0, 10_000), (0, 10_000), (100, 0), (100, 0), (0, 10_000), (0, 10_000)]);
-    let sizes: Vec<u64> = summary[..7].iter().map(|row| row.gp_points).collect();
+    let sizes: Vec<u64> = summary[..7].iter().map(|row| row.cell.gp_points).collect();
     assert_eq!(sizes, [50, 100, 200, 400, 600, 800, 1000]);
 }
 
@@ -86,7 +97,8 @@ fn sweeps_have_the_papers_numbers_at_its_sizes_only() {
 fn the_gap_is_simulated_minus_real_along_each_axis() {
     let mut rows = gaps(2);
     for (row, shift_m) in rows.iter_mut().zip([0.003, -0.001]) {
-        (row.real_x_m, row.real_y_m, row.real_z_m) = (row.sim_x_m - shift_m, row.sim_y_m, row.sim_z_m + 0.004);
+        (row.gap.real_x_m, row.gap.real_y_m, row.gap.real_z_m) =
+            (row.gap.sim_x_m - shift_m, row.gap.sim_y_m, row.gap.sim_z_m + 0.004);
     }
     let text = file("fig5", &Published { gaps: rows, ..Published::default() }, "summary.csv");
     let folder = tempfile::tempdir().unwrap();
@@ -107,19 +119,20 @@ fn tracking_is_summarised_run_by_run() {
     let mut rows: Vec<_> = tracks(1).into_iter().filter(|row| row.policy == "c" && row.training == "paper").collect();
     for row in &mut rows {
         // A swing of ±2 mm about a slow drift, 1.25 s a period.
-        row.error_m = 0.01 + 1e-5 * row.step as f64 + 0.002 * (0.8 * std::f64::consts::TAU * row.time_s).sin();
-        row.branch = if row.step < 100 { "a" } else { "b" }.to_owned();
+        row.sample.error_m =
+            0.01 + 1e-5 * row.sample.step as f64 + 0.002 * (0.8 * std::f64::consts::TAU * row.sample.time_s).sin();
+        row.sample.branch = if row.sample.step < 100 { "a" } else { "b" }.to_owned();
     }
     for (index, row) in rows.iter_mut().enumerate() {
-        row.path_point = index as u64 / 10; // the first point is left after ten steps
+        row.sample.path_point = index as u64 / 10; // the first point is left after ten steps
     }
-    let start_m = rows[9].error_m;
-    rows[300].status = "lost".to_owned();
+    let start_m = rows[9].sample.error_m;
+    rows[300].sample.status = Outcome::Failed("lost".to_owned());
     rows.reverse();
     let summary = track_summary(&rows);
     assert_eq!(summary.len(), 1);
     assert_eq!((summary[0].switches, summary[0].steps, summary[0].status.as_str()), (1, 980, "lost"));
-    assert_eq!((summary[0].start_error_m, summary[0].completion_time_s), (start_m, rows[0].time_s));
+    assert_eq!((summary[0].start_error_m, summary[0].completion_time_s), (start_m, rows[0].sample.time_s));
     assert!((summary[0].oscillation_m - 0.004).abs() < 1e-4, "{}", summary[0].oscillation_m);
 }
 

@@ -4,9 +4,10 @@ use std::fs;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use spinebench::data::rows::{ClaimRow, GapRow, NetworkRow};
-use spinebench::data::{DataError, table_descriptions, tables};
+use spinebench::data::{DataError, tables};
 use spinebench::report::page::splice;
+use spinebench::rows::experiment::{ClaimRow, GapRow, NetworkRow};
+use spinebench::rows::table_descriptions;
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Row {
@@ -120,8 +121,8 @@ fn columns_are_documented_as_their_fields_are() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let page = fs::read_to_string(root.join("docs/outputs.md")).unwrap();
     for table in table_descriptions() {
-        assert!(table.columns.iter().all(|column| !column.documentation.trim().is_empty()), "{}", table.name);
-        assert!(table.key.iter().all(|key| table.columns.iter().any(|column| column.name == *key)), "{}", table.name);
+        assert!(table.columns().all(|column| !column.documentation.trim().is_empty()), "{}", table.name);
+        assert!(table.key().all(|key| table.columns().any(|column| column.name == key)), "{}", table.name);
         assert!(page.contains(table.file), "{} is not in docs/outputs.md", table.file);
         let marker = format!("columns:{}", table.name);
         if page.contains(&format!("begin:{marker}")) {
@@ -142,13 +143,13 @@ fn published_tables_have_these_columns_and_their_keys_tell_rows_apart() {
         for table in table_descriptions().filter(|table| table.file != "summary.csv") {
             let Ok(text) = fs::read_to_string(folder.path().join(table.file)) else { continue };
             let header: Vec<&str> = text.lines().next().unwrap().split(',').collect();
-            let columns: Vec<&str> = table.columns.iter().map(|column| column.name).collect();
+            let columns: Vec<&str> = table.columns().map(|column| column.name).collect();
             // Older files lack columns that have a default by now; those of a sweep have the swept fields before them.
             let swept = header.iter().filter(|name| name.contains('.')).count();
             assert!(header[swept..].iter().all(|name| columns.contains(name)), "{:?}: {header:?}", folder.path());
-            let own = table.key.iter().filter_map(|key| header.iter().position(|name| name == key));
+            let own = table.key().filter_map(|key| header.iter().position(|name| *name == key));
             let key: Vec<usize> = (0..swept).chain(own).collect();
-            assert_eq!(key.len(), swept + table.key.len(), "{:?}: {header:?}", folder.path());
+            assert_eq!(key.len(), swept + table.key().count(), "{:?}: {header:?}", folder.path());
             // Of plain tables: where a cell is quoted its row is passed over.
             let rows = text.lines().skip(1).filter(|line| !line.contains('"'));
             let keys: Vec<Vec<&str>> = rows

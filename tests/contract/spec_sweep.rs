@@ -72,6 +72,16 @@ fn a_former_name_is_read_with_a_note_that_tells_the_present_one() {
 }
 
 #[test]
+fn a_mode_by_another_name_is_no_other_trial() {
+    let reach = "runs.reach=[{policies: [a], modes: [open, blind], gp_points: [20]}]";
+    let named = |mode: &str| reach.replace("blind", mode);
+    let with =
+        |mode: &str| smoke(&["claims=[]", &format!("modes.{mode}={{feedback: open}}"), &named(mode)], &[]).unwrap();
+    let (one, other) = (with("blind"), with("eyes_shut"));
+    assert_eq!(stages(vec![one.clone(), other]), stages(vec![one]), "the label of a row is in no key");
+}
+
+#[test]
 fn points_are_the_product_in_a_fixed_order_the_last_field_first() {
     let study = smoke(&[], &["gp.kernel=matern32,matern52", "policy.c.switch_threshold_m=0.005:0.03:6"]).unwrap();
     let names: Vec<&str> = study.sweep.iter().map(|field| field.name.as_str()).collect();

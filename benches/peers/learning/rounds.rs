@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use spinebench::data::learning_peers::LearningPeerRow;
+use spinebench::rows::learning_peers::LearningPeerRow;
 
 use super::ours::Ours;
 use super::package::{PACKAGES, Package};

@@ -1,6 +1,6 @@
 //! What is timed.
 
-use spinebench::data::learning_peers::LearningPeerRow;
+use spinebench::rows::learning_peers::LearningPeerRow;
 
 /// Samples of the fits.
 pub const SIZES: [usize; 3] = [100, 400, 1000];

@@ -1,7 +1,7 @@
 //! Times of packages over ours, round by round: what disturbs a round disturbs both.
 
-use crate::data::learning_peers::LearningPeerRow;
 use crate::math::summary::{interval_95, mean};
+use crate::rows::learning_peers::LearningPeerRow;
 
 /// Our own name in the table.
 pub(super) const OURS: &str = "spinebench";
@@ -124,7 +124,7 @@ mod tests {
             likelihood: f64::NAN,
             evaluations: f64::NAN,
             error_m: f64::NAN,
-            status: "ok".to_owned(),
+            status: crate::base::Outcome::Ok,
         }
     }
 

@@ -92,8 +92,8 @@ fn maps<'a>(entries: &[&'a SweepEntry<'a>], training: &str) -> Vec<HeatMap<'a>> 
     let own: Vec<&'a SweepEntry<'a>> = entries.iter().copied().filter(|entry| entry.row.training == training).collect();
     let sized = sized(entries);
     let mut maps = Vec::new();
-    for mode in distinct(own.iter().map(|entry| entry.row.mode.as_str())) {
-        let own: Vec<&'a SweepEntry<'a>> = own.iter().copied().filter(|entry| entry.row.mode == mode).collect();
+    for mode in distinct(own.iter().map(|entry| entry.row.cell.mode.as_str())) {
+        let own: Vec<&'a SweepEntry<'a>> = own.iter().copied().filter(|entry| entry.row.cell.mode == mode).collect();
         for name in distinct(own.iter().map(|entry| series_label(entry.row, sized))) {
             let ours = own.iter().copied().filter(|entry| series_label(entry.row, sized) == name);
             let words = mode_title(mode);

@@ -18,7 +18,7 @@ const MARKED: usize = 60;
 
 pub(super) fn draw(entries: &[&SweepEntry], field: &SweptAxis, measure: &str) -> Canvas {
     let kinds = trainings(entries.iter().map(|entry| entry.row.training.as_str()));
-    let modes = distinct(entries.iter().map(|entry| entry.row.mode.as_str()));
+    let modes = distinct(entries.iter().map(|entry| entry.row.cell.mode.as_str()));
     let sized = sized(entries);
     let label = |entry: &SweepEntry| series_label(entry.row, sized);
     let series = distinct(entries.iter().map(|entry| label(entry)));
@@ -43,7 +43,7 @@ pub(super) fn draw(entries: &[&SweepEntry], field: &SweptAxis, measure: &str) ->
     }
     for (line, mode) in modes.iter().enumerate() {
         for (column, training) in kinds.iter().enumerate() {
-            let own = entries.iter().filter(|entry| entry.row.mode == *mode && entry.row.training == *training);
+            let own = entries.iter().filter(|entry| entry.row.cell.mode == *mode && entry.row.training == *training);
             let own: Vec<&&SweepEntry> = own.collect();
             let panel = Panel {
                 corner: [LEFT + column as f64 * (wide + GAP), top + PITCH * line as f64],
@@ -69,7 +69,8 @@ pub(super) fn draw(entries: &[&SweepEntry], field: &SweptAxis, measure: &str) ->
 
 /// The style of a policy, as in every figure; several sizes of a policy take the styles in turn.
 fn look(entries: &[&SweepEntry], sized: bool, index: usize, name: &str) -> Look {
-    let policy = entries.iter().find(|entry| series_label(entry.row, sized) == name).map(|entry| &entry.row.policy);
+    let policy =
+        entries.iter().find(|entry| series_label(entry.row, sized) == name).map(|entry| &entry.row.cell.policy);
     match policy {
         Some(policy) if !sized && !policy.is_empty() => policy_look(policy),
         _ => LOOKS[index % LOOKS.len()],

@@ -8,7 +8,7 @@ mod lines;
 use super::drawing::canvas::Canvas;
 use super::style::{PAGE_WIDTH, policy_label, training_label};
 use super::{Artifact, Figure, Published, ReportError, pictures};
-use crate::data::rows::SweepRow;
+use crate::rows::experiment::SweepRow;
 use field::SweptAxis;
 use std::collections::HashMap;
 
@@ -81,8 +81,8 @@ fn training_heading(training: &str) -> String {
 
 /// Label of a line or a map within its training and mode: the policy, and its real points if it has several sizes.
 fn series_label(row: &SweepRow, sized: bool) -> String {
-    let points = row.gp_points.max(row.real_points);
-    match (row.policy.as_str(), sized) {
+    let points = row.cell.gp_points.max(row.cell.real_points);
+    match (row.cell.policy.as_str(), sized) {
         ("", true) => format!("{points} points"),
         ("", false) => "Gaussian process".to_owned(),
         (policy, true) => format!("{}, {points} points", policy_label(policy)),
@@ -95,7 +95,7 @@ fn sized(entries: &[&SweepEntry]) -> bool {
     let mut first = HashMap::new();
     entries.iter().any(|entry| {
         let row = entry.row;
-        let sizes = (row.gp_points, row.real_points);
-        *first.entry((&entry.at, &row.training, &row.policy, &row.mode)).or_insert(sizes) != sizes
+        let sizes = (row.cell.gp_points, row.cell.real_points);
+        *first.entry((&entry.at, &row.training, &row.cell.policy, &row.cell.mode)).or_insert(sizes) != sizes
     })
 }

@@ -2,9 +2,9 @@
 
 use super::samples::points;
 use crate::base::Seed;
-use crate::data::rows::GpRow;
 use crate::learn::gp::{Gp, GpConfig};
 use crate::learn::networks::Trained;
+use crate::rows::experiment::GpScore;
 use crate::runner::stage::{Handle, Stage, StageKind};
 use crate::tasks::{GpPoints, GpPool};
 
@@ -20,10 +20,9 @@ pub(in crate::runner) const GP: Stage<GpParams, GpInputs, Gp> = Stage {
     },
 };
 
-/// How good the process is; the row's seed and training are filled in by whoever publishes it. A stage of its own, so
-/// that publishing holds no process in memory.
-pub(in crate::runner) const GP_SCORE: Stage<(), Handle<Gp>, GpRow> =
-    Stage { kind: StageKind { name: "gp_score", module: module_path!(), cost_ms: 50 }, job: |(), gp| Ok(gp_row(gp)) };
+/// How well the process fits: a stage of its own, so that publishing holds no process in memory.
+pub(in crate::runner) const GP_SCORE: Stage<(), Handle<Gp>, GpScore> =
+    Stage { kind: StageKind { name: "gp_score", module: module_path!(), cost_ms: 50 }, job: |(), gp| Ok(score(gp)) };
 
 /// Parameters of [`GP`].
 #[derive(serde::Serialize)]
@@ -46,12 +45,10 @@ impl GpParams {
     }
 }
 
-fn gp_row(gp: &Gp) -> GpRow {
+fn score(gp: &Gp) -> GpScore {
     let noise = gp.noise_std();
     let noise_m = |axis: usize| noise.get(axis).copied().unwrap_or(f64::NAN);
-    GpRow {
-        seed: 0,
-        training: String::new(),
+    GpScore {
         points: gp.points() as u64,
         kernel: gp.config().kernel.name().to_owned(),
         cross_validation_mae_m: crate::math::summary::mean(&gp.cross_validation_mae()),

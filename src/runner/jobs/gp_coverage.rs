@@ -3,18 +3,18 @@
 use super::gaussian_process::GpParams;
 use super::samples::points;
 use crate::base::Seed;
-use crate::data::rows::GpCoverageRow;
 use crate::learn::gp::Gp;
 use crate::learn::networks::Trained;
 use crate::math::distribution::normal_quantile;
+use crate::rows::experiment::GpCoverage;
 use crate::runner::stage::{Handle, Stage, StageKind};
 use crate::tasks::GpPool;
 
 /// Handles of the predefined points, of the forward network where p_sim comes from it, and of the process.
 pub(in crate::runner) type CoverageInputs = (Handle<GpPool>, Option<Handle<Trained>>, Handle<Gp>);
 
-/// Rows by axis and promised share; seed and training are filled in by whoever publishes them.
-pub(in crate::runner) const GP_COVERAGE: Stage<CoverageParams, CoverageInputs, Vec<GpCoverageRow>> = Stage {
+/// By axis and promised share.
+pub(in crate::runner) const GP_COVERAGE: Stage<CoverageParams, CoverageInputs, Vec<GpCoverage>> = Stage {
     kind: StageKind { name: "gp_coverage", module: module_path!(), cost_ms: 50 },
     job: |params, (pool, network, gp)| {
         let all = points(pool, network)?;
@@ -36,9 +36,7 @@ pub(in crate::runner) const GP_COVERAGE: Stage<CoverageParams, CoverageInputs, V
             for &promised in &params.shares {
                 let width = normal_quantile(0.5 + 0.5 * promised);
                 let covered = deviations.iter().filter(|deviation| **deviation <= width).count();
-                rows.push(GpCoverageRow {
-                    seed: 0,
-                    training: String::new(),
+                rows.push(GpCoverage {
                     points: *size as u64,
                     kernel: config.kernel.name().to_owned(),
                     axis: name.to_owned(),

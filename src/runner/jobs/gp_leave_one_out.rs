@@ -1,17 +1,17 @@
 //! How a Gaussian process foretells each of its own points from all others.
 
-use crate::data::rows::GpLeaveOneOutRow;
 use crate::learn::gp::Gp;
 use crate::math::distribution::normal_quantile;
+use crate::rows::experiment::GpLeftOut;
 use crate::runner::stage::{Handle, Stage, StageKind};
 
-/// Rows by axis and promised share, which are the parameters; seed and training are filled in by whoever publishes them.
-pub(in crate::runner) const GP_LEAVE_ONE_OUT: Stage<Vec<f64>, Handle<Gp>, Vec<GpLeaveOneOutRow>> = Stage {
+/// By axis and promised share, which are the parameters.
+pub(in crate::runner) const GP_LEAVE_ONE_OUT: Stage<Vec<f64>, Handle<Gp>, Vec<GpLeftOut>> = Stage {
     kind: StageKind { name: "gp_leave_one_out", module: module_path!(), cost_ms: 50 },
     job: |shares, gp| Ok(rows(gp, shares)),
 };
 
-fn rows(gp: &Gp, shares: &[f64]) -> Vec<GpLeaveOneOutRow> {
+fn rows(gp: &Gp, shares: &[f64]) -> Vec<GpLeftOut> {
     let left_out = gp.leave_one_out();
     let count = gp.points() as f64;
     let mut rows = Vec::new();
@@ -27,9 +27,7 @@ fn rows(gp: &Gp, shares: &[f64]) -> Vec<GpLeaveOneOutRow> {
             let width = normal_quantile(0.5 + 0.5 * promised);
             let inside = |(error_m, variance): (&f64, &[f64])| *error_m <= width * variance[axis].sqrt();
             let covered = errors_m.iter().zip(left_out.variance.iter()).filter(|pair| inside(*pair)).count();
-            rows.push(GpLeaveOneOutRow {
-                seed: 0,
-                training: String::new(),
+            rows.push(GpLeftOut {
                 points: gp.points() as u64,
                 kernel: gp.config().kernel.name().to_owned(),
                 axis: name.to_owned(),

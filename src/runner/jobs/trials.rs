@@ -5,11 +5,11 @@ use super::outside_part::OutsidePart;
 use super::shared_part::SharedPart;
 use super::targets::Targets;
 use crate::base::{Plant, Point3, Policy, Seed};
-use crate::data::rows::{TrackRow, TrialRow};
 use crate::effects::EffectSpec;
 use crate::learn::gp::Gp;
 use crate::learn::networks::Trained;
 use crate::policies::{self, GpError, ModelAccess, PolicyOptions, PolicyParts};
+use crate::rows::experiment::{ReachTrial, TrackSample};
 use crate::runner::stage::{Handle, Stage, StageInputs, StageKind};
 use crate::tasks::{self, LoopMode, ReachOptions, ReachOutcome, TrackOptions, TrackStep};
 use std::sync::Arc;
@@ -17,33 +17,32 @@ use std::sync::Arc;
 /// Handles of what a policy needs: its networks in the order of its entry, and the error model.
 pub(in crate::runner) type PartHandles = (Vec<Handle<Trained>>, Option<Handle<Gp>>);
 
-/// Goal reaching; seed and training of the rows are filled in by whoever publishes them.
-pub(in crate::runner) const REACH: Stage<ReachParams, (PartHandles, Handle<Targets>), Vec<TrialRow>> = Stage {
+/// Goal reaching.
+pub(in crate::runner) const REACH: Stage<ReachParams, (PartHandles, Handle<Targets>), Vec<ReachTrial>> = Stage {
     kind: StageKind { name: "reach", module: module_path!(), cost_ms: 1000 },
     job: |params, (parts, targets)| {
         let condition = &params.condition;
         let (mut policy, mut plant) = (condition.policy(parts)?, condition.plant()?);
-        let mut rows = Vec::with_capacity(targets.len());
+        let mut trials = Vec::with_capacity(targets.len());
         // The seed of a trial depends on its target's number, never on the policy.
         for (draw, (_, target_m)) in targets.iter().enumerate() {
             let seed = Seed(condition.seed).index(draw as u64);
             let (feedback, options) = (condition.feedback, &params.options);
             let outcome = tasks::reach(plant.as_mut(), policy.as_mut(), target_m, feedback, options, seed);
-            rows.push(trial_row(params, draw, target_m, &outcome.map_err(|error| error.to_string())?));
+            trials.push(measured(draw, target_m, outcome.map_err(|error| error.to_string())?));
         }
-        Ok(rows)
+        Ok(trials)
     },
 };
 
-/// Path tracking; seed and training of the rows are filled in by whoever publishes them.
-pub(in crate::runner) const TRACK: Stage<TrackParams, (PartHandles, Handle<Vec<Point3>>), Vec<TrackRow>> = Stage {
+/// Path tracking.
+pub(in crate::runner) const TRACK: Stage<TrackParams, (PartHandles, Handle<Vec<Point3>>), Vec<TrackSample>> = Stage {
     kind: StageKind { name: "track", module: module_path!(), cost_ms: 1000 },
     job: |params, (parts, path)| {
         let condition = &params.condition;
         let (mut policy, mut plant) = (condition.policy(parts)?, condition.plant()?);
         let steps = tasks::track(plant.as_mut(), policy.as_mut(), path, &params.options, Seed(condition.seed));
-        let steps = steps.map_err(|error| error.to_string())?;
-        Ok(steps.iter().map(|step| track_row(&condition.policy, step)).collect())
+        Ok(steps.map_err(|error| error.to_string())?.into_iter().map(track_sample).collect())
     },
 };
 
@@ -52,12 +51,6 @@ pub(in crate::runner) const TRACK: Stage<TrackParams, (PartHandles, Handle<Vec<P
 pub(in crate::runner) struct ReachParams {
     pub(in crate::runner) condition: Condition,
     pub(in crate::runner) options: ReachOptions,
-    /// Name of the mode, for the rows.
-    pub(in crate::runner) mode: String,
-    /// Points of the Gaussian process, for the rows.
-    pub(in crate::runner) gp_points: usize,
-    /// Real points of the network, for the rows.
-    pub(in crate::runner) real_points: usize,
 }
 
 /// Parameters of [`TRACK`].
@@ -120,45 +113,23 @@ impl Condition {
     }
 }
 
-fn trial_row(cell: &ReachParams, draw: usize, target_m: &Point3, outcome: &ReachOutcome) -> TrialRow {
-    TrialRow {
-        seed: 0,
-        training: String::new(),
-        policy: cell.condition.policy.clone(),
-        mode: cell.mode.clone(),
-        gp_points: cell.gp_points as u64,
-        real_points: cell.real_points as u64,
-        target: draw as u64,
-        target_x_m: target_m[0],
-        target_y_m: target_m[1],
-        target_z_m: target_m[2],
-        tip_x_m: outcome.tip_m[0],
-        tip_y_m: outcome.tip_m[1],
-        tip_z_m: outcome.tip_m[2],
+fn measured(target: usize, target_m: &Point3, outcome: ReachOutcome) -> ReachTrial {
+    ReachTrial {
         error_m: outcome.error_m,
         steps: outcome.steps as u64,
         settled: outcome.settled,
         switches: outcome.switches as u64,
-        status: outcome.status.clone(),
+        ..ReachTrial::new(target as u64, *target_m, outcome.tip_m, outcome.status)
     }
 }
 
-fn track_row(policy: &str, step: &TrackStep) -> TrackRow {
-    TrackRow {
-        seed: 0,
-        training: String::new(),
-        policy: policy.to_owned(),
+fn track_sample(step: TrackStep) -> TrackSample {
+    TrackSample {
         step: step.step as u64,
         time_s: step.time_s,
         path_point: step.path_point as u64,
-        target_x_m: step.target_m[0],
-        target_y_m: step.target_m[1],
-        target_z_m: step.target_m[2],
-        tip_x_m: step.tip_m[0],
-        tip_y_m: step.tip_m[1],
-        tip_z_m: step.tip_m[2],
         error_m: step.error_m,
         branch: step.branch.to_owned(),
-        status: step.status.clone(),
+        ..TrackSample::new(step.target_m, step.tip_m, step.status)
     }
 }

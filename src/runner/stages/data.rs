@@ -2,7 +2,7 @@
 
 use super::{Added, Stages};
 use crate::base::Point3;
-use crate::data::rows::GapRow;
+use crate::rows::experiment::GapSample;
 use crate::runner::jobs::exploration::{EXPLORE, ExploreParams, REPLAY, ReplayParams};
 use crate::runner::jobs::gap::GAP;
 use crate::runner::jobs::gp_pool::{GP_POOL, PoolParams};
@@ -39,9 +39,8 @@ impl Stages<'_> {
         self.graph.stage(&REPLAY, self.label("replay"), params, explored)
     }
 
-    /// Model and robot side by side, `rows` samples spread over the exploration; the rows' seed is filled in by whoever
-    /// publishes them.
-    pub(crate) fn gap(&mut self, rows: usize) -> Added<Vec<GapRow>> {
+    /// Model and robot side by side, `rows` samples spread over the exploration.
+    pub(crate) fn gap(&mut self, rows: usize) -> Added<Vec<GapSample>> {
         let inputs = (self.explore()?, self.replay()?);
         self.graph.stage(&GAP, self.label("gap"), rows, inputs)
     }

@@ -1,10 +1,10 @@
 //! The stages of networks and Gaussian processes.
 
 use super::{Added, Stages, stops};
-use crate::data::rows::{GpCoverageRow, GpLeaveOneOutRow, GpRow};
 use crate::learn::gp::Gp;
 use crate::learn::networks::{NetworkConfig, Trained};
 use crate::policies::{FORWARD, INVERSE, NetworkDescription, TrainingData};
+use crate::rows::experiment::{GpCoverage, GpLeftOut, GpScore};
 use crate::runner::failure::Failure;
 use crate::runner::jobs::gaussian_process::{GP, GP_SCORE, GpParams};
 use crate::runner::jobs::generated_network::train_generated;
@@ -76,13 +76,13 @@ impl Stages<'_> {
     }
 
     /// How good that process is; the row's seed and training are filled in by whoever publishes it.
-    pub(crate) fn gp_score(&mut self, training: &Training, points: usize) -> Added<GpRow> {
+    pub(crate) fn gp_score(&mut self, training: &Training, points: usize) -> Added<GpScore> {
         let gp = self.gp(training, points)?;
         self.graph.stage(&GP_SCORE, self.label(&format!("score of the process on {points} points")), (), gp)
     }
 
     /// How often its intervals cover what was measured.
-    pub(crate) fn gp_coverage(&mut self, training: &Training, points: usize) -> Added<Vec<GpCoverageRow>> {
+    pub(crate) fn gp_coverage(&mut self, training: &Training, points: usize) -> Added<Vec<GpCoverage>> {
         let inputs = (self.gp_pool()?, self.simulating_network(training)?, self.gp(training, points)?);
         let params = CoverageParams { gp: self.gp_params(points), shares: self.spec.runs.gp_coverage.clone() };
         let label = self.label(&format!("intervals of the process on {points} points"));
@@ -90,7 +90,7 @@ impl Stages<'_> {
     }
 
     /// How it foretells each of its points from the others.
-    pub(crate) fn gp_leave_one_out(&mut self, training: &Training, points: usize) -> Added<Vec<GpLeaveOneOutRow>> {
+    pub(crate) fn gp_leave_one_out(&mut self, training: &Training, points: usize) -> Added<Vec<GpLeftOut>> {
         let (gp, shares) = (self.gp(training, points)?, self.spec.runs.gp_leave_one_out.clone());
         let label = self.label(&format!("points of the process on {points} points, left out one by one"));
         self.graph.stage(&GP_LEAVE_ONE_OUT, label, shares, gp)

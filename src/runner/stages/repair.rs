@@ -2,12 +2,13 @@
 
 use super::{Added, Stages};
 use crate::base::Point3;
-use crate::data::rows::TrialRow;
 use crate::discovery::Options;
 use crate::effects::EffectSpec;
 use crate::learn::gp::Gp;
 use crate::learn::networks::Trained;
 use crate::policies::{self, ModelNeed, NetworkDescription, PolicyEntry, TrainingData};
+use crate::rows::cell::CellLabel;
+use crate::rows::experiment::ReachTrial;
 use crate::runner::campaign::points_of;
 use crate::runner::failure::Failure;
 use crate::runner::jobs::diagnose::{DIAGNOSE, DiagnoseParams, IDENTIFY};
@@ -23,7 +24,7 @@ use crate::runner::jobs::retrain::RETRAIN;
 use crate::runner::jobs::trials::{PartHandles, REACH, ReachParams};
 use crate::runner::jobs::work::{ALARM, MONITOR, TriedMonitor, WorkParams};
 use crate::runner::stage::Handle;
-use crate::specs::{PlantSpec, RepairRun, Training, TrialCell, TrialMode, repair_cells, repair_worker};
+use crate::specs::{PlantSpec, RepairRun, Training, TrialMode, repair_cells, repair_worker};
 use crate::tasks::{ExploreOptions, LoopMode, Transitions};
 
 /// What is run on a robot before a change, after it, and mended in one of several ways.
@@ -84,7 +85,7 @@ pub(crate) struct RepairStages {
     /// How near the changed robot can come to the targets, metres.
     pub(crate) nearest_m: Handle<f64>,
     /// Goal reaching.
-    pub(crate) trials: Vec<(RepairVariant, TrialCell, Handle<Vec<TrialRow>>)>,
+    pub(crate) trials: Vec<(RepairVariant, CellLabel, Handle<Vec<ReachTrial>>)>,
 }
 
 /// The monitor and all changes of one repetition and training.
@@ -118,7 +119,7 @@ impl RepairCampaign {
 struct Repair<'a> {
     run: &'a RepairRun,
     training: &'a Training,
-    worker: TrialCell,
+    worker: CellLabel,
     pool: Handle<Vec<Point3>>,
     gp: Handle<Gp>,
     monitor: Handle<TriedMonitor>,
@@ -170,7 +171,7 @@ impl Stages<'_> {
     fn work(
         &mut self,
         run: &RepairRun,
-        worker: &TrialCell,
+        worker: &CellLabel,
         training: &Training,
         effects: &[EffectSpec],
         task: &str,
@@ -236,9 +237,9 @@ impl Stages<'_> {
         repair: &Repair,
         change: &Change,
         entry: &'static PolicyEntry,
-        cell: &TrialCell,
+        cell: &CellLabel,
         variant: RepairVariant,
-    ) -> Added<Vec<TrialRow>> {
+    ) -> Added<Vec<ReachTrial>> {
         let parts = match variant {
             RepairVariant::Before | RepairVariant::Changed => self.part_handles(entry, cell, repair.training)?,
             _ => self.new_parts(repair, change, entry, cell, variant)?,
@@ -249,10 +250,9 @@ impl Stages<'_> {
             mode.effects.extend(change.effects.iter().cloned());
         }
         let (_, condition) = self.condition_in(&cell.policy, &mode, "reach")?;
-        let TrialCell { policy, mode, gp_points, real_points } = cell.clone();
-        let params = ReachParams { condition, options: self.spec.reach, mode, gp_points, real_points };
+        let params = ReachParams { condition, options: self.spec.reach };
         let inputs = (parts, self.targets()?);
-        let label = self.label(&format!("{policy} {} {} {}", cell.mode, change.name, variant.name()));
+        let label = self.label(&format!("{} {} {} {}", cell.policy, cell.mode, change.name, variant.name()));
         self.graph.stage(&REACH, label, params, inputs)
     }
 
@@ -261,11 +261,11 @@ impl Stages<'_> {
         repair: &Repair,
         change: &Change,
         entry: &PolicyEntry,
-        cell: &TrialCell,
+        cell: &CellLabel,
         variant: RepairVariant,
     ) -> Result<PartHandles, Failure> {
         let repaired = variant == RepairVariant::Repaired;
-        let gp = entry.uses_error_model().then(|| self.new_gp(change, cell.gp_points, variant)).transpose()?;
+        let gp = entry.uses_error_model().then(|| self.new_gp(change, cell.gp_points as usize, variant)).transpose()?;
         let real = (variant == RepairVariant::NewReal).then(|| self.new_real(change)).transpose()?;
         let new = NewParts { samples: repaired.then_some(change.samples), real, gp };
         let (mut networks, mut error) = (Vec::new(), None);
@@ -284,7 +284,7 @@ impl Stages<'_> {
         repair: &Repair,
         new: &NewParts,
         network: &'static NetworkDescription,
-        cell: &TrialCell,
+        cell: &CellLabel,
     ) -> Added<Trained> {
         let points = points_of(network, cell);
         let params = self.network_params(network, repair.training, points);

@@ -1,49 +1,49 @@
 //! The stages of trials.
 
 use super::{Added, Stages};
-use crate::data::responses::{PaceRow, ResponseRow};
-use crate::data::rows::{TrackRow, TrialRow};
 use crate::policies::{self, ModelAccess, ModelNeed, PolicyEntry};
+use crate::rows::cell::CellLabel;
+use crate::rows::experiment::{ReachTrial, TrackSample};
+use crate::rows::responses::{PaceLap, ResponseTrial};
 use crate::runner::campaign::points_of;
 use crate::runner::failure::Failure;
 use crate::runner::jobs::identified::Identified;
 use crate::runner::jobs::responses::{PACE, PaceParams, RESPONSE, ResponseParams};
 use crate::runner::jobs::trials::{Condition, PartHandles, REACH, ReachParams, TRACK, TrackParams};
-use crate::specs::{PaceRun, Training, TrialCell, TrialMode};
+use crate::specs::{PaceRun, Training, TrialMode};
 
 impl Stages<'_> {
-    /// Goal reaching in one cell; seed and training of the rows are filled in by whoever publishes them.
-    pub(crate) fn reach(&mut self, cell: &TrialCell, training: &Training) -> Added<Vec<TrialRow>> {
+    /// Goal reaching in one cell.
+    pub(crate) fn reach(&mut self, cell: &CellLabel, training: &Training) -> Added<Vec<ReachTrial>> {
         let (entry, condition) = self.condition(cell, "reach")?;
         let inputs = (self.part_handles(entry, cell, training)?, self.targets()?);
-        let TrialCell { mode, gp_points, real_points, .. } = cell.clone();
-        let params = ReachParams { condition, options: self.spec.reach, mode, gp_points, real_points };
+        let params = ReachParams { condition, options: self.spec.reach };
         self.graph.stage(&REACH, self.label(&format!("{} {}", cell.policy, cell.mode)), params, inputs)
     }
 
-    /// Path tracking of one policy; seed and training of the rows are filled in by whoever publishes them.
-    pub(crate) fn track(&mut self, cell: &TrialCell, training: &Training) -> Added<Vec<TrackRow>> {
+    /// Path tracking of one policy.
+    pub(crate) fn track(&mut self, cell: &CellLabel, training: &Training) -> Added<Vec<TrackSample>> {
         let (entry, condition) = self.condition(cell, "track")?;
         let inputs = (self.part_handles(entry, cell, training)?, self.path()?);
         let params = TrackParams { condition, options: self.spec.track };
         self.graph.stage(&TRACK, self.label(&format!("{} tracks", cell.policy)), params, inputs)
     }
 
-    /// Responses in one cell; what labels the rows is filled in by whoever publishes them.
+    /// Responses in one cell.
     pub(crate) fn response(
         &mut self,
-        cell: &TrialCell,
+        cell: &CellLabel,
         training: &Training,
         duration_s: f64,
-    ) -> Added<Vec<ResponseRow>> {
+    ) -> Added<Vec<ResponseTrial>> {
         let (entry, condition) = self.condition(cell, "response")?;
         let inputs = (self.part_handles(entry, cell, training)?, self.targets()?);
         let params = ResponseParams { condition, quiet: self.quiet(), duration_s };
         self.graph.stage(&RESPONSE, self.label(&format!("{} {} responds", cell.policy, cell.mode)), params, inputs)
     }
 
-    /// Laps of one policy; what labels the rows is filled in by whoever publishes them.
-    pub(crate) fn pace(&mut self, cell: &TrialCell, training: &Training, run: &PaceRun) -> Added<Vec<PaceRow>> {
+    /// Laps of one policy.
+    pub(crate) fn pace(&mut self, cell: &CellLabel, training: &Training, run: &PaceRun) -> Added<Vec<PaceLap>> {
         let (entry, condition) = self.condition(cell, "pace")?;
         let inputs = (self.part_handles(entry, cell, training)?, self.path()?);
         let trial = ResponseParams { condition, quiet: self.quiet(), duration_s: run.lead_in_s };
@@ -56,7 +56,7 @@ impl Stages<'_> {
         (!self.spec.plant.drives_hardware()).then(|| self.parts.quiet.clone())
     }
 
-    fn condition(&self, cell: &TrialCell, task: &str) -> Result<(&'static PolicyEntry, Condition), Failure> {
+    fn condition(&self, cell: &CellLabel, task: &str) -> Result<(&'static PolicyEntry, Condition), Failure> {
         let unknown = || Failure { stage: task.to_owned(), status: format!("unknown {}", cell.mode) };
         let mode = self.spec.modes.get(&cell.mode).ok_or_else(unknown)?;
         self.condition_in(&cell.policy, mode, task)
@@ -88,7 +88,7 @@ impl Stages<'_> {
     pub(super) fn part_handles(
         &mut self,
         entry: &PolicyEntry,
-        cell: &TrialCell,
+        cell: &CellLabel,
         training: &Training,
     ) -> Result<PartHandles, Failure> {
         let (mut networks, mut error) = (Vec::new(), None);
@@ -97,7 +97,7 @@ impl Stages<'_> {
                 ModelNeed::Network(network) => {
                     networks.push(self.network(network, training, points_of(network, cell))?);
                 }
-                ModelNeed::ErrorModel => error = Some(self.gp(training, cell.gp_points)?),
+                ModelNeed::ErrorModel => error = Some(self.gp(training, cell.gp_points as usize)?),
             }
         }
         Ok((networks, error))

@@ -108,7 +108,7 @@ fn known(metric: &ClaimMetric, experiment: &Experiment) -> Result<(), String> {
 
 fn known_cell(cell: &ReachCell, experiment: &Experiment) -> Result<(), String> {
     let cells = reach_cells(experiment);
-    let fits = |wanted: Option<u64>, has: usize| wanted.is_none_or(|wanted| usize::try_from(wanted) == Ok(has));
+    let fits = |wanted: Option<u64>, size: u64| wanted.is_none_or(|wanted| wanted == size);
     let matching = cells.iter().filter(|one| {
         one.policy == cell.policy
             && one.mode == cell.mode

@@ -4,20 +4,26 @@ pub(crate) mod cases;
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
-use spinebench::base::{Point3, Seed, distance_m};
-use spinebench::data::learning_peers::LearningPeerRow;
-use spinebench::data::population::{RobotClaimRow, RobotRow};
-use spinebench::data::repairs::{MonitorRow, RepairRow, RepairTrialRow};
-use spinebench::data::responses::{PaceRow, ResponseRow};
-use spinebench::data::rows::{
-    ClaimRow, GapRow, GpCoverageRow, PeerRow, ScalingRow, SweepRow, TrackRow, TrialRow, WaypointRow, WorkspaceRow,
-};
+use spinebench::base::{Outcome, Point3, Seed, distance_m};
 use spinebench::report::{Published, SweepTable};
+use spinebench::rows::cell::{CellLabel, CellRow};
+use spinebench::rows::experiment::{
+    ClaimRow, GapRow, GapSample, GpCoverage, GpCoverageRow, PeerRow, ReachTrial, ScalingRow, SweepRow, TrackRow,
+    TrackSample, TrialRow, WaypointRow, WorkspaceRow,
+};
+use spinebench::rows::learning_peers::LearningPeerRow;
+use spinebench::rows::population::{RobotClaimRow, RobotRow};
+use spinebench::rows::repairs::{MonitorRow, RepairRow, RepairTrialRow};
+use spinebench::rows::responses::{PaceLap, PaceRow, ResponseRow, ResponseTrial};
 
 const TRAININGS: [&str; 2] = ["paper", "converged"];
 
 fn noise(rng: &mut ChaCha8Rng) -> f64 {
     (0..12).map(|_| rng.random::<f64>()).sum::<f64>() - 6.0
+}
+
+fn cell(policy: &str, mode: &str, [gp_points, real_points]: [u64; 2]) -> CellLabel {
+    CellLabel { policy: policy.to_owned(), mode: mode.to_owned(), gp_points, real_points }
 }
 
 fn trial(seed: u64, training: &str, policy: &str, mode: &str, sizes: [u64; 2], target: u64) -> TrialRow {
@@ -31,25 +37,13 @@ fn trial(seed: u64, training: &str, policy: &str, mode: &str, sizes: [u64; 2], t
     let skill = if policy == "c" { 0.75 } else { 1.0 } * if training == "paper" { 1.0 } else { 0.6 };
     let data = 1.0 + 100.0 / (sizes[0] + sizes[1]) as f64;
     let error_m = (base * skill * data * (1.0 + 0.45 * noise(&mut rng))).abs() + 0.001;
-    TrialRow {
+    let settled = !target.is_multiple_of(10);
+    let trial = ReachTrial::new(target, [0.05, 0.0, 0.18], [0.05 + error_m, 0.0, 0.18], Outcome::Ok);
+    CellRow {
         seed,
         training: training.to_owned(),
-        policy: policy.to_owned(),
-        mode: mode.to_owned(),
-        gp_points: sizes[0],
-        real_points: sizes[1],
-        target,
-        target_x_m: 0.05,
-        target_y_m: 0.0,
-        target_z_m: 0.18,
-        tip_x_m: 0.05 + error_m,
-        tip_y_m: 0.0,
-        tip_z_m: 0.18,
-        error_m,
-        steps: 12,
-        settled: !target.is_multiple_of(10),
-        switches: 0,
-        status: "ok".to_owned(),
+        cell: cell(policy, mode, sizes),
+        value: ReachTrial { error_m, steps: 12, settled, ..trial },
     }
 }
 
@@ -103,8 +97,7 @@ pub(crate) fn gaps(samples: u64) -> Vec<GapRow> {
         let real = tip(0.93 * a - 0.06, 0.97 * b);
         let mut real = real.map(|part| part + 0.0005 * noise(&mut rng));
         real[0] -= 0.004;
-        GapRow {
-            seed: 0,
+        let gap = GapSample {
             sample,
             tendon_1_m: 0.02 * a,
             tendon_2_m: 0.02 * b,
@@ -117,7 +110,8 @@ pub(crate) fn gaps(samples: u64) -> Vec<GapRow> {
             real_x_m: real[0],
             real_y_m: real[1],
             real_z_m: real[2],
-        }
+        };
+        GapRow { seed: 0, gap }
     };
     (0..samples).map(row).collect()
 }
@@ -158,23 +152,15 @@ fn track(seed: u64, training: &str, policy: &str, steps: u64, swing: f64) -> Vec
         drift = drift.map(|part| 0.93 * part + 0.0008 * noise(&mut rng));
         let wave = 0.0012 * swing * (step as f64 * 0.9).sin();
         let tip = [target[0] + drift[0] + wave, target[1] + drift[1] + 0.003, target[2] + drift[2]];
-        rows.push(TrackRow {
-            seed,
-            training: training.to_owned(),
-            policy: policy.to_owned(),
+        let sample = TrackSample {
             step,
             time_s: 0.2 * step as f64,
             path_point: place as u64,
-            target_x_m: target[0],
-            target_y_m: target[1],
-            target_z_m: target[2],
-            tip_x_m: tip[0],
-            tip_y_m: tip[1],
-            tip_z_m: tip[2],
             error_m: distance_m(&tip, &target),
             branch: if policy == "c" && (step / 7) % 2 == 1 { "b" } else { "a" }.to_owned(),
-            status: "ok".to_owned(),
-        });
+            ..TrackSample::new(target, tip, Outcome::Ok)
+        };
+        rows.push(TrackRow { seed, training: training.to_owned(), policy: policy.to_owned(), sample });
     }
     rows
 }
@@ -244,10 +230,7 @@ pub(crate) fn sweep(fields: &[(&str, &[&str])], seeds: u64) -> SweepTable {
                 swept.rows.push(SweepRow {
                     task: "reach".to_owned(),
                     training: "paper".to_owned(),
-                    policy: policy.to_owned(),
-                    mode: mode.to_owned(),
-                    gp_points: if policy == "pi_real" { 0 } else { 100 },
-                    real_points: if policy == "pi_real" { 10_000 } else { 0 },
+                    cell: cell(policy, mode, if policy == "pi_real" { [0, 10_000] } else { [100, 0] }),
                     mean_m,
                     sd_over_seeds_m: if seeds > 1 { 0.001 } else { f64::NAN },
                     low_95_m: if seeds > 1 { mean_m - 0.002 } else { f64::NAN },
@@ -305,12 +288,14 @@ pub(crate) fn gp_coverages(seeds: u64) -> Vec<GpCoverageRow> {
     let row = |seed: u64, points: u64, axis: &str, promised: f64| GpCoverageRow {
         seed,
         training: "any".to_owned(),
-        points,
-        kernel: "se_ard".to_owned(),
-        axis: axis.to_owned(),
-        promised,
-        covered: promised.powf(1.0 + 10.0 / points as f64),
-        unseen: 1000 - points,
+        coverage: GpCoverage {
+            points,
+            kernel: "se_ard".to_owned(),
+            axis: axis.to_owned(),
+            promised,
+            covered: promised.powf(1.0 + 10.0 / points as f64),
+            unseen: 1000 - points,
+        },
     };
     let shares = [0.5, 0.9, 0.99];
     let of_axis = |seed, points, axis| shares.map(|promised| row(seed, points, axis, promised));
@@ -363,13 +348,13 @@ pub(crate) fn peers() -> Vec<PeerRow> {
                     rms_error_m,
                     max_error_m: 3.0 * rms_error_m,
                     static_error_m: 1e-6,
-                    status: "ok".to_owned(),
+                    status: Outcome::Ok,
                 });
             }
         }
     }
     rows[7].rms_error_m = f64::NAN;
-    rows[7].status = "not_converged".to_owned();
+    rows[7].status = Outcome::Failed("not_converged".to_owned());
     rows
 }
 
@@ -402,61 +387,59 @@ fn learning_peers(rounds: u64) -> Vec<LearningPeerRow> {
                     likelihood: 481.8 - place as f64,
                     evaluations: 60.0,
                     error_m: 0.0002,
-                    status: "ok".to_owned(),
+                    status: Outcome::Ok,
                 });
             }
         }
     }
     let failed = rows.iter_mut().find(|row| row.task == "fit" && row.peer == "gpy");
     if let Some(row) = failed {
-        (row.cpu_s, row.status) = (f64::NAN, "LinAlgError".to_owned());
+        (row.cpu_s, row.status) = (f64::NAN, Outcome::Failed("LinAlgError".to_owned()));
     }
     rows
 }
 
-/// Everything, each figure's own rows.
 /// Trials of fixed duration: three policies with and without a load.
 fn responses(seeds: u64) -> Vec<ResponseRow> {
-    let each = table(seeds).into_iter().filter(|row| row.policy != "pi_real" && row.mode != "open" && row.target < 6);
-    let respond = |row: TrialRow| ResponseRow {
-        training: row.training,
-        policy: row.policy,
-        mode: row.mode,
-        seed: row.seed,
-        gp_points: row.gp_points,
-        distance_m: 0.06,
-        limit_s: 1.4,
-        within_5mm_s: 2.0,
-        within_3mm_s: if row.target == 0 { f64::NAN } else { 3.2 },
-        within_2mm_s: f64::NAN,
-        error_1s_m: 4.0 * row.error_m,
-        error_2s_m: 2.0 * row.error_m,
-        error_5s_m: 1.2 * row.error_m,
-        error_end_m: row.error_m,
-        tracked_end_m: row.error_m + 3e-4,
-        overshoot_m: 0.002,
-        tendon_travel_m: 0.08,
-        ..ResponseRow::unmeasured(row.target, "ok".to_owned())
+    let each = table(seeds)
+        .into_iter()
+        .filter(|row| row.cell.policy != "pi_real" && row.cell.mode != "open" && row.target < 6);
+    let respond = |row: TrialRow| {
+        let value = ResponseTrial {
+            distance_m: 0.06,
+            limit_s: 1.4,
+            within_5mm_s: 2.0,
+            within_3mm_s: if row.target == 0 { f64::NAN } else { 3.2 },
+            within_2mm_s: f64::NAN,
+            error_1s_m: 4.0 * row.error_m,
+            error_2s_m: 2.0 * row.error_m,
+            error_5s_m: 1.2 * row.error_m,
+            error_end_m: row.error_m,
+            tracked_end_m: row.error_m + 3e-4,
+            overshoot_m: 0.002,
+            tendon_travel_m: 0.08,
+            ..ResponseTrial::unmeasured(row.target, Outcome::Ok)
+        };
+        CellRow { seed: row.seed, training: row.training, cell: row.cell, value }
     };
     each.map(respond).collect()
 }
 
 /// Laps at three speeds.
 fn paces(seeds: u64) -> Vec<PaceRow> {
-    let lap = |(row, speed): (ResponseRow, f64)| PaceRow {
+    let lap = |(row, speed): (ResponseRow, f64)| CellRow {
         seed: row.seed,
         training: row.training,
-        policy: row.policy,
-        mode: row.mode,
-        gp_points: row.gp_points,
-        real_points: 0,
-        speed,
-        lap_s: 40.0 / speed,
-        rms_m: 0.002 * speed,
-        largest_m: 0.006 * speed,
-        tracked_rms_m: 0.0022 * speed,
-        tendon_travel_m: 0.4,
-        status: "ok".to_owned(),
+        cell: row.cell,
+        value: PaceLap {
+            speed,
+            lap_s: 40.0 / speed,
+            rms_m: 0.002 * speed,
+            largest_m: 0.006 * speed,
+            tracked_rms_m: 0.0022 * speed,
+            tendon_travel_m: 0.4,
+            status: Outcome::Ok,
+        },
     };
     let first = responses(seeds).into_iter().filter(|row| row.target == 1);
     first.flat_map(|row| [1.0, 2.0, 4.0].map(|speed| (row.clone(), speed))).map(lap).collect()
@@ -478,7 +461,7 @@ fn repairs(seeds: u64) -> Vec<RepairRow> {
         gap_before_m: 0.012,
         gap_after_m: 0.0011,
         noise_floor_m: 0.0009,
-        status: "ok".to_owned(),
+        status: Outcome::Ok,
     };
     (0..seeds).flat_map(|seed| changes.map(|change| (seed, change))).map(row).collect()
 }
@@ -501,15 +484,12 @@ fn repair_trials(seeds: u64) -> Vec<RepairTrialRow> {
                             training: repair.training.clone(),
                             change: repair.change.clone(),
                             variant: variant.to_owned(),
-                            policy: policy.to_owned(),
-                            mode: mode.to_owned(),
-                            gp_points: if policy == "integral" { 0 } else { 100 },
-                            real_points: 0,
+                            cell: cell(policy, mode, [if policy == "integral" { 0 } else { 100 }, 0]),
                             target,
                             error_m: base_m * (1.0 + 0.3 * noise(&mut rng)).abs(),
                             steps: 30,
                             settled: true,
-                            status: "ok".to_owned(),
+                            status: Outcome::Ok,
                         });
                     }
                 }
@@ -519,6 +499,7 @@ fn repair_trials(seeds: u64) -> Vec<RepairTrialRow> {
     rows
 }
 
+/// Everything, each figure's own rows.
 pub(crate) fn published(figure: &str, seeds: u64) -> Published {
     let mut published = Published::default();
     match figure {
@@ -528,7 +509,12 @@ pub(crate) fn published(figure: &str, seeds: u64) -> Published {
         "fig8" => {
             published.tracks = tracks(seeds);
             let seen = gaps(1000).into_iter();
-            let place = |row: GapRow| WorkspaceRow { seed: 0, x_m: row.real_x_m, y_m: row.real_y_m, z_m: row.real_z_m };
+            let place = |row: GapRow| WorkspaceRow {
+                seed: 0,
+                x_m: row.gap.real_x_m,
+                y_m: row.gap.real_y_m,
+                z_m: row.gap.real_z_m,
+            };
             published.workspace = seen.map(place).collect();
             published.waypoints = (0..seeds).flat_map(waypoints).collect();
         }
@@ -556,7 +542,7 @@ pub(crate) fn published(figure: &str, seeds: u64) -> Published {
                 threshold: 150.0,
                 watched_s: 36_000.0,
                 false_alarms: 0,
-                status: "ok".to_owned(),
+                status: Outcome::Ok,
             };
             published.monitors = (0..seeds).map(watched).collect();
             published.repairs = repairs(seeds);

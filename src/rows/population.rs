@@ -1,6 +1,7 @@
 //! The rows of a population: robots that differ from repetition to repetition, and what holds on how many of them.
 
-use super::table_row::table_rows;
+use super::cell::CellLabel;
+use crate::data::table_rows;
 
 table_rows! {
     "robots.csv", key [seed, effect, parameter]:
@@ -46,14 +47,7 @@ table_rows! {
     pub struct PopulationRow {
         /// `paper` or `converged`.
         pub training: String,
-        /// Name of the policy.
-        pub policy: String,
-        /// Name of the mode.
-        pub mode: String,
-        /// Real points behind the Gaussian process.
-        pub gp_points: u64,
-        /// Real points behind the network.
-        pub real_points: u64,
+        flat cell: CellLabel,
         /// Robots with an error.
         pub robots: u64,
         /// 5th percentile over robots, metres.
@@ -79,14 +73,7 @@ table_rows! {
     pub struct AttributionRow {
         /// `paper` or `converged`.
         pub training: String,
-        /// Name of the policy.
-        pub policy: String,
-        /// Name of the mode.
-        pub mode: String,
-        /// Real points behind the Gaussian process.
-        pub gp_points: u64,
-        /// Real points behind the network.
-        pub real_points: u64,
+        flat cell: CellLabel,
         /// Name of the effect.
         pub effect: String,
         /// Robots with the effect.

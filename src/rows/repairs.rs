@@ -1,9 +1,10 @@
 //! The rows of repairs: a robot changes and nobody announces it.
 
-use super::table_row::table_rows;
+use super::cell::{CellLabel, Outcome};
+use crate::data::table_rows;
 
 table_rows! {
-    "monitors.csv", key [seed, training]:
+    "monitors.csv", key [seed, training], failed [|row| !row.status.is_ok()]:
     /// The monitor of one repetition, tried on the unchanged robot.
     pub struct MonitorRow {
         /// Repetition of the whole experiment, data and training included.
@@ -17,10 +18,10 @@ table_rows! {
         /// Alarms in that time.
         pub false_alarms: u64,
         /// `ok` or the named failure.
-        pub status: String,
+        pub status: Outcome,
     }
 
-    "identifications.csv", key [seed]:
+    "identifications.csv", key [seed], failed [|row| !row.status.is_ok()]:
     /// What the model lacked of the robot as it was built.
     pub struct IdentificationRow {
         /// Repetition of the whole experiment.
@@ -40,10 +41,10 @@ table_rows! {
         /// Rms distance of the measured from the true tip by noise alone, metres.
         pub noise_floor_m: f64,
         /// `ok` or the named failure.
-        pub status: String,
+        pub status: Outcome,
     }
 
-    "repairs.csv", key [seed, training, change]:
+    "repairs.csv", key [seed, training, change], failed [|row| !row.status.is_ok()]:
     /// One change of the robot: how it was noticed, and what it was told to be.
     pub struct RepairRow {
         /// Repetition of the whole experiment.
@@ -71,10 +72,10 @@ table_rows! {
         /// Rms distance of the measured from the true tip by noise alone, metres.
         pub noise_floor_m: f64,
         /// `ok` or the named failure.
-        pub status: String,
+        pub status: Outcome,
     }
 
-    "repair_trials.csv", key [seed, training, change, variant, policy, mode, gp_points, real_points, target]:
+    "repair_trials.csv", key [seed, training, change, variant, policy, mode, gp_points, real_points, target], failed [|row| !row.status.is_ok()]:
     /// One goal-reaching trial before a change, after it, or mended.
     pub struct RepairTrialRow {
         /// Repetition of the whole experiment.
@@ -88,14 +89,7 @@ table_rows! {
         /// moved by what the named lines do in the model; `new_points`: an error model of new real points of the changed robot;
         /// `new_real`: a network of new real data of the changed robot.
         pub variant: String,
-        /// Name of the policy.
-        pub policy: String,
-        /// Name of the mode.
-        pub mode: String,
-        /// Real points that the Gaussian process was fitted to (0 for policies without one).
-        pub gp_points: u64,
-        /// Real points that the network was trained on (0 for policies without one).
-        pub real_points: u64,
+        flat cell: CellLabel,
         /// Number of the target in its draw; the same for every policy of a seed.
         pub target: u64,
         /// Distance of the last measured tip from the target, metres.
@@ -105,7 +99,7 @@ table_rows! {
         /// Whether the policy settled before the step limit.
         pub settled: bool,
         /// `ok` or the named failure; a failed trial is counted and left out of the means.
-        pub status: String,
+        pub status: Outcome,
     }
 
     "repair_summary.csv", key [training, change, variant, policy, mode, gp_points, real_points]:
@@ -117,14 +111,7 @@ table_rows! {
         pub change: String,
         /// As in `repair_trials.csv`.
         pub variant: String,
-        /// Name of the policy.
-        pub policy: String,
-        /// Name of the mode.
-        pub mode: String,
-        /// Real points of the Gaussian process.
-        pub gp_points: u64,
-        /// Real points of the network.
-        pub real_points: u64,
+        flat cell: CellLabel,
         /// Measurements of the changed robot that this took.
         pub new_samples: u64,
         /// Mean error, metres.

@@ -1,9 +1,10 @@
 //! The rows of learning beside other packages.
 
-use super::table_row::table_rows;
+use super::cell::Outcome;
+use crate::data::table_rows;
 
 table_rows! {
-    "learning.csv", key [task, size, peer, round]:
+    "learning.csv", key [task, size, peer, round], failed [|row| !row.status.is_ok()]:
     /// One task of learning, carried out by one package in one round (`docs/peers.md`).
     pub struct LearningPeerRow {
         /// `fit`: three Gaussian processes from one start; `evaluation`: their likelihood with its gradient, once, for one
@@ -26,6 +27,6 @@ table_rows! {
         /// that it was not trained on, metres.
         pub error_m: f64,
         /// `ok` or the failure; a failed run has no other numbers.
-        pub status: String,
+        pub status: Outcome,
     }
 }

@@ -1,23 +1,12 @@
 //! The rows that experiments publish; each becomes a line of a CSV under `results/`, with these field names as columns.
 
-use super::table_row::table_rows;
+use super::cell::{CellLabel, CellRow, CellValue, Outcome};
+use crate::base::Point3;
+use crate::data::{TableDescription, TableRow, columns, table_rows};
 
-table_rows! {
-    "trials.csv", key [seed, training, policy, mode, gp_points, real_points, target]:
+columns! {
     /// One goal-reaching trial (Table I, Fig. 6).
-    pub struct TrialRow {
-        /// Repetition of the whole experiment, data and training included.
-        pub seed: u64,
-        /// `paper`: networks stopped at the paper's validation errors; `converged`: trained to convergence.
-        pub training: String,
-        /// Name of the policy: `a`, `b`, `c`, `pi_real` …
-        pub policy: String,
-        /// `open`, `closed` or `closed_load` (a load at the tip).
-        pub mode: String,
-        /// Real points that the Gaussian process was fitted to (0 for `pi_real`).
-        pub gp_points: u64,
-        /// Real points that the network was trained on (0 for `a`, `b`, `c`).
-        pub real_points: u64,
+    pub struct ReachTrial {
         /// Number of the target in its draw; the same for every policy of a seed.
         pub target: u64,
         /// Target, metres.
@@ -42,18 +31,11 @@ table_rows! {
         /// Times that the command's source changed between A and B (0 for policies of one controller).
         pub switches: u64,
         /// `ok` or the named failure; a failed trial is counted and left out of the means.
-        pub status: String,
+        pub status: Outcome,
     }
 
-    "tracks.csv", key [seed, training, policy, step]:
-    /// One control step of path tracking (Fig. 8).
-    pub struct TrackRow {
-        /// Repetition of the whole experiment.
-        pub seed: u64,
-        /// `paper` or `converged`.
-        pub training: String,
-        /// Name of the policy: `a`, `b`, `c`, `pi_real` …
-        pub policy: String,
+    /// One control step of path tracking.
+    pub struct TrackSample {
         /// Control step.
         pub step: u64,
         /// Time since the start, seconds.
@@ -77,14 +59,11 @@ table_rows! {
         /// Which of A and B gave the command (`a`, `b`; empty for policies of one controller).
         pub branch: String,
         /// `ok` or the named failure.
-        pub status: String,
+        pub status: Outcome,
     }
 
-    "gap.csv", key [seed, sample]:
-    /// The same command on the model and on the robot (Fig. 5).
-    pub struct GapRow {
-        /// Repetition of the whole experiment.
-        pub seed: u64,
+    /// The tip of the model and of the robot under the same command.
+    pub struct GapSample {
         /// Sample number.
         pub sample: u64,
         /// Displacements of the first four tendons, metres; empty where the robot has fewer.
@@ -111,6 +90,149 @@ table_rows! {
         pub real_y_m: f64,
         /// Measured tip, metres.
         pub real_z_m: f64,
+    }
+
+    /// How well a Gaussian process fits.
+    pub struct GpScore {
+        /// Real points that it was fitted to.
+        pub points: u64,
+        /// Kernel by its registry name.
+        pub kernel: String,
+        /// Cross-validated mean absolute error of the foretold gap, mean over x, y and z, metres.
+        pub cross_validation_mae_m: f64,
+        /// Log marginal likelihood, summed over the three outputs.
+        pub log_marginal_likelihood: f64,
+        /// Fitted noise standard deviation per axis, metres.
+        pub noise_x_m: f64,
+        /// Fitted noise, metres.
+        pub noise_y_m: f64,
+        /// Fitted noise, metres.
+        pub noise_z_m: f64,
+    }
+
+    /// How often one interval of a Gaussian process covers what was measured.
+    pub struct GpCoverage {
+        /// Real points that it was fitted to.
+        pub points: u64,
+        /// Kernel by its registry name.
+        pub kernel: String,
+        /// Axis of the gap: `x`, `y` or `z`.
+        pub axis: String,
+        /// Share of points that the interval promises to cover, process and noise together.
+        pub promised: f64,
+        /// Share that it covers.
+        pub covered: f64,
+        /// Points that it was not fitted to.
+        pub unseen: u64,
+    }
+
+    /// How a Gaussian process predicts its own points along one axis, each from all others.
+    pub struct GpLeftOut {
+        /// Real points that it was fitted to.
+        pub points: u64,
+        /// Kernel by its registry name.
+        pub kernel: String,
+        /// Axis of the gap: `x`, `y` or `z`.
+        pub axis: String,
+        /// Mean absolute error of a point that is left out, metres.
+        pub mae_m: f64,
+        /// Mean logarithm of the probability density that the others give it, per metre.
+        pub log_probability: f64,
+        /// Share of points that the interval promises to cover, process and noise together.
+        pub promised: f64,
+        /// Share that it covers.
+        pub covered: f64,
+    }
+}
+
+/// A goal-reaching trial with its cell.
+pub type TrialRow = CellRow<ReachTrial>;
+
+/// The tables of cells of this file.
+pub const CELL_TABLES: &[TableDescription] = &[TrialRow::TABLE];
+
+impl CellValue for ReachTrial {
+    const ROW: &'static str = "TrialRow";
+    const FILE: &'static str = "trials.csv";
+    const ABOUT: &'static str = "One goal-reaching trial (Table I, Fig. 6).";
+    const KEY: &'static [&'static str] = &["target"];
+
+    fn status(&self) -> &Outcome {
+        &self.status
+    }
+}
+
+impl ReachTrial {
+    /// A trial that a failure before it made impossible.
+    pub fn unmeasured(target: u64, status: Outcome) -> ReachTrial {
+        ReachTrial::new(target, [f64::NAN; 3], [f64::NAN; 3], status)
+    }
+
+    /// A trial with a target and a last tip, metres.
+    pub fn new(target: u64, target_m: Point3, tip_m: Point3, status: Outcome) -> ReachTrial {
+        let ([target_x_m, target_y_m, target_z_m], [tip_x_m, tip_y_m, tip_z_m]) = (target_m, tip_m);
+        ReachTrial {
+            target,
+            target_x_m,
+            target_y_m,
+            target_z_m,
+            tip_x_m,
+            tip_y_m,
+            tip_z_m,
+            error_m: f64::NAN,
+            steps: 0,
+            settled: false,
+            switches: 0,
+            status,
+        }
+    }
+}
+
+impl TrackSample {
+    /// The first sample of a run, with a target and a tip, metres.
+    pub fn new(target_m: Point3, tip_m: Point3, status: Outcome) -> TrackSample {
+        let ([target_x_m, target_y_m, target_z_m], [tip_x_m, tip_y_m, tip_z_m]) = (target_m, tip_m);
+        TrackSample {
+            step: 0,
+            time_s: 0.0,
+            path_point: 0,
+            target_x_m,
+            target_y_m,
+            target_z_m,
+            tip_x_m,
+            tip_y_m,
+            tip_z_m,
+            error_m: f64::NAN,
+            branch: String::new(),
+            status,
+        }
+    }
+
+    /// A run that a failure before it made impossible.
+    pub fn unmeasured(status: Outcome) -> TrackSample {
+        TrackSample::new([f64::NAN; 3], [f64::NAN; 3], status)
+    }
+}
+
+table_rows! {
+    "tracks.csv", key [seed, training, policy, step], failed [|row| !row.sample.status.is_ok()]:
+    /// One control step of path tracking (Fig. 8).
+    pub struct TrackRow {
+        /// Repetition of the whole experiment.
+        pub seed: u64,
+        /// `paper` or `converged`.
+        pub training: String,
+        /// Name of the policy: `a`, `b`, `c`, `pi_real` …
+        pub policy: String,
+        flat sample: TrackSample,
+    }
+
+    "gap.csv", key [seed, sample]:
+    /// The same command on the model and on the robot (Fig. 5).
+    pub struct GapRow {
+        /// Repetition of the whole experiment.
+        pub seed: u64,
+        flat gap: GapSample,
     }
 
     "networks.csv", key [seed, training, network, points]:
@@ -142,20 +264,7 @@ table_rows! {
         /// Kind of training of the forward network that the simulated tip comes from; `any` when it comes from the
         /// rod.
         pub training: String,
-        /// Real points that it was fitted to.
-        pub points: u64,
-        /// Kernel by its registry name.
-        pub kernel: String,
-        /// Cross-validated mean absolute error of the foretold gap, mean over x, y and z, metres.
-        pub cross_validation_mae_m: f64,
-        /// Log marginal likelihood, summed over the three outputs.
-        pub log_marginal_likelihood: f64,
-        /// Fitted noise standard deviation per axis, metres.
-        pub noise_x_m: f64,
-        /// Fitted noise, metres.
-        pub noise_y_m: f64,
-        /// Fitted noise, metres.
-        pub noise_z_m: f64,
+        flat score: GpScore,
     }
 
     "gp_coverage.csv", key [seed, training, points, axis, promised]:
@@ -165,18 +274,7 @@ table_rows! {
         pub seed: u64,
         /// As in `gp.csv`.
         pub training: String,
-        /// Real points that it was fitted to.
-        pub points: u64,
-        /// Kernel by its registry name.
-        pub kernel: String,
-        /// Axis of the gap: `x`, `y` or `z`.
-        pub axis: String,
-        /// Share of points that the interval promises to cover, process and noise together.
-        pub promised: f64,
-        /// Share that it covers.
-        pub covered: f64,
-        /// Points that it was not fitted to.
-        pub unseen: u64,
+        flat coverage: GpCoverage,
     }
 
     "gp_leave_one_out.csv", key [seed, training, points, axis, promised]:
@@ -186,20 +284,7 @@ table_rows! {
         pub seed: u64,
         /// As in `gp.csv`.
         pub training: String,
-        /// Real points that it was fitted to.
-        pub points: u64,
-        /// Kernel by its registry name.
-        pub kernel: String,
-        /// Axis of the gap: `x`, `y` or `z`.
-        pub axis: String,
-        /// Mean absolute error of a point that is left out, metres.
-        pub mae_m: f64,
-        /// Mean logarithm of the probability density that the others give it, per metre.
-        pub log_probability: f64,
-        /// Share of points that the interval promises to cover, process and noise together.
-        pub promised: f64,
-        /// Share that it covers.
-        pub covered: f64,
+        flat left_out: GpLeftOut,
     }
 
     "claims.csv", key [claim, training]:
@@ -264,14 +349,7 @@ table_rows! {
         pub task: String,
         /// `paper`, `converged`, or `any` where no network takes part.
         pub training: String,
-        /// Name of the policy; empty for `gp`.
-        pub policy: String,
-        /// `open`, `closed`, …; empty for `gp`.
-        pub mode: String,
-        /// Real points behind the Gaussian process.
-        pub gp_points: u64,
-        /// Real points behind the network.
-        pub real_points: u64,
+        flat cell: CellLabel,
         /// Mean over seeds of the error's mean within a seed, metres.
         pub mean_m: f64,
         /// Standard deviation over seeds of that mean; empty for one seed, metres.
@@ -300,14 +378,7 @@ table_rows! {
         pub task: String,
         /// As in `sweep.csv`.
         pub training: String,
-        /// As in `sweep.csv`.
-        pub policy: String,
-        /// As in `sweep.csv`.
-        pub mode: String,
-        /// Real points behind the Gaussian process.
-        pub gp_points: u64,
-        /// Real points behind the network.
-        pub real_points: u64,
+        flat cell: CellLabel,
         /// Mean over repetitions of error minus error with the first value, metres; below zero is better than the first value.
         pub difference_m: f64,
         /// 95 % interval of that mean (Student's t), metres; not corrected.
@@ -327,14 +398,7 @@ table_rows! {
     pub struct ReachSummaryRow {
         /// `paper` or `converged`.
         pub training: String,
-        /// Name of the policy: `a`, `b`, `c`, `pi_real` …
-        pub policy: String,
-        /// `open`, `closed` or `closed_load`.
-        pub mode: String,
-        /// Real points behind the Gaussian process.
-        pub gp_points: u64,
-        /// Real points behind the network.
-        pub real_points: u64,
+        flat cell: CellLabel,
         /// Mean over seeds of the mean error over targets, metres.
         pub mean_m: f64,
         /// Standard deviation over the targets of one experiment (root mean square over seeds), metres: what the paper
@@ -360,7 +424,7 @@ table_rows! {
         pub paper_sd_m: f64,
     }
 
-    "summary.csv", key [seed, training, policy]:
+    "summary.csv", key [seed, training, policy], failed [|row| !row.status.is_ok()]:
     /// Path tracking of one policy in one experiment (Fig. 8).
     pub struct TrackSummaryRow {
         /// Repetition of the whole experiment.
@@ -385,7 +449,7 @@ table_rows! {
         /// Control steps.
         pub steps: u64,
         /// `ok`, or the first status that is not.
-        pub status: String,
+        pub status: Outcome,
     }
 
     "summary.csv", key [axis]:
@@ -407,7 +471,7 @@ table_rows! {
         pub seeds: u64,
     }
 
-    "work_precision.csv", key [robot, peer, setting, segments_or_nodes, dt_s, rms_error_m]:
+    "work_precision.csv", key [robot, peer, setting, segments_or_nodes, dt_s, rms_error_m], failed [|row| !row.status.is_ok()]:
     /// One setting of one simulator on one robot: work against precision (`docs/peers.md`).
     pub struct PeerRow {
         /// Robot and drive: `till`, `paper`, `paper_tension`; `paper_statics` for single equilibria.
@@ -431,7 +495,7 @@ table_rows! {
         /// Distance at rest, before anything moves, metres.
         pub static_error_m: f64,
         /// `ok` or the named failure; a failed run has no other numbers.
-        pub status: String,
+        pub status: Outcome,
     }
 
     "stages.csv", key [stage, label, key]:

@@ -1,24 +1,12 @@
 //! The rows of what tells controllers apart beside the error at the end: how fast, how directly, and along a path in time.
 
-use super::table_row::table_rows;
+use super::cell::{CellLabel, CellRow, CellValue, Outcome};
+use crate::data::{TableDescription, TableRow, columns, table_rows};
 
-table_rows! {
-    "responses.csv", key [seed, training, policy, mode, gp_points, real_points, target]:
+columns! {
     /// One trial of fixed duration from rest at home to a target. Errors are those of the tip without tracking noise, where
     /// the robot is simulated; of a robot on a bench those of the measured tip.
-    pub struct ResponseRow {
-        /// Repetition of the whole experiment, data and training included.
-        pub seed: u64,
-        /// `paper`: networks stopped at the paper's validation errors; `converged`: trained to convergence.
-        pub training: String,
-        /// Name of the policy.
-        pub policy: String,
-        /// Name of the mode.
-        pub mode: String,
-        /// Real points that the Gaussian process was fitted to (0 for policies without one).
-        pub gp_points: u64,
-        /// Real points that the network was trained on (0 for policies without one).
-        pub real_points: u64,
+    pub struct ResponseTrial {
         /// Number of the target in its draw; the same for every policy of a seed.
         pub target: u64,
         /// Distance of the target from the tip at home, metres.
@@ -47,24 +35,11 @@ table_rows! {
         /// Distance travelled by all tendons together, metres.
         pub tendon_travel_m: f64,
         /// `ok` or the named failure; a failed trial is counted and left out of the means.
-        pub status: String,
+        pub status: Outcome,
     }
 
-    "paces.csv", key [seed, training, policy, mode, gp_points, real_points, speed]:
     /// One lap of the path in a given time: the target moves on with the clock and waits for nobody.
-    pub struct PaceRow {
-        /// Repetition of the whole experiment.
-        pub seed: u64,
-        /// `paper` or `converged`.
-        pub training: String,
-        /// Name of the policy.
-        pub policy: String,
-        /// Name of the mode.
-        pub mode: String,
-        /// Real points that the Gaussian process was fitted to (0 for policies without one).
-        pub gp_points: u64,
-        /// Real points that the network was trained on (0 for policies without one).
-        pub real_points: u64,
+    pub struct PaceLap {
         /// Speed, as a multiple of that at which the lap takes `runs.pace.lap_s`.
         pub speed: f64,
         /// Duration of the lap, seconds.
@@ -79,22 +54,79 @@ table_rows! {
         /// Distance travelled by all tendons together, metres.
         pub tendon_travel_m: f64,
         /// `ok` or the named failure.
-        pub status: String,
+        pub status: Outcome,
     }
+}
 
+/// A response with its cell.
+pub type ResponseRow = CellRow<ResponseTrial>;
+
+/// A lap with its cell.
+pub type PaceRow = CellRow<PaceLap>;
+
+/// The tables of cells of this file.
+pub const CELL_TABLES: &[TableDescription] = &[ResponseRow::TABLE, PaceRow::TABLE];
+
+impl CellValue for ResponseTrial {
+    const ROW: &'static str = "ResponseRow";
+    const FILE: &'static str = "responses.csv";
+    const ABOUT: &'static str = "One trial of fixed duration from rest at home to a target.";
+    const KEY: &'static [&'static str] = &["target"];
+
+    fn status(&self) -> &Outcome {
+        &self.status
+    }
+}
+
+impl CellValue for PaceLap {
+    const ROW: &'static str = "PaceRow";
+    const FILE: &'static str = "paces.csv";
+    const ABOUT: &'static str = "One lap of the path in a given time.";
+    const KEY: &'static [&'static str] = &["speed"];
+
+    fn status(&self) -> &Outcome {
+        &self.status
+    }
+}
+
+impl ResponseTrial {
+    /// A trial that a failure before it made impossible.
+    pub fn unmeasured(target: u64, status: Outcome) -> ResponseTrial {
+        let none = f64::NAN;
+        ResponseTrial {
+            target,
+            distance_m: none,
+            limit_s: none,
+            within_5mm_s: none,
+            within_3mm_s: none,
+            within_2mm_s: none,
+            error_1s_m: none,
+            error_2s_m: none,
+            error_5s_m: none,
+            error_end_m: none,
+            tracked_end_m: none,
+            overshoot_m: none,
+            tendon_travel_m: none,
+            status,
+        }
+    }
+}
+
+impl PaceLap {
+    /// The same of a lap.
+    pub fn unmeasured(speed: f64, lap_s: f64, status: Outcome) -> PaceLap {
+        let none = f64::NAN;
+        PaceLap { speed, lap_s, rms_m: none, largest_m: none, tracked_rms_m: none, tendon_travel_m: none, status }
+    }
+}
+
+table_rows! {
     "controllers.csv", key [training, policy, mode, gp_points, real_points]:
     /// Responses of one policy in one mode, over targets and seeds.
     pub struct ControllerRow {
         /// `paper` or `converged`.
         pub training: String,
-        /// Name of the policy.
-        pub policy: String,
-        /// Name of the mode.
-        pub mode: String,
-        /// Real points of the Gaussian process.
-        pub gp_points: u64,
-        /// Real points of the network.
-        pub real_points: u64,
+        flat cell: CellLabel,
         /// Mean error at the end without tracking noise, metres.
         pub error_end_m: f64,
         /// Lower end of the 95 % interval of that mean over seeds, metres.
@@ -151,57 +183,5 @@ table_rows! {
         pub points: f64,
         /// The most points that were run.
         pub most_points: u64,
-    }
-}
-
-impl ResponseRow {
-    /// A trial of which nothing has been measured, such as one that a failure before it made impossible; what labels the row
-    /// is empty.
-    pub fn unmeasured(target: u64, status: String) -> ResponseRow {
-        let none = f64::NAN;
-        ResponseRow {
-            seed: 0,
-            training: String::new(),
-            policy: String::new(),
-            mode: String::new(),
-            gp_points: 0,
-            real_points: 0,
-            target,
-            distance_m: none,
-            limit_s: none,
-            within_5mm_s: none,
-            within_3mm_s: none,
-            within_2mm_s: none,
-            error_1s_m: none,
-            error_2s_m: none,
-            error_5s_m: none,
-            error_end_m: none,
-            tracked_end_m: none,
-            overshoot_m: none,
-            tendon_travel_m: none,
-            status,
-        }
-    }
-}
-
-impl PaceRow {
-    /// The same of a lap.
-    pub fn unmeasured(speed: f64, lap_s: f64, status: String) -> PaceRow {
-        let none = f64::NAN;
-        PaceRow {
-            seed: 0,
-            training: String::new(),
-            policy: String::new(),
-            mode: String::new(),
-            gp_points: 0,
-            real_points: 0,
-            speed,
-            lap_s,
-            rms_m: none,
-            largest_m: none,
-            tracked_rms_m: none,
-            tendon_travel_m: none,
-            status,
-        }
     }
 }
