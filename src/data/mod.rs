@@ -9,6 +9,7 @@ pub mod findings;
 pub mod import;
 pub mod learning_peers;
 pub mod mcap;
+pub mod packed;
 pub mod population;
 pub mod recording;
 pub mod repairs;

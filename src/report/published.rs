@@ -13,7 +13,7 @@ use crate::data::rows::{
     TrialRow, WaypointRow, WorkspaceRow,
 };
 use crate::data::tables::{Beside, as_published, to_csv_beside};
-use crate::data::{DataError, TableRow, tables, write_atomic};
+use crate::data::{DataError, TableRow, packed, tables, write_atomic};
 
 macro_rules! published {
     ($($(#[doc = $about:literal])+ $field:ident: $row:ty,)*) => {
@@ -166,7 +166,7 @@ fn csv_file<R: TableRow>(
 /// [`DataError`] for a file that is there and cannot be read.
 pub fn published_rows<R: TableRow>(folder: &Path) -> Result<Vec<R>, DataError> {
     let path = folder.join(R::TABLE.file);
-    if path.exists() { tables::read_csv(&path) } else { Ok(Vec::new()) }
+    if packed::stored(&path).is_some() { tables::read_csv(&path) } else { Ok(Vec::new()) }
 }
 
 /// The summary of a sweep: what is swept stands in the columns with a dot in their names.
