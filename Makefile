@@ -3,7 +3,7 @@
 SHELL := bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build reproduce controllers sweeps population data-efficiency repair check test test-python bench blind campaign peers peers-learning peers-environments scaling real verify
+.PHONY: help build pack unpack reproduce controllers sweeps population data-efficiency repair check test test-python bench blind campaign peers peers-learning peers-environments scaling real verify
 
 # Repetitions of every experiment, data and training included. Claims need ten, and only ten replace the published results;
 # any other number is a look, which goes to out/.
@@ -25,12 +25,26 @@ help: ## this list
 build:
 	cargo build --release
 
+# Published rows of single trials, steps and samples are Parquet, but for Table I and Fig. 6; git ignores those of population.
+RAW = $(filter-out $(patsubst %,results/%/trials.csv,table1 fig6 population),\
+  $(wildcard $(patsubst %,results/*/%.csv,trials tracks responses repair_trials gap)))
+PACK = $(if $(filter .,$(OUT)),@$(MAKE) --no-print-directory pack)
+pack: build ## rows of results/ to Parquet, as they are published
+	@# Figs 5 and 8 have one gap: the second table is a link to the first.
+	@! [ -L results/fig8/gap.parquet ] || { cp results/fig8/gap.parquet results/fig8/gap && mv results/fig8/gap{,.parquet}; }
+	$(if $(RAW),$(SPINEBENCH) pack $(RAW))
+	@if cmp -s results/fig{5,8}/gap.parquet; then ln -sf ../fig5/gap.parquet results/fig8/gap.parquet; fi
+
+unpack: build ## rows of results/ back to CSV, byte for byte
+	$(SPINEBENCH) pack --undo $(wildcard results/*/*.parquet)
+
 reproduce: build ## Table I, Figs 5, 6 and 8 and the claims, into results/ and plots/; SEEDS=1 for a look, into out/
 	$(SPINEBENCH) run $(FIRST) --seeds $(SEEDS) --out $(OUT)
 	@echo "Table I is in $(OUT)/results/table1/table1.md and $(OUT)/plots/table1.png, Fig. 6 in $(OUT)/plots/fig6.png."
 	$(SPINEBENCH) run $(SPECS) --seeds $(SEEDS) --out $(OUT)
 	$(SPINEBENCH) run experiments/discovery.yaml $(BLIND_LOOK) --out $(OUT)
 ifeq ($(OUT),.)
+	@$(MAKE) --no-print-directory pack
 	$(SPINEBENCH) page README.md
 	$(SPINEBENCH) page docs/paper.md
 	$(SPINEBENCH) page docs/error_budget.md
@@ -40,11 +54,13 @@ endif
 
 controllers: build ## further controllers beside the paper's, and what tells them apart (docs/control.md); SEEDS=1 for a look, into out/
 	$(SPINEBENCH) run experiments/controllers.yaml experiments/perfect_model.yaml --seeds $(SEEDS) --out $(OUT)
+	$(PACK)
 	$(if $(filter .,$(OUT)),$(SPINEBENCH) page docs/control.md)
 
 SWEEPS := $(sort $(wildcard experiments/sweeps/*.yaml)) experiments/gp_intervals.yaml
 sweeps: build ## kernels, sizes, thresholds, noise, gaps … swept (half an hour; docs/sweeps.md); SEEDS=1 for a look, into out/
 	$(SPINEBENCH) run $(SWEEPS) --seeds $(SEEDS) --out $(OUT)
+	$(PACK)
 
 # Claims are judged robot by robot: a hundred of them, not ten repetitions.
 ROBOTS ?= 100
@@ -55,10 +71,12 @@ population: build ## Table I on a hundred robots (an hour; docs/population.md); 
 
 data-efficiency: build ## error against the number of real points, every policy (a quarter of an hour; docs/data_efficiency.md); SEEDS=1 for a look
 	$(SPINEBENCH) run experiments/data_efficiency.yaml --seeds $(SEEDS) --out $(OUT)
+	$(PACK)
 	$(if $(filter .,$(OUT)),$(SPINEBENCH) page docs/data_efficiency.md)
 
 repair: build ## a robot changes and nobody says so: noticed, named and mended (docs/repair.md); SEEDS=1 for a look, into out/
 	$(SPINEBENCH) run experiments/repair.yaml --seeds $(SEEDS) --out $(OUT)
+	$(PACK)
 	$(if $(filter .,$(OUT)),$(SPINEBENCH) page docs/repair.md)
 
 # `cargo fmt` does not follow the modules that registries declare.

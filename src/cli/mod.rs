@@ -16,6 +16,7 @@ mod import;
 mod import_map;
 mod interrupted;
 mod outputs;
+mod pack;
 mod page;
 mod plan;
 mod rehearse;
@@ -58,6 +59,7 @@ enum Command {
     Rehearse(rehearse::RehearseCommand),
     Import(import::ImportCommand),
     Export(export::ExportCommand),
+    Pack(pack::PackCommand),
     Page(page::PageCommand),
     Schema(schema::SchemaCommand),
     Completions(completions::CompletionsCommand),
@@ -112,6 +114,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Rehearse(rehearse) => rehearse.execute(),
         Command::Import(import) => import.execute(&progress),
         Command::Export(export) => export.execute(&progress),
+        Command::Pack(pack) => pack.execute(),
         Command::Page(page) => page.execute(),
         Command::Schema(schema) => schema.execute(),
         Command::Completions(completions) => completions.execute(),

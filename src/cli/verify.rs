@@ -46,10 +46,12 @@ impl VerifyCommand {
             return Err(bad(words));
         }
         let campaign = Campaign::expand(specs).map_err(|failure| bad(failure.to_string()))?;
-        let scratch = Scratch::new()
+        let scratch = tempfile::Builder::new()
+            .prefix("spinebench-verify-")
+            .tempdir()
             .map_err(|error| CommandError::Failed(format!("cannot create a temporary folder: {error}")))?;
         end_with_words("interrupted; nothing was compared, and the same command begins again");
-        let (store, wanted) = (Store::at(&scratch.0), campaign.wanted());
+        let (store, wanted) = (Store::at(scratch.path()), campaign.wanted());
         let outcomes = runner::execute(&campaign.graph, &store, &wanted, &RunOptions::new(self.threads.jobs, progress))
             .map_err(|failure| CommandError::Failed(failure.to_string()))?;
         let mut wrong = Vec::new();
@@ -112,29 +114,5 @@ impl VerifyCommand {
         let mut names: Vec<String> = folders.map(|folder| folder.file_name().to_string_lossy().into_owned()).collect();
         names.sort();
         if names.is_empty() { Err(nothing("none")) } else { Ok(names) }
-    }
-}
-
-/// A temporary folder that goes when it is dropped.
-struct Scratch(PathBuf);
-
-impl Scratch {
-    fn new() -> std::io::Result<Scratch> {
-        // A folder of its own: a process of the same number may have left one behind.
-        for number in 0.. {
-            let name = format!("spinebench-verify-{}-{number}", std::process::id());
-            let folder = std::env::temp_dir().join(name);
-            match std::fs::create_dir(&folder) {
-                Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => {}
-                made => return made.map(|()| Scratch(folder)),
-            }
-        }
-        Err(std::io::ErrorKind::AlreadyExists.into())
-    }
-}
-
-impl Drop for Scratch {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0); // what stays is in the system's temporary folder
     }
 }

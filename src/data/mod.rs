@@ -8,6 +8,7 @@ mod file;
 pub mod findings;
 pub mod import;
 pub mod mcap;
+pub mod packed;
 pub mod recording;
 mod row_serde;
 mod table;

@@ -103,21 +103,19 @@ pub fn read_csv_beside<R: DeserializeOwned>(
     path: &Path,
     apart: impl Fn(&str) -> bool,
 ) -> Result<(Vec<Beside>, Vec<R>), DataError> {
-    let table = Table::read(path)?;
-    let names: Vec<&str> = table.columns.iter().map(|(name, _)| name.as_str()).collect();
-    let text = |cells: &Cells| match cells {
-        Cells::Text(cells) => cells.clone(),
-        _ => (0..table.rows).map(|row| cells.show(row)).collect(),
-    };
-    let columns: Vec<Vec<String>> = table.columns.iter().map(|(_, cells)| text(cells)).collect();
-    let (beside, own): (Vec<_>, Vec<_>) = names.into_iter().zip(columns).partition(|(name, _)| apart(name));
-    let (names, columns): (Vec<&str>, Vec<Vec<String>>) = own.into_iter().unzip();
+    let table = Table::read_text(path)?;
+    let columns = table.columns.iter().filter_map(|(name, cells)| match cells {
+        Cells::Text(cells) => Some((name.as_str(), cells)),
+        _ => None,
+    });
+    let (beside, own): (Vec<_>, Vec<_>) = columns.partition(|(name, _)| apart(name));
+    let (names, columns): (Vec<&str>, Vec<&Vec<String>>) = own.into_iter().unzip();
     let rows = (0..table.rows).map(|row| {
         let cells: Vec<&str> = columns.iter().map(|column| column[row].as_str()).collect();
         TextRow { names: &names, cells: &cells }.read().map_err(|error| place(&table, row, error))
     });
     let rows = rows.collect::<Result<_, DataError>>()?;
-    Ok((beside.into_iter().map(|(name, cells)| (name.to_owned(), cells)).collect(), rows))
+    Ok((beside.into_iter().map(|(name, cells)| (name.to_owned(), cells.clone())).collect(), rows))
 }
 
 /// Puts a reading error where it belongs.

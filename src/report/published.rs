@@ -5,7 +5,7 @@ use std::path::Path;
 use super::sweep_rows::SweepTable;
 use crate::data::findings::{CaseRow, IntervalRow};
 use crate::data::tables::{Beside, as_published, to_csv_beside};
-use crate::data::{DataError, TableRow, tables, write_atomic};
+use crate::data::{DataError, TableRow, packed, tables, write_atomic};
 use crate::rows::experiment::{
     ClaimRow, GapRow, GpCoverageRow, GpLeaveOneOutRow, GpRow, NetworkRow, PeerRow, ScalingRow, SweepRow, TrackRow,
     TrialRow, WaypointRow, WorkspaceRow,
@@ -171,7 +171,7 @@ fn csv_file<R: TableRow>(
 /// [`DataError`] for a file that is there and cannot be read.
 pub fn published_rows<R: TableRow>(folder: &Path) -> Result<Vec<R>, DataError> {
     let path = folder.join(R::TABLE.file);
-    if path.exists() { tables::read_csv(&path) } else { Ok(Vec::new()) }
+    if packed::stored(&path).is_some() { tables::read_csv(&path) } else { Ok(Vec::new()) }
 }
 
 /// The summary of a sweep: what is swept stands in the columns with a dot in their names.

@@ -1,6 +1,7 @@
 //! Results against published ones: to the byte, or where another processor computed them, to a stated tolerance.
 
 use super::results::Files;
+use crate::data::packed::csv_of;
 use std::path::{Path, PathBuf};
 
 /// How alike results must be.
@@ -65,7 +66,7 @@ pub fn compare(files: &Files, published: &Path, standard: Standard) -> Result<()
     paths.sort_by_key(|path| (rank(path).0, (*path).clone()));
     for path in paths {
         let stage = rank(path).1;
-        let Ok(bytes) = std::fs::read(published.join(path)) else {
+        let Ok(bytes) = csv_of(&published.join(path)) else {
             return Err(Difference::Missing { stage, file: path.clone() });
         };
         if bytes != files[path] && !(standard != Standard::Bytes && is_picture(path)) {

@@ -27,6 +27,7 @@ mod policy_outside;
 mod population;
 mod recording_files;
 mod report_figures;
+mod report_golden;
 mod report_numbers;
 mod report_tables;
 mod spec_bad_input;

@@ -2,8 +2,10 @@
 
 use std::fs;
 use std::path::Path;
+use std::process::Command;
 
 use serde::{Deserialize, Serialize};
+use spinebench::data::packed::csv_of;
 use spinebench::data::{DataError, tables};
 use spinebench::report::page::splice;
 use spinebench::rows::experiment::{ClaimRow, GapRow, NetworkRow};
@@ -141,7 +143,8 @@ fn published_tables_have_these_columns_and_their_keys_tell_rows_apart() {
     let mut seen = 0;
     for folder in fs::read_dir(results).unwrap().flatten().filter(|folder| folder.path().is_dir()) {
         for table in table_descriptions().filter(|table| table.file != "summary.csv") {
-            let Ok(text) = fs::read_to_string(folder.path().join(table.file)) else { continue };
+            let Ok(bytes) = csv_of(&folder.path().join(table.file)) else { continue };
+            let text = String::from_utf8(bytes).unwrap();
             let header: Vec<&str> = text.lines().next().unwrap().split(',').collect();
             let columns: Vec<&str> = table.columns().map(|column| column.name).collect();
             // Older files lack columns that have a default by now; those of a sweep have the swept fields before them.
@@ -162,6 +165,17 @@ fn published_tables_have_these_columns_and_their_keys_tell_rows_apart() {
         }
     }
     assert!(seen > 10);
+}
+
+#[test]
+fn published_results_stay_light() {
+    let git = Command::new("git").args(["ls-files", "-z", "results"]).current_dir(env!("CARGO_MANIFEST_DIR")).output();
+    // Elsewhere than in a repository nobody commits.
+    let Some(files) = git.ok().filter(|output| output.status.success()) else { return };
+    let files = String::from_utf8(files.stdout).unwrap();
+    let sizes = files.split_terminator('\0').filter_map(|file| fs::symlink_metadata(file).ok()).map(|file| file.len());
+    let bytes: u64 = sizes.sum();
+    assert!(bytes <= 20_000_000, "{bytes} bytes of results; `make pack`");
 }
 
 #[test]

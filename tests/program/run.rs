@@ -57,17 +57,29 @@ fn one_two_and_eight_threads_give_the_same_bytes_and_verify_agrees() {
     assert!(results[0].keys().any(|path| path.ends_with("table1.png")), "{:?}", results[0].keys());
     assert!(results[0] == results[1] && results[0] == results[2], "results depend on the number of threads");
 
+    // Tables in Parquet are as good as those in CSV, and come back as they were.
+    let trials = folder.path().join("out1/results/smoke/trials.csv");
+    let [csv, parquet] = ["csv", "parquet"]
+        .map(|end| ["trials", "tracks", "gap", "claims"].map(|table| format!("out1/results/smoke/{table}.{end}")));
+    let pack = |arguments: &[&str], tables: &[String]| {
+        let tables = tables.iter().map(String::as_str);
+        let output = spinebench(folder.path(), &[&["pack"], arguments, &tables.collect::<Vec<_>>()].concat());
+        (output.status.code(), String::from_utf8(output.stderr).unwrap())
+    };
+    assert_eq!(pack(&[], &csv), (Some(0), String::new()));
+    assert!(!trials.exists() && trials.with_extension("parquet").is_file());
     let verified = spinebench(folder.path(), &["verify", "--out", "out1", "--quiet"]);
     assert_eq!(verified.status.code(), Some(0), "{}", String::from_utf8_lossy(&verified.stderr));
-    let trials = folder.path().join("out1/results/smoke/trials.csv");
+    let again = spinebench(folder.path(), &["gather", "out1/results/smoke", "--out", "gathered"]);
+    assert_eq!(again.status.code(), Some(0), "{}", String::from_utf8_lossy(&again.stderr));
+    assert_eq!(pack(&["--undo"], &parquet), (Some(0), String::new()));
+    assert!(files(&folder.path().join("out1")) == results[0], "a packed table came back changed");
+    assert!(files(&folder.path().join("gathered")) == results[0], "what is drawn from packed tables differs");
+    assert!(pack(&[], &parquet).1.contains("trials.parquet"), "what is not there is named");
+
+    // A changed row, and another result of an early stage: the trail names it.
     let text = std::fs::read_to_string(&trials).unwrap();
     std::fs::write(&trials, text.replacen(",true,", ",false,", 1)).unwrap();
-    let differs = spinebench(folder.path(), &["verify", "--out", "out1", "--quiet"]);
-    assert_eq!(differs.status.code(), Some(1));
-    let said = String::from_utf8(differs.stderr).unwrap();
-    assert!(said.starts_with("error: smoke: differs: reach: results/smoke/trials.csv:"), "{said}");
-
-    // Another result of an early stage: the trail names it.
     let trail = folder.path().join("out1/results/smoke/stages.csv");
     let text = std::fs::read_to_string(&trail).unwrap();
     let row = text.lines().find(|line| line.starts_with("gp_fit,")).unwrap();
@@ -76,7 +88,9 @@ fn one_two_and_eight_threads_give_the_same_bytes_and_verify_agrees() {
     cells[at] = "0123456789ab";
     std::fs::write(&trail, text.replacen(row, &cells.join(","), 1)).unwrap();
     let differs = spinebench(folder.path(), &["verify", "--out", "out1", "--quiet"]);
+    assert_eq!(differs.status.code(), Some(1));
     let said = String::from_utf8(differs.stderr).unwrap();
+    assert!(said.starts_with("error: smoke: differs: reach: results/smoke/trials.csv:"), "{said}");
     assert!(said.contains("; first stage that differs: gp_fit (Gaussian process"), "{said}");
     assert!(said.contains("published 0123456789ab, found "), "{said}");
 }

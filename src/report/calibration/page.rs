@@ -1,51 +1,32 @@
-//! `report.html` of a calibration: one self-contained page. No script, no link, nothing fetched.
+//! `report.html` of a calibration: one self-contained page.
 
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, html};
 
 use super::{CalibrationReport, DRAWINGS};
 use crate::data::calibration::{CalibratedNumber, CalibrationFindings, HeldOutError, ResidualGroup};
 use crate::report::ReportError;
 use crate::report::discovery::format::{millimetres, number};
-use crate::report::discovery::html::{captioned, drawing, list, section, table};
-use crate::report::discovery::page::CSS;
-use crate::report::drawing::paint;
-use crate::report::style::PAGE_WIDTH;
+use crate::report::discovery::html::{captioned, document, figure, list, section, table};
 
-/// Width of the figures on a telephone, hundredths of an inch.
-const NARROW: f64 = 372.0;
 /// Groups of a kind in the table.
-const MOST_GROUPS: usize = 12;
+const MAX_GROUPS: usize = 12;
 
 /// The page.
 ///
 /// # Errors
 /// [`ReportError::Draw`] when a figure cannot be painted.
 pub(super) fn page(report: &CalibrationReport) -> Result<String, ReportError> {
-    let [errors, map] = [figure(report, "errors")?, figure(report, "map")?];
+    let [errors, map] = DRAWINGS.map(|(name, draw)| figure(name, |width| draw(report, width)));
     let findings = report.findings;
-    let page = html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                meta name="color-scheme" content="light dark";
-                title { "Calibration" }
-                style { (PreEscaped(CSS)) }
-            }
-            body {
-                main {
-                    (head(findings))
-                    (section("On positions that the fit has not seen", &unseen(findings.held_out.as_ref(), &errors)))
-                    (section("What limits this result", &list(&findings.limitations)))
-                    (section("Numbers", &numbers(findings)))
-                    (section("Selection", &stages(findings)))
-                    (section("Where the model errs", &places(findings, &map)))
-                }
-            }
-        }
+    let content = html! {
+        (head(findings))
+        (section("On positions that the fit has not seen", &unseen(findings.held_out.as_ref(), &errors?)))
+        (section("What limits this result", &list(&findings.limitations)))
+        (section("Numbers", &numbers(findings)))
+        (section("Selection", &stages(findings)))
+        (section("Where the model errs", &places(findings, &map?)))
     };
-    Ok(page.into_string() + "\n")
+    Ok(document("Calibration", &content))
 }
 
 /// Title and the numbers that matter most.
@@ -165,23 +146,9 @@ fn places(findings: &CalibrationFindings, map: &Markup) -> Markup {
         (captioned(map, "Grey: measured. Blue: simulated with the calibrated model. Some positions, evenly chosen."))
         @for kind in kinds {
             @let rows: Vec<Vec<Markup>> = findings.residual_groups.iter().filter(|group| group.kind == kind)
-                .take(MOST_GROUPS).map(|group| row(&group)).collect();
+                .take(MAX_GROUPS).map(|group| row(&group)).collect();
             (table(&[&format!("By {kind}"), "Positions", "rms error", "Mean error x, y, z (mm)"], &rows))
         }
         p .note { "Simulated minus measured. All groups are in residual_groups.csv." }
     }
-}
-
-/// A figure at the widths of a page and of a telephone, of which the page shows the one that fits.
-fn figure(report: &CalibrationReport, name: &'static str) -> Result<Markup, ReportError> {
-    let failed = |error: paint::PaintError| ReportError::Draw { figure: name, reason: error.to_string() };
-    let mut both = Markup::default();
-    for (_, draw) in DRAWINGS.iter().filter(|(known, _)| *known == name) {
-        for (class, width) in [("wide", PAGE_WIDTH), ("narrow", NARROW)] {
-            if let Some(canvas) = draw(report, width) {
-                both.0 += &drawing(&paint::svg(&canvas).map_err(failed)?, class, name).0;
-            }
-        }
-    }
-    Ok(both)
 }

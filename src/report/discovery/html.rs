@@ -1,12 +1,58 @@
-//! Pieces of the page that several sections use: sections, figures, tables, lists.
+//! Pieces of the pages that several sections use: the document, sections, figures, tables, lists.
 
-use maud::{Markup, PreEscaped, Render, html};
+use maud::{DOCTYPE, Markup, PreEscaped, Render, html};
+
+use crate::report::ReportError;
+use crate::report::drawing::canvas::Canvas;
+use crate::report::drawing::paint;
+use crate::report::style::PAGE_WIDTH;
+
+/// Width of the figures on a telephone, hundredths of an inch.
+const TELEPHONE_WIDTH: f64 = 372.0;
 
 /// A table with more columns scrolls on a telephone.
 const MANY: usize = 4;
 
+/// A self-contained document: no script, no link, nothing fetched. Its control characters become replacement characters.
+pub(in crate::report) fn document(title: &str, content: &Markup) -> String {
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta name="color-scheme" content="light dark";
+                title { (title) }
+                style { (PreEscaped(include_str!("page.css"))) }
+            }
+            body { main { (content) } }
+        }
+    };
+    let is_control = |letter: char| letter.is_control() && letter != '\n' && letter != '\t';
+    page.into_string().replace(is_control, "\u{fffd}") + "\n"
+}
+
+/// A figure at the widths of a page and of a telephone, of which the page shows the one that fits; nothing where there is
+/// nothing to draw.
+///
+/// # Errors
+/// [`ReportError::Draw`] when it cannot be painted.
+pub(in crate::report) fn figure(
+    name: &'static str,
+    draw: impl Fn(f64) -> Option<Canvas>,
+) -> Result<Markup, ReportError> {
+    let failed = |error: paint::PaintError| ReportError::Draw { figure: name, reason: error.to_string() };
+    let mut both = Markup::default();
+    for (class, width) in [("wide", PAGE_WIDTH), ("narrow", TELEPHONE_WIDTH)] {
+        if let Some(canvas) = draw(width) {
+            both.0 += &drawing(&paint::svg(&canvas).map_err(failed)?, class, name).0;
+        }
+    }
+    Ok(both)
+}
+
 /// A drawing of our own painter, which escapes its texts, with a name for readers who do not see it.
-pub(in crate::report) fn drawing(svg: &[u8], class: &'static str, name: &str) -> Markup {
+fn drawing(svg: &[u8], class: &'static str, name: &str) -> Markup {
     let svg = String::from_utf8_lossy(svg);
     let label = name.render().into_string();
     let start = format!("<svg class=\"{class}\" role=\"img\" aria-label=\"{label}\" ");

@@ -51,7 +51,7 @@ pub(crate) fn png(canvas: &Canvas) -> Result<Vec<u8>, PaintError> {
         canvas.marks.iter().try_for_each(|mark| painter.paint(mark))?;
         backend.present().map_err(failed)?;
     }
-    encode(&shrink(&fine, wide, high), wide, high)
+    encode(&shrink(&fine, wide), wide, high)
 }
 
 /// The SVG of a figure.
@@ -189,23 +189,23 @@ fn style(from: Colour, opacity: f64) -> ShapeStyle {
 }
 
 /// Means over squares of samples.
-fn shrink(fine: &[u8], wide: usize, high: usize) -> Vec<u8> {
-    let mut out = Vec::with_capacity(wide * high * 3);
-    let stride = wide * SAMPLES * 3;
-    for y in 0..high {
-        for x in 0..wide {
-            for channel in 0..3 {
-                let first = y * SAMPLES * stride + x * SAMPLES * 3 + channel;
-                let rows = (0..SAMPLES).map(|row| first + row * stride);
-                let sum: usize = rows
-                    .flat_map(|at| (0..SAMPLES).map(move |column| at + 3 * column))
-                    .map(|at| usize::from(fine[at]))
-                    .sum();
-                out.push(((sum + SAMPLES * SAMPLES / 2) / (SAMPLES * SAMPLES)) as u8);
+fn shrink(fine: &[u8], wide: usize) -> Vec<u8> {
+    const SQUARE: usize = SAMPLES * SAMPLES;
+    let line = wide * SAMPLES * 3;
+    let row_of_pixels = |samples: &[u8]| {
+        let mut sums = vec![0; wide * 3];
+        for line in samples.chunks_exact(line) {
+            for (pixel, samples) in sums.chunks_exact_mut(3).zip(line.chunks_exact(3 * SAMPLES)) {
+                for sample in samples.chunks_exact(3) {
+                    for channel in 0..3 {
+                        pixel[channel] += usize::from(sample[channel]);
+                    }
+                }
             }
         }
-    }
-    out
+        sums.into_iter().map(|sum| ((sum + SQUARE / 2) / SQUARE) as u8)
+    };
+    fine.chunks_exact(SAMPLES * line).flat_map(row_of_pixels).collect()
 }
 
 fn encode(pixels: &[u8], wide: usize, high: usize) -> Result<Vec<u8>, PaintError> {
