@@ -11,7 +11,7 @@ use crate::learn::gp::{Gp, GpConfig};
 
 /// Rows to which the hyper-parameters of a Gaussian process are fitted, and rows that it is conditioned on.
 const SEARCH_ROWS: usize = 250;
-const MOST_ROWS: usize = 1200;
+const MAX_ROWS: usize = 1200;
 /// Ridge of a regression, as a share of the mean square of the features: enough to leave out directions without data.
 const RIDGE: f64 = 1e-6;
 
@@ -146,7 +146,7 @@ fn gaussian_process(x: &[&[f64]], y: &[Point3], query: &[&[f64]]) -> Option<(Vec
     let config = GpConfig { starts: 2, ..GpConfig::default() };
     let (inputs, outputs) = table(&some(SEARCH_ROWS))?;
     let searched = Gp::fit(&inputs, &outputs, &config).ok()?;
-    let (inputs, outputs) = table(&some(MOST_ROWS))?;
+    let (inputs, outputs) = table(&some(MAX_ROWS))?;
     let gp = Gp::condition(&inputs, &outputs, &config, searched.theta().to_vec(), 0).ok()?;
     let answer = |row: &&[f64]| -> Option<Point3> { gp.mean(row).ok()?.try_into().ok() };
     Some((query.iter().map(answer).collect::<Option<_>>()?, 0))

@@ -16,7 +16,7 @@ const STEP: f64 = 1e-6;
 const POSE: usize = 6;
 const OF_SEGMENT: usize = 4;
 /// Rows to which it is fitted at most.
-const MOST_ROWS: usize = 600;
+const MAX_ROWS: usize = 600;
 
 /// The robot as arcs.
 struct Arcs {
@@ -43,7 +43,7 @@ pub(super) fn predictions(
 ) -> Option<(Vec<Point3>, usize)> {
     let arcs = Arcs::new(model, comparison)?;
     let count = POSE + OF_SEGMENT * arcs.lengths_m.len();
-    let step = fitted.len().div_ceil(MOST_ROWS).max(1);
+    let step = fitted.len().div_ceil(MAX_ROWS).max(1);
     let rows: Vec<usize> = fitted.iter().copied().step_by(step).collect();
     let at = |parameters: &[f64], index: usize| {
         let sighting = comparison.sightings[index];

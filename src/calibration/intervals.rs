@@ -11,7 +11,7 @@ const UNSEEN_DIRECTION: f64 = 1e-12;
 /// A number with more than this share in an unidentifiable direction has no interval.
 const UNSEEN_SHARE: f64 = 1e-4;
 /// Least number of blocks for a covariance between blocks.
-const LEAST_BLOCKS: usize = 5;
+const MIN_BLOCKS: usize = 5;
 
 /// Uncertainty of the coordinates at an optimum.
 #[derive(Clone, Debug)]
@@ -79,7 +79,7 @@ fn sandwich(best: &Optimum, inverse: &DMatrix<f64>, blocks: &[usize]) -> Option<
         let mut column = scores.column_mut(block);
         column += score;
     }
-    if number < LEAST_BLOCKS {
+    if number < MIN_BLOCKS {
         return None;
     }
     let middle = &scores * scores.transpose() * (number as f64 / (number as f64 - 1.0));

@@ -165,7 +165,7 @@ fn fitted(normal: &CalibrationProblem, start: &[f64], wanted: Option<ErrorLaw>) 
     // Where the model itself errs, what lies far out is its error, which least squares must not pass over.
     if wanted.is_none() && outliers > 0 && is_good(&best) {
         let robust = CalibrationProblem { likelihood: ErrorLaw::StudentT, ..*normal };
-        best = robust.fit(&best.x, starts::MOST_STEPS, optimum::CONVERGED)?;
+        best = robust.fit(&best.x, starts::MAX_STEPS, optimum::CONVERGED)?;
         likelihood = ErrorLaw::StudentT;
     }
     let outliers = robust::outliers(&best.residual_m, &best.positions).len();

@@ -10,7 +10,7 @@ use crate::data::calibration::{CalibratedNumber, CalibrationFindings, HeldOutErr
 /// half as wide.
 const TRADES: f64 = 0.87;
 /// Pairs that are told.
-const MOST_PAIRS: usize = 20;
+const MAX_PAIRS: usize = 20;
 
 /// Everything but the model.
 pub(super) fn findings(
@@ -82,7 +82,7 @@ fn trade_offs(numbers: &[FitNumber], uncertain: &Uncertain) -> Vec<TradeOff> {
         }
     }
     pairs.sort_by(|a, b| b.correlation.abs().total_cmp(&a.correlation.abs()));
-    pairs.truncate(MOST_PAIRS);
+    pairs.truncate(MAX_PAIRS);
     pairs
 }
 

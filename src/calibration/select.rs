@@ -7,7 +7,7 @@ use super::entry::numbers;
 use super::error::CalibrationError;
 use super::idle;
 use super::number::FitNumber;
-use super::optimum::{CalibrationProblem, NEARLY};
+use super::optimum::{CalibrationProblem, ROUGHLY_CONVERGED};
 use super::robust::ErrorLaw;
 use super::validation::without;
 use crate::base::distance_m;
@@ -136,7 +136,7 @@ fn added(
     let start: Vec<f64> = stays.iter().map(|&k| before.x[k]).chain(own.iter().map(begins)).collect();
     let numbers: Vec<FitNumber> = stays.iter().map(|&k| before.numbers[k].clone()).chain(own).collect();
     let problem = CalibrationProblem { model: &model, numbers: &numbers, comparison, likelihood: ErrorLaw::Normal };
-    let found = problem.fit(&start, STEPS, NEARLY)?;
+    let found = problem.fit(&start, STEPS, ROUGHLY_CONVERGED)?;
     let mut squares = (0.0, 0_usize);
     for fold in blocks.folds() {
         let (asked, _) = blocks.parted(&fold);
