@@ -43,9 +43,9 @@ pub(super) fn uncertainty(problem: &CalibrationProblem, best: &Optimum, blocks: 
     if let Some((wide, freedom)) = between {
         let quantile = student_95(freedom);
         for (k, half) in half.iter_mut().enumerate() {
-            let own = quantile * wide[(k, k)].sqrt();
-            widened |= own > *half;
-            *half = half.max(own);
+            let sandwich_half = quantile * wide[(k, k)].sqrt();
+            widened |= sandwich_half > *half;
+            *half = half.max(sandwich_half);
         }
         if widened {
             covariance = wide;

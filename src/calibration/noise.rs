@@ -48,13 +48,13 @@ pub(super) fn noise(
         (Some(before), Some(after)) => is_held(comparison, a, b) && distance_m(&before, &after) < RESTS_M,
         _ => false,
     };
-    let still: Vec<(usize, usize)> = pairs.iter().copied().filter(rests).collect();
+    let at_rest: Vec<(usize, usize)> = pairs.iter().copied().filter(rests).collect();
     let of = |pairs: &[(usize, usize)], from: &'static str| {
         let squares: Vec<f64> = pairs.iter().map(difference).collect();
         let rms_m = (1.5 * quantile(&squares, 0.5) / MEDIAN_CHI_SQUARED).sqrt();
         (pairs.len() >= MIN_PAIRS).then_some(NoiseEstimate { rms_m, pairs: pairs.len(), from })
     };
-    of(&still, "rows in which the robot rests")
+    of(&at_rest, "rows in which the robot rests")
         .or_else(|| of(&pairs, "the change of the error from row to row, an upper bound"))
 }
 

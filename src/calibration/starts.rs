@@ -48,7 +48,7 @@ fn coarse(problem: &CalibrationProblem, start: &[f64]) -> Vec<f64> {
     }
     let comparison = problem.comparison.only(&evenly(problem.comparison, wanted));
     let part = CalibrationProblem { comparison: &comparison, ..*problem };
-    part.fit(start, MAX_STEPS, ROUGHLY_CONVERGED).map_or_else(|_| start.to_vec(), |found| found.x)
+    part.fit(start, MAX_STEPS, ROUGHLY_CONVERGED).map_or_else(|_| start.to_vec(), |optimum| optimum.x)
 }
 
 /// Where a cheap fit from another start came clearly lower than `first`.
@@ -59,12 +59,12 @@ fn rival(problem: &CalibrationProblem, first: &Optimum) -> Option<Vec<f64>> {
     let reached = cheap.fit(&first.x, CHEAP_STEPS, ROUGHLY_CONVERGED).ok()?.rms_m().powi(2);
     let rivals = (0..STARTS).filter_map(|number| {
         let mut random = Seed(0).child("calibration start").index(number).rng();
-        let drawn = problem.numbers.iter().map(|own| (SPREAD * random.random_range(-1.0..1.0)).max(own.low()));
+        let drawn = problem.numbers.iter().map(|number| (SPREAD * random.random_range(-1.0..1.0)).max(number.low()));
         let start: Vec<f64> = drawn.collect();
         let there = cheap.fit(&start, CHEAP_STEPS, ROUGHLY_CONVERGED).ok()?;
         Some((there.rms_m().powi(2), there.x))
     });
-    let winner = rivals.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(left, _)| *left < BETTER * reached);
+    let winner = rivals.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(square_m2, _)| *square_m2 < BETTER * reached);
     winner.map(|(_, start)| start)
 }
 
