@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::blocks::Split;
+use super::blocks::SightingSplit;
 use super::comparison::Comparison;
 use super::constant_curvature;
 use crate::base::{Point3, Rows};
@@ -26,7 +26,7 @@ pub(super) struct Reference {
 }
 
 /// Every reference model, fitted to the sightings `fitted` and asked for the sightings `asked`.
-pub(super) fn references(model: &Model, comparison: &Comparison, split: Split) -> Vec<Reference> {
+pub(super) fn references(model: &Model, comparison: &Comparison, split: SightingSplit) -> Vec<Reference> {
     let data = Data::new(comparison);
     let linear = |quadratic: bool| {
         let parts = data.each_marker(split, &|x, y, query| regression(x, y, query, quadratic));
@@ -60,7 +60,7 @@ impl<'a, 'b> Data<'a, 'b> {
     }
 
     /// One map a tracked point.
-    fn each_marker(&self, Split { fitted, unseen }: Split, map: &Map) -> Option<(Vec<Point3>, usize)> {
+    fn each_marker(&self, SightingSplit { fitted, unseen }: SightingSplit, map: &Map) -> Option<(Vec<Point3>, usize)> {
         let mut answers = vec![[f64::NAN; 3]; unseen.len()];
         let mut numbers = 0;
         for marker in 0..self.comparison.markers.len() {

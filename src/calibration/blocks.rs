@@ -33,7 +33,7 @@ pub(super) struct Blocks {
 
 /// Sightings of a validation by their index.
 #[derive(Clone, Copy)]
-pub(super) struct Split<'a> {
+pub(super) struct SightingSplit<'a> {
     /// Those that the fit sees.
     pub(super) fitted: &'a [usize],
     /// Those whose error is measured.

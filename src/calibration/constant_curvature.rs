@@ -4,7 +4,7 @@
 use nalgebra::{DMatrix, DVector, UnitQuaternion, Vector2, Vector3};
 
 use super::baselines::by_tension;
-use super::blocks::Split;
+use super::blocks::SightingSplit;
 use super::comparison::Comparison;
 use crate::base::Point3;
 use crate::effects::Model;
@@ -39,7 +39,7 @@ pub(super) fn predictions(
     model: &Model,
     comparison: &Comparison,
     commands: &[Vec<f64>],
-    Split { fitted, unseen }: Split,
+    SightingSplit { fitted, unseen }: SightingSplit,
 ) -> Option<(Vec<Point3>, usize)> {
     let arcs = Arcs::new(model, comparison)?;
     let count = POSE + OF_SEGMENT * arcs.lengths_m.len();

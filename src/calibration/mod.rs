@@ -27,7 +27,7 @@ use crate::data::Recording;
 use crate::data::calibration::{CalibrationFindings, SightingRow};
 use crate::effects::Model;
 
-use blocks::{Blocks, Split};
+use blocks::{Blocks, SightingSplit};
 use comparison::Comparison;
 use intervals::{Uncertain, uncertainty};
 use noise::{Misfit, NoiseEstimate};
@@ -137,7 +137,7 @@ pub fn calibrate(
             &problem,
             &fitted.best,
             &whole,
-            Split { fitted: &kept, unseen: &unseen },
+            SightingSplit { fitted: &kept, unseen: &unseen },
             (all_blocks.kind, names),
         ))
     } else if options.validate {

@@ -3,7 +3,7 @@
 use nalgebra::DVector;
 
 use super::baselines::{Reference, references};
-use super::blocks::{Blocks, Split};
+use super::blocks::{Blocks, SightingSplit};
 use super::comparison::{Comparison, Positions};
 use super::intervals::inverse;
 use super::optimum::{CalibrationProblem, Optimum};
@@ -36,7 +36,7 @@ pub(super) fn cross_validated(problem: &CalibrationProblem, best: &Optimum, bloc
         add(&mut all, "this model, fitted", problem.numbers.len(), &unseen, Some(fitted_m));
         let start = problem.at(&vec![0.0; best.x.len()]);
         add(&mut all, "this model, as given", 0, &unseen, start.map(|model| part.positions(&model)));
-        add_references(&mut all, problem.model, problem.comparison, Split { fitted: &fitted, unseen: &unseen });
+        add_references(&mut all, problem.model, problem.comparison, SightingSplit { fitted: &fitted, unseen: &unseen });
     }
     let how = format!("blocked cross-validation: {} parts of the {} {}s", folds.len(), blocks.names.len(), blocks.kind);
     error(problem.comparison, how, Vec::new(), all)
@@ -47,7 +47,7 @@ pub(super) fn held_out(
     problem: &CalibrationProblem,
     best: &Optimum,
     whole: &Comparison,
-    split: Split,
+    split: SightingSplit,
     (kind, names): (&str, Vec<String>),
 ) -> HeldOutError {
     let unseen = whole.only(split.unseen);
@@ -75,7 +75,7 @@ pub(super) fn without(problem: &CalibrationProblem, best: &Optimum, left_out: &[
     moved.map(|((x, step), number)| (x + step / shorten).max(number.low())).collect()
 }
 
-fn add_references(all: &mut Vec<Unseen>, model: &Model, comparison: &Comparison, split: Split) {
+fn add_references(all: &mut Vec<Unseen>, model: &Model, comparison: &Comparison, split: SightingSplit) {
     for Reference { name, numbers, positions } in references(model, comparison, split) {
         let positions = positions.map(|all| all.into_iter().map(Some).collect());
         add(all, name, numbers, split.unseen, positions);
