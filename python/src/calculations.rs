@@ -14,7 +14,7 @@ use spinebench::data::{Recording, tables};
 use spinebench::discovery::{Options, discover, telling_steps};
 use spinebench::runner::{self, Campaign, Progress, RunFacts, RunOptions, Store, Style};
 use spinebench::specs::{ExperimentSet, read_options};
-use spinebench::tasks::{SimulationOptions, check_one_gravity, read_commands, read_measured, simulate_recording};
+use spinebench::tasks::{SimulationOptions, read_commands, read_to_calibrate, read_to_explain, simulate_recording};
 
 use crate::calls::{claim_global_threads, long};
 use crate::errors::Fault;
@@ -46,7 +46,6 @@ pub(crate) fn _simulate(
     let model = model.clone();
     long(py, move |stop| {
         let read = read_commands(&commands, &model.0, at_rest)?;
-        check_one_gravity(&commands, &read, &model.0)?;
         let options =
             SimulationOptions { at_rest, noise_m, seed: spinebench::base::Seed(seed), ..SimulationOptions::default() };
         let simulated = stop.within(|| simulate_recording(&model.0, &read, &options));
@@ -107,25 +106,11 @@ pub(crate) fn _calibrate(
 ) -> PyResult<(PyModel, String, Vec<u8>)> {
     let (model, options) = (model.clone(), arguments.options()?);
     long(py, move |stop| {
-        let read = read_measured(&measured, &model.0, options.at_rest)?;
-        check_one_gravity(&measured, &read, &model.0)?;
-        if !options.at_rest {
-            read.check_duration(&measured)?;
-        }
+        let read = read_to_calibrate(&measured, &model.0, options.at_rest)?;
         let found = stop.within(|| calibrate(&model.0, &read, &options)).map_err(|error| about(&measured, error))?;
         let sightings = tables::to_csv(Path::new("sightings.csv"), &found.sightings)?;
         Ok((PyModel(found.model.into()), json(&found.findings)?, sightings))
     })
-}
-
-/// Reads a recording that a discovery explains.
-fn to_explain(file: &Path, model: &PyModel, at_rest: bool) -> Result<Recording, Fault> {
-    let recording = read_measured(file, &model.0, at_rest)?;
-    if !at_rest {
-        recording.check_duration(file)?;
-    }
-    recording.check_loads(file)?;
-    Ok(recording)
 }
 
 /// Finds what a model lacks; returns the extended model, the findings as JSON, residuals and residual map as CSV.
@@ -145,9 +130,9 @@ pub(crate) fn _discover(
         settings.left_out.extend(leave_out);
         settings.at_rest |= at_rest;
         let parts: Vec<Recording> =
-            measured.iter().map(|file| to_explain(file, &model, settings.at_rest)).collect::<Result<_, Fault>>()?;
+            measured.iter().map(|file| read_to_explain(file, &model.0, settings.at_rest)).collect::<Result<_, _>>()?;
         let whole = Recording::joined(&parts).map_err(|error| about(&measured[error.index], &error))?;
-        let baseline = baseline.map(|file| to_explain(&file, &model, settings.at_rest)).transpose()?;
+        let baseline = baseline.map(|file| read_to_explain(&file, &model.0, settings.at_rest)).transpose()?;
         let stop = stop.clone();
         // A search that nobody waits for ends at its next step.
         let step = move |_: &str| {

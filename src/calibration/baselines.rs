@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::blocks::SightingSplit;
 use super::comparison::Comparison;
 use super::constant_curvature;
 use crate::base::{Point3, Rows};
@@ -11,7 +12,7 @@ use crate::learn::gp::{Gp, GpConfig};
 
 /// Rows to which the hyper-parameters of a Gaussian process are fitted, and rows that it is conditioned on.
 const SEARCH_ROWS: usize = 250;
-const MOST_ROWS: usize = 1200;
+const MAX_ROWS: usize = 1200;
 /// Ridge of a regression, as a share of the mean square of the features: enough to leave out directions without data.
 const RIDGE: f64 = 1e-6;
 
@@ -25,16 +26,16 @@ pub(super) struct Reference {
 }
 
 /// Every reference model, fitted to the sightings `fitted` and asked for the sightings `asked`.
-pub(super) fn references(model: &Model, comparison: &Comparison, fitted: &[usize], asked: &[usize]) -> Vec<Reference> {
+pub(super) fn references(model: &Model, comparison: &Comparison, split: SightingSplit) -> Vec<Reference> {
     let data = Data::new(comparison);
     let linear = |quadratic: bool| {
-        let parts = data.each_marker(fitted, asked, &|x, y, query| regression(x, y, query, quadratic));
+        let parts = data.each_marker(split, &|x, y, query| regression(x, y, query, quadratic));
         parts.map(|(positions, numbers)| (Some(positions), numbers)).unwrap_or((None, 0))
     };
     let (linear_m, linear_numbers) = linear(false);
     let (quadratic_m, quadratic_numbers) = linear(true);
-    let gp = data.each_marker(fitted, asked, &|x, y, query| gaussian_process(x, y, query));
-    let arcs = constant_curvature::predictions(model, comparison, &data.commands, fitted, asked);
+    let gp = data.each_marker(split, &|x, y, query| gaussian_process(x, y, query));
+    let arcs = constant_curvature::predictions(model, comparison, &data.commands, split);
     let (arcs_m, arcs_numbers) = arcs.map_or((None, 0), |(positions, numbers)| (Some(positions), numbers));
     vec![
         Reference { name: "constant curvature", numbers: arcs_numbers, positions: arcs_m },
@@ -59,24 +60,24 @@ impl<'a, 'b> Data<'a, 'b> {
     }
 
     /// One map a tracked point.
-    fn each_marker(&self, fitted: &[usize], asked: &[usize], map: &Map) -> Option<(Vec<Point3>, usize)> {
-        let mut answers = vec![[f64::NAN; 3]; asked.len()];
+    fn each_marker(&self, SightingSplit { fitted, unseen }: SightingSplit, map: &Map) -> Option<(Vec<Point3>, usize)> {
+        let mut answers = vec![[f64::NAN; 3]; unseen.len()];
         let mut numbers = 0;
         for marker in 0..self.comparison.markers.len() {
-            let own = |index: &&usize| self.comparison.sightings[**index].marker == marker;
-            let train: Vec<usize> = fitted.iter().filter(own).copied().collect();
+            let of_marker = |index: &&usize| self.comparison.sightings[**index].marker == marker;
+            let train: Vec<usize> = fitted.iter().filter(of_marker).copied().collect();
             let places: Vec<usize> =
-                (0..asked.len()).filter(|&k| self.comparison.sightings[asked[k]].marker == marker).collect();
+                (0..unseen.len()).filter(|&k| self.comparison.sightings[unseen[k]].marker == marker).collect();
             if places.is_empty() {
                 continue;
             }
             let input = |index: usize| self.commands[self.comparison.sightings[index].row].as_slice();
             let x: Vec<&[f64]> = train.iter().map(|&index| input(index)).collect();
             let y: Vec<Point3> = train.iter().map(|&index| self.comparison.sightings[index].at_m).collect();
-            let query: Vec<&[f64]> = places.iter().map(|&k| input(asked[k])).collect();
-            let (found, own) = map(&x, &y, &query)?;
-            numbers += own;
-            places.iter().zip(found).for_each(|(&k, at)| answers[k] = at);
+            let query: Vec<&[f64]> = places.iter().map(|&k| input(unseen[k])).collect();
+            let (predicted_m, map_numbers) = map(&x, &y, &query)?;
+            numbers += map_numbers;
+            places.iter().zip(predicted_m).for_each(|(&k, at)| answers[k] = at);
         }
         Some((answers, numbers))
     }
@@ -86,7 +87,7 @@ impl<'a, 'b> Data<'a, 'b> {
 /// that changes.
 pub(super) fn commands_in_force(comparison: &Comparison) -> Vec<Vec<f64>> {
     let recording = comparison.recording;
-    let weights = recording.known_load_kg.as_ref().filter(|all| all.iter().any(|own| *own != all[0]));
+    let weights = recording.known_load_kg.as_ref().filter(|all| all.iter().any(|mass_kg| *mass_kg != all[0]));
     let row = |row: usize| {
         let first = row == 0 || recording.trial[row] != recording.trial[row - 1];
         let mut command = match (comparison.at_rest, first) {
@@ -139,14 +140,14 @@ fn gaussian_process(x: &[&[f64]], y: &[Point3], query: &[&[f64]]) -> Option<(Vec
         });
         Some((inputs, outputs))
     };
-    let some = |most: usize| -> Vec<usize> {
-        let count = x.len().min(most);
+    let evenly = |max_rows: usize| -> Vec<usize> {
+        let count = x.len().min(max_rows);
         (0..count).map(|k| k * x.len() / count).collect()
     };
     let config = GpConfig { starts: 2, ..GpConfig::default() };
-    let (inputs, outputs) = table(&some(SEARCH_ROWS))?;
+    let (inputs, outputs) = table(&evenly(SEARCH_ROWS))?;
     let searched = Gp::fit(&inputs, &outputs, &config).ok()?;
-    let (inputs, outputs) = table(&some(MOST_ROWS))?;
+    let (inputs, outputs) = table(&evenly(MAX_ROWS))?;
     let gp = Gp::condition(&inputs, &outputs, &config, searched.theta().to_vec(), 0).ok()?;
     let answer = |row: &&[f64]| -> Option<Point3> { gp.mean(row).ok()?.try_into().ok() };
     Some((query.iter().map(answer).collect::<Option<_>>()?, 0))

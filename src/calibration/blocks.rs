@@ -31,12 +31,21 @@ pub(super) struct Blocks {
     pub(super) of: Vec<usize>,
 }
 
+/// Sightings of a validation by their index.
+#[derive(Clone, Copy)]
+pub(super) struct SightingSplit<'a> {
+    /// Those that the fit sees.
+    pub(super) fitted: &'a [usize],
+    /// Those whose error is measured.
+    pub(super) unseen: &'a [usize],
+}
+
 impl Blocks {
     /// Blocks of the sightings of `comparison`: by pattern where the recording has several, else by trial, else by time.
     pub(super) fn new(comparison: &Comparison) -> Blocks {
         if let Some(labels) = &comparison.recording.pattern {
-            let own = comparison.sightings.iter().map(|sighting| labels[sighting.row].clone());
-            let blocks = Blocks::labelled("pattern", own);
+            let patterns = comparison.sightings.iter().map(|sighting| labels[sighting.row].clone());
+            let blocks = Blocks::labelled("pattern", patterns);
             if blocks.names.len() > 1 {
                 return blocks;
             }
@@ -56,8 +65,8 @@ impl Blocks {
         let mut names: Vec<String> = Vec::new();
         let mut of = Vec::new();
         for label in labels {
-            let known = of.last().copied().filter(|&last: &usize| names[last] == label);
-            let block = known.or_else(|| names.iter().position(|name| *name == label)).unwrap_or_else(|| {
+            let same_as_last = of.last().copied().filter(|&last: &usize| names[last] == label);
+            let block = same_as_last.or_else(|| names.iter().position(|name| *name == label)).unwrap_or_else(|| {
                 names.push(label);
                 names.len() - 1
             });
@@ -94,9 +103,9 @@ impl Blocks {
                 }
                 for pattern in patterns {
                     if !self.names.iter().any(|name| like(pattern, name)) {
-                        let known = self.names.iter().take(8).cloned().collect::<Vec<_>>().join(", ");
+                        let names = self.names.iter().take(8).cloned().collect::<Vec<_>>().join(", ");
                         let words =
-                            format!("--hold-out-patterns: found no pattern `{pattern}`, expected one of {known}");
+                            format!("--hold-out-patterns: found no pattern `{pattern}`, expected one of {names}");
                         return Err(CalibrationError::HoldOut(words));
                     }
                 }

@@ -63,9 +63,9 @@ impl<'a> Comparison<'a> {
         recording: &'a Recording,
         at_rest: bool,
     ) -> Result<Comparison<'a>, CalibrationError> {
-        let known = model.tracking.names();
+        let point_names = model.tracking.names();
         let mut tracks = tracks(recording);
-        tracks.retain(|(name, _)| name == "tip" || known.contains(name));
+        tracks.retain(|(name, _)| name == "tip" || point_names.contains(name));
         let mut sightings = Vec::new();
         for row in (0..recording.len()).filter(|&row| recording.is_valid(row)) {
             for (marker, (_, track)) in tracks.iter().enumerate() {
@@ -125,8 +125,9 @@ impl<'a> Comparison<'a> {
             rows.dedup();
             for chunk in rows.chunks(ROWS) {
                 let range: Range<usize> = chunk[0]..chunk[chunk.len() - 1] + 1;
-                let own: Vec<(usize, usize)> = seen.iter().copied().filter(|(_, row)| range.contains(row)).collect();
-                parts.push(self.part(chunk, &own));
+                let in_chunk: Vec<(usize, usize)> =
+                    seen.iter().copied().filter(|(_, row)| range.contains(row)).collect();
+                parts.push(self.part(chunk, &in_chunk));
             }
         }
         parts
@@ -180,7 +181,7 @@ impl<'a> Comparison<'a> {
     pub(super) fn take(&self, part: &Part, tracks: &[(String, &[Point3])], positions: &mut [Option<Point3>]) {
         for &(index, row) in &part.sightings {
             let name = &self.markers[self.sightings[index].marker];
-            let track = tracks.iter().find(|(own, _)| own == name);
+            let track = tracks.iter().find(|(track_name, _)| track_name == name);
             positions[index] = track.map(|(_, track)| track[row]).filter(|at| at.iter().all(|x| x.is_finite()));
         }
     }

@@ -4,6 +4,7 @@
 use nalgebra::{DMatrix, DVector, UnitQuaternion, Vector2, Vector3};
 
 use super::baselines::by_tension;
+use super::blocks::SightingSplit;
 use super::comparison::Comparison;
 use crate::base::Point3;
 use crate::effects::Model;
@@ -16,7 +17,7 @@ const STEP: f64 = 1e-6;
 const POSE: usize = 6;
 const OF_SEGMENT: usize = 4;
 /// Rows to which it is fitted at most.
-const MOST_ROWS: usize = 600;
+const MAX_ROWS: usize = 600;
 
 /// The robot as arcs.
 struct Arcs {
@@ -33,17 +34,16 @@ struct Arcs {
     base_rotation_rad: Vector3<f64>,
 }
 
-/// Predictions of the sightings `asked` after a fit to `fitted`, and the number of fitted numbers.
+/// Predictions of the unseen sightings after a fit to the others, and the number of fitted numbers.
 pub(super) fn predictions(
     model: &Model,
     comparison: &Comparison,
     commands: &[Vec<f64>],
-    fitted: &[usize],
-    asked: &[usize],
+    SightingSplit { fitted, unseen }: SightingSplit,
 ) -> Option<(Vec<Point3>, usize)> {
     let arcs = Arcs::new(model, comparison)?;
     let count = POSE + OF_SEGMENT * arcs.lengths_m.len();
-    let step = fitted.len().div_ceil(MOST_ROWS).max(1);
+    let step = fitted.len().div_ceil(MAX_ROWS).max(1);
     let rows: Vec<usize> = fitted.iter().copied().step_by(step).collect();
     let at = |parameters: &[f64], index: usize| {
         let sighting = comparison.sightings[index];
@@ -70,7 +70,7 @@ pub(super) fn predictions(
     let mut start = vec![0.0; count];
     (0..arcs.lengths_m.len()).for_each(|segment| start[POSE + OF_SEGMENT * segment] = 1.0);
     let fit = least_squares::fit(&residuals, &derivative, &start)?;
-    Some((asked.iter().map(|&index| at(&fit.parameters, index).into()).collect(), count))
+    Some((unseen.iter().map(|&index| at(&fit.parameters, index).into()).collect(), count))
 }
 
 impl Arcs {
@@ -90,7 +90,7 @@ impl Arcs {
         let lengths_m: Vec<f64> = ends.iter().zip(starts).map(|(end, start)| end - start).collect();
         let segment = |i: usize| {
             let nearest = |a: &&f64, b: &&f64| (*a - end(i)).abs().total_cmp(&(*b - end(i)).abs());
-            let at = ends.iter().min_by(nearest).and_then(|own| ends.iter().position(|other| other == own));
+            let at = ends.iter().min_by(nearest).and_then(|nearest| ends.iter().position(|end| end == nearest));
             let angle = tendons.angles_deg[i].to_radians();
             at.map(|at| (at, Vector2::new(angle.cos(), angle.sin())))
         };
@@ -118,7 +118,7 @@ impl Arcs {
             pull[segment] += *value * direction;
             holes[segment] += 0.5;
         }
-        let own: Vec<Vector2<f64>> = pull
+        let angles_rad: Vec<Vector2<f64>> = pull
             .iter()
             .zip(&holes)
             .map(|(pull, holes): (&Vector2<f64>, &f64)| pull * (self.gain / holes.max(0.5)))
@@ -131,9 +131,10 @@ impl Arcs {
         for segment in 0..count {
             let numbers = &parameters[POSE + OF_SEGMENT * segment..POSE + OF_SEGMENT * (segment + 1)];
             // Displacement: what earlier segments took is not left for this one. Tension: all that end further on bend it.
-            let asked = if self.tensions { own[segment..].iter().sum() } else { own[segment] - bent };
+            let commanded = if self.tensions { angles_rad[segment..].iter().sum() } else { angles_rad[segment] - bent };
             let (sin, cos) = numbers[1].sin_cos();
-            let bend = numbers[0] * Vector2::new(cos * asked.x - sin * asked.y, sin * asked.x + cos * asked.y)
+            let bend = numbers[0]
+                * Vector2::new(cos * commanded.x - sin * commanded.y, sin * commanded.x + cos * commanded.y)
                 + Vector2::new(numbers[2], numbers[3]);
             let last = segment + 1 == count;
             let share =

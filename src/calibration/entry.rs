@@ -56,8 +56,8 @@ impl Entry<'_> {
         let start = start.map(|part| number(part, "a number to start from")).transpose()?;
         let wide = "a standard deviation above 0, in the unit of the number";
         let deviation = deviation.map(|part| number(part, wide)).transpose()?;
-        if let Some(found) = deviation.filter(|&deviation| deviation <= 0.0) {
-            let (entry, found) = (text.to_owned(), found.to_string());
+        if let Some(negative) = deviation.filter(|&deviation| deviation <= 0.0) {
+            let (entry, found) = (text.to_owned(), negative.to_string());
             return Err(CalibrationError::Entry { entry, found, expected: wide });
         }
         Ok(Entry { pattern: pattern.trim(), start, deviation })
@@ -83,8 +83,8 @@ impl Entry<'_> {
 
     /// A number with the coordinate that the range of its members allows.
     fn of(&self, model: &Model, name: String, members: Vec<ModelParameter>) -> Result<FitNumber, CalibrationError> {
-        let own: Vec<f64> = members.iter().map(|member| value_of(member, model)).collect::<Result<_, _>>()?;
-        let start: Vec<f64> = own.iter().map(|&value| self.start.unwrap_or(value)).collect();
+        let model_values: Vec<f64> = members.iter().map(|member| value_of(member, model)).collect::<Result<_, _>>()?;
+        let start: Vec<f64> = model_values.iter().map(|&value| self.start.unwrap_or(value)).collect();
         let mut ranges = members.iter().zip(&start).map(|(member, &start)| range(member, model, start));
         let first = ranges.next().unwrap_or(Range::Any);
         let widest = ranges.fold(first, |widest, range| if range == first { widest } else { Range::NotNegative });
@@ -98,11 +98,11 @@ impl Entry<'_> {
             }
         };
         let unit = members.iter().map(scale).fold(0.0, f64::max);
-        let least = start.iter().copied().fold(f64::INFINITY, f64::min);
+        let smallest = start.iter().copied().fold(f64::INFINITY, f64::min);
         let coordinate = match widest {
-            Range::Positive if least > 0.0 => Coordinate::Logarithm,
+            Range::Positive if smallest > 0.0 => Coordinate::Logarithm,
             Range::Any => Coordinate::Linear { unit, low: f64::NEG_INFINITY },
-            _ => Coordinate::Linear { unit, low: -least / unit },
+            _ => Coordinate::Linear { unit, low: -smallest / unit },
         };
         Ok(self.number(name, members, start, coordinate))
     }

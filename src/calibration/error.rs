@@ -46,12 +46,12 @@ pub enum CalibrationError {
     #[error(transparent)]
     Option(#[from] BadOption),
     /// More numbers than data.
-    #[error("{what}: found {available}, expected at least {asked}")]
+    #[error("{what}: found {available}, expected at least {required}")]
     TooFew {
         /// What was counted.
         what: &'static str,
         /// Least number.
-        asked: usize,
+        required: usize,
         /// Number found.
         available: usize,
     },

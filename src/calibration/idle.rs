@@ -58,8 +58,8 @@ fn is_idle(model: &Model, member: &ModelParameter, rod: &str) -> bool {
 
 /// What stands in the place of the number at `path`, as part of a sentence.
 pub(super) fn instead(model: &Model, path: &str) -> Option<String> {
-    let (_, others) = INSTEAD.iter().find(|(own, _)| *own == path)?;
+    let (_, others) = INSTEAD.iter().find(|(key, _)| *key == path)?;
     let all = ModelParameter::all(model);
-    let found = others.iter().find(|other| all.iter().any(|parameter| like(other, parameter.path())))?;
-    Some(format!("this model gives `{found}` in its place, so fit that"))
+    let replacement = others.iter().find(|other| all.iter().any(|parameter| like(other, parameter.path())))?;
+    Some(format!("this model gives `{replacement}` in its place, so fit that"))
 }

@@ -11,7 +11,7 @@ const UNSEEN_DIRECTION: f64 = 1e-12;
 /// A number with more than this share in an unidentifiable direction has no interval.
 const UNSEEN_SHARE: f64 = 1e-4;
 /// Least number of blocks for a covariance between blocks.
-const LEAST_BLOCKS: usize = 5;
+const MIN_BLOCKS: usize = 5;
 
 /// Uncertainty of the coordinates at an optimum.
 #[derive(Clone, Debug)]
@@ -43,9 +43,9 @@ pub(super) fn uncertainty(problem: &CalibrationProblem, best: &Optimum, blocks: 
     if let Some((wide, freedom)) = between {
         let quantile = student_95(freedom);
         for (k, half) in half.iter_mut().enumerate() {
-            let own = quantile * wide[(k, k)].sqrt();
-            widened |= own > *half;
-            *half = half.max(own);
+            let sandwich_half = quantile * wide[(k, k)].sqrt();
+            widened |= sandwich_half > *half;
+            *half = half.max(sandwich_half);
         }
         if widened {
             covariance = wide;
@@ -79,7 +79,7 @@ fn sandwich(best: &Optimum, inverse: &DMatrix<f64>, blocks: &[usize]) -> Option<
         let mut column = scores.column_mut(block);
         column += score;
     }
-    if number < LEAST_BLOCKS {
+    if number < MIN_BLOCKS {
         return None;
     }
     let middle = &scores * scores.transpose() * (number as f64 / (number as f64 - 1.0));

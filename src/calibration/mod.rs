@@ -27,7 +27,7 @@ use crate::data::Recording;
 use crate::data::calibration::{CalibrationFindings, SightingRow};
 use crate::effects::Model;
 
-use blocks::Blocks;
+use blocks::{Blocks, SightingSplit};
 use comparison::Comparison;
 use intervals::{Uncertain, uncertainty};
 use noise::{Misfit, NoiseEstimate};
@@ -112,7 +112,7 @@ pub fn calibrate(
     let whole = Comparison::new(model, measured, options.at_rest)?;
     let all_blocks = Blocks::new(&whole);
     let held = all_blocks.held_out(&options.hold_out)?;
-    let (asked, kept) = all_blocks.parted(&held);
+    let (unseen, kept) = all_blocks.parted(&held);
     let comparison = if held.is_empty() { whole.clone() } else { whole.only(&kept) };
     let blocks = all_blocks.only(&kept);
     let chosen = if selects {
@@ -122,8 +122,8 @@ pub fn calibrate(
     };
     let Selection { model, numbers, start, stages } = chosen;
     if 3 * comparison.sightings.len() <= numbers.len() {
-        let (asked, available) = (numbers.len() / 3 + 1, comparison.sightings.len());
-        return Err(CalibrationError::TooFew { what: "tracked positions", asked, available });
+        let (required, available) = (numbers.len() / 3 + 1, comparison.sightings.len());
+        return Err(CalibrationError::TooFew { what: "tracked positions", required, available });
     }
     let normal =
         CalibrationProblem { model: &model, numbers: &numbers, comparison: &comparison, likelihood: ErrorLaw::Normal };
@@ -133,7 +133,13 @@ pub fn calibrate(
     let uncertain = uncertainty(&problem, &fitted.best, misfit.map(|_| blocks.of.as_slice()));
     let held_out = if !held.is_empty() {
         let names = held.iter().map(|&block| all_blocks.names[block].clone()).collect();
-        Some(validation::held_out(&problem, &fitted.best, &whole, (&kept, &asked), (all_blocks.kind, names)))
+        Some(validation::held_out(
+            &problem,
+            &fitted.best,
+            &whole,
+            SightingSplit { fitted: &kept, unseen: &unseen },
+            (all_blocks.kind, names),
+        ))
     } else if options.validate {
         Some(validation::cross_validated(&problem, &fitted.best, &blocks))
     } else {
@@ -165,7 +171,7 @@ fn fitted(normal: &CalibrationProblem, start: &[f64], wanted: Option<ErrorLaw>) 
     // Where the model itself errs, what lies far out is its error, which least squares must not pass over.
     if wanted.is_none() && outliers > 0 && is_good(&best) {
         let robust = CalibrationProblem { likelihood: ErrorLaw::StudentT, ..*normal };
-        best = robust.fit(&best.x, starts::MOST_STEPS, optimum::CONVERGED)?;
+        best = robust.fit(&best.x, starts::MAX_STEPS, optimum::CONVERGED)?;
         likelihood = ErrorLaw::StudentT;
     }
     let outliers = robust::outliers(&best.residual_m, &best.positions).len();

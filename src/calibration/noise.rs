@@ -8,7 +8,7 @@ use crate::math::distribution::f_above;
 use crate::math::summary::quantile;
 
 /// Least number of pairs for an estimate.
-const LEAST_PAIRS: usize = 20;
+const MIN_PAIRS: usize = 20;
 /// A point that the model moves by less than this from one row to the next rests, metres.
 const RESTS_M: f64 = 2e-5;
 /// Largest change of a command that is held, metres or newtons.
@@ -20,7 +20,7 @@ const FREEDOM_OF_PAIR: f64 = 0.7;
 /// Probability by noise alone below which a misfit is told.
 const SIGNIFICANT: f64 = 1e-3;
 /// Ratio of the errors below which a misfit does not matter.
-const LEAST_RATIO: f64 = 1.15;
+const MIN_RATIO: f64 = 1.15;
 /// Errors below this are the solver's, metres.
 const SOLVER_M: f64 = 1e-6;
 
@@ -48,13 +48,13 @@ pub(super) fn noise(
         (Some(before), Some(after)) => is_held(comparison, a, b) && distance_m(&before, &after) < RESTS_M,
         _ => false,
     };
-    let still: Vec<(usize, usize)> = pairs.iter().copied().filter(rests).collect();
+    let at_rest: Vec<(usize, usize)> = pairs.iter().copied().filter(rests).collect();
     let of = |pairs: &[(usize, usize)], from: &'static str| {
         let squares: Vec<f64> = pairs.iter().map(difference).collect();
         let rms_m = (1.5 * quantile(&squares, 0.5) / MEDIAN_CHI_SQUARED).sqrt();
-        (pairs.len() >= LEAST_PAIRS).then_some(NoiseEstimate { rms_m, pairs: pairs.len(), from })
+        (pairs.len() >= MIN_PAIRS).then_some(NoiseEstimate { rms_m, pairs: pairs.len(), from })
     };
-    of(&still, "rows in which the robot rests")
+    of(&at_rest, "rows in which the robot rests")
         .or_else(|| of(&pairs, "the change of the error from row to row, an upper bound"))
 }
 
@@ -101,5 +101,5 @@ pub(super) fn misfit(noise: &NoiseEstimate, rms_m: f64, freedom: f64) -> Option<
     }
     let ratio = rms_m / noise.rms_m.max(SOLVER_M);
     let p_value = f_above(ratio * ratio, freedom, FREEDOM_OF_PAIR * noise.pairs as f64);
-    (p_value < SIGNIFICANT && ratio > LEAST_RATIO).then_some(Misfit { ratio, p_value })
+    (p_value < SIGNIFICANT && ratio > MIN_RATIO).then_some(Misfit { ratio, p_value })
 }

@@ -53,7 +53,7 @@ impl FitNumber {
 
     /// The value of a member of the model at a coordinate; `None` when it is none of this number's.
     pub(super) fn value_of(&self, member: &ModelParameter, x: f64) -> Option<f64> {
-        let index = self.members.iter().position(|own| own == member)?;
+        let index = self.members.iter().position(|other| other == member)?;
         Some(self.member_value(index, x))
     }
 

@@ -8,22 +8,22 @@ use super::error::CalibrationError;
 use super::number::{FitNumber, with_coordinates};
 use super::robust::{ErrorLaw, weights};
 use crate::effects::Model;
-use crate::math::optimise::least_squares::unseen_left_out;
+use crate::math::optimise::least_squares::{damped, unseen_left_out};
 
 /// A number that moves no point by more than [`POINT_ACCURACY_M`] when its coordinate changes by this is not observable.
-const SEEN_SHARE: f64 = 1e-3;
+const OBSERVABLE_CHANGE: f64 = 1e-3;
 /// Accuracy of a simulated point, metres: the rod's tolerance.
 const POINT_ACCURACY_M: f64 = 1e-8;
 /// Largest damping: then a step is a hundred-thousandth of the undamped one.
-const MOST_DAMPING: f64 = 1e5;
+const MAX_DAMPING: f64 = 1e5;
 /// Improvement of the sum of squares below which a fit has converged, in variances of one coordinate: a thirtieth of a
 /// standard error, or, for a start of another fit, a tenth.
 pub(super) const CONVERGED: f64 = 1e-3;
-pub(super) const NEARLY: f64 = 1e-2;
+pub(super) const ROUGHLY_CONVERGED: f64 = 1e-2;
 /// Largest share of rows that the model may leave without a solution.
-const MOST_FAILED: f64 = 0.2;
+const MAX_FAILED_SHARE: f64 = 0.2;
 /// Largest share of the solved rows that a step may lose.
-const MOST_LOST: f64 = 0.02;
+const MAX_LOST_SHARE: f64 = 0.02;
 
 /// A fit at its optimum, or where it stopped.
 #[derive(Clone, Debug)]
@@ -66,7 +66,7 @@ impl CalibrationProblem<'_> {
     pub(super) fn fit(&self, start: &[f64], iterations: usize, converged: f64) -> Result<Optimum, CalibrationError> {
         let mut here = self.evaluated(start).ok_or_else(|| self.not_simulated(&[]))?;
         let failed = here.positions.iter().filter(|at| at.is_none()).count();
-        if failed as f64 > MOST_FAILED * here.positions.len() as f64 {
+        if failed as f64 > MAX_FAILED_SHARE * here.positions.len() as f64 {
             return Err(self.not_simulated(&here.positions));
         }
         let mut damping = 1e-3;
@@ -75,8 +75,7 @@ impl CalibrationProblem<'_> {
                 here.converged = true;
                 break;
             }
-            let step = self.improved(&here, &mut damping);
-            let Some((x, gain)) = step else {
+            let Some((x, gain)) = self.improved(&here, &mut damping) else {
                 here.converged = true;
                 break;
             };
@@ -96,7 +95,7 @@ impl CalibrationProblem<'_> {
         let (positions, slopes) = self.comparison.with_slopes(&self.at(x)?, self.numbers, x)?;
         let residual_m = self.residual_m(&positions);
         let (weights, variance_m2) = weights(self.likelihood, &residual_m, &positions, self.numbers.len());
-        let slopes = unseen_left_out(slopes, SEEN_SHARE, POINT_ACCURACY_M);
+        let slopes = unseen_left_out(slopes, OBSERVABLE_CHANGE, POINT_ACCURACY_M);
         Some(Optimum { x: x.to_vec(), positions, slopes, residual_m, weights, variance_m2, converged: false })
     }
 
@@ -129,20 +128,17 @@ impl CalibrationProblem<'_> {
         if free.is_empty() {
             return None;
         }
-        while *damping < MOST_DAMPING {
-            if let Some(x) = self.damped_step(here, (&normal, &gradient), &free, *damping)
-                && let Some(model) = self.at(&x)
-            {
-                let positions = self.comparison.positions(&model);
-                if let Some(gain) = self.gain(here, &x, &positions).filter(|&gain| gain >= 0.0) {
-                    *damping = (*damping * 0.2).max(1e-12);
-                    return (x != here.x).then_some((x, gain));
-                }
-            }
-            *damping *= 10.0;
+        let accepted = damped(damping, MAX_DAMPING, |damping| {
+            let x = self.damped_step(here, (&normal, &gradient), &free, damping)?;
+            let positions = self.comparison.positions(&self.at(&x)?);
+            let gain = self.gain(here, &x, &positions).filter(|&gain| gain >= 0.0)?;
+            Some((x, gain))
+        });
+        if accepted.is_none() {
+            *damping = 1e-3;
         }
-        *damping = 1e-3;
-        None
+        // Bounds may undo the whole step.
+        accepted.filter(|(x, _)| *x != here.x)
     }
 
     /// Half the second derivative and half the gradient of the weighted sum of squares, priors included.
@@ -207,7 +203,7 @@ impl CalibrationProblem<'_> {
         let solved = here.positions.iter().filter(|at| at.is_some()).count();
         let both = |index: usize| here.positions[index].is_some() && positions[index].is_some();
         let kept = (0..positions.len()).filter(|&index| both(index)).count();
-        if (solved - kept) as f64 > MOST_LOST * solved as f64 {
+        if (solved - kept) as f64 > MAX_LOST_SHARE * solved as f64 {
             return None;
         }
         let there = self.residual_m(positions);

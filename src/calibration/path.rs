@@ -15,13 +15,13 @@ use crate::effects::{Model, ModelParameter};
 pub(super) fn named(model: &Model, pattern: &str) -> Result<Vec<ModelParameter>, CalibrationError> {
     let all = ModelParameter::all(model);
     for candidate in [pattern.to_owned(), format!("robot.{pattern}")] {
-        let found: Vec<ModelParameter> = all
+        let parameters: Vec<ModelParameter> = all
             .iter()
             .filter(|parameter| spellings(model, parameter.path()).iter().any(|path| matches(&candidate, path)))
             .cloned()
             .collect();
-        if !found.is_empty() {
-            return Ok(found);
+        if !parameters.is_empty() {
+            return Ok(parameters);
         }
     }
     for candidate in [pattern.to_owned(), format!("robot.{pattern}")] {
@@ -124,9 +124,9 @@ fn left_out_key(model: &Model, pattern: &str) -> Option<String> {
         "drives",
         "points",
     ];
-    let known = ModelParameter::all(model);
+    let present = ModelParameter::all(model);
     let step = steps(pattern).into_iter().find(|step| OPTIONAL.contains(&step.as_str()))?;
-    let absent = !known.iter().any(|parameter| steps(parameter.path()).contains(&step));
+    let absent = !present.iter().any(|parameter| steps(parameter.path()).contains(&step));
     absent.then(|| format!("; this model file leaves out `{step}`: write it into the file with a start value"))
 }
 

@@ -10,7 +10,7 @@ use crate::data::calibration::{CalibratedNumber, CalibrationFindings, HeldOutErr
 /// half as wide.
 const TRADES: f64 = 0.87;
 /// Pairs that are told.
-const MOST_PAIRS: usize = 20;
+const MAX_PAIRS: usize = 20;
 
 /// Everything but the model.
 pub(super) fn findings(
@@ -27,8 +27,8 @@ pub(super) fn findings(
         .enumerate()
         .map(|(k, number)| calibrated(number, best.x[k], uncertain.half[k]))
         .collect();
-    let given = problem.at(&vec![0.0; best.x.len()]).map(|model| problem.comparison.positions(&model));
-    let before_m = given.map_or(f64::NAN, |positions| {
+    let start_positions = problem.at(&vec![0.0; best.x.len()]).map(|model| problem.comparison.positions(&model));
+    let before_m = start_positions.map_or(f64::NAN, |positions| {
         let solved = positions.iter().filter(|at| at.is_some()).count();
         (problem.residual_m(&positions).norm_squared() / solved.max(1) as f64).sqrt()
     });
@@ -82,7 +82,7 @@ fn trade_offs(numbers: &[FitNumber], uncertain: &Uncertain) -> Vec<TradeOff> {
         }
     }
     pairs.sort_by(|a, b| b.correlation.abs().total_cmp(&a.correlation.abs()));
-    pairs.truncate(MOST_PAIRS);
+    pairs.truncate(MAX_PAIRS);
     pairs
 }
 
@@ -112,10 +112,10 @@ fn limitations(
                 .to_owned(),
         ),
     }
-    for (number, found) in problem.numbers.iter().zip(numbers).filter(|(_, found)| !found.determined) {
+    for (number, fitted) in problem.numbers.iter().zip(numbers).filter(|(_, fitted)| !fitted.determined) {
         let why = number.members.iter().find_map(|member| instead(problem.model, member.path()));
         let why = why.map_or_else(String::new, |why| format!(": {why}"));
-        told.push(format!("This recording does not determine {}{why}.", found.name));
+        told.push(format!("This recording does not determine {}{why}.", fitted.name));
     }
     let held = problem.numbers.iter().enumerate().filter(|(k, number)| best.x[*k] <= number.low());
     for (_, number) in held {

@@ -9,22 +9,22 @@ use crate::data::calibration::{ResidualGroup, SightingRow};
 
 /// Root mean square and mean error of groups of sightings.
 pub(super) fn groups(comparison: &Comparison, blocks: &Blocks, best: &Optimum) -> Vec<ResidualGroup> {
-    let mut found = Vec::new();
+    let mut all = Vec::new();
     let mut by = |kind: &str, name: &dyn Fn(usize) -> String| {
         let mut groups: BTreeMap<String, Vec<usize>> = BTreeMap::new();
         for index in (0..comparison.sightings.len()).filter(|&index| best.positions[index].is_some()) {
             groups.entry(name(index)).or_default().push(index);
         }
-        let mut own: Vec<ResidualGroup> =
+        let mut of_kind: Vec<ResidualGroup> =
             groups.into_iter().map(|(name, members)| group(kind, name, &members, best)).collect();
-        own.sort_by(|a, b| b.rms_m.total_cmp(&a.rms_m));
-        found.extend(own);
+        of_kind.sort_by(|a, b| b.rms_m.total_cmp(&a.rms_m));
+        all.extend(of_kind);
     };
     by("point", &|index| comparison.markers[comparison.sightings[index].marker].clone());
     by(blocks.kind, &|index| blocks.names[blocks.of[index]].clone());
     let extents = extents(comparison);
     by("place", &|index| place(comparison, &extents, index));
-    found
+    all
 }
 
 fn group(kind: &str, name: String, members: &[usize], best: &Optimum) -> ResidualGroup {
@@ -47,10 +47,10 @@ fn group(kind: &str, name: String, members: &[usize], best: &Optimum) -> Residua
 fn extents(comparison: &Comparison) -> Vec<([f64; 2], f64)> {
     let of = |marker: usize| {
         let same: Vec<_> = comparison.sightings.iter().filter(|sighting| sighting.marker == marker).collect();
-        let mean = |axis: usize| same.iter().map(|own| own.at_m[axis]).sum::<f64>() / same.len() as f64;
+        let mean = |axis: usize| same.iter().map(|sighting| sighting.at_m[axis]).sum::<f64>() / same.len() as f64;
         let middle = [mean(0), mean(1)];
         let out = |at: &[f64; 3]| (at[0] - middle[0]).hypot(at[1] - middle[1]);
-        (middle, same.iter().map(|own| out(&own.at_m)).fold(0.0, f64::max))
+        (middle, same.iter().map(|sighting| out(&sighting.at_m)).fold(0.0, f64::max))
     };
     (0..comparison.markers.len()).map(of).collect()
 }

@@ -7,7 +7,7 @@ use super::entry::numbers;
 use super::error::CalibrationError;
 use super::idle;
 use super::number::FitNumber;
-use super::optimum::{CalibrationProblem, NEARLY};
+use super::optimum::{CalibrationProblem, ROUGHLY_CONVERGED};
 use super::robust::ErrorLaw;
 use super::validation::without;
 use crate::base::distance_m;
@@ -111,15 +111,16 @@ fn added(
 ) -> Result<Option<SelectionStep>, CalibrationError> {
     let mut model = before.model.clone();
     (stage.prepare)(&mut model);
-    let own = stage.entries.iter().filter_map(|entry| numbers(&model, std::slice::from_ref(entry)).ok()).flatten();
-    let known = |number: &FitNumber| before.numbers.iter().any(|other| other.members == number.members);
+    let named = stage.entries.iter().filter_map(|entry| numbers(&model, std::slice::from_ref(entry)).ok()).flatten();
+    let is_fitted = |number: &FitNumber| before.numbers.iter().any(|other| other.members == number.members);
     let acts = |number: &FitNumber| idle::check(&model, std::slice::from_ref(number)).is_ok();
-    let own: Vec<FitNumber> = own.filter(|number| !known(number) && acts(number)).collect();
+    let new_numbers: Vec<FitNumber> = named.filter(|number| !is_fitted(number) && acts(number)).collect();
     // A number for several is replaced by one for each.
-    let replaced =
-        |number: &FitNumber| own.iter().any(|new| new.members.iter().any(|own| number.members.contains(own)));
+    let replaced = |number: &FitNumber| {
+        new_numbers.iter().any(|new| new.members.iter().any(|member| number.members.contains(member)))
+    };
     let stays: Vec<usize> = (0..before.x.len()).filter(|&k| !replaced(&before.numbers[k])).collect();
-    if own.is_empty() || 3 * comparison.sightings.len() <= stays.len() + own.len() {
+    if new_numbers.is_empty() || 3 * comparison.sightings.len() <= stays.len() + new_numbers.len() {
         return Ok(None);
     }
     let begins = |number: &FitNumber| {
@@ -133,16 +134,16 @@ fn added(
             .find_map(|(old, &x)| if is_entry(old) { Some(old.value(x)) } else { old.value_of(&number.members[0], x) });
         value.map_or(0.0, |value| number.coordinate(value))
     };
-    let start: Vec<f64> = stays.iter().map(|&k| before.x[k]).chain(own.iter().map(begins)).collect();
-    let numbers: Vec<FitNumber> = stays.iter().map(|&k| before.numbers[k].clone()).chain(own).collect();
+    let start: Vec<f64> = stays.iter().map(|&k| before.x[k]).chain(new_numbers.iter().map(begins)).collect();
+    let numbers: Vec<FitNumber> = stays.iter().map(|&k| before.numbers[k].clone()).chain(new_numbers).collect();
     let problem = CalibrationProblem { model: &model, numbers: &numbers, comparison, likelihood: ErrorLaw::Normal };
-    let found = problem.fit(&start, STEPS, NEARLY)?;
+    let fit = problem.fit(&start, STEPS, ROUGHLY_CONVERGED)?;
     let mut squares = (0.0, 0_usize);
     for fold in blocks.folds() {
-        let (asked, _) = blocks.parted(&fold);
-        let x = without(&problem, &found, &asked);
-        let part = comparison.only(&asked);
-        let there = problem.at(&x).map_or_else(|| vec![None; asked.len()], |model| part.positions(&model));
+        let (unseen, _) = blocks.parted(&fold);
+        let x = without(&problem, &fit, &unseen);
+        let part = comparison.only(&unseen);
+        let there = problem.at(&x).map_or_else(|| vec![None; unseen.len()], |model| part.positions(&model));
         for (sighting, at) in part.sightings.iter().zip(there) {
             // A position that has no solution without its block, or whose numbers are out of range there, counts as far away
             // as the robot is long.
@@ -151,7 +152,7 @@ fn added(
         }
     }
     let error_m = (squares.0 / squares.1.max(1) as f64).sqrt();
-    Ok(Some(SelectionStep { x: found.x, error_m, numbers, model }))
+    Ok(Some(SelectionStep { x: fit.x, error_m, numbers, model }))
 }
 
 fn rms_m(comparison: &Comparison, positions: &[Option<[f64; 3]>]) -> f64 {

@@ -36,8 +36,8 @@ impl Comparison<'_> {
         let each: Vec<PartSlopes> = each.chunks(variables.len().div_ceil(share)).map(joined).collect();
         let mut positions = vec![None; self.sightings.len()];
         let mut slopes = DMatrix::zeros(3 * self.sightings.len(), numbers.len());
-        for (part, found) in self.parts.iter().zip(&each) {
-            for (&(index, _), (at_m, rates)) in part.sightings.iter().zip(found) {
+        for (part, part_slopes) in self.parts.iter().zip(&each) {
+            for (&(index, _), (at_m, rates)) in part.sightings.iter().zip(part_slopes) {
                 positions[index] = *at_m;
                 let mut rates = rates.iter();
                 for (column, number) in numbers.iter().enumerate() {
@@ -72,7 +72,7 @@ impl Comparison<'_> {
         let seen = part.sightings.iter().enumerate().map(|(k, &(index, row))| {
             let solved = positions[index];
             let name = &self.markers[self.sightings[index].marker];
-            let point = model.tracking.names().iter().position(|own| own == name);
+            let point = model.tracking.names().iter().position(|other| other == name);
             let mut along = 0;
             let rate = |variable: usize| -> Point3 {
                 let far = left_out.iter().position(|&other| other == variable);

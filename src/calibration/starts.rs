@@ -4,7 +4,7 @@ use rand::RngExt;
 
 use super::comparison::Comparison;
 use super::error::CalibrationError;
-use super::optimum::{CONVERGED, CalibrationProblem, NEARLY, Optimum};
+use super::optimum::{CONVERGED, CalibrationProblem, Optimum, ROUGHLY_CONVERGED};
 use crate::base::Seed;
 
 /// Sightings of the fit that begins that to all rows.
@@ -16,7 +16,7 @@ const CHEAP_STEPS: usize = 8;
 const STARTS: u64 = 4;
 const SPREAD: f64 = 0.7;
 /// Steps of the fit to all rows.
-pub(super) const MOST_STEPS: usize = 60;
+pub(super) const MAX_STEPS: usize = 60;
 /// Another start is taken when it leaves less than this share of the sum of squares.
 const BETTER: f64 = 0.9;
 
@@ -28,13 +28,13 @@ pub(super) fn best(
     is_good: &dyn Fn(&Optimum) -> bool,
 ) -> Result<(Optimum, bool), CalibrationError> {
     let near = coarse(problem, start);
-    let first = problem.fit(&near, MOST_STEPS, CONVERGED)?;
+    let first = problem.fit(&near, MAX_STEPS, CONVERGED)?;
     if is_good(&first) {
         return Ok((first, false));
     }
     let Some(start) = rival(problem, &first) else { return Ok((first, false)) };
     let near = coarse(problem, &start);
-    match problem.fit(&near, MOST_STEPS, CONVERGED) {
+    match problem.fit(&near, MAX_STEPS, CONVERGED) {
         Ok(other) if other.rms_m() < first.rms_m() => Ok((other, true)),
         _ => Ok((first, false)),
     }
@@ -48,7 +48,7 @@ fn coarse(problem: &CalibrationProblem, start: &[f64]) -> Vec<f64> {
     }
     let comparison = problem.comparison.only(&evenly(problem.comparison, wanted));
     let part = CalibrationProblem { comparison: &comparison, ..*problem };
-    part.fit(start, MOST_STEPS, NEARLY).map_or_else(|_| start.to_vec(), |found| found.x)
+    part.fit(start, MAX_STEPS, ROUGHLY_CONVERGED).map_or_else(|_| start.to_vec(), |optimum| optimum.x)
 }
 
 /// Where a cheap fit from another start came clearly lower than `first`.
@@ -56,15 +56,15 @@ fn rival(problem: &CalibrationProblem, first: &Optimum) -> Option<Vec<f64>> {
     let few = evenly(problem.comparison, FEW.max(2 * problem.numbers.len()));
     let comparison = problem.comparison.only(&few);
     let cheap = CalibrationProblem { comparison: &comparison, ..*problem };
-    let reached = cheap.fit(&first.x, CHEAP_STEPS, NEARLY).ok()?.rms_m().powi(2);
+    let reached = cheap.fit(&first.x, CHEAP_STEPS, ROUGHLY_CONVERGED).ok()?.rms_m().powi(2);
     let rivals = (0..STARTS).filter_map(|number| {
         let mut random = Seed(0).child("calibration start").index(number).rng();
-        let drawn = problem.numbers.iter().map(|own| (SPREAD * random.random_range(-1.0..1.0)).max(own.low()));
+        let drawn = problem.numbers.iter().map(|number| (SPREAD * random.random_range(-1.0..1.0)).max(number.low()));
         let start: Vec<f64> = drawn.collect();
-        let there = cheap.fit(&start, CHEAP_STEPS, NEARLY).ok()?;
+        let there = cheap.fit(&start, CHEAP_STEPS, ROUGHLY_CONVERGED).ok()?;
         Some((there.rms_m().powi(2), there.x))
     });
-    let winner = rivals.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(left, _)| *left < BETTER * reached);
+    let winner = rivals.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(square_m2, _)| *square_m2 < BETTER * reached);
     winner.map(|(_, start)| start)
 }
 

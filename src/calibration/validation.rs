@@ -3,7 +3,7 @@
 use nalgebra::DVector;
 
 use super::baselines::{Reference, references};
-use super::blocks::Blocks;
+use super::blocks::{Blocks, SightingSplit};
 use super::comparison::{Comparison, Positions};
 use super::intervals::inverse;
 use super::optimum::{CalibrationProblem, Optimum};
@@ -28,34 +28,34 @@ pub(super) fn cross_validated(problem: &CalibrationProblem, best: &Optimum, bloc
     let folds = blocks.folds();
     let mut all: Vec<Unseen> = Vec::new();
     for fold in &folds {
-        let (asked, fitted) = blocks.parted(fold);
-        let own = problem.comparison.only(&asked);
-        let x = without(problem, best, &asked);
+        let (unseen, fitted) = blocks.parted(fold);
+        let part = problem.comparison.only(&unseen);
+        let x = without(problem, best, &unseen);
         let model = problem.at(&x).or_else(|| problem.at(&best.x));
-        let fitted_m = model.map_or_else(|| vec![None; asked.len()], |model| own.positions(&model));
-        add(&mut all, "this model, fitted", problem.numbers.len(), &asked, Some(fitted_m));
-        let given = problem.at(&vec![0.0; best.x.len()]);
-        add(&mut all, "this model, as given", 0, &asked, given.map(|model| own.positions(&model)));
-        add_references(&mut all, problem.model, problem.comparison, (&fitted, &asked));
+        let fitted_m = model.map_or_else(|| vec![None; unseen.len()], |model| part.positions(&model));
+        add(&mut all, "this model, fitted", problem.numbers.len(), &unseen, Some(fitted_m));
+        let start = problem.at(&vec![0.0; best.x.len()]);
+        add(&mut all, "this model, as given", 0, &unseen, start.map(|model| part.positions(&model)));
+        add_references(&mut all, problem.model, problem.comparison, SightingSplit { fitted: &fitted, unseen: &unseen });
     }
     let how = format!("blocked cross-validation: {} parts of the {} {}s", folds.len(), blocks.names.len(), blocks.kind);
     error(problem.comparison, how, Vec::new(), all)
 }
 
-/// Error on the sightings `asked` of `whole`, of which the fit has only seen `fitted`.
+/// Error on the unseen sightings of `whole`.
 pub(super) fn held_out(
     problem: &CalibrationProblem,
     best: &Optimum,
     whole: &Comparison,
-    (fitted, asked): (&[usize], &[usize]),
+    split: SightingSplit,
     (kind, names): (&str, Vec<String>),
 ) -> HeldOutError {
-    let own = whole.only(asked);
+    let unseen = whole.only(split.unseen);
     let mut all: Vec<Unseen> = Vec::new();
-    let positions = |x: &[f64]| problem.at(x).map(|model| own.positions(&model));
-    add(&mut all, "this model, fitted", problem.numbers.len(), asked, positions(&best.x));
-    add(&mut all, "this model, as given", 0, asked, positions(&vec![0.0; best.x.len()]));
-    add_references(&mut all, problem.model, whole, (fitted, asked));
+    let positions = |x: &[f64]| problem.at(x).map(|model| unseen.positions(&model));
+    add(&mut all, "this model, fitted", problem.numbers.len(), split.unseen, positions(&best.x));
+    add(&mut all, "this model, as given", 0, split.unseen, positions(&vec![0.0; best.x.len()]));
+    add_references(&mut all, problem.model, whole, split);
     error(whole, format!("{} {kind}s held out of the fit", names.len()), names, all)
 }
 
@@ -75,19 +75,14 @@ pub(super) fn without(problem: &CalibrationProblem, best: &Optimum, left_out: &[
     moved.map(|((x, step), number)| (x + step / shorten).max(number.low())).collect()
 }
 
-fn add_references(
-    all: &mut Vec<Unseen>,
-    model: &Model,
-    comparison: &Comparison,
-    (fitted, asked): (&[usize], &[usize]),
-) {
-    for Reference { name, numbers, positions } in references(model, comparison, fitted, asked) {
+fn add_references(all: &mut Vec<Unseen>, model: &Model, comparison: &Comparison, split: SightingSplit) {
+    for Reference { name, numbers, positions } in references(model, comparison, split) {
         let positions = positions.map(|all| all.into_iter().map(Some).collect());
-        add(all, name, numbers, asked, positions);
+        add(all, name, numbers, split.unseen, positions);
     }
 }
 
-fn add(all: &mut Vec<Unseen>, name: &'static str, numbers: usize, asked: &[usize], positions: Option<Positions>) {
+fn add(all: &mut Vec<Unseen>, name: &'static str, numbers: usize, unseen: &[usize], positions: Option<Positions>) {
     let place = all.iter().position(|one| one.name == name).unwrap_or_else(|| {
         all.push(Unseen { name, numbers, positions: Vec::new(), complete: true });
         all.len() - 1
@@ -95,7 +90,7 @@ fn add(all: &mut Vec<Unseen>, name: &'static str, numbers: usize, asked: &[usize
     let one = &mut all[place];
     one.numbers = one.numbers.max(numbers);
     match positions {
-        Some(positions) => one.positions.extend(asked.iter().copied().zip(positions)),
+        Some(positions) => one.positions.extend(unseen.iter().copied().zip(positions)),
         None => one.complete = false,
     }
 }

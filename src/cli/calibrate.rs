@@ -12,7 +12,7 @@ use spinebench::report::calibration::{CalibrationReport, calibration_artifacts};
 use spinebench::report::write;
 use spinebench::runner::Progress;
 use spinebench::specs::{model_text, read_model};
-use spinebench::tasks::{check_one_gravity, read_measured};
+use spinebench::tasks::read_to_calibrate;
 use std::path::PathBuf;
 
 /// Fit Young's modulus (and what --fit names) to a recording.
@@ -62,11 +62,7 @@ fn share(text: &str) -> Result<f64, String> {
 impl CalibrateCommand {
     pub(super) fn execute(self, progress: &Progress) -> CommandResult {
         let model = self.starts.applied(read_model(&self.model).map_err(CommandError::bad_input)?);
-        let measured = read_measured(&self.measured, &model, self.at_rest).map_err(CommandError::bad_input)?;
-        check_one_gravity(&self.measured, &measured, &model).map_err(CommandError::bad_input)?;
-        if !self.at_rest {
-            measured.check_duration(&self.measured).map_err(CommandError::bad_input)?;
-        }
+        let measured = read_to_calibrate(&self.measured, &model, self.at_rest).map_err(CommandError::bad_input)?;
         check_yaml(&self.out)?;
         self.report.as_ref().map_or(Ok(()), |folder| check_folder(folder, REPORT_BYTES))?;
         end_with_words("interrupted; nothing was written, and the same command begins again");

@@ -16,7 +16,7 @@ use spinebench::runner::Progress;
 use spinebench::specs::{
     PlantSpec, SimulatedSpec, extended_text, files_behind, model_text, read_model, read_options, read_plant,
 };
-use spinebench::tasks::{SimulationOptions, read_measured, simulate_recording};
+use spinebench::tasks::{SimulationOptions, read_to_explain, simulate_recording};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -73,13 +73,15 @@ impl DiscoverCommand {
         let parts: Vec<Recording> = self
             .measured
             .iter()
-            .map(|file| read(file, &given, options.at_rest))
-            .collect::<Result<_, CommandError>>()?;
+            .map(|file| read_to_explain(file, &given, options.at_rest))
+            .collect::<Result<_, _>>()
+            .map_err(CommandError::bad_input)?;
         self.refuse_twins(&parts)?;
         let measured = Recording::joined(&parts).map_err(|error| {
             CommandError::BadInput(format!("{}, line 1: {error}", self.measured[error.index].display()))
         })?;
-        let baseline = self.baseline.as_ref().map(|file| read(file, &given, options.at_rest)).transpose()?;
+        let baseline = self.baseline.as_ref().map(|file| read_to_explain(file, &given, options.at_rest)).transpose();
+        let baseline = baseline.map_err(CommandError::bad_input)?;
         self.refuse_own_baseline(&measured, baseline.as_ref())?;
         let plant = self.plant.as_ref().map(|file| simulated(file, &given)).transpose()?;
         check_folder(&self.out, REPORT_BYTES)?;
@@ -304,16 +306,6 @@ fn is_commands(name: &str) -> bool {
 fn is_written(name: &str) -> bool {
     let always = ["findings.json", "model.yaml", "residuals.csv", "disagreement.csv", "candidates.csv"];
     always.contains(&name) || is_commands(name) || name.starts_with("recorded_") && name.ends_with(".csv")
-}
-
-/// Reads a recording of this robot and checks durations and loads.
-fn read(file: &Path, model: &Model, at_rest: bool) -> Result<Recording, CommandError> {
-    let recording = read_measured(file, model, at_rest).map_err(CommandError::bad_input)?;
-    if !at_rest {
-        recording.check_duration(file).map_err(CommandError::bad_input)?;
-    }
-    recording.check_loads(file).map_err(CommandError::bad_input)?;
-    Ok(recording)
 }
 
 /// Reads a simulated plant with as many tendons as the model.

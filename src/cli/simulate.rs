@@ -10,7 +10,7 @@ use spinebench::effects::Model;
 use spinebench::rod::SolveStatus;
 use spinebench::runner::Progress;
 use spinebench::specs::read_model;
-use spinebench::tasks::{SimulationOptions, TOUCHES_ITSELF, check_one_gravity, read_commands, simulate_recording};
+use spinebench::tasks::{SimulationOptions, TOUCHES_ITSELF, read_commands, simulate_recording};
 use std::path::{Path, PathBuf};
 
 /// Drive the rod model with the commands of a recording (displacements or tensions) and write a recording.
@@ -37,7 +37,6 @@ impl SimulateCommand {
     pub(super) fn execute(self, progress: &Progress) -> CommandResult {
         let model = self.starts.applied(read_model(&self.model).map_err(CommandError::bad_input)?);
         let commands = read_commands(&self.commands, &model, self.at_rest).map_err(CommandError::bad_input)?;
-        check_one_gravity(&self.commands, &commands, &model).map_err(CommandError::bad_input)?;
         check_recording(&self.out, commands.len())?;
         progress.step("simulating");
         let played = simulate_recording(

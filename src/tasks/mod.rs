@@ -38,7 +38,7 @@ pub use path::{PathOptions, interpolate, waypoints};
 pub use reach::{LoopMode, ReachOptions, ReachOutcome, reach};
 pub use record::{UnevenSteps, record_trial, step_s};
 pub use response::{Response, response};
-pub use robot_recordings::{check_one_gravity, check_tendons, read_commands, read_measured};
+pub use robot_recordings::{check_one_gravity, check_tendons, read_commands, read_to_calibrate, read_to_explain};
 pub use rollout::rollout;
 pub use simulate_recording::{RecordingWithRates, SimulationOptions, simulate_recording, simulate_with_rates};
 pub use simulated_columns::TOUCHES_ITSELF;

@@ -5,7 +5,8 @@ use std::path::Path;
 use crate::data::{DataError, Recording};
 use crate::effects::{Model, Starts};
 
-/// Reads commands and checks that their number of tendons is the model's. Poses `at_rest` may have any times.
+/// Reads commands to simulate and checks that their number of tendons is the model's, and that gravity stays the same where
+/// trials go on from one another. Poses `at_rest` may have any times.
 ///
 /// # Errors
 /// [`DataError`] for a file that holds no commands of this robot.
@@ -15,15 +16,40 @@ pub fn read_commands(file: &Path, model: &Model, at_rest: bool) -> Result<Record
     commands.convert_drives(file, &model.drive_gains(), expected)?;
     check_tendons(file, &commands, expected)?;
     commands.check_points(file, &model.tracking.names())?;
+    check_one_gravity(file, &commands, model)?;
     Ok(commands)
 }
 
-/// Reads a recording of the model's robot and checks its number of tendons and that tip and commands are within reach.
+/// Reads a recording that a calibration fits: of the model's robot, under one gravity where trials go on from one another.
 /// Poses `at_rest` may have any times.
 ///
 /// # Errors
-/// [`DataError`] for a file that holds no recording of this robot.
-pub fn read_measured(file: &Path, model: &Model, at_rest: bool) -> Result<Recording, DataError> {
+/// [`DataError`] for a file that holds no such recording.
+pub fn read_to_calibrate(file: &Path, model: &Model, at_rest: bool) -> Result<Recording, DataError> {
+    let measured = read_measured(file, model, at_rest)?;
+    check_one_gravity(file, &measured, model)?;
+    check_duration(file, &measured, at_rest)?;
+    Ok(measured)
+}
+
+/// Reads a recording that a discovery explains: of the model's robot, with plausible loads. Poses `at_rest` may have any
+/// times.
+///
+/// # Errors
+/// [`DataError`] for a file that holds no such recording.
+pub fn read_to_explain(file: &Path, model: &Model, at_rest: bool) -> Result<Recording, DataError> {
+    let measured = read_measured(file, model, at_rest)?;
+    check_duration(file, &measured, at_rest)?;
+    measured.check_loads(file)?;
+    Ok(measured)
+}
+
+fn check_duration(file: &Path, measured: &Recording, at_rest: bool) -> Result<(), DataError> {
+    if at_rest { Ok(()) } else { measured.check_duration(file) }
+}
+
+/// Reads a recording of the model's robot and checks its number of tendons and that tip and commands are within reach.
+fn read_measured(file: &Path, model: &Model, at_rest: bool) -> Result<Recording, DataError> {
     let mut measured = if at_rest { Recording::read_poses(file) } else { Recording::read(file) }?;
     let tendons = model.robot.tendons.angles_deg.len();
     measured.convert_drives(file, &model.drive_gains(), tendons)?;
@@ -59,7 +85,7 @@ pub fn check_tendons(file: &Path, commands: &Recording, expected: usize) -> Resu
 /// [`DataError::Line`] for the first row with another gravity.
 pub fn check_one_gravity(file: &Path, commands: &Recording, model: &Model) -> Result<(), DataError> {
     let all = commands.gravity_m_s2.as_deref().unwrap_or_default();
-    let Some(row) = all.iter().position(|own| *own != all[0]) else { return Ok(()) };
+    let Some(row) = all.iter().position(|gravity_m_s2| *gravity_m_s2 != all[0]) else { return Ok(()) };
     if model.tracking.starts != Starts::Continue {
         return Ok(());
     }

@@ -21,7 +21,8 @@ pub(crate) fn difference(there: &[Point3], here: &[Point3]) -> Vec<f64> {
     there.iter().zip(here).flat_map(|(a, b)| std::array::from_fn::<f64, 3, _>(|axis| a[axis] - b[axis])).collect()
 }
 
-/// Refit of a set of effects to a tip displacement: Gauss–Newton steps with step halving.
+/// Refit of a set of effects to a tip displacement: Gauss–Newton steps with step halving. A trial step simulates all
+/// commands, so four lengths are tried at most; Marquardt's damping (`math::optimise::least_squares`) would try more.
 pub(crate) struct Refit<'a> {
     pub(crate) model: &'a Model,
     pub(crate) commands: &'a Commands,

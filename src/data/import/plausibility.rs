@@ -72,17 +72,17 @@ fn turn_along_z(home_m: Point3) -> Matrix3<f64> {
 
 /// The 24 rotations by quarter turns.
 fn quarter_turns() -> Vec<Matrix3<f64>> {
-    let mut found = Vec::new();
+    let mut turns = Vec::new();
     for order in [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]] {
         for signs in 0..8_u8 {
             let sign = |axis: usize| if signs >> axis & 1 == 1 { -1.0 } else { 1.0 };
             let turn = Matrix3::from_fn(|row, column| if order[row] == column { sign(row) } else { 0.0 });
             if turn.determinant() > 0.0 {
-                found.push(turn);
+                turns.push(turn);
             }
         }
     }
-    found
+    turns
 }
 
 /// The farthest finite point from the median, with its index.

@@ -15,10 +15,10 @@ const FARTHEST_S: f64 = 0.5;
 const FINEST_S: f64 = 0.01;
 /// Share of the tip's squares that the present command must explain beyond the earlier ones, and how many times what chance
 /// explains.
-const LEAST_SHARE: f64 = 0.03;
+const MIN_EXPLAINED_SHARE: f64 = 0.03;
 const CHANCE: f64 = 4.0;
 /// Fewest rows.
-const FEWEST: usize = 40;
+const MIN_ROWS: usize = 40;
 /// Directions of the commands below this share of the largest are none.
 const RANK: f64 = 1e-9;
 
@@ -41,23 +41,23 @@ pub(crate) fn onset_s(log: &Log, tip_at: &dyn Fn(f64) -> Option<Point3>) -> Opti
         Some((row, each))
     };
     let tips: Vec<(usize, Vec<Point3>)> = rows.iter().filter_map(tips).collect();
-    if tips.len() < FEWEST {
+    if tips.len() < MIN_ROWS {
         return None;
     }
     let basis = |from: usize| basis(&design(log, &tips, from));
     let (past, all) = (basis(1)?, basis(0)?);
     let added = all.ncols().checked_sub(past.ncols()).filter(|&added| added > 0)?;
     let chance = added as f64 / (tips.len() - all.ncols().min(tips.len() - 1)) as f64;
-    let needed = LEAST_SHARE.max(CHANCE * chance);
+    let needed = MIN_EXPLAINED_SHARE.max(CHANCE * chance);
     let gain = |offset: usize| {
-        let left = |basis: &DMatrix<f64>| -> f64 {
+        let residual = |basis: &DMatrix<f64>| -> f64 {
             let axis = |axis: usize| {
                 let tip = DVector::from_iterator(tips.len(), tips.iter().map(|(_, each)| each[offset][axis]));
                 (tip.norm_squared() - basis.tr_mul(&tip).norm_squared()).max(0.0)
             };
             (0..3).map(axis).sum()
         };
-        1.0 - left(&all) / left(&past).max(f64::MIN_POSITIVE)
+        1.0 - residual(&all) / residual(&past).max(f64::MIN_POSITIVE)
     };
     let gains: Vec<f64> = (0..offsets_s.len()).map(gain).collect();
     let first = gains.windows(2).position(|two| two[0] > needed && two[1] > needed)?;
@@ -80,8 +80,9 @@ fn basis(design: &DMatrix<f64>) -> Option<DMatrix<f64>> {
         &design.column_iter().map(|column| column / column.norm().max(f64::MIN_POSITIVE)).collect::<Vec<_>>(),
     );
     let svd = scaled.svd(true, false);
-    let most = svd.singular_values.max();
-    let kept: Vec<usize> = (0..svd.singular_values.len()).filter(|&k| svd.singular_values[k] > RANK * most).collect();
+    let largest = svd.singular_values.max();
+    let kept: Vec<usize> =
+        (0..svd.singular_values.len()).filter(|&k| svd.singular_values[k] > RANK * largest).collect();
     svd.u.map(|u| u.select_columns(&kept))
 }
 

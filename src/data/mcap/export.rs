@@ -142,8 +142,8 @@ fn point(point: &Point3) -> Value {
 fn pose_in_frame(time_ns: u64, position_m: Point3, turn: Option<[f64; 4]>) -> Option<Value> {
     let [w, x, y, z] = turn.filter(|turn| turn.iter().all(|part| part.is_finite())).unwrap_or([1.0, 0.0, 0.0, 0.0]);
     let pose = json!({ "position": point(&position_m), "orientation": { "x": x, "y": y, "z": z, "w": w } });
-    let known = position_m.iter().all(|x| x.is_finite());
-    known.then(|| json!({ "timestamp": stamp(time_ns), "frame_id": FRAME, "pose": pose }))
+    let is_tracked = position_m.iter().all(|x| x.is_finite());
+    is_tracked.then(|| json!({ "timestamp": stamp(time_ns), "frame_id": FRAME, "pose": pose }))
 }
 
 fn commands(recording: &Recording, row: usize) -> Value {

@@ -8,7 +8,7 @@ use super::{MAGIC, opcode};
 use crate::data::{DataError, file};
 
 /// Bytes of a chunk after decompression, at most: a damaged size must not take all memory.
-const MOST_BYTES: u64 = 4 << 30;
+const MAX_BYTES: u64 = 4 << 30;
 
 /// A file's messages by topic.
 #[derive(Debug)]
@@ -144,9 +144,9 @@ impl Contents {
                 let (id, schema) = (fields.number::<2>()?, fields.number::<2>()?);
                 let (topic, encoding) = (fields.text()?, fields.text()?);
                 let kind = (self.schemas.get(&schema).cloned().unwrap_or_default(), encoding);
-                let known = self.topics.entry(topic.clone()).or_default();
-                if !known.kinds.contains(&kind) {
-                    known.kinds.push(kind);
+                let bag_topic = self.topics.entry(topic.clone()).or_default();
+                if !bag_topic.kinds.contains(&kind) {
+                    bag_topic.kinds.push(kind);
                 }
                 self.channels.insert(id, topic);
             }
@@ -175,7 +175,7 @@ fn chunk(fields: &mut RecordFields) -> Result<Vec<u8>, (String, &'static str)> {
         Some((size, compression, fields.take(count)?))
     };
     let (size, compression, packed) = header().ok_or_else(broken)?;
-    if size > MOST_BYTES {
+    if size > MAX_BYTES {
         return Err((format!("a chunk of {size} bytes"), "at most 4 GiB"));
     }
     let mut records = Vec::new();

@@ -136,6 +136,7 @@ impl FitProblem<'_> {
             };
             let (step, promised) = self.step(&best)?;
             // Steps with too small a predicted decrease are not simulated.
+            // Three lengths in place of Marquardt's damping: where none helps, the Jacobian is renewed.
             let shares: &[f64] = if promised < needed { &[] } else { &[1.0, 0.4, 0.1] };
             let next = shares.iter().find_map(|&share| self.accept_step(&best, &(share * &step)));
             let fall = next.as_ref().map_or(0.0, |next| best.nuisance_fit.deviance - next.nuisance_fit.deviance);

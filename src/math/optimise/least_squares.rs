@@ -5,7 +5,9 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// Relative change of the sum of squares below which a fit has converged.
 const CONVERGED: f64 = 1e-10;
-const MOST_ITERATIONS: usize = 60;
+const MAX_ITERATIONS: usize = 60;
+/// Largest damping; where no step helps up to it, the parameters are the minimum to rounding.
+const MAX_DAMPING: f64 = 1e10;
 /// Directions whose singular value is below this share of the largest (columns scaled to unit length) are not
 /// identifiable.
 const UNSEEN_DIRECTION: f64 = 1e-7;
@@ -38,14 +40,15 @@ pub fn fit(residuals: &Residuals, derivative: &ResidualJacobian, start: &[f64]) 
     let mut current = DVector::from_vec(residuals(&at)?);
     let (mut damping, mut converged) = (1e-3, false);
     let mut jacobian = derivative(&at)?;
-    for _ in 0..MOST_ITERATIONS {
+    for _ in 0..MAX_ITERATIONS {
+        let Some((next, residual)) = improve(residuals, &at, &current, &jacobian, &mut damping) else {
+            converged = true;
+            break;
+        };
         let before = current.norm_squared();
-        let improved = improve(residuals, (&mut at, &mut current), &jacobian, &mut damping);
-        // If no step length helps, this is the minimum to rounding.
-        converged = !improved || 1.0 - current.norm_squared() / before.max(f64::MIN_POSITIVE) < CONVERGED;
-        if improved {
-            jacobian = derivative(&at)?;
-        }
+        (at, current) = (next, residual);
+        jacobian = derivative(&at)?;
+        converged = 1.0 - current.norm_squared() / before.max(f64::MIN_POSITIVE) < CONVERGED;
         if converged {
             break;
         }
@@ -65,52 +68,58 @@ pub fn unseen_left_out(mut jacobian: DMatrix<f64>, step: f64, accuracy: f64) -> 
     jacobian
 }
 
-/// One damped step that does not raise the sum of squares; false when there is none.
+/// The first acceptable step, by Marquardt's schedule: `step` at a growing damping, up to `max_damping`. Lowers the damping for
+/// the next call after a success.
+pub(crate) fn damped<T>(damping: &mut f64, max_damping: f64, step: impl Fn(f64) -> Option<T>) -> Option<T> {
+    while *damping < max_damping {
+        if let Some(accepted) = step(*damping) {
+            *damping = (*damping * 0.2).max(1e-12);
+            return Some(accepted);
+        }
+        *damping *= 10.0;
+    }
+    None
+}
+
+/// Parameters and residuals after a damped step that does not raise the sum of squares; `None` when there is none.
 fn improve(
     residuals: &Residuals,
-    (at, current): (&mut Vec<f64>, &mut DVector<f64>),
+    at: &[f64],
+    current: &DVector<f64>,
     jacobian: &DMatrix<f64>,
     damping: &mut f64,
-) -> bool {
+) -> Option<(Vec<f64>, DVector<f64>)> {
     let gradient = jacobian.tr_mul(current);
     let normal = jacobian.tr_mul(jacobian);
-    while *damping < 1e10 {
+    damped(damping, MAX_DAMPING, |damping| {
         let mut damped = normal.clone();
         for k in 0..at.len() {
             // A parameter without influence has a zero gradient and does not move.
-            damped[(k, k)] += if normal[(k, k)] > 0.0 { *damping * normal[(k, k)] } else { 1.0 };
+            damped[(k, k)] += if normal[(k, k)] > 0.0 { damping * normal[(k, k)] } else { 1.0 };
         }
-        let step = Cholesky::new(damped).map(|factor| factor.solve(&gradient));
-        let candidate = step.map(|step| at.iter().zip(step.iter()).map(|(x, dx)| x - dx).collect::<Vec<f64>>());
-        let next = candidate.and_then(|there| Some((DVector::from_vec(residuals(&there)?), there)));
-        match next.filter(|(next, _)| next.norm_squared() <= current.norm_squared()) {
-            Some((next, there)) => {
-                (*at, *current) = (there, next);
-                *damping = (*damping * 0.2).max(1e-12);
-                return true;
-            }
-            None => *damping *= 10.0,
-        }
-    }
-    false
+        let step = Cholesky::new(damped)?.solve(&gradient);
+        let there: Vec<f64> = at.iter().zip(step.iter()).map(|(x, dx)| x - dx).collect();
+        let residual = DVector::from_vec(residuals(&there)?);
+        (residual.norm_squared() <= current.norm_squared()).then_some((there, residual))
+    })
 }
 
 /// Intervals from the covariance s² (JᵀJ)⁺; infinite for parameters with a share in an unidentifiable direction.
 fn intervals(jacobian: &DMatrix<f64>, residual: &DVector<f64>, at: &[f64]) -> Vec<[f64; 2]> {
-    let nothing = [f64::NEG_INFINITY, f64::INFINITY];
+    let unbounded = [f64::NEG_INFINITY, f64::INFINITY];
     let seen: Vec<usize> = (0..at.len()).filter(|&k| jacobian.column(k).norm() > 0.0).collect();
-    let mut found = vec![nothing; at.len()];
+    let mut intervals = vec![unbounded; at.len()];
     if seen.is_empty() {
-        return found;
+        return intervals;
     }
     let freedom = residual.len() as f64 - seen.len() as f64;
-    let Ok(student) = StudentsT::new(0.0, 1.0, freedom) else { return found };
+    let Ok(student) = StudentsT::new(0.0, 1.0, freedom) else { return intervals };
     let variance = residual.norm_squared() / freedom;
     let quantile = student.inverse_cdf(0.975);
     let lengths: Vec<f64> = seen.iter().map(|&k| jacobian.column(k).norm()).collect();
     let scaled = DMatrix::from_fn(residual.len(), seen.len(), |row, k| jacobian[(row, seen[k])] / lengths[k]);
     let parts = scaled.svd(false, true);
-    let Some(directions) = parts.v_t else { return found };
+    let Some(directions) = parts.v_t else { return intervals };
     let smallest = UNSEEN_DIRECTION * parts.singular_values.max();
     for (k, &parameter) in seen.iter().enumerate() {
         let mut unseen = false;
@@ -124,10 +133,10 @@ fn intervals(jacobian: &DMatrix<f64>, residual: &DVector<f64>, at: &[f64]) -> Ve
         }
         if !unseen {
             let half = quantile * (variance * inverse).sqrt() / lengths[k];
-            found[parameter] = [at[parameter] - half, at[parameter] + half];
+            intervals[parameter] = [at[parameter] - half, at[parameter] + half];
         }
     }
-    found
+    intervals
 }
 
 #[cfg(test)]

@@ -145,23 +145,23 @@ fn refuse(bag: &Bag, topic: &str, found: String, expected: String) -> DataError 
 /// # Errors
 /// [`DataError::Line`] for a topic that is not there, another kind of message, and a message that cannot be read.
 fn table(bag: &Bag, topic: &str, child: Option<&str>) -> Result<LogTable, DataError> {
-    let Some(found) = bag.topics.get(topic) else {
+    let Some(bag_topic) = bag.topics.get(topic) else {
         let all: Vec<String> = bag.topics.keys().map(|name| format!("`{name}`")).collect();
         return Err(refuse(bag, topic, "no such topic".to_owned(), format!("one of {}", all.join(", "))));
     };
-    let known = |(name, encoding): &(String, String)| {
+    let readable = |(name, encoding): &(String, String)| {
         KINDS.iter().find(|kind| kind.name == plain(name)).filter(|_| encoding == "cdr")
     };
-    let kinds: Vec<&MessageKind> = found.kinds.iter().filter_map(known).collect();
+    let kinds: Vec<&MessageKind> = bag_topic.kinds.iter().filter_map(readable).collect();
     let [kind] = kinds[..] else {
         let kinds: Vec<String> =
-            found.kinds.iter().map(|(name, encoding)| format!("`{name}` in `{encoding}`")).collect();
+            bag_topic.kinds.iter().map(|(name, encoding)| format!("`{name}` in `{encoding}`")).collect();
         let all: Vec<&str> = KINDS.iter().map(|kind| kind.name).collect();
         let expected = format!("one of {} in `cdr`", all.join(", "));
         return Err(refuse(bag, topic, format!("messages of type {}", kinds.join(" and ")), expected));
     };
     let mut read: Vec<(usize, &BagMessage, Row)> = Vec::new();
-    for (number, message) in found.messages.iter().enumerate() {
+    for (number, message) in bag_topic.messages.iter().enumerate() {
         let damaged = || {
             let (found, expected) =
                 (format!("{} bytes in message {}", message.data.len(), number + 1), kind.name.to_owned());

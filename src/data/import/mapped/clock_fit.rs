@@ -3,7 +3,7 @@
 //! its interval by the delete-one-block jackknife (Künsch 1989).
 
 use super::step_response::StepResponse;
-use super::tip_motion::{BLOCKS, CommandSteps, FEWEST, FINEST_S, OffsetCandidate, TipMotion};
+use super::tip_motion::{BLOCKS, CommandSteps, FINEST_S, MIN_FRAMES, OffsetCandidate, TipMotion};
 use crate::base::Point3;
 
 /// An estimated offset.
@@ -45,9 +45,9 @@ const FIRST_MOTION: f64 = 0.5;
 const COARSE_FRAMES: usize = 1500;
 const FINE_FRAMES: usize = 8000;
 /// Most offsets that are tried.
-const MOST_OFFSETS: usize = 20_000;
+const MAX_OFFSETS: usize = 20_000;
 /// Least share of the tip's squares that commands must explain.
-const LEAST: f64 = 0.2;
+const MIN_EXPLAINED: f64 = 0.2;
 /// Peaks that are looked at closely.
 const PEAKS: usize = 5;
 /// A second offset is as good as the first when it leaves at most this many times as much.
@@ -66,12 +66,15 @@ const COARSEST_S: f64 = 2e-3;
 fn peaks(motion: &TipMotion, offsets_s: &[f64]) -> Vec<f64> {
     let response = StepResponse { time_s: 0.25 * motion.step_s, damping: 1.0 };
     let states = motion.states(response);
-    let left_at = |offset_s: &f64| motion.blocks(*offset_s, (response, &states), 1).map_or(1.0, |all| all[0].left());
-    let left: Vec<f64> = offsets_s.iter().map(left_at).collect();
-    let at = |k: usize| left.get(k).copied().unwrap_or(1.0);
-    let is_least = |k: &usize| left[*k] < 1.0 && left[*k] <= at(k + 1) && (*k == 0 || left[*k] < left[*k - 1]);
-    let mut peaks: Vec<usize> = (0..left.len()).filter(is_least).collect();
-    peaks.sort_by(|a, b| left[*a].total_cmp(&left[*b]));
+    let unexplained_at =
+        |offset_s: &f64| motion.blocks(*offset_s, (response, &states), 1).map_or(1.0, |all| all[0].unexplained());
+    let unexplained: Vec<f64> = offsets_s.iter().map(unexplained_at).collect();
+    let at = |k: usize| unexplained.get(k).copied().unwrap_or(1.0);
+    let is_minimum = |k: &usize| {
+        unexplained[*k] < 1.0 && unexplained[*k] <= at(k + 1) && (*k == 0 || unexplained[*k] < unexplained[*k - 1])
+    };
+    let mut peaks: Vec<usize> = (0..unexplained.len()).filter(is_minimum).collect();
+    peaks.sort_by(|a, b| unexplained[*a].total_cmp(&unexplained[*b]));
     peaks.into_iter().take(PEAKS).map(|k| offsets_s[k]).collect()
 }
 
@@ -87,35 +90,37 @@ pub(crate) fn estimate(
     let refuse = |found: String, expected: &str| Err((found, expected.to_owned()));
     let steps: Vec<f64> = commands.time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let step_s = crate::math::summary::quantile(&steps, 0.5);
-    if frames.len() < FEWEST || steps.len() < FEWEST / 2 {
+    if frames.len() < MIN_FRAMES || steps.len() < MIN_FRAMES / 2 {
         let found = format!("{} tracked frames and {} commands", frames.len(), commands.rows.len());
         return refuse(found, "at least 50 frames and 26 commands, or `clock.offset_s`");
     }
     let (first_s, last_s) = (frames[0].0, frames[frames.len() - 1].0);
     let middle_s = 0.5 * (commands.time_s[0] + commands.time_s[commands.time_s.len() - 1]);
     // Beyond these the tracking does not meet the commands.
-    let [least_s, most_s] = [commands.time_s[0] - last_s, 2.0 * middle_s - commands.time_s[0] - first_s];
-    let low_s = from_s.unwrap_or(middle_s - last_s).clamp(least_s, most_s);
-    let high_s = to_s.unwrap_or(middle_s - first_s).clamp(least_s, most_s);
+    let [lowest_s, highest_s] = [commands.time_s[0] - last_s, 2.0 * middle_s - commands.time_s[0] - first_s];
+    let low_s = from_s.unwrap_or(middle_s - last_s).clamp(lowest_s, highest_s);
+    let high_s = to_s.unwrap_or(middle_s - first_s).clamp(lowest_s, highest_s);
     let motion = TipMotion { commands, frames, step_s };
-    let every_s = (0.5 * step_s).max((high_s - low_s) / MOST_OFFSETS as f64).max(1e-3);
+    let every_s = (0.5 * step_s).max((high_s - low_s) / MAX_OFFSETS as f64).max(1e-3);
     let count = ((high_s - low_s) / every_s).ceil().max(1.0) as usize;
     let offsets_s: Vec<f64> = (0..=count).map(|k| (low_s + every_s * k as f64).min(high_s)).collect();
     let (coarse, fine) = (motion.thinned(COARSE_FRAMES), motion.thinned(FINE_FRAMES));
     let close = |offset_s: f64| {
-        let starts = RESPONSES.map(|response| OffsetCandidate { offset_s, response, left: 1.0 });
+        let starts = RESPONSES.map(|response| OffsetCandidate { offset_s, response, unexplained: 1.0 });
         let ends = starts.map(|start| coarse.refined(start, [every_s, COARSEST_S], None, false));
-        ends.into_iter().min_by(|a, b| a.left.total_cmp(&b.left))
+        ends.into_iter().min_by(|a, b| a.unexplained.total_cmp(&b.unexplained))
     };
-    let mut found: Vec<OffsetCandidate> = peaks(&coarse, &offsets_s).into_iter().filter_map(close).collect();
-    found.sort_by(|a, b| a.left.total_cmp(&b.left));
-    let Some(&best) = found.first().filter(|best| 1.0 - best.left >= LEAST) else {
-        let share = found.first().map_or(0.0, |best| 100.0 * (1.0 - best.left));
+    let mut optima: Vec<OffsetCandidate> = peaks(&coarse, &offsets_s).into_iter().filter_map(close).collect();
+    optima.sort_by(|a, b| a.unexplained.total_cmp(&b.unexplained));
+    let Some(&best) = optima.first().filter(|best| 1.0 - best.unexplained >= MIN_EXPLAINED) else {
+        let share = optima.first().map_or(0.0, |best| 100.0 * (1.0 - best.unexplained));
         let found = format!("a tip whose motion follows the commands to {share:.0} % at the best offset");
         return refuse(found, "20 % or more, or `clock.offset_s`");
     };
     let apart = |other: &&OffsetCandidate| (other.offset_s - best.offset_s).abs() > 2.0 * every_s.max(step_s);
-    if let Some(other) = found.iter().skip(1).find(apart).filter(|other| other.left <= AS_GOOD * best.left) {
+    if let Some(other) =
+        optima.iter().skip(1).find(apart).filter(|other| other.unexplained <= AS_GOOD * best.unexplained)
+    {
         let both = [best.offset_s, other.offset_s];
         let found = format!("a motion that repeats: offsets of {:.3} s and {:.3} s fit alike", both[0], both[1]);
         return refuse(found, "narrower limits `clock.estimate.from_s` and `to_s`, or `clock.offset_s`");
@@ -123,7 +128,7 @@ pub(crate) fn estimate(
     // A lag can make up for an offset where the motion has one frequency.
     let shifted = |shift_s: f64| OffsetCandidate { offset_s: best.offset_s + shift_s, ..best };
     let aside = [-step_s, step_s].map(|shift_s| coarse.refined(shifted(shift_s), [every_s, COARSEST_S], None, true));
-    if let Some(other) = aside.iter().find(|other| other.left <= AS_GOOD * best.left) {
+    if let Some(other) = aside.iter().find(|other| other.unexplained <= AS_GOOD * best.unexplained) {
         let both = [best.offset_s, other.offset_s];
         let found = format!("a motion by which offsets of {:.3} s and {:.3} s fit alike", both[0], both[1]);
         return refuse(found, "commands of several frequencies, or `clock.offset_s`");
@@ -139,7 +144,7 @@ pub(crate) fn estimate(
         offset_s: best.offset_s,
         interval_95_s: [best.offset_s - half_s, best.offset_s + half_s],
         lag_s: best.response.mean_delay_s(),
-        explained: 1.0 - best.left,
+        explained: 1.0 - best.unexplained,
         dead_time_s: 0.0,
     })
 }
@@ -204,8 +209,8 @@ mod tests {
         // Within a period a lag makes up for an offset.
         let said = estimate(&commands, frames.clone(), (Some(-2.3), Some(-1.9))).unwrap_err().0;
         assert!(said.contains("fit alike"), "{said}");
-        let still = frames.iter().map(|(frame_s, tip)| (*frame_s, [0.0, 0.0, tip[2]])).collect();
-        let said = estimate(&commands, still, (None, None)).unwrap_err().0;
+        let at_rest = frames.iter().map(|(frame_s, tip)| (*frame_s, [0.0, 0.0, tip[2]])).collect();
+        let said = estimate(&commands, at_rest, (None, None)).unwrap_err().0;
         assert!(said.contains("at the best offset"), "{said}");
         assert!(estimate(&commands, frames[..30].to_vec(), (None, None)).is_err());
     }

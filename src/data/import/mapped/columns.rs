@@ -125,7 +125,7 @@ pub(crate) struct TopicColumns {
 }
 
 /// Most names in a message.
-const MOST_LISTED: usize = 12;
+const MAX_LISTED: usize = 12;
 
 impl LogTable {
     /// Place of a row, for messages.
@@ -163,8 +163,8 @@ impl LogTable {
             Err(DataError::Line { file: self.file.clone(), place: self.header.clone(), found, expected })
         };
         let listed = || {
-            let names = self.columns.iter().take(MOST_LISTED).map(|(name, _)| format!("`{name}`"));
-            let more = self.columns.len().saturating_sub(MOST_LISTED);
+            let names = self.columns.iter().take(MAX_LISTED).map(|(name, _)| format!("`{name}`"));
+            let more = self.columns.len().saturating_sub(MAX_LISTED);
             let names: Vec<String> = names.chain((more > 0).then(|| format!("{more} more"))).collect();
             let hint = if names.len() == 1 { " (is the delimiter another?)" } else { "" };
             format!("{}{hint}", names.join(", "))

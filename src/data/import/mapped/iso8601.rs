@@ -97,8 +97,8 @@ fn parts(text: &str, sign: char, width: usize) -> Option<Vec<&str>> {
 
 /// Days from 1970-01-01 to a date of the Gregorian calendar.
 fn date_days(text: &str) -> Option<i64> {
-    let found = parts(text, '-', 4)?;
-    let [year, month, day] = found[..] else { return None };
+    let parts = parts(text, '-', 4)?;
+    let [year, month, day] = parts[..] else { return None };
     let (year, month, day) = (below(year, 10_000)?, below(month, 13)?, below(day, 32)?);
     let is_leap = year % 4 == 0 && (year % 100 != 0 || year % 400 == 0);
     let lengths = [31, if is_leap { 29 } else { 28 }, 31, 30, 31, 30, 31, 31, 30, 31, 30, 31];
@@ -114,8 +114,8 @@ fn date_days(text: &str) -> Option<i64> {
 
 /// Seconds since midnight of `hh:mm`, `hh:mm:ss`, `hhmm` or `hhmmss`; a second may be a leap second.
 fn clock_s(text: &str) -> Option<i64> {
-    let found = parts(text, ':', 2)?;
-    let (hours, minutes, seconds) = match found[..] {
+    let parts = parts(text, ':', 2)?;
+    let (hours, minutes, seconds) = match parts[..] {
         [hours, minutes] => (hours, minutes, "0"),
         [hours, minutes, seconds] => (hours, minutes, seconds),
         _ => return None,

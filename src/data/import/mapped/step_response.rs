@@ -39,13 +39,13 @@ impl StepResponse {
         let (rate, decay) = (1.0 / self.time_s, self.damping / self.time_s);
         let split = self.damping * self.damping - 1.0;
         let (cosine, sine) = if split.abs() < 1e-9 {
-            let left = (-decay * time_s).exp();
-            (left, left * time_s)
+            let envelope = (-decay * time_s).exp();
+            (envelope, envelope * time_s)
         } else if split < 0.0 {
             let turn = rate * (-split).sqrt();
             let (sine, cosine) = (turn * time_s).sin_cos();
-            let left = (-decay * time_s).exp();
-            (left * cosine, left * sine / turn)
+            let envelope = (-decay * time_s).exp();
+            (envelope * cosine, envelope * sine / turn)
         } else {
             let apart = rate * split.sqrt();
             let [slow, fast] = [apart - decay, -apart - decay].map(|pole| (pole * time_s).exp());

@@ -16,26 +16,26 @@ pub(crate) struct CommandSteps {
 
 /// Parts of the recording that the jackknife leaves out in turn.
 pub(super) const BLOCKS: usize = 10;
-/// Fewest tracked frames.
-pub(super) const FEWEST: usize = 50;
+/// Smallest number of tracked frames.
+pub(super) const MIN_FRAMES: usize = 50;
 /// Share of the commands that the tracking must cover.
-const COVERED: f64 = 0.5;
+const MIN_COVERED_SHARE: f64 = 0.5;
 /// Resolution of the estimate, seconds.
 pub(super) const FINEST_S: f64 = 1e-5;
 /// Newton steps at most, their dampings in turn, and the step of differences in offsets and logarithms.
-const POLISHES: usize = 15;
+const MAX_POLISHES: usize = 15;
 const DAMPINGS: [f64; 6] = [0.0, 1e-3, 1e-2, 0.1, 1.0, 10.0];
 const DIFFERENCE: f64 = 0.02;
 
 /// Deviations and rates of every row and component.
 pub(super) type States = [Vec<[f64; 2]>];
 
-/// An offset with its response, and the share of the squares that they leave.
+/// An offset with its response, and the share of the squares that they leave unexplained.
 #[derive(Clone, Copy)]
 pub(super) struct OffsetCandidate {
     pub(super) offset_s: f64,
     pub(super) response: StepResponse,
-    pub(super) left: f64,
+    pub(super) unexplained: f64,
 }
 
 /// Tracked tips and commands.
@@ -63,7 +63,7 @@ impl TipMotion<'_> {
         states
     }
 
-    /// FitSums of every block at an offset and a response; none where too little of the commands is covered.
+    /// Sums of every block at an offset and a response; none where too little of the commands is covered.
     pub(super) fn blocks(
         &self,
         offset_s: f64,
@@ -89,22 +89,22 @@ impl TipMotion<'_> {
                 row += 1;
             }
             let [of_deviation, of_rate] = response.after(now_s - time_s[row]).deviation;
-            let (features, own) = numbers[1..].split_at_mut(width - 1 - AXES);
+            let (features, tip_from_first) = numbers[1..].split_at_mut(width - 1 - AXES);
             for (k, feature) in features.iter_mut().enumerate() {
                 let [deviation, rate] = states[row][k];
                 *feature = rows[row][k] + of_deviation * deviation + of_rate * rate - centre[k];
             }
-            own.iter_mut().enumerate().for_each(|(axis, own)| *own = tip[axis] - first_tip[axis]);
+            tip_from_first.iter_mut().enumerate().for_each(|(axis, value)| *value = tip[axis] - first_tip[axis]);
             sums[row * blocks / rows.len()].add(&numbers);
             covered += 1;
         }
         let span_s = self.frames[self.frames.len() - 1].0 - self.frames[0].0;
         let wanted = (end_s - time_s[0]).min(span_s) / span_s.max(f64::MIN_POSITIVE) * self.frames.len() as f64;
-        (covered as f64 >= COVERED * wanted && covered >= FEWEST.min(self.frames.len())).then_some(sums)
+        (covered as f64 >= MIN_COVERED_SHARE * wanted && covered >= MIN_FRAMES.min(self.frames.len())).then_some(sums)
     }
 
-    /// Share that is left at an offset and a response, without one block.
-    fn left(&self, offset_s: f64, response: StepResponse, without: Option<usize>) -> f64 {
+    /// Share of the squares that stays unexplained at an offset and a response, without one block.
+    fn unexplained(&self, offset_s: f64, response: StepResponse, without: Option<usize>) -> f64 {
         let with_states = (response, &self.states(response)[..]);
         let count = if without.is_some() { BLOCKS } else { 1 };
         let Some(blocks) = self.blocks(offset_s, with_states, count) else { return 1.0 };
@@ -113,7 +113,7 @@ impl TipMotion<'_> {
             all.merge(sums);
             all
         });
-        all.left()
+        all.unexplained()
     }
 
     /// The offset and response that leave least, near a start, with steps from the first to the second of `reach_s`: a
@@ -129,13 +129,13 @@ impl TipMotion<'_> {
         let at = |offset_s: f64, response: StepResponse| OffsetCandidate {
             offset_s,
             response,
-            left: self.left(offset_s, response, without),
+            unexplained: self.unexplained(offset_s, response, without),
         };
         let mut best = at(start.offset_s, start.response);
         let ([mut step_s, finest_s], mut factor) = (reach_s, 1.6_f64);
         while step_s > finest_s {
             let delay_s = best.response.mean_delay_s();
-            let mut found = best;
+            let mut nearby = best;
             for (factor, step_s) in [(factor, step_s), (factor.recip(), -step_s)] {
                 let longer = ((delay_s + step_s) / delay_s).max(0.5);
                 let shapes = [(factor, 1.0), (1.0, factor), (factor, factor.recip())];
@@ -151,13 +151,13 @@ impl TipMotion<'_> {
                 }
                 for (shift_s, response) in tries {
                     let tried = at(best.offset_s + shift_s, response);
-                    if tried.left < found.left {
-                        found = tried;
+                    if tried.unexplained < nearby.unexplained {
+                        nearby = tried;
                     }
                 }
             }
-            if found.left < best.left {
-                best = found;
+            if nearby.unexplained < best.unexplained {
+                best = nearby;
             } else {
                 (step_s, factor) = (0.5 * step_s, factor.sqrt());
             }
@@ -171,20 +171,20 @@ impl TipMotion<'_> {
         let delay_s = start.response.mean_delay_s();
         let at = |p: &Vector3<f64>| {
             let (offset_s, response) = (start.offset_s + delay_s * p.x, start.response.scaled(p.y.exp(), p.z.exp()));
-            OffsetCandidate { offset_s, response, left: self.left(offset_s, response, without) }
+            OffsetCandidate { offset_s, response, unexplained: self.unexplained(offset_s, response, without) }
         };
         let (mut place, mut best) = (Vector3::zeros(), at(&Vector3::zeros()));
-        for _ in 0..POLISHES {
-            let (gradient, curvature) = derivatives(&|p| at(p).left, &place, best.left);
+        for _ in 0..MAX_POLISHES {
+            let (gradient, curvature) = derivatives(&|p| at(p).unexplained, &place, best.unexplained);
             let before = best.offset_s;
             let damped = |damping: &f64| {
-                let size = curvature.diagonal().map(|own| damping * own.abs().max(f64::MIN_POSITIVE));
+                let size = curvature.diagonal().map(|entry| damping * entry.abs().max(f64::MIN_POSITIVE));
                 let step = (curvature + Matrix3::from_diagonal(&size)).cholesky()?.solve(&gradient);
                 let tried = at(&(place - step));
-                (tried.left < best.left).then_some((place - step, tried))
+                (tried.unexplained < best.unexplained).then_some((place - step, tried))
             };
-            let Some((next, found)) = DAMPINGS.iter().find_map(damped) else { break };
-            (place, best) = (next, found);
+            let Some((next, improved)) = DAMPINGS.iter().find_map(damped) else { break };
+            (place, best) = (next, improved);
             if (best.offset_s - before).abs() < FINEST_S {
                 break;
             }
@@ -193,8 +193,8 @@ impl TipMotion<'_> {
     }
 
     /// The same motion with at most so many frames.
-    pub(super) fn thinned(&self, most: usize) -> TipMotion<'_> {
-        let every = self.frames.len().div_ceil(most).max(1);
+    pub(super) fn thinned(&self, max_frames: usize) -> TipMotion<'_> {
+        let every = self.frames.len().div_ceil(max_frames).max(1);
         TipMotion { frames: self.frames.iter().copied().step_by(every).collect(), ..*self }
     }
 }

@@ -27,27 +27,27 @@ impl LogFiles {
     /// # Errors
     /// [`DataError`] for a folder that cannot be read or is empty, and a name that no file has.
     pub fn find(named: &[PathBuf]) -> Result<LogFiles, DataError> {
-        let mut found = LogFiles::default();
+        let mut logs = LogFiles::default();
         for path in named {
             if path.is_dir() {
-                found.from_folder = true;
-                found.files.extend(listed(path, path, &|name| !name.starts_with('.'))?);
+                logs.from_folder = true;
+                logs.files.extend(listed(path, path, &|name| !name.starts_with('.'))?);
                 continue;
             }
             let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
             if path.exists() || !name.contains(['*', '?']) {
-                found.files.push(path.clone());
+                logs.files.push(path.clone());
                 continue;
             }
             let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
             let pattern = FilePattern::parse(&name);
             let fits = |file: &str| pattern.trial(file).is_some();
-            found.files.extend(listed(path, parent.unwrap_or(Path::new(".")), &fits)?.into_iter().map(|file| {
+            logs.files.extend(listed(path, parent.unwrap_or(Path::new(".")), &fits)?.into_iter().map(|file| {
                 // As it was written: without `./`.
                 if parent.is_none() { file.strip_prefix(".").map(Path::to_owned).unwrap_or(file) } else { file }
             }));
         }
-        Ok(found)
+        Ok(logs)
     }
 }
 
@@ -122,7 +122,7 @@ impl FilePattern {
     }
 
     /// Characters that are given: the pattern with more of them is the more exact one.
-    fn given(&self) -> usize {
+    fn literal_length(&self) -> usize {
         self.parts.iter().filter(|part| matches!(part, PatternPart::Character(_))).count()
     }
 
@@ -192,8 +192,8 @@ impl FoundTrials {
             let fitting = patterns
                 .iter()
                 .enumerate()
-                .filter_map(|(kind, (_, pattern))| Some((pattern.given(), kind, pattern.trial(&name)?)));
-            let Some((_, kind, trial)) = fitting.max_by_key(|(given, ..)| *given) else {
+                .filter_map(|(kind, (_, pattern))| Some((pattern.literal_length(), kind, pattern.trial(&name)?)));
+            let Some((_, kind, trial)) = fitting.max_by_key(|(length, ..)| *length) else {
                 passed_over.push(file.clone());
                 continue;
             };

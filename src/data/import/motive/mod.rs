@@ -87,8 +87,8 @@ impl Export {
 
     fn unclear(&self, expected: String) -> DataError {
         let listed = |bodies: &[Body], what: &str| {
-            let names = bodies.iter().take(MOST_LISTED).map(|body| format!("`{}`", body.name));
-            let more = bodies.len().saturating_sub(MOST_LISTED);
+            let names = bodies.iter().take(MAX_LISTED).map(|body| format!("`{}`", body.name));
+            let more = bodies.len().saturating_sub(MAX_LISTED);
             let more = (more > 0).then(|| format!("{more} more"));
             let names: Vec<String> = names.chain(more).collect();
             (!names.is_empty()).then(|| format!("the {what} {}", names.join(", ")))
@@ -110,7 +110,7 @@ fn only<'a>(bodies: &'a [Body], fits: &dyn Fn(&Body) -> bool) -> Option<&'a Body
 }
 
 /// Most names of one kind in a message.
-const MOST_LISTED: usize = 12;
+const MAX_LISTED: usize = 12;
 
 /// A line with its number in the file, from 1.
 struct ExportLine<'a> {
