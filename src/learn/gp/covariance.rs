@@ -144,19 +144,16 @@ impl TrainingPoints {
 
     /// Squared distances of the points from number `from` on to the point `at`.
     pub(super) fn squared_distances(&self, from: usize, at: impl Fn(usize) -> f64, s: &mut [f64]) {
-        vectorised(
-            #[inline(always)]
-            || {
-                s.fill(0.0);
-                for d in 0..self.inputs {
-                    let centre = at(d);
-                    for (s, x) in s.iter_mut().zip(&self.input(d)[from..]) {
-                        let difference = x - centre;
-                        *s = difference.mul_add(difference, *s);
-                    }
+        vectorised!({
+            s.fill(0.0);
+            for d in 0..self.inputs {
+                let centre = at(d);
+                for (s, x) in s.iter_mut().zip(&self.input(d)[from..]) {
+                    let difference = x - centre;
+                    *s = difference.mul_add(difference, *s);
                 }
-            },
-        );
+            }
+        });
     }
 
     /// `Σ_i weight_i (x_i − centre)²` over input `d` of the points from number `from` on.

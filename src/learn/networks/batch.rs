@@ -88,16 +88,13 @@ impl<T: Real> SequenceBatch<T> {
 
     /// As [`SequenceBatch::loss_and_gradient`], for networks of `C`.
     pub(super) fn work<C: HiddenUnit>(&mut self, weights: &Weights<T>, gradient: &mut Weights<T>) -> T {
-        vectorised(
-            #[inline(always)]
-            || {
-                self.forward::<C>(weights);
-                let loss = self.compare(weights);
-                self.backward::<C>(weights);
-                self.collect::<C>(gradient);
-                loss
-            },
-        )
+        vectorised!({
+            self.forward::<C>(weights);
+            let loss = self.compare(weights);
+            self.backward::<C>(weights);
+            self.collect::<C>(gradient);
+            loss
+        })
     }
 
     #[inline(always)]

@@ -49,20 +49,17 @@ pub(in crate::learn::gp) fn greedy_conditional_variance(
 fn subtract_known(factor: &[f64], pivot: usize, column: &mut [f64]) {
     let n = column.len();
     let (fours, rest) = factor.split_at(factor.len() / (4 * n) * (4 * n));
-    vectorised(
-        #[inline(always)]
-        || {
-            for four in fours.chunks_exact(4 * n) {
-                let [a, b, c, d] = [0, 1, 2, 3].map(|k| &four[k * n..(k + 1) * n]);
-                let [wa, wb, wc, wd] = [a[pivot], b[pivot], c[pivot], d[pivot]];
-                for ((((value, a), b), c), d) in column.iter_mut().zip(a).zip(b).zip(c).zip(d) {
-                    *value -= wa * a + wb * b + wc * c + wd * d;
-                }
+    vectorised!({
+        for four in fours.chunks_exact(4 * n) {
+            let [a, b, c, d] = [0, 1, 2, 3].map(|k| &four[k * n..(k + 1) * n]);
+            let [wa, wb, wc, wd] = [a[pivot], b[pivot], c[pivot], d[pivot]];
+            for ((((value, a), b), c), d) in column.iter_mut().zip(a).zip(b).zip(c).zip(d) {
+                *value -= wa * a + wb * b + wc * c + wd * d;
             }
-            for one in rest.chunks_exact(n) {
-                let weight = one[pivot];
-                column.iter_mut().zip(one).for_each(|(value, one)| *value -= weight * one);
-            }
-        },
-    );
+        }
+        for one in rest.chunks_exact(n) {
+            let weight = one[pivot];
+            column.iter_mut().zip(one).for_each(|(value, one)| *value -= weight * one);
+        }
+    });
 }

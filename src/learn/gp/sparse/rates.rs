@@ -38,10 +38,7 @@ impl<'a> CovarianceAt<'a> {
                 let signal = layout.signal_variance(theta);
                 points.squared_distances(from, |d| centre[d], out);
                 kernel.correlations(&layout.shape(theta), out);
-                vectorised(
-                    #[inline(always)]
-                    || out.iter_mut().for_each(|value| *value *= signal),
-                );
+                vectorised!(out.iter_mut().for_each(|value| *value *= signal));
             }
             CovarianceAt::Composite { composite, natural } => composite.row(natural, points, (from, None), centre, out),
         }
@@ -141,14 +138,11 @@ fn add_stationary(
         out[1 + lengths + k] += signal * dot(weights, &slope);
     }
     kernel.slopes(&shape, &mut s, &mut slope);
-    vectorised(
-        #[inline(always)]
-        || {
-            out[0] += signal * dot(weights, &s);
-            weights.iter_mut().zip(&slope).for_each(|(weight, slope)| *weight *= slope);
-            for d in 0..inputs {
-                out[1 + d.min(lengths - 1)] -= 2.0 * signal * points.weighted_squares(d, from, weights, centre[d]);
-            }
-        },
-    );
+    vectorised!({
+        out[0] += signal * dot(weights, &s);
+        weights.iter_mut().zip(&slope).for_each(|(weight, slope)| *weight *= slope);
+        for d in 0..inputs {
+            out[1 + d.min(lengths - 1)] -= 2.0 * signal * points.weighted_squares(d, from, weights, centre[d]);
+        }
+    });
 }
