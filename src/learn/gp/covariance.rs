@@ -45,8 +45,10 @@ impl Covariance {
     pub(super) fn hyperparameters(&self, noise_floor: f64) -> Vec<Hyperparameter> {
         let mut all = match self {
             Covariance::Stationary(kernel, layout) => {
-                let own = Stationary(*kernel).hyperparameters(layout.inputs);
-                std::iter::once(Hyperparameter::signal_variance("signal variance".to_owned())).chain(own).collect()
+                let of_kernel = Stationary(*kernel).hyperparameters(layout.inputs);
+                std::iter::once(Hyperparameter::signal_variance("signal variance".to_owned()))
+                    .chain(of_kernel)
+                    .collect()
             }
             Covariance::Composite(composite) => composite.hyperparameters(),
         };

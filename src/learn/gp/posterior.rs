@@ -195,8 +195,8 @@ impl Posterior {
     /// Variance at `x` when the points explain `explained` of it, which is `‖v‖²`; both over the prior's scale.
     fn variance(&self, x: &[f64], v: &[f64], explained: f64) -> f64 {
         let scale = self.prior.scale();
-        let left = self.prior.variance(x) - scale * scale * explained;
-        self.added.as_ref().map_or(left, |added| left + added.variance(x, v, scale)).max(0.0)
+        let remaining = self.prior.variance(x) - scale * scale * explained;
+        self.added.as_ref().map_or(remaining, |added| remaining + added.variance(x, v, scale)).max(0.0)
     }
 
     /// [`Posterior::mean_variance`] of up to [`BLOCK`] standardised queries, by products of panels of `L⁻¹`; `k` and `v` are
@@ -234,8 +234,8 @@ impl Posterior {
             for (p, &a) in fold.iter().enumerate().skip(q) {
                 let ((i, l_i), (j, l_j)) = (column(a), column(b));
                 let from = i.max(j);
-                let known = vectorised!(dot(&l_i[from - i..n - i], &l_j[from - j..n - j]));
-                block.column_mut(q)[p - q] = known - self.of_mean(i, j);
+                let product = vectorised!(dot(&l_i[from - i..n - i], &l_j[from - j..n - j]));
+                block.column_mut(q)[p - q] = product - self.of_mean(i, j);
             }
         }
         let mut memory = FactorBuffers::new(fold.len());

@@ -1,6 +1,6 @@
 //! One member of a network in use.
 
-use super::kinds::{HiddenUnit, MOST_SUMS};
+use super::kinds::{HiddenUnit, MAX_SUMS};
 use super::weights::{Sizes, Weights};
 use crate::math::vectorised;
 
@@ -45,7 +45,7 @@ impl MemberState {
                     add_scaled(sums, row, h);
                 }
             }
-            let sums: [&[f32]; MOST_SUMS] =
+            let sums: [&[f32]; MAX_SUMS] =
                 std::array::from_fn(|block| sums.get(block * units..(block + 1) * units).unwrap_or(&sums[..units]));
             let (values, memories) = (&mut values[..units], &mut memories[..units]);
             for u in 0..units {
