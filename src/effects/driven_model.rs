@@ -13,7 +13,7 @@ use crate::math::rotation;
 use crate::rod::{Drive, NotPerturbable, PerturbedRods, PoseRates, Rod, RodParams, SolveStatus, TipRate, TipWrench};
 
 /// A rod with the effects of a model.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct DrivenModel {
     rods: PerturbedRods,
     /// Effects of the model, then of each perturbed model.

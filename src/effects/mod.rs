@@ -42,7 +42,7 @@ pub use tracking::{BodyPoint, Starts, Tracking};
 ///     fn modify_rod(&self, rod: &mut RodParams) { rod.masses.push(…) }
 /// }
 /// ```
-pub trait Effect: Send + Sync + Debug {
+pub trait Effect: CloneEffect + Send + Sync + Debug {
     /// Refuses parameters out of range.
     ///
     /// # Errors
@@ -73,6 +73,24 @@ pub trait Effect: Send + Sync + Debug {
     /// The tendon (from 1) of an effect on one tendon.
     fn tendon(&self) -> Option<usize> {
         None
+    }
+}
+
+/// Copies an effect with its history; every effect that is `Clone` has it.
+pub trait CloneEffect {
+    /// The copy.
+    fn boxed_clone(&self) -> Box<dyn Effect>;
+}
+
+impl<E: Effect + Clone + 'static> CloneEffect for E {
+    fn boxed_clone(&self) -> Box<dyn Effect> {
+        Box::new(self.clone())
+    }
+}
+
+impl Clone for Box<dyn Effect> {
+    fn clone(&self) -> Self {
+        (**self).boxed_clone()
     }
 }
 

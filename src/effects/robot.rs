@@ -21,9 +21,9 @@ use crate::base::{BadOption, TendonLayout};
 use crate::rod::{ContactSurface, Resolution, RodParams, TipWrench};
 
 /// Upper bound on sections, disks and cells.
-const MOST_PARTS: usize = 10_000;
+const MAX_PARTS: usize = 10_000;
 /// Upper bound on polynomials per component.
-const MOST_MODES: usize = 50;
+const MAX_MODES: usize = 50;
 
 /// Result of a check: the path of the key below `robot`, and the expected range.
 type Checked = Result<(), (String, BadOption)>;
@@ -170,7 +170,7 @@ impl Robot {
         let at = |result| at("resolution", result);
         at(BadOption::unless_positive("cell_m", r.cell_m))?;
         let cells = self.backbone.length_m / r.cell_m;
-        at(refuse(cells <= MOST_PARTS as f64, "cell_m", &r.cell_m, "at most 10,000 cells along the backbone"))?;
+        at(refuse(cells <= MAX_PARTS as f64, "cell_m", &r.cell_m, "at most 10,000 cells along the backbone"))?;
         at(BadOption::unless_positive("time_step_s", r.time_step_s))?;
         let judged = r.static_tolerance_m > 0.0;
         at(refuse(judged, "static_tolerance_m", &r.static_tolerance_m, "a number above 0, or infinity"))?;
@@ -189,7 +189,7 @@ impl Robot {
         ];
         counts.into_iter().try_for_each(|(key, count)| {
             at(BadOption::unless_counted(key, count))?;
-            at(refuse(count <= MOST_MODES, key, &count, "a whole number from 1 to 50"))
+            at(refuse(count <= MAX_MODES, key, &count, "a whole number from 1 to 50"))
         })
     }
 

@@ -11,7 +11,7 @@ use crate::math::rotation;
 use crate::rod::Rod;
 
 /// Upper bound on tracked points.
-const MOST_POINTS: usize = 1000;
+const MAX_POINTS: usize = 1000;
 
 /// How the robot is tracked.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -92,7 +92,7 @@ impl Tracking {
     pub fn check(&self, length_m: f64) -> Result<(), (String, BadOption)> {
         let refuse =
             |path: &str, key, found: String, expected| Err((path.to_owned(), BadOption { key, found, expected }));
-        if self.points.len() > MOST_POINTS {
+        if self.points.len() > MAX_POINTS {
             return refuse("tracking", "points", self.points.len().to_string(), "up to 1000 points");
         }
         for (name, point) in &self.points {

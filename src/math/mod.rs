@@ -8,4 +8,4 @@ pub mod rotation;
 mod simd_dispatch;
 pub mod summary;
 
-pub use simd_dispatch::vectorised;
+pub(crate) use simd_dispatch::{dispatch, vectorised};

@@ -1,9 +1,20 @@
 //! Run-time dispatch to the widest vector instructions of the processor.
 
-/// Runs `work` compiled for the widest vector instructions available. Mark the closure and its callees
-/// `#[inline(always)]`, so that they are compiled with them. Multiplications and additions are fused only where the
-/// code does so explicitly: results do not depend on the width.
+/// The value of an expression, compiled for the widest vector instructions available. Mark what it calls
+/// `#[inline(always)]`, so that it is compiled with them. Multiplications and additions are fused only where the code does so
+/// explicitly: results do not depend on the width.
+macro_rules! vectorised {
+    ($work:expr) => {
+        $crate::math::dispatch(
+            #[inline(always)]
+            || $work,
+        )
+    };
+}
+pub(crate) use vectorised;
+
+/// See [`vectorised`].
 #[inline]
-pub fn vectorised<R>(work: impl FnOnce() -> R) -> R {
+pub(crate) fn dispatch<R>(work: impl FnOnce() -> R) -> R {
     pulp::Arch::new().dispatch(work)
 }

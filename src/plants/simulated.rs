@@ -59,7 +59,7 @@ pub struct SimulatedSpec {
 }
 
 /// Tracking noise above this indicates a wrong unit, metres.
-const MOST_NOISE_M: f64 = 0.05;
+const MAX_NOISE_M: f64 = 0.05;
 
 fn travel_m() -> f64 {
     SimulatedOptions::default().travel_m
@@ -77,7 +77,7 @@ impl PlantOptions for SimulatedSpec {
 
     fn check(&self) -> Result<(), (String, BadOption)> {
         self.options(1.0).check().map_err(|error| (String::new(), error))?;
-        if self.noise_m > MOST_NOISE_M {
+        if self.noise_m > MAX_NOISE_M {
             let found = format!("{} (if that is in mm, write {} m)", self.noise_m, self.noise_m * 1e-3);
             let expected = "0 to 0.05, in metres of tracking noise";
             return Err((String::new(), BadOption { key: "noise_m", found, expected }));

@@ -82,6 +82,23 @@ fn a_tendon_that_follows_waives_no_limit_of_the_others() {
     assert!(seen.valid);
 }
 
+/// The sum of antagonists is known only once the model has moved the tendons that follow: it must not stay there.
+#[test]
+fn a_command_refused_for_its_antagonists_leaves_the_model_where_it_was() {
+    let follow = TendonCommand::Follow;
+    let after = |refused: Option<[TendonCommand; 4]>| {
+        let mut plant = open(&options(), 5);
+        plant.reset(Seed(0)).unwrap();
+        for commands in refused {
+            let Err(PlantError::Refused(words)) = plant.drive(&commands) else { panic!("not refused") };
+            assert!(words.contains("antagonist"), "{words}");
+        }
+        plant.drive(&[TendonCommand::Pull(0.002), TendonCommand::Pull(0.001), follow, follow]).unwrap().pulls_m
+    };
+    let both = TendonCommand::Pull(0.018);
+    assert_eq!(after(Some([both, follow, both, follow])), after(None));
+}
+
 #[test]
 fn ten_minutes_with_lost_frames_miss_nothing() {
     lost_frames_miss_nothing(600.0);

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-use super::{Checked, MOST_PARTS, at, refuse, within};
+use super::{Checked, MAX_PARTS, at, refuse, within};
 use crate::base::BadOption;
 use crate::effects::{finite, non_negative};
 use crate::rod::{Span, Taper};
@@ -123,7 +123,7 @@ impl Backbone {
         at(BadOption::unless_positive_or_null("bending_stiffness_n_m2", self.bending_stiffness_n_m2))?;
         at(BadOption::unless_positive_or_null("torsion_stiffness_n_m2", self.torsion_stiffness_n_m2))?;
         let Some(last) = self.pieces.last() else { return Ok(()) };
-        at(refuse(self.pieces.len() <= MOST_PARTS, "pieces", &self.pieces.len(), "a list of up to 10,000 pieces"))?;
+        at(refuse(self.pieces.len() <= MAX_PARTS, "pieces", &self.pieces.len(), "a list of up to 10,000 pieces"))?;
         let mut start_m = 0.0;
         for (index, (piece, radii)) in self.pieces.iter().zip(self.radii()).enumerate() {
             let path = format!("backbone.pieces[{index}]");

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-use super::{Checked, MOST_PARTS, Robot, at, refuse};
+use super::{Checked, MAX_PARTS, Robot, at, refuse};
 use crate::base::BadOption;
 use crate::effects::non_negative;
 use crate::rod::{CompressibleSection, DiskSurface, PointMass, RodParams};
@@ -56,7 +56,7 @@ impl Sections {
             return Ok(());
         }
         let at = |result| at("sections", result);
-        at(refuse(self.count <= MOST_PARTS, "count", &self.count, "a whole number up to 10,000"))?;
+        at(refuse(self.count <= MAX_PARTS, "count", &self.count, "a whole number up to 10,000"))?;
         at(BadOption::unless_positive("length_m", self.length_m))?;
         at(non_negative("compliance_m_per_n", self.compliance_m_per_n))?;
         at(BadOption::unless_positive("saturation_n", self.saturation_n))?;
@@ -72,7 +72,7 @@ impl Disks {
     pub(super) fn check(&self, length_m: f64) -> Checked {
         let at = |result| at("disks", result);
         at(non_negative("mass_kg", self.mass_kg))?;
-        at(refuse(self.count <= MOST_PARTS, "count", &self.count, "a whole number up to 10,000"))?;
+        at(refuse(self.count <= MAX_PARTS, "count", &self.count, "a whole number up to 10,000"))?;
         at(BadOption::unless_positive_or_null("contact_radius_m", self.contact_radius_m))?;
         at(self.inertia_kg_m2.iter().try_for_each(|&inertia| non_negative("inertia_kg_m2", inertia)))?;
         if let Some(positions) = &self.positions_m {

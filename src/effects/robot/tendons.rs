@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Checked, MOST_PARTS, PerTendon, at, refuse};
+use super::{Checked, MAX_PARTS, PerTendon, at, refuse};
 use crate::base::{BadOption, PlacedTendon, TendonLayout};
 use crate::effects::{finite, non_negative};
 use crate::rod::{PRESLIDING_M, PathPoint, Tendon, TendonPath};
@@ -92,7 +92,7 @@ impl Tendons {
     }
 
     fn check_profile(&self) -> Checked {
-        at("tendons", refuse(self.profile.len() <= MOST_PARTS, "profile", &self.profile.len(), "up to 10,000 places"))?;
+        at("tendons", refuse(self.profile.len() <= MAX_PARTS, "profile", &self.profile.len(), "up to 10,000 places"))?;
         let mut before = 0.0;
         for (index, point) in self.profile.iter().enumerate() {
             let path = format!("tendons.profile[{index}]");
@@ -106,7 +106,7 @@ impl Tendons {
 
     fn check_paths(&self) -> Checked {
         let Some(paths) = &self.paths else { return Ok(()) };
-        let complete = paths.len() == self.angles_deg.len() && paths.iter().all(|path| path.len() <= MOST_PARTS);
+        let complete = paths.len() == self.angles_deg.len() && paths.iter().all(|path| path.len() <= MAX_PARTS);
         at("tendons", refuse(complete, "paths", &paths.len(), "one path per tendon, of up to 10,000 points"))?;
         for (tendon, points) in paths.iter().enumerate() {
             let mut before = f64::NEG_INFINITY;

@@ -3,7 +3,7 @@
 //! These bounds catch wrong units; they are orders of magnitude wider than any robot. A fit may cross them: only what
 //! somebody has written is held to them.
 
-use super::{Checked, MOST_PARTS, Robot, at};
+use super::{Checked, MAX_PARTS, Robot, at};
 use crate::base::BadOption;
 
 /// A quantity: the range that no robot leaves, the range of most, and other units that people write it in.
@@ -19,142 +19,73 @@ pub(in crate::effects) struct UnitRange {
     /// The range of most robots.
     usual: [f64; 2],
     /// Other units and how much each is in `unit`, the likeliest first.
-    others: &'static [(&'static str, f64)],
+    others: OtherUnits,
 }
 
-const LENGTHS: &[(&str, f64)] = &[("mm", 1e-3), ("cm", 1e-2), ("µm", 1e-6)];
-const TIMES: &[(&str, f64)] = &[("ms", 1e-3)];
+const LENGTHS: OtherUnits = &[("mm", 1e-3), ("cm", 1e-2), ("µm", 1e-6)];
+const TIMES: OtherUnits = &[("ms", 1e-3)];
 
-const LENGTH: UnitRange = UnitRange {
-    unit: "m",
-    signed: false,
-    expected: "0.002 to 20, in metres",
-    hard: [2e-3, 20.0],
-    usual: [0.05, 3.0],
-    others: LENGTHS,
-};
-const RADIUS: UnitRange = UnitRange {
-    unit: "m",
-    signed: false,
-    expected: "0.00001 to 0.5, in metres",
-    hard: [1e-5, 0.5],
-    usual: [3e-4, 0.05],
-    others: LENGTHS,
-};
-const TENDON_RADIUS: UnitRange = UnitRange {
-    unit: "m",
-    signed: false,
-    expected: "0.00001 to 1, in metres",
-    hard: [1e-5, 1.0],
-    usual: [1e-3, 0.2],
-    others: LENGTHS,
-};
-const PRETENSION: UnitRange = UnitRange {
-    unit: "m",
-    signed: true,
-    expected: "up to 0.1, in metres of tendon",
-    hard: [0.0, 0.1],
-    usual: [0.0, 0.02],
-    others: LENGTHS,
-};
-const PLACE: UnitRange = UnitRange {
-    unit: "m",
-    signed: true,
-    expected: "up to 50, in metres",
-    hard: [0.0, 50.0],
-    usual: [0.0, 10.0],
-    others: LENGTHS,
-};
-const YOUNGS_MODULUS: UnitRange = UnitRange {
-    unit: "Pa",
-    signed: false,
-    expected: "5e3 to 2e12, in Pa",
-    hard: [5e3, 2e12],
-    usual: [1e5, 3e11],
-    others: &[("GPa", 1e9), ("MPa", 1e6), ("kPa", 1e3)],
-};
-const DENSITY: UnitRange = UnitRange {
-    unit: "kg/m³",
-    signed: false,
-    expected: "0, or 5 to 1e5, in kg/m³",
-    hard: [5.0, 1e5],
-    usual: [50.0, 2e4],
-    others: &[("g/cm³", 1e3)],
-};
-pub(in crate::effects) const MASS: UnitRange = UnitRange {
-    unit: "kg",
-    signed: false,
-    expected: "up to 15, in kg",
-    hard: [0.0, 15.0],
-    usual: [0.0, 2.0],
-    others: &[("g", 1e-3)],
-};
-pub(in crate::effects) const FORCE: UnitRange = UnitRange {
-    unit: "N",
-    signed: true,
-    expected: "up to 1000, in N",
-    hard: [0.0, 1e3],
-    usual: [0.0, 100.0],
-    others: &[("mN", 1e-3)],
-};
-pub(in crate::effects) const SHIFT: UnitRange = UnitRange {
-    unit: "m",
-    signed: true,
-    expected: "up to 0.5, in metres",
-    hard: [0.0, 0.5],
-    usual: [0.0, 0.1],
-    others: LENGTHS,
-};
-pub(in crate::effects) const ANGLE: UnitRange = UnitRange {
-    unit: "rad",
-    signed: true,
-    expected: "up to 6.3, in radians",
-    hard: [0.0, 6.3],
-    usual: [0.0, 3.2],
-    others: &[("degrees", std::f64::consts::PI / 180.0)],
-};
-pub(in crate::effects) const COMPLIANCE: UnitRange = UnitRange {
-    unit: "m/N",
-    signed: false,
-    expected: "up to 0.05, in m/N",
-    hard: [0.0, 0.05],
-    usual: [0.0, 0.01],
-    others: &[("mm/N", 1e-3), ("µm/N", 1e-6)],
-};
-const GRAVITY: UnitRange = UnitRange {
-    unit: "m/s²",
-    signed: true,
-    expected: "up to 30, in m/s²",
-    hard: [0.0, 30.0],
-    usual: [0.0, 12.0],
-    others: &[("mm/s²", 1e-3), ("cm/s²", 1e-2)],
-};
-const DAMPING_TIME: UnitRange = UnitRange {
-    unit: "s",
-    signed: false,
-    expected: "up to 20, in seconds",
-    hard: [0.0, 20.0],
-    usual: [0.0, 2.0],
-    others: TIMES,
-};
-const DRIVE_TIME: UnitRange = UnitRange {
-    unit: "s",
-    signed: false,
-    expected: "up to 10, in seconds",
-    hard: [0.0, 10.0],
-    usual: [0.0, 1.0],
-    others: TIMES,
-};
-const BENDING: UnitRange = UnitRange {
-    unit: "N m²",
-    signed: false,
-    expected: "1e-10 to 1e4, in N m²",
-    hard: [1e-10, 1e4],
-    usual: [1e-6, 1e2],
-    others: &[("N mm²", 1e-6)],
-};
+const LENGTH: UnitRange = UnitRange::unsigned("m", LENGTHS, "0.002 to 20, in metres", [2e-3, 20.0], [0.05, 3.0]);
+const RADIUS: UnitRange = UnitRange::unsigned("m", LENGTHS, "0.00001 to 0.5, in metres", [1e-5, 0.5], [3e-4, 0.05]);
+const TENDON_RADIUS: UnitRange = UnitRange::unsigned("m", LENGTHS, "0.00001 to 1, in metres", [1e-5, 1.0], [1e-3, 0.2]);
+const PRETENSION: UnitRange =
+    UnitRange::signed("m", LENGTHS, "up to 0.1, in metres of tendon", [0.0, 0.1], [0.0, 0.02]);
+const PLACE: UnitRange = UnitRange::signed("m", LENGTHS, "up to 50, in metres", [0.0, 50.0], [0.0, 10.0]);
+const YOUNGS_MODULUS: UnitRange = UnitRange::unsigned(
+    "Pa",
+    &[("GPa", 1e9), ("MPa", 1e6), ("kPa", 1e3)],
+    "5e3 to 2e12, in Pa",
+    [5e3, 2e12],
+    [1e5, 3e11],
+);
+const DENSITY: UnitRange =
+    UnitRange::unsigned("kg/m³", &[("g/cm³", 1e3)], "0, or 5 to 1e5, in kg/m³", [5.0, 1e5], [50.0, 2e4]);
+pub(in crate::effects) const MASS: UnitRange =
+    UnitRange::unsigned("kg", &[("g", 1e-3)], "up to 15, in kg", [0.0, 15.0], [0.0, 2.0]);
+pub(in crate::effects) const FORCE: UnitRange =
+    UnitRange::signed("N", &[("mN", 1e-3)], "up to 1000, in N", [0.0, 1e3], [0.0, 100.0]);
+pub(in crate::effects) const SHIFT: UnitRange =
+    UnitRange::signed("m", LENGTHS, "up to 0.5, in metres", [0.0, 0.5], [0.0, 0.1]);
+pub(in crate::effects) const ANGLE: UnitRange = UnitRange::signed(
+    "rad",
+    &[("degrees", std::f64::consts::PI / 180.0)],
+    "up to 6.3, in radians",
+    [0.0, 6.3],
+    [0.0, 3.2],
+);
+pub(in crate::effects) const COMPLIANCE: UnitRange =
+    UnitRange::unsigned("m/N", &[("mm/N", 1e-3), ("µm/N", 1e-6)], "up to 0.05, in m/N", [0.0, 0.05], [0.0, 0.01]);
+const GRAVITY: UnitRange =
+    UnitRange::signed("m/s²", &[("mm/s²", 1e-3), ("cm/s²", 1e-2)], "up to 30, in m/s²", [0.0, 30.0], [0.0, 12.0]);
+const DAMPING_TIME: UnitRange = UnitRange::unsigned("s", TIMES, "up to 20, in seconds", [0.0, 20.0], [0.0, 2.0]);
+const DRIVE_TIME: UnitRange = UnitRange::unsigned("s", TIMES, "up to 10, in seconds", [0.0, 10.0], [0.0, 1.0]);
+const BENDING: UnitRange =
+    UnitRange::unsigned("N m²", &[("N mm²", 1e-6)], "1e-10 to 1e4, in N m²", [1e-10, 1e4], [1e-6, 1e2]);
+
+/// Names of units, and how much each is in the unit of the range.
+type OtherUnits = &'static [(&'static str, f64)];
 
 impl UnitRange {
+    const fn unsigned(
+        unit: &'static str,
+        others: OtherUnits,
+        expected: &'static str,
+        hard: [f64; 2],
+        usual: [f64; 2],
+    ) -> UnitRange {
+        UnitRange { unit, signed: false, expected, hard, usual, others }
+    }
+
+    const fn signed(
+        unit: &'static str,
+        others: OtherUnits,
+        expected: &'static str,
+        hard: [f64; 2],
+        usual: [f64; 2],
+    ) -> UnitRange {
+        UnitRange { signed: true, ..UnitRange::unsigned(unit, others, expected, hard, usual) }
+    }
+
     /// Refuses a number that no robot has; names the unit in which it would be usual.
     pub(in crate::effects) fn check(&self, key: &'static str, value: f64) -> Result<(), BadOption> {
         let size = value.abs();
@@ -289,7 +220,7 @@ impl Robot {
         let lead_kg =
             LEAD_KG_M3 * std::f64::consts::PI * (DISK_OVER_TENDON * widest_m).powi(2) * self.backbone.length_m;
         // More disks than a model may have are told by their number.
-        if all_kg <= lead_kg || disks.count > MOST_PARTS {
+        if all_kg <= lead_kg || disks.count > MAX_PARTS {
             return Ok(());
         }
         let (key, value) = match &disks.masses_kg {

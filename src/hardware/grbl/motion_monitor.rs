@@ -11,7 +11,7 @@ const TOLERANCE_MM: f64 = 0.02;
 const MAX_OFF_LINE_MM: f64 = 0.1;
 /// The start of the oldest move that may still be running, and the targets of at most three: grblHAL reports a move as
 /// done once its last 100 ms are computed, and two more may be queued then.
-const KEPT_TARGETS: usize = 4;
+const MAX_TARGETS: usize = 4;
 /// Equal reports after which axes count as standing, regardless of their interval.
 const MIN_STILL_REPORTS: u32 = 3;
 
@@ -45,7 +45,7 @@ impl CommandedPath {
     /// Adds the target of a move.
     pub(crate) fn push(&mut self, target_mm: [f64; 4]) {
         self.targets_mm.push_back(target_mm);
-        if self.targets_mm.len() > KEPT_TARGETS {
+        if self.targets_mm.len() > MAX_TARGETS {
             self.targets_mm.pop_front();
         }
     }

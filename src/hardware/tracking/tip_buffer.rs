@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use super::pose::{RigidPose, TipPose};
 
 /// Capacity: five seconds at 100 Hz.
-const KEPT: usize = 512;
+const MAX_POSES: usize = 512;
 
 /// Largest gap that is interpolated, in frame periods: one lost frame, with some tolerance.
 const WIDEST_GAP: f64 = 2.5;
@@ -24,7 +24,7 @@ pub(super) struct TipBuffer {
 impl TipBuffer {
     /// An empty buffer for a tracker with this frame period, s.
     pub(super) fn new(period_s: f64) -> TipBuffer {
-        TipBuffer { period_s, offset_s: 0.0, samples: VecDeque::with_capacity(KEPT) }
+        TipBuffer { period_s, offset_s: 0.0, samples: VecDeque::with_capacity(MAX_POSES) }
     }
 
     /// Sets local time minus the server's time, s; all samples shift together.
@@ -37,7 +37,7 @@ impl TipBuffer {
 
     /// Adds a sample that is newer than all others.
     pub(super) fn push(&mut self, stamp_s: f64, tip: RigidPose) {
-        if self.samples.len() == KEPT {
+        if self.samples.len() == MAX_POSES {
             self.samples.pop_front();
         }
         self.samples.push_back(TipPose::new(stamp_s, stamp_s + self.offset_s, tip));

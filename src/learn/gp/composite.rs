@@ -92,14 +92,14 @@ impl Composite {
             let names: Vec<&str> = product.iter().map(|&leaf| self.leaves[leaf].component.name()).collect();
             Hyperparameter::signal_variance(format!("signal variance of {}", names.join(" * ")))
         };
-        let own = self.leaves.iter().flat_map(|leaf| {
+        let of_leaves = self.leaves.iter().flat_map(|leaf| {
             let of = move |one: Hyperparameter| Hyperparameter {
                 name: format!("{} of {}", one.name, leaf.component.name()),
                 ..one
             };
             leaf.component.hyperparameters(leaf.inputs.len()).into_iter().map(of)
         });
-        self.products.iter().map(signal).chain(own).collect()
+        self.products.iter().map(signal).chain(of_leaves).collect()
     }
 
     fn parameters<'a>(&self, leaf: &Leaf, natural: &'a [f64]) -> &'a [f64] {
@@ -112,7 +112,7 @@ impl Composite {
         &self,
         natural: &[f64],
         points: &TrainingPoints,
-        (from, own): (usize, Option<usize>),
+        (from, self_index): (usize, Option<usize>),
         at: &[f64],
         out: &mut [f64],
     ) {
@@ -120,7 +120,7 @@ impl Composite {
             .leaves
             .iter()
             .map(|leaf| {
-                let row = PairRow { points, inputs: &leaf.inputs, from, at, own };
+                let row = PairRow { points, inputs: &leaf.inputs, from, at, self_index };
                 let mut values = vec![0.0; out.len()];
                 leaf.component.values(self.parameters(leaf, natural), &row, &mut values);
                 values
@@ -139,11 +139,11 @@ impl Composite {
 
     /// Covariance of a new point with itself.
     pub(super) fn variance(&self, natural: &[f64], at: &[f64]) -> f64 {
-        let own = |leaf: &Leaf| {
+        let of_leaf = |leaf: &Leaf| {
             let seen: Vec<f64> = leaf.inputs.iter().map(|&d| at[d]).collect();
             leaf.component.variance(self.parameters(leaf, natural), &seen)
         };
-        let values: Vec<f64> = self.leaves.iter().map(own).collect();
+        let values: Vec<f64> = self.leaves.iter().map(of_leaf).collect();
         let product = |(factors, signal): (&Vec<usize>, &f64)| {
             factors.iter().fold(*signal, |product, &leaf| product * values[leaf])
         };
@@ -155,13 +155,13 @@ impl Composite {
         &self,
         natural: &[f64],
         points: &TrainingPoints,
-        (from, own): (usize, Option<usize>),
+        (from, self_index): (usize, Option<usize>),
         at: &[f64],
     ) -> RowRates {
         let count = points.n - from;
         let mut all = RowRates { values: Vec::new(), rates: Vec::new() };
         for leaf in &self.leaves {
-            let row = PairRow { points, inputs: &leaf.inputs, from, at, own };
+            let row = PairRow { points, inputs: &leaf.inputs, from, at, self_index };
             let (mut values, mut rates) = (vec![0.0; count], vec![vec![0.0; count]; leaf.count]);
             let parameters = self.parameters(leaf, natural);
             leaf.component.values(parameters, &row, &mut values);

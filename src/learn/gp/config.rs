@@ -122,9 +122,9 @@ pub enum FoldOrder {
 /// Inducing points unless said otherwise.
 const INDUCING_POINTS: usize = 200;
 /// Most points of an exact process.
-const MOST_EXACT: usize = 5000;
+const MAX_EXACT: usize = 5000;
 /// Most points of a sparse process.
-const MOST_SPARSE: usize = 100_000;
+const MAX_SPARSE: usize = 100_000;
 
 fn is_default_inducing(count: &usize) -> bool {
     *count == INDUCING_POINTS
@@ -176,7 +176,7 @@ impl GpConfig {
 
     /// Most points that a process can be fitted to.
     pub fn most_points(&self) -> usize {
-        if self.approximation.is_exact() { MOST_EXACT } else { MOST_SPARSE }
+        if self.approximation.is_exact() { MAX_EXACT } else { MAX_SPARSE }
     }
 
     /// Checks that so many points are not more than the process can take.

@@ -45,8 +45,10 @@ impl Covariance {
     pub(super) fn hyperparameters(&self, noise_floor: f64) -> Vec<Hyperparameter> {
         let mut all = match self {
             Covariance::Stationary(kernel, layout) => {
-                let own = Stationary(*kernel).hyperparameters(layout.inputs);
-                std::iter::once(Hyperparameter::signal_variance("signal variance".to_owned())).chain(own).collect()
+                let of_kernel = Stationary(*kernel).hyperparameters(layout.inputs);
+                std::iter::once(Hyperparameter::signal_variance("signal variance".to_owned()))
+                    .chain(of_kernel)
+                    .collect()
             }
             Covariance::Composite(composite) => composite.hyperparameters(),
         };
@@ -144,19 +146,16 @@ impl TrainingPoints {
 
     /// Squared distances of the points from number `from` on to the point `at`.
     pub(super) fn squared_distances(&self, from: usize, at: impl Fn(usize) -> f64, s: &mut [f64]) {
-        vectorised(
-            #[inline(always)]
-            || {
-                s.fill(0.0);
-                for d in 0..self.inputs {
-                    let centre = at(d);
-                    for (s, x) in s.iter_mut().zip(&self.input(d)[from..]) {
-                        let difference = x - centre;
-                        *s = difference.mul_add(difference, *s);
-                    }
+        vectorised!({
+            s.fill(0.0);
+            for d in 0..self.inputs {
+                let centre = at(d);
+                for (s, x) in s.iter_mut().zip(&self.input(d)[from..]) {
+                    let difference = x - centre;
+                    *s = difference.mul_add(difference, *s);
                 }
-            },
-        );
+            }
+        });
     }
 
     /// `Σ_i weight_i (x_i − centre)²` over input `d` of the points from number `from` on.

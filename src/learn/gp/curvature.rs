@@ -35,10 +35,7 @@ impl Likelihood<'_> {
         for i in 0..count {
             for j in 0..count {
                 let image = |k: usize| &images[k * n * PROBES..(k + 1) * n * PROBES];
-                let sum = vectorised(
-                    #[inline(always)]
-                    || dot(image(i), image(j)),
-                );
+                let sum = vectorised!(dot(image(i), image(j)));
                 out[i * count + j] = 0.5 * sum / PROBES as f64;
             }
         }
@@ -55,14 +52,11 @@ impl Likelihood<'_> {
         let (mut s, mut slope, mut row) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
         for j in 0..n {
             let mut add = |k: usize, factor: f64, row: &[f64]| {
-                vectorised(
-                    #[inline(always)]
-                    || {
-                        for (p, w) in probes.chunks_exact(n).enumerate() {
-                            images[(k * PROBES + p) * n + j] += factor * dot(row, w);
-                        }
-                    },
-                );
+                vectorised!({
+                    for (p, w) in probes.chunks_exact(n).enumerate() {
+                        images[(k * PROBES + p) * n + j] += factor * dot(row, w);
+                    }
+                });
             };
             self.scaled().squared_distances(0, |d| self.scaled().input(d)[j], &mut s);
             for k in 0..layout.shapes {
@@ -74,14 +68,11 @@ impl Likelihood<'_> {
             add(0, signal, &s);
             for d in 0..layout.inputs {
                 let (x, centre) = (self.scaled().input(d), self.scaled().input(d)[j]);
-                vectorised(
-                    #[inline(always)]
-                    || {
-                        for ((row, x), slope) in row.iter_mut().zip(x).zip(&slope) {
-                            *row = (x - centre) * (x - centre) * slope;
-                        }
-                    },
-                );
+                vectorised!({
+                    for ((row, x), slope) in row.iter_mut().zip(x).zip(&slope) {
+                        *row = (x - centre) * (x - centre) * slope;
+                    }
+                });
                 add(1 + d.min(layout.lengths - 1), -2.0 * signal, &row);
             }
             for p in 0..PROBES {

@@ -13,7 +13,7 @@ use super::kernels::{self, FACTORS, Kernel};
 use crate::learn::LearnError;
 
 /// Most factors of an expression after sums are multiplied out.
-const MOST_FACTORS: usize = 32;
+const MAX_FACTORS: usize = 32;
 
 /// A parsed expression: a sum of products of factors.
 #[derive(Clone, Debug, PartialEq)]
@@ -179,7 +179,7 @@ impl Parser<'_> {
             let next = self.factor()?;
             let pairs = product.products.iter().flat_map(|a| next.products.iter().map(move |b| [&a[..], b].concat()));
             product = ParsedPart { text: format!("{} * {}", product.text, next.text), products: pairs.collect() };
-            if product.products.iter().map(Vec::len).sum::<usize>() > MOST_FACTORS {
+            if product.products.iter().map(Vec::len).sum::<usize>() > MAX_FACTORS {
                 return Err(self.error("too many products: expected at most 32 factors once sums are multiplied out"));
             }
         }
@@ -200,9 +200,9 @@ impl Parser<'_> {
         if word.is_empty() {
             return Err(self.error("expected a kernel or `(`"));
         }
-        let known = kernels::find(&word).map(|kernel| kernel.name());
-        let known = known.or_else(|| FACTORS.iter().map(|factor| factor.name()).find(|name| *name == word));
-        let Some(kernel) = known else {
+        let name = kernels::find(&word).map(|kernel| kernel.name());
+        let name = name.or_else(|| FACTORS.iter().map(|factor| factor.name()).find(|name| *name == word));
+        let Some(kernel) = name else {
             let names: Vec<&str> = kernels::names().collect();
             self.at = start;
             return Err(self.error(&format!("unknown kernel `{word}`, expected one of {}", names.join(", "))));
@@ -210,7 +210,7 @@ impl Parser<'_> {
         let inputs = if self.takes('[') { self.inputs()? } else { Inputs::All };
         let text = format!("{kernel}{inputs}");
         self.factors.push(Factor { kernel, inputs });
-        if self.factors.len() > MOST_FACTORS {
+        if self.factors.len() > MAX_FACTORS {
             return Err(self.error("too many kernels: expected at most 32"));
         }
         Ok(ParsedPart { text, products: vec![vec![self.factors.len() - 1]] })
@@ -283,15 +283,15 @@ impl Parser<'_> {
     }
 
     fn takes(&mut self, wanted: char) -> bool {
-        let found = self.peek() == Some(wanted);
-        self.at += if found { wanted.len_utf8() } else { 0 };
-        found
+        let matches = self.peek() == Some(wanted);
+        self.at += if matches { wanted.len_utf8() } else { 0 };
+        matches
     }
 
     fn error(&mut self, expected: &str) -> ExpressionError {
-        let found = self.peek();
-        let what = match found {
-            Some(found) if expected.starts_with("expected") => format!("found `{found}`, {expected}"),
+        let next = self.peek();
+        let what = match next {
+            Some(next) if expected.starts_with("expected") => format!("next `{next}`, {expected}"),
             None if expected.starts_with("expected") => format!("the expression ends, {expected}"),
             _ => expected.to_owned(),
         };

@@ -89,31 +89,31 @@ mod tests {
             for approximation in [Approximation::Exact, Approximation::Sgpr, Approximation::Fitc] {
                 let config = GpConfig { kernel: kernel.clone(), mean, approximation, ..GpConfig::default() };
                 let gp = Gp::condition(&inputs, &outputs, &config, vec![theta.clone(); 2], 0).unwrap();
-                let found = gp.leave_one_out();
+                let held_out = gp.leave_one_out();
                 // Folds of one row are the same predictions by another formula.
                 let folds = GpConfig { folds: 30, ..config.clone() };
                 let by_folds = Gp::condition(&inputs, &outputs, &folds, vec![theta.clone(); 2], 0).unwrap();
                 for (c, expected) in by_folds.cross_validation_mae().iter().enumerate() {
-                    let errors = (0..30).map(|i| (outputs.row(i)[c] - found.mean.row(i)[c]).abs());
+                    let errors = (0..30).map(|i| (outputs.row(i)[c] - held_out.mean.row(i)[c]).abs());
                     let mae = errors.sum::<f64>() / 30.0;
                     assert!((mae / expected - 1.0).abs() < 1e-6, "{mean:?} {approximation:?}: {mae} {expected}");
                 }
                 // The variance is that of the process at the sample without it, and noise: rank-one formula on the posterior.
                 for (i, row) in inputs.iter().enumerate() {
-                    let (_, known) = gp.predict(row).unwrap();
+                    let (_, variance_of_fit) = gp.predict(row).unwrap();
                     for c in 0..2 {
                         let noise = gp.noise_std()[c].powi(2);
-                        let without = 1.0 / (1.0 / known[c] - 1.0 / noise);
+                        let without = 1.0 / (1.0 / variance_of_fit[c] - 1.0 / noise);
                         let expected = without + noise;
-                        let variance = found.variance.row(i)[c];
+                        let variance = held_out.variance.row(i)[c];
                         let loose = if approximation == Approximation::Fitc { 1e-2 } else { 1e-5 };
                         assert!(
                             (variance / expected - 1.0).abs() < loose,
                             "{i} {approximation:?}: {variance} {expected}"
                         );
-                        let z = (outputs.row(i)[c] - found.mean.row(i)[c]) / variance.sqrt();
+                        let z = (outputs.row(i)[c] - held_out.mean.row(i)[c]) / variance.sqrt();
                         let density = -0.5 * z * z - (variance * 2.0 * std::f64::consts::PI).sqrt().ln();
-                        assert!((density - found.log_probability.row(i)[c]).abs() < 1e-9);
+                        assert!((density - held_out.log_probability.row(i)[c]).abs() < 1e-9);
                     }
                 }
             }

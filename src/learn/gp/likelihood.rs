@@ -101,10 +101,7 @@ impl<'a> Likelihood<'a> {
             let column = self.factor.column_mut(j);
             self.scaled.squared_distances(j, |d| self.scaled.input(d)[j], column);
             kernel.correlations(&shape, column);
-            vectorised(
-                #[inline(always)]
-                || column.iter_mut().for_each(|c| *c *= signal),
-            );
+            vectorised!(column.iter_mut().for_each(|c| *c *= signal));
             column[0] = diagonal;
         }
     }
@@ -158,35 +155,26 @@ impl Likelihood<'_> {
             let [s, slope, w] = rows.each_mut().map(|row| &mut row[..count]);
             let (alpha, centre) = (&self.alpha[j + 1..], self.alpha[j]);
             self.scaled.squared_distances(j + 1, |d| self.scaled.input(d)[j], s);
-            vectorised(
-                #[inline(always)]
-                || {
-                    for ((w, a), k) in w.iter_mut().zip(alpha).zip(&column[1..]) {
-                        *w = a.mul_add(centre, -k);
-                    }
-                },
-            );
+            vectorised!({
+                for ((w, a), k) in w.iter_mut().zip(alpha).zip(&column[1..]) {
+                    *w = a.mul_add(centre, -k);
+                }
+            });
             for k in 0..shapes {
                 slope.copy_from_slice(s);
                 kernel.shape_slopes(&shape, k, slope);
-                out[1 + lengths + k] -= vectorised(
-                    #[inline(always)]
-                    || signal * dot(w, slope),
-                );
+                out[1 + lengths + k] -= vectorised!(signal * dot(w, slope));
             }
             kernel.slopes(&shape, s, slope);
-            vectorised(
-                #[inline(always)]
-                || {
-                    out[0] -= signal * dot(w, s);
-                    w.iter_mut().zip(slope.iter()).for_each(|(w, slope)| *w *= slope);
-                    for d in 0..inputs {
-                        let centre = self.scaled.input(d)[j];
-                        let sum = self.scaled.weighted_squares(d, j + 1, w, centre);
-                        out[1 + d.min(lengths - 1)] += 2.0 * signal * sum;
-                    }
-                },
-            );
+            vectorised!({
+                out[0] -= signal * dot(w, s);
+                w.iter_mut().zip(slope.iter()).for_each(|(w, slope)| *w *= slope);
+                for d in 0..inputs {
+                    let centre = self.scaled.input(d)[j];
+                    let sum = self.scaled.weighted_squares(d, j + 1, w, centre);
+                    out[1 + d.min(lengths - 1)] += 2.0 * signal * sum;
+                }
+            });
         }
         out[0] -= 0.5 * signal * trace;
         out[layout.len() - 1] = -0.5 * layout.noise_variance(&self.theta) * trace;

@@ -42,7 +42,7 @@ impl MeanFunction {
 
 /// Part of a basis function that those before it must leave unexplained, as a share of its size: below it the points do not
 /// tell its weight.
-const INDEPENDENT: f64 = 1e-6;
+const INDEPENDENCE_TOLERANCE: f64 = 1e-6;
 
 /// The basis functions whose weights some points can tell.
 #[derive(Clone, Debug, Default)]
@@ -63,17 +63,17 @@ impl MeanBasis {
         let inputs = if mean == MeanFunction::Linear { points.inputs } else { 0 };
         let mut slopes = Vec::new();
         for d in 0..inputs {
-            let mut left = points.input(d).to_vec();
-            let size = dot(&left, &left).sqrt();
+            let mut remainder = points.input(d).to_vec();
+            let size = dot(&remainder, &remainder).sqrt();
             // Twice, because once leaves rounding errors as large as the threshold.
             for direction in directions.iter().chain(&directions) {
-                let share = dot(direction, &left);
-                left.iter_mut().zip(direction).for_each(|(left, of)| *left -= share * of);
+                let share = dot(direction, &remainder);
+                remainder.iter_mut().zip(direction).for_each(|(remainder, of)| *remainder -= share * of);
             }
-            let rest = dot(&left, &left).sqrt();
-            if rest > INDEPENDENT * size {
-                left.iter_mut().for_each(|left| *left /= rest);
-                directions.push(left);
+            let rest = dot(&remainder, &remainder).sqrt();
+            if rest > INDEPENDENCE_TOLERANCE * size {
+                remainder.iter_mut().for_each(|remainder| *remainder /= rest);
+                directions.push(remainder);
                 slopes.push(d);
             }
         }

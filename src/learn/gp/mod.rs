@@ -83,9 +83,9 @@ impl Gp {
         let mut theta = Vec::with_capacity(columns.len());
         for (output, y) in columns.iter().enumerate() {
             let search = if config.approximation.is_exact() { search::search } else { sparse::search };
-            let found = search(config, &covariance, &points, y).ok_or(LearnError::NotPositiveDefinite { output })?;
-            evaluations += found.evaluations;
-            theta.push(found.theta);
+            let optimum = search(config, &covariance, &points, y).ok_or(LearnError::NotPositiveDefinite { output })?;
+            evaluations += optimum.evaluations;
+            theta.push(optimum.theta);
         }
         Self::condition(inputs, outputs, config, theta, evaluations)
     }

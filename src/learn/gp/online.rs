@@ -30,7 +30,7 @@ pub enum Leaving {
 #[derive(Clone)]
 pub struct OnlineGp {
     gp: Gp,
-    most: usize,
+    capacity: usize,
     leaving: Leaving,
     /// Added samples, standardised, oldest first.
     inputs: Vec<Vec<f64>>,
@@ -46,21 +46,21 @@ struct AddedSamples {
     /// Rows of the Cholesky factor of their covariance, each as long as its number.
     factor: Vec<Vec<f64>>,
     /// Measured less foretold value of each.
-    left: Vec<f64>,
+    residuals: Vec<f64>,
     alpha: Vec<f64>,
 }
 
 impl AddedSamples {
     /// Covariances of the standardised query `x` with the added samples.
     fn covariances(&self, features: &(Vec<f64>, Vec<f64>), x: &[f64]) -> Vec<f64> {
-        let mut k = vec![0.0; self.left.len()];
+        let mut k = vec![0.0; self.residuals.len()];
         if k.is_empty() {
             return k;
         }
         self.prior.covariances(x, &mut k);
         let scale = self.prior.scale();
-        for (k, (known, added)) in k.iter_mut().zip(&self.features) {
-            *k = scale * *k - dot(known, &features.0) + dot(added, &features.1);
+        for (k, (projection, added)) in k.iter_mut().zip(&self.features) {
+            *k = scale * *k - dot(projection, &features.0) + dot(added, &features.1);
         }
         k
     }
@@ -77,7 +77,7 @@ impl AddedSamples {
 
     /// Weights of the added samples, `(L Lᵀ)⁻¹` applied to what is left.
     fn weigh(&mut self) {
-        let mut alpha = self.solve_half(&self.left);
+        let mut alpha = self.solve_half(&self.residuals);
         for i in (0..alpha.len()).rev() {
             alpha[i] /= self.factor[i][i];
             let (weight, row) = (alpha[i], &self.factor[i]);
@@ -90,7 +90,7 @@ impl AddedSamples {
     fn remove(&mut self, index: usize) {
         self.factor.remove(index);
         self.features.remove(index);
-        self.left.remove(index);
+        self.residuals.remove(index);
         // A rank-one update of the trailing rows by the removed column (Golub & Van Loan, section 6.5.4).
         let mut column: Vec<f64> = self.factor[index..].iter_mut().map(|row| row.remove(index)).collect();
         for k in 0..column.len() {
@@ -113,8 +113,8 @@ impl OnlineGp {
     ///
     /// # Errors
     /// [`LearnError::Setting`] for no samples.
-    pub fn new(gp: &Gp, most: usize, leaving: Leaving) -> Result<OnlineGp, LearnError> {
-        if most == 0 {
+    pub fn new(gp: &Gp, capacity: usize, leaving: Leaving) -> Result<OnlineGp, LearnError> {
+        if capacity == 0 {
             return Err(LearnError::Setting { key: "points", found: "0".to_owned(), expected: "at least 1 point" });
         }
         let nothing = TrainingPoints::of(&Rows::new(gp.inputs()));
@@ -122,11 +122,11 @@ impl OnlineGp {
             prior: FittedPrior::new(&gp.covariance, theta, &nothing),
             features: Vec::new(),
             factor: Vec::new(),
-            left: Vec::new(),
+            residuals: Vec::new(),
             alpha: Vec::new(),
         };
         let outputs = gp.theta.iter().map(of).collect();
-        Ok(OnlineGp { gp: gp.clone(), most, leaving, inputs: Vec::new(), outputs })
+        Ok(OnlineGp { gp: gp.clone(), capacity, leaving, inputs: Vec::new(), outputs })
     }
 
     /// Forgets what was added.
@@ -162,7 +162,7 @@ impl OnlineGp {
             }
         }
         let x = self.gp.standardised(input);
-        if self.added() == self.most {
+        if self.added() == self.capacity {
             let leaves = match self.leaving {
                 Leaving::Oldest => 0,
                 Leaving::MostAlike => self.most_alike(&x),
@@ -176,11 +176,11 @@ impl OnlineGp {
             let features = posterior.features(&x);
             let covariances = one.covariances(&features, &x);
             let mut row = one.solve_half(&covariances);
-            let own = posterior.prior.variance(&x) - dot(&features.0, &features.0) + dot(&features.1, &features.1);
-            let own = own.max(0.0) + noise(&self.gp, c, &points);
-            row.push((own - dot(&row, &row)).max(f64::MIN_POSITIVE).sqrt());
+            let variance = posterior.prior.variance(&x) - dot(&features.0, &features.0) + dot(&features.1, &features.1);
+            let variance = variance.max(0.0) + noise(&self.gp, c, &points);
+            row.push((variance - dot(&row, &row)).max(f64::MIN_POSITIVE).sqrt());
             let foretold = posterior.mean(&x, &mut vec![0.0; posterior.points()]);
-            one.left.push(self.gp.output_standardiser.apply(c, output[c]) - foretold);
+            one.residuals.push(self.gp.output_standardiser.apply(c, output[c]) - foretold);
             one.factor.push(row);
             one.features.push(features);
             one.prior = FittedPrior::new(&self.gp.covariance, &self.gp.theta[c], &points);
@@ -209,10 +209,10 @@ impl OnlineGp {
         let x = self.gp.standardised(input);
         for (c, one) in self.outputs.iter().enumerate() {
             let k = one.covariances(&self.gp.posteriors[c].features(&x), &x);
-            let known = one.solve_half(&k);
+            let half = one.solve_half(&k);
             let scale = self.gp.output_standardiser.scale(c);
             means[c] += scale * dot(&k, &one.alpha);
-            variances[c] = (variances[c] - scale * scale * dot(&known, &known)).max(0.0);
+            variances[c] = (variances[c] - scale * scale * dot(&half, &half)).max(0.0);
         }
         Ok((means, variances))
     }
@@ -238,9 +238,9 @@ impl OnlineGp {
         let mut alike = vec![0.0; self.added()];
         for (posterior, one) in self.gp.posteriors.iter().zip(&self.outputs) {
             let k = one.covariances(&posterior.features(x), x);
-            for ((alike, k), (known, added)) in alike.iter_mut().zip(k).zip(&one.features) {
-                let own = posterior.prior.variance(x) - dot(known, known) + dot(added, added);
-                *alike += k * k / own.max(1e-12);
+            for ((alike, k), (projection, added)) in alike.iter_mut().zip(k).zip(&one.features) {
+                let variance = posterior.prior.variance(x) - dot(projection, projection) + dot(added, added);
+                *alike += k * k / variance.max(1e-12);
             }
         }
         (1..alike.len()).fold(0, |best, i| if alike[i] > alike[best] { i } else { best })
@@ -250,10 +250,10 @@ impl OnlineGp {
 /// Noise variance of output `c` at the last of `points`, with what the kernel has of it.
 fn noise(gp: &Gp, c: usize, points: &TrainingPoints) -> f64 {
     let theta = &gp.theta[c];
-    let (mut variance, mut own) = ([0.0], [0.0]);
+    let (mut variance, mut white_noise) = ([0.0], [0.0]);
     let last = points.select(&[points.n - 1]);
-    CovarianceAt::new(&gp.covariance, theta).diagonal(&last, &mut variance, &mut own);
-    gp.covariance.noise_variance(theta) + own[0]
+    CovarianceAt::new(&gp.covariance, theta).diagonal(&last, &mut variance, &mut white_noise);
+    gp.covariance.noise_variance(theta) + white_noise[0]
 }
 
 #[cfg(test)]

@@ -55,12 +55,7 @@ impl AddedTerm {
     /// `E (v, h)`; `scaled` is v over `scale`.
     fn image(&self, x: &[f64], scaled: &[f64], scale: f64) -> Vec<f64> {
         let (n, values) = (scaled.len(), self.basis.at(x).collect::<Vec<f64>>());
-        let row = |row: &[f64]| {
-            vectorised(
-                #[inline(always)]
-                || scale * dot(&row[..n], scaled) + dot(&row[n..], &values),
-            )
-        };
+        let row = |row: &[f64]| vectorised!(scale * dot(&row[..n], scaled) + dot(&row[n..], &values));
         self.rows.chunks_exact(n + values.len()).map(row).collect()
     }
 
@@ -159,36 +154,30 @@ impl Posterior {
     pub(super) fn mean(&self, x: &[f64], k: &mut [f64]) -> f64 {
         self.prior.covariances(x, k);
         let scale = self.prior.scale();
-        let mean = vectorised(
-            #[inline(always)]
-            || scale * dot(k, &self.alpha),
-        );
+        let mean = vectorised!(scale * dot(k, &self.alpha));
         self.added.as_ref().map_or(mean, |added| mean + added.mean(x))
     }
 
     /// Posterior mean and latent (noise-free) variance: `k(x,x) − ‖L⁻¹ k‖²`.
     pub(super) fn mean_variance(&self, x: &[f64], k: &mut [f64], v: &mut [f64]) -> (f64, f64) {
         let mean = self.mean(x, k);
-        let explained = vectorised(
-            #[inline(always)]
-            || {
-                v.fill(0.0);
-                let (panels, rest) = k.as_chunks::<4>();
-                for (p, k) in panels.iter().enumerate() {
-                    let [a, b, c, d] = self.inverse_factor.panel(4 * p);
-                    for ((((v, a), b), c), d) in v[4 * p..].iter_mut().zip(a).zip(b).zip(c).zip(d) {
-                        *v = k[0].mul_add(*a, k[1].mul_add(*b, k[2].mul_add(*c, k[3].mul_add(*d, *v))));
-                    }
+        let explained = vectorised!({
+            v.fill(0.0);
+            let (panels, rest) = k.as_chunks::<4>();
+            for (p, k) in panels.iter().enumerate() {
+                let [a, b, c, d] = self.inverse_factor.panel(4 * p);
+                for ((((v, a), b), c), d) in v[4 * p..].iter_mut().zip(a).zip(b).zip(c).zip(d) {
+                    *v = k[0].mul_add(*a, k[1].mul_add(*b, k[2].mul_add(*c, k[3].mul_add(*d, *v))));
                 }
-                let done = k.len() - rest.len();
-                for (j, &k) in rest.iter().enumerate().map(|(j, k)| (done + j, k)) {
-                    for (v, l) in v[j..].iter_mut().zip(self.inverse_factor.column(j)) {
-                        *v = k.mul_add(*l, *v);
-                    }
+            }
+            let done = k.len() - rest.len();
+            for (j, &k) in rest.iter().enumerate().map(|(j, k)| (done + j, k)) {
+                for (v, l) in v[j..].iter_mut().zip(self.inverse_factor.column(j)) {
+                    *v = k.mul_add(*l, *v);
                 }
-                dot(v, v)
-            },
-        );
+            }
+            dot(v, v)
+        });
         (mean, self.variance(x, v, explained))
     }
 
@@ -206,8 +195,8 @@ impl Posterior {
     /// Variance at `x` when the points explain `explained` of it, which is `‖v‖²`; both over the prior's scale.
     fn variance(&self, x: &[f64], v: &[f64], explained: f64) -> f64 {
         let scale = self.prior.scale();
-        let left = self.prior.variance(x) - scale * scale * explained;
-        self.added.as_ref().map_or(left, |added| left + added.variance(x, v, scale)).max(0.0)
+        let remaining = self.prior.variance(x) - scale * scale * explained;
+        self.added.as_ref().map_or(remaining, |added| remaining + added.variance(x, v, scale)).max(0.0)
     }
 
     /// [`Posterior::mean_variance`] of up to [`BLOCK`] standardised queries, by products of panels of `L⁻¹`; `k` and `v` are
@@ -229,10 +218,7 @@ impl Posterior {
         }
         for q in 0..count {
             let column = &v[q * n..(q + 1) * n];
-            let explained = vectorised(
-                #[inline(always)]
-                || dot(column, column),
-            );
+            let explained = vectorised!(dot(column, column));
             let x = &queries[q * self.inputs..(q + 1) * self.inputs];
             put(q, means[q], self.variance(x, column, explained));
         }
@@ -248,11 +234,8 @@ impl Posterior {
             for (p, &a) in fold.iter().enumerate().skip(q) {
                 let ((i, l_i), (j, l_j)) = (column(a), column(b));
                 let from = i.max(j);
-                let known = vectorised(
-                    #[inline(always)]
-                    || dot(&l_i[from - i..n - i], &l_j[from - j..n - j]),
-                );
-                block.column_mut(q)[p - q] = known - self.of_mean(i, j);
+                let product = vectorised!(dot(&l_i[from - i..n - i], &l_j[from - j..n - j]));
+                block.column_mut(q)[p - q] = product - self.of_mean(i, j);
             }
         }
         let mut memory = FactorBuffers::new(fold.len());

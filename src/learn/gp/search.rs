@@ -16,9 +16,10 @@ pub(super) struct FittedHyperparameters {
 /// Growth of the number of rows from one stage of the search to the next.
 const GROWTH: usize = 3;
 /// Tolerance in nats while candidates compete; only the last stage uses the final tolerance.
-const COARSE: f64 = 0.1;
+const COARSE_TOLERANCE: f64 = 0.1;
 /// Candidates kept from one stage to the next; the last stage takes one.
-const KEPT: usize = 3;
+const MAX_CANDIDATES: usize = 3;
+
 /// Maximises the log marginal likelihood of the standardised output `y`; `None` when no start is usable.
 pub(super) fn search(
     config: &GpConfig,
@@ -28,46 +29,48 @@ pub(super) fn search(
 ) -> Option<FittedHyperparameters> {
     let all = covariance.hyperparameters(config.noise_floor);
     let lengths: Vec<bool> = all.iter().map(|one| one.is_length).collect();
+    // The likelihood costs the cube of the rows: few rows tell poor starts apart at little cost.
     let mut sizes = vec![points.n];
-    let least = config.start_rows.max(config.mean.least_rows(points.inputs));
-    while sizes[0] > least {
-        sizes.insert(0, sizes[0].div_ceil(GROWTH).max(least));
+    let min_rows = config.start_rows.max(config.mean.least_rows(points.inputs));
+    while sizes[0] > min_rows {
+        sizes.insert(0, sizes[0].div_ceil(GROWTH).max(min_rows));
     }
     let mut evaluations = 0;
     let starts = starts(config.starts, &all);
     let mut candidates: Vec<Vec<f64>> = starts.iter().map(|theta| to_search_coordinates(&lengths, theta)).collect();
     for (stage, &rows) in sizes.iter().enumerate() {
         let last = stage + 1 == sizes.len();
+        // Rows at equal distances, since neighbours of a recording resemble each other.
         let which: Vec<usize> = (0..rows).map(|i| i * points.n / rows).collect();
         let (few, y): (TrainingPoints, Vec<f64>) = (points.select(&which), which.iter().map(|&i| y[i]).collect());
         let mut likelihood = SearchObjective::new(Likelihood::new(covariance.clone(), &few, &y).with_mean(config.mean));
         let mut climb = |start: &[f64], tolerance: f64| {
-            let found = minimise(&mut likelihood, start, &limits(&all, &lengths, tolerance));
-            evaluations += found.evaluations;
-
-            found
+            let minimum = minimise(&mut likelihood, start, &limits(&all, &lengths, tolerance));
+            evaluations += minimum.evaluations;
+            minimum
         };
-        let mut found: Vec<Minimum> = if last && stage > 0 {
+        let mut minima: Vec<Minimum> = if last && stage > 0 {
             vec![climb(&candidates[0], config.tolerance)]
         } else {
-            candidates.iter().map(|start| climb(start, COARSE)).collect()
+            candidates.iter().map(|start| climb(start, COARSE_TOLERANCE)).collect()
         };
-        found.retain(|minimum| minimum.value.is_finite());
-        found.sort_by(|a, b| a.value.total_cmp(&b.value));
-        if last && stage == 0 && !found.is_empty() {
-            found = vec![climb(&found[0].x, config.tolerance)];
+        minima.retain(|minimum| minimum.value.is_finite());
+        minima.sort_by(|a, b| a.value.total_cmp(&b.value));
+        // With one stage only the starts competed at the coarse tolerance: the winner is refined.
+        if last && stage == 0 && !minima.is_empty() {
+            minima = vec![climb(&minima[0].x, config.tolerance)];
         }
-        candidates = distinct(found);
+        candidates = distinct(minima);
     }
     candidates.first().map(|u| FittedHyperparameters { theta: from_search_coordinates(&lengths, u), evaluations })
 }
 
 /// The best few distinct optima.
-fn distinct(found: Vec<Minimum>) -> Vec<Vec<f64>> {
+fn distinct(minima: Vec<Minimum>) -> Vec<Vec<f64>> {
     let mut out: Vec<Minimum> = Vec::new();
-    for minimum in found {
-        let same = |kept: &Minimum| (kept.value - minimum.value).abs() < 2.0 * COARSE;
-        if out.len() < KEPT && !out.iter().any(same) {
+    for minimum in minima {
+        let same = |kept: &Minimum| (kept.value - minimum.value).abs() < 2.0 * COARSE_TOLERANCE;
+        if out.len() < MAX_CANDIDATES && !out.iter().any(same) {
             out.push(minimum);
         }
     }

@@ -24,16 +24,13 @@ impl<T: Real> Adam<T> {
         let (rate, unbias) = (T::of(corrected), T::of(1.0 / (1.0 - BETA_2.powi(self.steps))));
         let (b1, c1, b2, c2) = (T::of(BETA_1), T::of(1.0 - BETA_1), T::of(BETA_2), T::of(1.0 - BETA_2));
         let epsilon = T::of(1e-8);
-        vectorised(
-            #[inline(always)]
-            || {
-                let moments = self.first.iter_mut().zip(&mut self.second);
-                for ((w, &g), (m, v)) in weights.iter_mut().zip(gradient).zip(moments) {
-                    *m = b1.fma(*m, c1 * g);
-                    *v = b2.fma(*v, c2 * g * g);
-                    *w = *w - rate * m.over((*v * unbias).root() + epsilon);
-                }
-            },
-        );
+        vectorised!({
+            let moments = self.first.iter_mut().zip(&mut self.second);
+            for ((w, &g), (m, v)) in weights.iter_mut().zip(gradient).zip(moments) {
+                *m = b1.fma(*m, c1 * g);
+                *v = b2.fma(*v, c2 * g * g);
+                *w = *w - rate * m.over((*v * unbias).root() + epsilon);
+            }
+        });
     }
 }

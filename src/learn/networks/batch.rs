@@ -2,7 +2,7 @@
 //! Goodfellow, Bengio & Courville 2016, section 10.2.2.
 
 use super::config::Loss;
-use super::kinds::{HiddenUnit, MOST_KEPT, MOST_SUMS, Past};
+use super::kinds::{HiddenUnit, MAX_KEPT, MAX_SUMS, Past};
 use super::tiles::{Chunk, ChunkTable, LANES, accumulate, each, fma, outer, total};
 use super::weights::{Sizes, TILE, Weights};
 use crate::learn::simd::Real;
@@ -88,16 +88,13 @@ impl<T: Real> SequenceBatch<T> {
 
     /// As [`SequenceBatch::loss_and_gradient`], for networks of `C`.
     pub(super) fn work<C: HiddenUnit>(&mut self, weights: &Weights<T>, gradient: &mut Weights<T>) -> T {
-        vectorised(
-            #[inline(always)]
-            || {
-                self.forward::<C>(weights);
-                let loss = self.compare(weights);
-                self.backward::<C>(weights);
-                self.collect::<C>(gradient);
-                loss
-            },
-        )
+        vectorised!({
+            self.forward::<C>(weights);
+            let loss = self.compare(weights);
+            self.backward::<C>(weights);
+            self.collect::<C>(gradient);
+            loss
+        })
     }
 
     #[inline(always)]
@@ -107,7 +104,7 @@ impl<T: Real> SequenceBatch<T> {
         let [from_inputs, from_state, bias] = weights.hidden();
         for at in 0..self.window * self.groups {
             for first in (0..units).step_by(U) {
-                let mut sums = [[[T::default(); LANES]; U]; MOST_SUMS];
+                let mut sums = [[[T::default(); LANES]; U]; MAX_SUMS];
                 for (number, (block, sums)) in C::SUMS.iter().zip(&mut sums).enumerate() {
                     let first = number * units + first;
                     *sums = std::array::from_fn(|u| [bias[first + u]; LANES]);
@@ -127,12 +124,12 @@ impl<T: Real> SequenceBatch<T> {
 
     /// One step of sixteen windows of unit `unit`.
     #[inline(always)]
-    fn step<C: HiddenUnit>(&mut self, unit: usize, at: usize, sums: [&Chunk<T>; MOST_SUMS]) {
+    fn step<C: HiddenUnit>(&mut self, unit: usize, at: usize, sums: [&Chunk<T>; MAX_SUMS]) {
         let zero = [T::default(); LANES];
         let place = unit * self.hidden.width + at;
         let before = if C::CARRIES { self.hidden.chunks[place] } else { zero };
         let memory_before = if C::MEMORY { self.memory.chunks[place] } else { zero };
-        let (mut value, mut memory, mut kept) = (zero, zero, [zero; MOST_KEPT]);
+        let (mut value, mut memory, mut kept) = (zero, zero, [zero; MAX_KEPT]);
         for lane in 0..LANES {
             let sums = std::array::from_fn(|block| sums[block][lane]);
             let after = C::forward(&sums, before[lane], memory_before[lane]);
@@ -229,11 +226,11 @@ impl<T: Real> SequenceBatch<T> {
             |on: bool, table: &ChunkTable<T>| if on && !is_last { table.chunks[carried + later] } else { zero };
         let carried_value = from_later(C::CARRIES, &self.carried[0]);
         let carried_memory = from_later(C::MEMORY, &self.carried[1]);
-        let kept: [Chunk<T>; MOST_KEPT] = std::array::from_fn(
+        let kept: [Chunk<T>; MAX_KEPT] = std::array::from_fn(
             #[inline(always)]
             |k| if k < C::KEPT { self.kept.chunks[(k * units + unit) * self.kept.width + at] } else { zero },
         );
-        let (mut d_sums, mut d_before, mut d_memory) = ([zero; MOST_SUMS], zero, zero);
+        let (mut d_sums, mut d_before, mut d_memory) = ([zero; MAX_SUMS], zero, zero);
         for lane in 0..LANES {
             let d_value = if C::CARRIES { d_value[lane] + carried_value[lane] } else { d_value[lane] };
             let back = C::backward(&Past {

@@ -1,6 +1,6 @@
 //! One member of a network in use.
 
-use super::kinds::{HiddenUnit, MOST_SUMS};
+use super::kinds::{HiddenUnit, MAX_SUMS};
 use super::weights::{Sizes, Weights};
 use crate::math::vectorised;
 
@@ -33,34 +33,31 @@ impl MemberState {
         let Sizes { hidden, .. } = weights.sizes;
         let (units, ports, stride) = (weights.sizes.units(), weights.sizes.ports(), weights.sizes.row_len());
         let remembers = C::SUMS.iter().any(|block| block.state);
-        vectorised(
-            #[inline(always)]
-            || {
-                let [from_inputs, from_state, bias] = weights.hidden();
-                let MemberState { values, memories, sums } = state;
-                sums.copy_from_slice(bias);
-                for (row, &x) in from_inputs.chunks_exact(stride).zip(input) {
-                    add_scaled(sums, row, x);
+        vectorised!({
+            let [from_inputs, from_state, bias] = weights.hidden();
+            let MemberState { values, memories, sums } = state;
+            sums.copy_from_slice(bias);
+            for (row, &x) in from_inputs.chunks_exact(stride).zip(input) {
+                add_scaled(sums, row, x);
+            }
+            if remembers {
+                for (row, &h) in from_state.chunks_exact(stride).zip(values.iter()) {
+                    add_scaled(sums, row, h);
                 }
-                if remembers {
-                    for (row, &h) in from_state.chunks_exact(stride).zip(values.iter()) {
-                        add_scaled(sums, row, h);
-                    }
-                }
-                let sums: [&[f32]; MOST_SUMS] =
-                    std::array::from_fn(|block| sums.get(block * units..(block + 1) * units).unwrap_or(&sums[..units]));
-                let (values, memories) = (&mut values[..units], &mut memories[..units]);
-                for u in 0..units {
-                    let after = C::forward(&std::array::from_fn(|block| sums[block][u]), values[u], memories[u]);
-                    (values[u], memories[u]) = (after.value, after.memory);
-                }
-                let (from_hidden, bias) = weights.output().split_at(hidden * ports);
-                for (o, out) in out.iter_mut().enumerate() {
-                    let terms = from_hidden.chunks_exact(ports).zip(values.iter());
-                    *out = terms.fold(bias[o], |sum, (row, &h)| row[o].mul_add(h, sum));
-                }
-            },
-        );
+            }
+            let sums: [&[f32]; MAX_SUMS] =
+                std::array::from_fn(|block| sums.get(block * units..(block + 1) * units).unwrap_or(&sums[..units]));
+            let (values, memories) = (&mut values[..units], &mut memories[..units]);
+            for u in 0..units {
+                let after = C::forward(&std::array::from_fn(|block| sums[block][u]), values[u], memories[u]);
+                (values[u], memories[u]) = (after.value, after.memory);
+            }
+            let (from_hidden, bias) = weights.output().split_at(hidden * ports);
+            for (o, out) in out.iter_mut().enumerate() {
+                let terms = from_hidden.chunks_exact(ports).zip(values.iter());
+                *out = terms.fold(bias[o], |sum, (row, &h)| row[o].mul_add(h, sum));
+            }
+        });
     }
 }
 

@@ -65,6 +65,7 @@ impl<'a> Session<'a> {
             let validation_mae = self.samples.validation_mae(&self.network)?;
             let EpochEnd { training_loss, rate: learning_rate, .. } = end;
             history.push(Epoch { epoch, training_loss, validation_mae, learning_rate });
+            // Before any return: the last epoch may be the best one.
             let better = self.keep_if_better(validation_mae, epoch);
             if self.has_reached(validation_mae) {
                 return Ok(self.finish(history, Stopped::Reached));
@@ -72,6 +73,8 @@ impl<'a> Session<'a> {
             if let Some(stopped) = end.stopped {
                 return Ok(self.finish(history, stopped));
             }
+            // The rate decays on a plateau, counted anew after each decay; training ends on the epochs
+            // since the best one, which a decay does not reset.
             waited = if better { 0 } else { waited + 1 };
             if waited >= self.config.decay_patience {
                 (rate, waited) = (rate * self.config.decay, 0);

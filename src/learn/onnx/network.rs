@@ -8,7 +8,7 @@ use super::operators::{OPERATORS, apply};
 use super::tensor::Tensor;
 
 /// Most numbers in an input; a damaged file may ask for any.
-const MOST_INPUTS: usize = 1_000_000;
+const MAX_INPUTS: usize = 1_000_000;
 
 /// A feed-forward network: one row of numbers in, one row of numbers out.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,7 +36,7 @@ impl OnnxNetwork {
         }
         let sampled = input.dims.len() != 1;
         let inputs = input.dims.last().copied().flatten().unwrap_or(inputs);
-        if inputs > MOST_INPUTS {
+        if inputs > MAX_INPUTS {
             return Err(OnnxError::NotOnnx("its input has more than a million numbers"));
         }
         let mut network = OnnxNetwork { graph, inputs, sampled, outputs: 0 };

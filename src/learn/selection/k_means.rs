@@ -6,13 +6,13 @@ use super::squared_distance;
 use crate::base::{Generator, Rows, Seed};
 
 /// Iterations of Lloyd's algorithm at most.
-const MOST_ITERATIONS: usize = 50;
+const MAX_ITERATIONS: usize = 50;
 
 pub(super) fn choose(inputs: &Rows, count: usize, seed: Seed) -> Vec<usize> {
     let mut random = seed.child("k-means").index(count as u64).rng();
     let mut centres = starts(inputs, count, &mut random);
     let mut owners = vec![usize::MAX; inputs.len()];
-    for _ in 0..MOST_ITERATIONS {
+    for _ in 0..MAX_ITERATIONS {
         let nearest: Vec<usize> = inputs.iter().map(|row| nearest_centre(row, &centres)).collect();
         if nearest == owners {
             break;

@@ -76,11 +76,11 @@ impl Hardware {
     /// followed so far may have a long way to go.
     fn check_commands(&self, commands: &[TendonCommand]) -> Result<(), PlantError> {
         let last_m = self.supervised.rig().commanded_m();
-        let asked = |(command, last_m): (&TendonCommand, &f64)| match *command {
+        let requested_m = |(command, last_m): (&TendonCommand, &f64)| match *command {
             TendonCommand::Pull(pull_m) => pull_m,
             TendonCommand::Follow => *last_m,
         };
-        let pulls_m: Vec<f64> = commands.iter().zip(&last_m).map(asked).collect();
+        let pulls_m: Vec<f64> = commands.iter().zip(&last_m).map(requested_m).collect();
         let admitted = if commands.contains(&TendonCommand::Follow) {
             let ticks = self.safety.ticks(&pulls_m, &last_m, self.step_s).max(1);
             self.safety.check_each_tendon(&pulls_m, &last_m, self.step_s * ticks as f64, ticks)
@@ -193,13 +193,14 @@ impl Plant for Hardware {
             self.timing.missed += 1;
         }
         self.check_commands(commands)?;
-        // The model goes first: it decides how far following tendons move.
-        self.model.advance(commands, self.step_s)?;
-        let predicted = self.model.observation(commands, 0.0);
+        // The model decides how far following tendons move. A copy goes ahead, as the whole command may be refused.
+        let mut model = self.model.clone();
+        model.advance(commands, self.step_s)?;
+        let predicted = model.observation(commands, 0.0);
         let travel_m = self.safety.travel_m;
         let follow = |(command, pull_m): (&TendonCommand, &f64)| match command {
             TendonCommand::Follow => pull_m.clamp(-travel_m, travel_m),
-            TendonCommand::Pull(asked_m) => *asked_m,
+            TendonCommand::Pull(pull_m) => *pull_m,
         };
         let pulls_m: Vec<f64> = commands.iter().zip(&predicted.pulls_m).map(follow).collect();
         // The complete command, following tendons included, is checked before anything is sent; it takes as many ticks
@@ -208,6 +209,7 @@ impl Plant for Hardware {
         let ticks = self.safety.ticks(&pulls_m, &last_m, self.step_s).max(1);
         let admitted = self.safety.check_command(&pulls_m, &last_m, self.step_s * ticks as f64, ticks);
         admitted.map_err(|refusal| PlantError::Refused(refusal.to_string()))?;
+        self.model = model;
         self.supervised.rig().set_expected_tip(Some(predicted.tip_m));
         let in_time = now_s <= self.due_s + LATE_SHARE * self.step_s;
         let begin_s = if in_time { self.due_s } else { now_s };

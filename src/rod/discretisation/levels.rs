@@ -5,13 +5,13 @@ use crate::rod::params::resolution::Resolution;
 use crate::rod::params::rod_params::RodParams;
 
 /// Most refinement levels: cells down to a sixteenth, elements that end at every jump of the material.
-pub(crate) const MOST_REFINEMENTS: u32 = 4;
+pub(crate) const MAX_REFINEMENTS: u32 = 4;
 /// Polynomials that the first level adds; each further level adds two more than the one before.
 const MORE_MODES: usize = 4;
 /// Approximate bound on the number of polynomial coefficients from level 2 on.
-const MOST_UNKNOWNS: [usize; MOST_REFINEMENTS as usize - 1] = [250, 400, 600];
+const MAX_UNKNOWNS: [usize; MAX_REFINEMENTS as usize - 1] = [250, 400, 600];
 /// Most cells along the length.
-const MOST_CELLS: f64 = 300.0;
+const MAX_CELLS: f64 = 300.0;
 
 impl RodParams {
     /// The same rod at refinement level `level` of `base`: each level halves the cells and adds polynomials. From level
@@ -26,13 +26,13 @@ impl RodParams {
         let (mut bending, mut others) = (usize::MAX, usize::MAX);
         if level > 1 {
             params.resolution.split_elements = true;
-            let own = MOST_UNKNOWNS[k - 1] / (element_ends(&params).len() - 1);
+            let own = MAX_UNKNOWNS[k - 1] / (element_ends(&params).len() - 1);
             // 1.5 times as many polynomials for the two bending moments as for the four other components.
             others = (own / 7).max(1 + k);
             bending = others + others / 2;
         }
         params.resolution = Resolution {
-            cell_m: (base.cell_m / f64::from(1 << level)).max(self.length_m() / MOST_CELLS).min(base.cell_m),
+            cell_m: (base.cell_m / f64::from(1 << level)).max(self.length_m() / MAX_CELLS).min(base.cell_m),
             bending_modes: bending.min(base.bending_modes + more),
             torsion_modes: others.min(base.torsion_modes + more),
             shear_modes: others.min(base.shear_modes + more),

@@ -9,7 +9,7 @@ use crate::rod::state::rod::Rod;
 const DRIFT_SHARE: f64 = 2e-3;
 /// Refined grids with more unknowns than this are never kept: a motion on them takes minutes. Helices of several turns
 /// need 90 to 140.
-const MOST_UNKNOWNS: usize = 200;
+const MAX_UNKNOWNS: usize = 200;
 
 impl Rod {
     /// Motions use the requested grid, not the refined grid of an equilibrium, unless that displaces the equilibrium. A
@@ -18,7 +18,7 @@ impl Rod {
         if self.grid_level.level == 0 || self.settled_under.is_none() {
             return;
         }
-        let is_large = self.system.grid.unknowns > MOST_UNKNOWNS;
+        let is_large = self.system.grid.unknowns > MAX_UNKNOWNS;
         if is_large || self.drift_m() <= DRIFT_SHARE * self.system.params.length_m() {
             self.coarsen();
         }

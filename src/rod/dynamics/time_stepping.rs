@@ -11,7 +11,7 @@ const STAGE_TOLERANCE_M: f64 = 1e-8;
 /// Shortest step as a share of the longest. A step of this length is accepted whatever its error …
 const SHORTEST_STEP: f64 = 1.0 / 1024.0;
 /// … and the number of halvings of a failing constant step.
-const MOST_HALVINGS: i32 = 6;
+const MAX_HALVINGS: i32 = 6;
 /// Safety factor on the step length that the error would allow.
 const SAFETY: f64 = 0.9;
 /// A step is repeated when its allowed length is below this share of its length …
@@ -61,7 +61,7 @@ impl Rod {
     /// One time step of at most `h` seconds, shortened on failure or excessive error; returns its length as well.
     fn step(&mut self, drives: &dyn Fn(f64) -> Vec<Drive>, mut h: f64) -> (SolveStatus, f64) {
         let resolution = self.system.params.resolution;
-        let share = if resolution.motion_tolerance_m.is_finite() { SHORTEST_STEP } else { 0.5_f64.powi(MOST_HALVINGS) };
+        let share = if resolution.motion_tolerance_m.is_finite() { SHORTEST_STEP } else { 0.5_f64.powi(MAX_HALVINGS) };
         let mut floor = share * resolution.time_step_s;
         let mut shortest = 0.999 * floor.min(h);
         let mut before = std::mem::replace(&mut self.before, RodState::empty());

@@ -40,7 +40,7 @@ struct Point {
 }
 
 /// Least share of the mean compliance or mass at either Gauss point.
-const LEAST: f64 = 0.05;
+const MIN_SHARE: f64 = 0.05;
 
 /// The equivalent section at the Gauss point on one `side` of a cell.
 fn equivalent_section(params: &RodParams, points: &[Point], side: f64) -> Section {
@@ -49,7 +49,7 @@ fn equivalent_section(params: &RodParams, points: &[Point], side: f64) -> Sectio
         points.iter().map(|p| p.share * p.place / GAUSS * of(&p.section)).sum()
     };
     // If most of a property lies beyond the Gauss point, that point takes the largest admissible share.
-    let most = |of: &dyn Fn(&Section) -> f64| ((1.0 - LEAST) * mean(of) / first_moment(of).abs()).min(1.0);
+    let most = |of: &dyn Fn(&Section) -> f64| ((1.0 - MIN_SHARE) * mean(of) / first_moment(of).abs()).min(1.0);
     let positive = |of: &dyn Fn(&Section) -> f64| {
         if mean(of) == 0.0 { 0.0 } else { mean(of) + side * most(of) * first_moment(of) }
     };

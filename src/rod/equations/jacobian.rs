@@ -64,10 +64,7 @@ impl Derivative {
         conditions: &SolveConditions,
         workspace: &Workspace,
     ) {
-        vectorised(
-            #[inline(always)]
-            || self.update_all(system, unknowns, conditions, workspace),
-        );
+        vectorised!(self.update_all(system, unknowns, conditions, workspace));
     }
 
     #[inline(always)]

@@ -173,10 +173,7 @@ impl RodEquations {
 
     /// Evaluates the equations at `unknowns`.
     pub(crate) fn evaluate(&self, unknowns: &[f64], conditions: &SolveConditions, workspace: &mut Workspace) {
-        vectorised(
-            #[inline(always)]
-            || self.evaluate_all(unknowns, conditions, workspace),
-        );
+        vectorised!(self.evaluate_all(unknowns, conditions, workspace));
     }
 
     #[inline(always)]

@@ -24,7 +24,7 @@ pub(crate) struct TendonSliding {
 }
 
 /// Tension below which a tendon under a prescribed tension carries no friction, N.
-const LEAST_TENSION_N: f64 = 1e-9;
+const MIN_TENSION_N: f64 = 1e-9;
 
 impl TendonSliding {
     /// At home, before the tendon has slid.
@@ -46,7 +46,7 @@ impl TendonSliding {
                 TendonSliding { share: (self.share + change).clamp(-1.0, 1.0), pull_m, tension_n }
             }
             TendonConstraint::Tension(tension_n) => {
-                let ratio = (tension_n.max(LEAST_TENSION_N) / self.tension_n.max(LEAST_TENSION_N)).ln();
+                let ratio = (tension_n.max(MIN_TENSION_N) / self.tension_n.max(MIN_TENSION_N)).ln();
                 let change = ratio / (tendon.friction_coefficient * turn_rad).max(f64::MIN_POSITIVE);
                 TendonSliding { share: (self.share + change).clamp(-1.0, 1.0), pull_m: shorter_m, tension_n }
             }

@@ -175,7 +175,7 @@ impl PerturbedRods {
         scale: &dyn Fn(usize) -> f64,
     ) -> Option<()> {
         let PerturbedRods { followed, others, kept, .. } = self;
-        let still = solved.duration_s.is_infinite();
+        let at_rest = solved.duration_s.is_infinite();
         for Rod { state, before, .. } in std::iter::once(&mut *followed).chain(&mut *others) {
             before.copy_from(state);
         }
@@ -183,22 +183,22 @@ impl PerturbedRods {
             let share: f64 = followed.tableau.rows[i].iter().sum();
             let prepare = |rod: &mut Rod, number: usize| {
                 let duration_s = solved.duration_s * scale(number);
-                if still {
+                if at_rest {
                     rod.motion = Motion::rest(&rod.system.grid, &rod.system.masses);
                 } else {
                     let Rod { motion, system, tableau, stages, before, .. } = rod;
                     motion.prepare(before, &system.masses, &tableau.rows[i], stages, duration_s);
                 }
-                rod.holds(&drives(number, if still { 0.0 } else { share * duration_s }))
+                rod.holds(&drives(number, if at_rest { 0.0 } else { share * duration_s }))
             };
             let holds = prepare(followed, 0)?;
-            let mut solution = followed.at_solution(unknowns, taut, &holds, still);
-            followed.take(unknowns, taut, i, still);
+            let mut solution = followed.at_solution(unknowns, taut, &holds, at_rest);
+            followed.take(unknowns, taut, i, at_rest);
             let each: Vec<Vec<TendonConstraint>> =
                 others.iter_mut().enumerate().map(|(index, rod)| prepare(rod, index + 1)).collect::<Option<_>>()?;
             let old = kept.take().filter(|kept| kept.serves(followed.motion.rate, taut, others.len()));
             let corrected = old.and_then(|mut old| {
-                let all = old.correct(others, &each, &mut solution, LEFT_OLD)?;
+                let all = old.correct(others, &each, &mut solution, OLD_FACTORS_TOLERANCE)?;
                 *kept = Some(old);
                 Some(all)
             });
@@ -207,15 +207,15 @@ impl PerturbedRods {
                 None => {
                     solution.contraction = None;
                     let fresh = kept.insert(followed.linearise(&solution, &holds));
-                    fresh.correct(others, &each, &mut solution, LEFT_FRESH)?
+                    fresh.correct(others, &each, &mut solution, FRESH_FACTORS_TOLERANCE)?
                 }
             };
             for (other, unknowns) in others.iter_mut().zip(corrected) {
-                other.take(&unknowns, taut, i, still);
+                other.take(&unknowns, taut, i, at_rest);
             }
         }
         for (number, rod) in std::iter::once(followed).chain(others).enumerate() {
-            if still {
+            if at_rest {
                 rod.state.rates = Rates::zero(&rod.system.grid, &rod.system.masses);
             } else {
                 rod.state.rates.clone_from(&rod.stages[solved.stages.len() - 1]);
@@ -228,11 +228,11 @@ impl PerturbedRods {
 
 /// Allowed remainder as a share of the first correction: with a derivative at this solution, whose contraction hardly
 /// changes between solves, and with an older one.
-const LEFT_FRESH: f64 = 1e-5;
-const LEFT_OLD: f64 = 1e-7;
+const FRESH_FACTORS_TOLERANCE: f64 = 1e-5;
+const OLD_FACTORS_TOLERANCE: f64 = 1e-7;
 /// Non-decreasing corrections below this, in lengths of the rod, are rounding.
 const ROUNDING: f64 = 1e-13;
-const MOST_CORRECTIONS: usize = 8;
+const MAX_CORRECTIONS: usize = 8;
 /// Cost of a new derivative in corrections of one rod.
 const DERIVATIVE_COST: usize = 8;
 
@@ -248,11 +248,11 @@ impl LeaderDerivative {
         rods: &mut [Rod],
         holds: &[Vec<TendonConstraint>],
         solution: &mut LeaderSolution,
-        left: f64,
+        tolerance: f64,
     ) -> Option<Vec<Vec<f64>>> {
         self.corrections = 1;
         let each = rods.iter_mut().zip(holds).map(|(rod, holds)| {
-            let (unknowns, corrections) = rod.corrected((&self.factors, left), solution, holds)?;
+            let (unknowns, corrections) = rod.corrected(&self.factors, tolerance, solution, holds)?;
             self.corrections = self.corrections.max(corrections);
             Some(unknowns)
         });
@@ -291,7 +291,8 @@ impl Rod {
     /// nearly zero at the derivative's own solution, except for drag and rotary inertia, which the derivative omits.
     fn corrected(
         &mut self,
-        (factors, left): (&LU<f64, Dyn, Dyn>, f64),
+        factors: &LU<f64, Dyn, Dyn>,
+        tolerance: f64,
         solution: &mut LeaderSolution,
         holds: &[TendonConstraint],
     ) -> Option<(Vec<f64>, usize)> {
@@ -300,7 +301,8 @@ impl Rod {
         let &mut LeaderSolution { taut, settled, .. } = solution;
         let conditions = state.under_full_load(&system.params, (motion, tip_load), (holds, taut), settled);
         let (mut first_m, mut last_m) = (0.0, f64::NAN);
-        for done in 1..=MOST_CORRECTIONS {
+        for done in 1..=MAX_CORRECTIONS {
+            // Chord iteration: the factors stay those of the leader or of an earlier solution.
             system.evaluate(&unknowns, &conditions, &mut solver.workspace);
             let mut step = DVector::from_column_slice(&solver.workspace.residual) - &solution.residual;
             if !factors.solve_mut(&mut step) {
@@ -308,6 +310,7 @@ impl Rod {
             }
             unknowns.iter_mut().zip(step.iter()).for_each(|(x, dx)| *x -= dx);
             let size_m = system.size_of_step_m(&step.as_slice()[..system.grid.unknowns], &solver.workspace);
+            // Corrections that no longer shrink are rounding.
             let rounding = size_m > 0.3 * last_m && size_m < ROUNDING * system.params.length_m();
             if size_m == 0.0 || rounding {
                 return Some((unknowns, done));
@@ -318,7 +321,8 @@ impl Rod {
                 solution.contraction = Some(size_m / last_m);
             }
             let contraction = if done == 1 { solution.contraction.unwrap_or(1.0) } else { size_m / last_m };
-            if contraction * size_m < left * first_m {
+            // A linear iteration leaves about its contraction times the last correction.
+            if contraction * size_m < tolerance * first_m {
                 return Some((unknowns, done));
             }
             last_m = size_m;
@@ -327,12 +331,12 @@ impl Rod {
     }
 
     /// Adopts `unknowns` as the new state.
-    fn take(&mut self, unknowns: &[f64], taut: &[bool], stage: usize, still: bool) {
+    fn take(&mut self, unknowns: &[f64], taut: &[bool], stage: usize, at_rest: bool) {
         let n = self.system.grid.unknowns;
         self.state.unknowns.copy_from_slice(unknowns);
         self.state.taut.copy_from_slice(taut);
         self.state.shape.update(&self.system.grid, &self.system.sections, &unknowns[..n]);
-        if !still {
+        if !at_rest {
             self.stages[stage].read(&self.motion, &self.system.masses, &self.state.shape);
         }
     }

@@ -65,8 +65,8 @@ const PRESLIDING_SHARE: f64 = 1e-3;
 const TENSION_STEP_N: f64 = 1e-5;
 /// Refinements with tendons that have friction, whose change with the shape J neglects, and what may remain of the
 /// derivative.
-const MOST_REFINEMENTS: usize = 40;
-const LEFT: f64 = 1e-7;
+const MAX_REFINEMENTS: usize = 40;
+const REFINEMENT_TOLERANCE: f64 = 1e-7;
 
 /// The equations at a solution.
 struct Linearised<'a> {
@@ -153,19 +153,19 @@ impl Rod {
             rotation_rad: rotation::log(&(after.1 * before.1.transpose())) / (2.0 * share),
         };
         let (after, before) = (at(&change, 1.0), at(&change, -1.0));
-        let mut left = -(explicit + (after.0 - before.0) / (2.0 * share));
-        if !factors.solve_mut(&mut left) {
+        let mut remainder = -(explicit + (after.0 - before.0) / (2.0 * share));
+        if !factors.solve_mut(&mut remainder) {
             return None;
         }
         let last = derivative.variation.end_move.len() - 1;
-        let more = &left.as_slice()[..n];
+        let more = &remainder.as_slice()[..n];
         let mut tip = between(after.1, before.1);
         tip.position_m += derivative.variation.end_move[last].times(more);
         tip.rotation_rad += derivative.variation.end_turn[last].times(more);
         let points = if places_m.is_empty() {
             Vec::new()
         } else {
-            let refined = &change + &left;
+            let refined = &change + &remainder;
             let (after, before) = (at(&refined, 1.0), at(&refined, -1.0));
             after.2.into_iter().zip(before.2).map(|(after, before)| between(after, before)).collect()
         };
@@ -181,7 +181,7 @@ impl Rod {
         shifted: &mut Workspace,
     ) -> Option<()> {
         let n = self.system.grid.unknowns;
-        for _ in 0..MOST_REFINEMENTS {
+        for _ in 0..MAX_REFINEMENTS {
             let size_m = self.system.size_of_step_m(&change.as_slice()[..n], shifted);
             let share = PROBE * self.system.params.length_m() / size_m;
             let mut residual = |sign: f64| {
@@ -190,12 +190,14 @@ impl Rod {
                 self.system.evaluate(&unknowns, solution.conditions, shifted);
                 DVector::from_column_slice(&shifted.residual)
             };
-            let mut left = -(explicit + (residual(1.0) - residual(-1.0)) / (2.0 * share));
-            if !solution.factors.solve_mut(&mut left) {
+            // Iterative refinement: central differences along `change` show what the factors, an approximation,
+            // have not cancelled.
+            let mut remainder = -(explicit + (residual(1.0) - residual(-1.0)) / (2.0 * share));
+            if !solution.factors.solve_mut(&mut remainder) {
                 return None;
             }
-            *change += &left;
-            if self.system.size_of_step_m(&left.as_slice()[..n], shifted) <= LEFT * size_m {
+            *change += &remainder;
+            if self.system.size_of_step_m(&remainder.as_slice()[..n], shifted) <= REFINEMENT_TOLERANCE * size_m {
                 return Some(());
             }
         }

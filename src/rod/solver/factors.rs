@@ -7,9 +7,9 @@ use crate::rod::equations::boundary_conditions::SolveConditions;
 use crate::rod::equations::system::RodEquations;
 
 /// Factorisations kept per derivative: a few step lengths and taut sets recur.
-const MOST_FACTORS: usize = 8;
+const MAX_FACTORS: usize = 8;
 /// Broyden updates that would cancel more than this share of the previous step are not applied.
-const MOST_ACCELERATION: f64 = 0.5;
+const MAX_ACCELERATION: f64 = 0.5;
 
 impl NewtonSolver {
     /// Moves the factors for the rate and the taut set of `conditions` to the end of the list; factorises if needed.
@@ -20,7 +20,7 @@ impl NewtonSolver {
             Some(index) => self.factors.remove(index),
             None => {
                 self.factorisations += 1;
-                if self.factors.len() == MOST_FACTORS {
+                if self.factors.len() == MAX_FACTORS {
                     self.factors.remove(0);
                 }
                 let lu = self.derivative.matrix(system, conditions).lu();
@@ -42,7 +42,7 @@ impl NewtonSolver {
             let share = system.product_m2(earlier, &step) / system.product_m2(earlier, earlier);
             match steps.peek() {
                 Some(next) => step.axpy(share, next, 1.0),
-                None if share.abs() < MOST_ACCELERATION => step /= 1.0 - share,
+                None if share.abs() < MAX_ACCELERATION => step /= 1.0 - share,
                 None => (),
             }
         }

@@ -13,12 +13,12 @@ use crate::rod::equations::boundary_conditions::SolveConditions;
 use crate::rod::equations::system::RodEquations;
 
 /// Iterations per taut set before a time step fails and is shortened. Converging steps take a few, rarely twenty.
-const MOST_WITH_ONE_SET: usize = 30;
+const MAX_ITERATIONS_WITH_ONE_SET: usize = 30;
 /// Changes of the taut set during the iteration; after this many, each set is solved for first.
 const QUICK_SET_CHANGES: usize = 10;
 /// Iterations after which the axial weights of the balance are frozen.
 const HOLD_WEIGHTS_AFTER: usize = 12;
-const MOST_SET_CHANGES: usize = 30;
+const MAX_SET_CHANGES: usize = 30;
 /// Largest step, in lengths of the rod; longer ones are shortened.
 const LARGEST_STEP: f64 = 0.5;
 /// Contraction above which the derivative is recomputed.
@@ -28,7 +28,7 @@ const POOR_CONTRACTION: f64 = 0.1;
 const UNPROVEN_CONTRACTION: f64 = 0.1;
 
 /// A step at rest that is smaller than the imbalance over this stiffening factor is suspicious …
-const MOST_STIFFENING: f64 = 1e4;
+const MAX_STIFFENING: f64 = 1e4;
 /// … unless both are rounding, in lengths of the rod.
 const ROUNDING: f64 = 1e-8;
 /// Imbalance (an angle) beyond which a derivative is not reused.
@@ -63,11 +63,13 @@ impl NewtonSolver {
         let mut stale = self.kept != need;
         self.workspace.weights_held = false;
         for iteration in 0..self.max_iterations {
-            if need == DerivativeUse::Motion && iteration - set_since == MOST_WITH_ONE_SET {
+            // A time step can be shortened instead; a static solve has no such way out and goes on.
+            if need == DerivativeUse::Motion && iteration - set_since == MAX_ITERATIONS_WITH_ONE_SET {
                 break;
             }
             self.iterations += 1;
             let residual_predicted = self.residual_predicted;
+            // Weights that follow the tensions can make the iteration jump to and fro without a solution.
             let hold_weights = iteration == HOLD_WEIGHTS_AFTER;
             self.workspace.weights_held |= hold_weights;
             let fresh = stale || hold_weights;
@@ -82,7 +84,7 @@ impl NewtonSolver {
             if ripe && self.change_set(system, unknowns, (taut, conditions.holds), &step, tolerance_m) {
                 set_changes += 1;
                 set_since = iteration + 1;
-                if set_changes > MOST_SET_CHANGES {
+                if set_changes > MAX_SET_CHANGES {
                     return self.fail(SolveStatus::TendonSetUnsettled);
                 }
                 (stale, last_step) = (self.unreliable, f64::INFINITY);
@@ -92,17 +94,18 @@ impl NewtonSolver {
             }
             let contraction = if last_step.is_finite() { size / last_step } else { UNPROVEN_CONTRACTION };
             // The next error is quadratic in the step with a fresh derivative, linear with a reused one.
-            let left = if fresh { size * (size / length_m).min(1.0) } else { size * contraction.min(1.0) };
+            let remaining_m = if fresh { size * (size / length_m).min(1.0) } else { size * contraction.min(1.0) };
             if shortened {
                 self.steps.clear();
-            } else if left < tolerance_m && !residual_predicted && !self.step_is_suspicious(system, size, need) {
-                self.residual_m = left;
+            } else if remaining_m < tolerance_m && !residual_predicted && !self.step_is_suspicious(system, size, need) {
+                self.residual_m = remaining_m;
                 return SolveStatus::Converged;
             } else {
                 self.steps.push(step);
             }
+            // A poor contraction, or convergence by a predicted residual, is judged again with a fresh derivative.
             stale |= contraction > POOR_CONTRACTION && last_step.is_finite();
-            stale |= left < tolerance_m && !residual_predicted;
+            stale |= remaining_m < tolerance_m && !residual_predicted;
             last_step = size;
         }
         self.fail(SolveStatus::NotConverged)
@@ -113,7 +116,7 @@ impl NewtonSolver {
     fn step_is_suspicious(&self, system: &RodEquations, size: f64, need: DerivativeUse) -> bool {
         let length_m = system.params.length_m();
         need == DerivativeUse::Rest
-            && self.largest_imbalance(system) * length_m > MOST_STIFFENING * size + ROUNDING * length_m
+            && self.largest_imbalance(system) * length_m > MAX_STIFFENING * size + ROUNDING * length_m
     }
 
     /// The largest residual of the balance: approximately the missing angle, or the missing share of the length.

@@ -17,7 +17,7 @@ const FEW: i32 = 6;
 /// … by a factor that decays geometrically with this ratio, so that no cycle persists.
 const CALMER: f64 = 0.8;
 /// Smallest share of a correction.
-const LEAST_SHARE: f64 = 0.05;
+const MIN_SHARE: f64 = 0.05;
 
 /// The share of a correction that is applied, from the history of corrections.
 #[derive(Clone, Debug)]
@@ -45,7 +45,7 @@ impl NewtonDamping {
         });
         self.turns += i32::from(turns);
         let by = if turns { 0.5 } else { 1.0 + CALMER.powi((self.turns - FEW).max(0)) };
-        self.share = (by * self.share).clamp(LEAST_SHARE, 1.0);
+        self.share = (by * self.share).clamp(MIN_SHARE, 1.0);
         self.last = Some((step.clone(), size));
         self.share
     }

@@ -7,7 +7,7 @@ use crate::rod::equations::jacobian::Derivative;
 use crate::rod::equations::system::{RodEquations, Workspace};
 use crate::rod::params::loads::TipWrench;
 
-const MOST_ITERATIONS: usize = 150;
+const MAX_ITERATIONS: usize = 150;
 
 /// The Newton solver with its buffers and factors.
 #[derive(Clone, Debug)]
@@ -83,7 +83,7 @@ impl NewtonSolver {
             steps: Vec::new(),
             damping: NewtonDamping::new(),
             residual_m: 0.0,
-            max_iterations: MOST_ITERATIONS,
+            max_iterations: MAX_ITERATIONS,
             iterations: 0,
             derivatives: 0,
             factorisations: 0,

@@ -152,10 +152,7 @@ impl Rod {
             // A tension that is negative within the tolerance is zero.
             self.state.unknowns[n..].iter_mut().for_each(|tension| *tension = tension.max(0.0));
             let (system, state) = (&self.system, &mut self.state);
-            vectorised(
-                #[inline(always)]
-                || state.shape.update(&system.grid, &system.sections, &state.unknowns[..n]),
-            );
+            vectorised!(state.shape.update(&system.grid, &system.sections, &state.unknowns[..n]));
         }
         status
     }

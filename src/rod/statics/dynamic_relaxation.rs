@@ -12,12 +12,12 @@ use crate::rod::state::rod::Rod;
 /// Damping over stiffness of the overdamped rod, s: large enough that inertia is negligible.
 const OVERDAMPED_TIME_S: f64 = 1e4;
 /// Limits on solves and Newton iterations.
-const MOST_SOLVES: usize = 120;
-const MOST_ITERATIONS: u64 = 1000;
+const MAX_SOLVES: usize = 120;
+const MAX_ITERATIONS: u64 = 1000;
 /// Limit on iterations times cells.
-const MOST_WORK: u64 = 40_000;
+const MAX_WORK: u64 = 40_000;
 /// Newton iterations per step before a shorter one is tried.
-const MAX_ITERATIONS: usize = 25;
+const MAX_NEWTON_ITERATIONS: usize = 25;
 /// Steps in damping times: first, shortest, longest (after which the rod counts as at rest), and first under full load.
 const FIRST_STEP: f64 = 0.5;
 const SHORTEST_STEP: f64 = 1e-4;
@@ -31,7 +31,7 @@ const AT_REST: f64 = 1e-4;
 /// Share of the loads that the first step raises.
 const FIRST_SHARE: f64 = 0.1;
 /// A rod that fails below this length of backbone, or of tendon path, per relaxed length is reported as crushed.
-const NEARLY_CRUSHED: f64 = 0.05;
+const CRUSHED_TOLERANCE: f64 = 0.05;
 
 impl Rod {
     /// Follows the overdamped rod under `holds` from the present unknowns to rest while the loads rise from `share` to
@@ -39,14 +39,14 @@ impl Rod {
     pub(crate) fn relax_dynamically(&mut self, holds: &[TendonConstraint], mut share: f64) -> SolveStatus {
         let mut overdamped = self.overdamped();
         // Long rods with many cells take longer over each iteration.
-        let max_iterations = (MOST_WORK / overdamped.system.grid.cells.len().max(1) as u64).clamp(200, MOST_ITERATIONS);
+        let max_iterations = (MAX_WORK / overdamped.system.grid.cells.len().max(1) as u64).clamp(200, MAX_ITERATIONS);
         // A rod under its full load starts next to an unstable equilibrium, which longer steps would find again.
         let falling = share == 1.0;
         let effort = if falling { FALLING_EFFORT } else { 1 };
         let (mut step, mut rise) = (if falling { FALLING_STEP } else { FIRST_STEP }, FIRST_SHARE);
         let mut status = SolveStatus::NotConverged;
         let mut last_move = if falling { 0.0 } else { f64::INFINITY };
-        for _ in 0..effort * MOST_SOLVES {
+        for _ in 0..effort * MAX_SOLVES {
             let target = f64::min(share + rise, 1.0);
             let start = overdamped.state.clone();
             overdamped.motion.prepare(&start, &overdamped.system.masses, &[1.0], &[], step * OVERDAMPED_TIME_S);
@@ -103,7 +103,7 @@ impl Rod {
     }
 
     fn nearly_crushed(&self) -> bool {
-        self.least_stretch() < NEARLY_CRUSHED
+        self.least_stretch() < CRUSHED_TOLERANCE
     }
 
     /// The same rod in the same shape, overdamped.
@@ -120,7 +120,7 @@ impl Rod {
         overdamped.state.contact_memory.clone_from(&self.state.contact_memory);
         let (system, state) = (&overdamped.system, &mut overdamped.state);
         state.shape.update(&system.grid, &system.sections, &state.unknowns[..system.grid.unknowns]);
-        overdamped.solver.max_iterations = MAX_ITERATIONS;
+        overdamped.solver.max_iterations = MAX_NEWTON_ITERATIONS;
         overdamped
     }
 }

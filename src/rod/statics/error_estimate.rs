@@ -9,7 +9,7 @@ use crate::rod::equations::system::{RodEquations, Workspace};
 use crate::rod::state::rod::Rod;
 
 /// Least tendon offset as a share of the length: closer tendons shorten the rod rather than bend it.
-const LEAST_OFFSET: f64 = 0.01;
+const MIN_OFFSET: f64 = 0.01;
 /// Safety factor on the one Picard iteration, which is the first term of a series.
 const CAUTION: f64 = 15.0;
 /// The error of the two-point Gauss rule is h⁵ f⁗ / 4320; a factor of three covers products of fields.
@@ -70,7 +70,7 @@ impl RodEquations {
         };
         let length_m = self.params.length_m();
         let nearest = (0..taut.len()).filter(|&i| taut[i]).map(offset).fold(f64::INFINITY, f64::min);
-        kinks * (1.0 + length_m / nearest.max(LEAST_OFFSET * length_m))
+        kinks * (1.0 + length_m / nearest.max(MIN_OFFSET * length_m))
     }
 
     /// The strain equivalent to the imbalance at Gauss point `g`, without its polynomial part (which the last iteration
@@ -109,7 +109,7 @@ impl RodEquations {
                 let [x, y] = self.guides[g * taut.len() + i].offset_m;
                 offset = offset.max(x * x + y * y);
             }
-            bent_rad += longer.abs() / offset.sqrt().max(LEAST_OFFSET * self.params.length_m());
+            bent_rad += longer.abs() / offset.sqrt().max(MIN_OFFSET * self.params.length_m());
         }
         for (g, node) in self.grid.nodes.iter().enumerate() {
             let missing_strain = &missing_strain[g];

@@ -77,13 +77,10 @@ impl Rod {
         let unknowns = &self.state.unknowns;
         fine.evaluate(unknowns, &conditions, &mut workspace);
         let Some(mut wrench) = fine.local_balance(unknowns, &workspace) else { return f64::INFINITY };
-        vectorised(
-            #[inline(always)]
-            || {
-                workspace.shape.update_from(&fine.grid, &fine.sections, &wrench);
-                fine.balance(unknowns, &conditions, &mut workspace);
-            },
-        );
+        vectorised!({
+            workspace.shape.update_from(&fine.grid, &fine.sections, &wrench);
+            fine.balance(unknowns, &conditions, &mut workspace);
+        });
         let mut step = DVector::from_column_slice(&workspace.residual);
         if !self.solver.divide(&mut step) {
             return f64::INFINITY;
@@ -93,10 +90,7 @@ impl Rod {
         for (g, own) in wrench.iter_mut().enumerate() {
             (0..COMPONENTS).for_each(|c| own[c] -= field[c * fine.grid.nodes.len() + g]);
         }
-        vectorised(
-            #[inline(always)]
-            || workspace.shape.update_from(&fine.grid, &fine.sections, &wrench),
-        );
+        vectorised!(workspace.shape.update_from(&fine.grid, &fine.sections, &wrench));
         distance_m(&self.state.shape, &workspace.shape, self.system.params.length_m())
     }
 }

@@ -1,7 +1,7 @@
 //! Adaptive refinement of static solves: cells and polynomials are added until the estimated tip error is below the
 //! tolerance (docs/robustness.md).
 
-use crate::rod::discretisation::levels::MOST_REFINEMENTS;
+use crate::rod::discretisation::levels::MAX_REFINEMENTS;
 use crate::rod::equations::boundary_conditions::TendonConstraint;
 use crate::rod::equations::shape::distance_m;
 use crate::rod::solver::status::SolveStatus;
@@ -41,7 +41,7 @@ impl Rod {
         }
         let mut fallback = None;
         let mut status = SolveStatus::UnderResolved;
-        while self.grid_level.error_m > tolerance_m && self.grid_level.level < MOST_REFINEMENTS {
+        while self.grid_level.error_m > tolerance_m && self.grid_level.level < MAX_REFINEMENTS {
             let mut finer = self.on_grid(self.grid_level.level + 1);
             let max_iterations = std::mem::replace(&mut finer.solver.max_iterations, MAX_ITERATIONS);
             status = finer.solve_static(holds, 1.0);

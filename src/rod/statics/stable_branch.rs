@@ -40,9 +40,9 @@ const PROBE: f64 = 0.03;
 /// Deviation of the tip with which a rod leaves an unstable equilibrium, in lengths.
 const PUSH: f64 = 0.01;
 /// Elastic deflection under the imbalance, in lengths, below which both sides of an equilibrium are alike.
-const ALIKE: f64 = 1e-9;
+const SAME_SHAPE_TOLERANCE: f64 = 1e-9;
 /// Unstable equilibria that a rod may pass on its way.
-const MOST_DESCENTS: usize = 4;
+const MAX_DESCENTS: usize = 4;
 /// Energies that differ by a smaller share are equal.
 const SAME_ENERGY: f64 = 1e-7;
 
@@ -177,7 +177,7 @@ impl Rod {
     /// Where both sides of an unstable equilibrium are alike it takes the one of less energy; of two equal ones that on
     /// which the tip is nearer to +x, else +y, else +z.
     fn descend(&mut self, holds: &[TendonConstraint]) -> SolveStatus {
-        for _ in 0..MOST_DESCENTS {
+        for _ in 0..MAX_DESCENTS {
             self.seed_tensions(holds);
             self.refresh_static(holds, 1.0);
             let descents = self.tangent(holds, 0.0).descents();
@@ -207,7 +207,7 @@ impl Rod {
             fall += slope * slope;
         }
         let size_m = self.system.size_of_step_m(&combined, &self.solver.workspace);
-        (fall > 0.0 && size_m > ALIKE * self.system.params.length_m()).then_some(combined)
+        (fall > 0.0 && size_m > SAME_SHAPE_TOLERANCE * self.system.params.length_m()).then_some(combined)
     }
 
     /// Descends from the present shape on the lower side of `direction`, or where the two are alike on both.
@@ -218,7 +218,7 @@ impl Rod {
         let uphill: f64 = direction.iter().zip(&self.solver.workspace.residual).map(|(d, r)| d * r).sum();
         // The deflection of the unloaded rod under the imbalance, as a share of the push.
         let deflection = uphill / (squares * push);
-        if deflection.abs() * PUSH > ALIKE {
+        if deflection.abs() * PUSH > SAME_SHAPE_TOLERANCE {
             self.push(direction, -push * deflection.signum());
             return self.relax_dynamically(holds, 1.0);
         }

@@ -60,7 +60,7 @@ pub struct PairRow<'a> {
     /// The point, all inputs.
     pub(in crate::learn::gp) at: &'a [f64],
     /// Place in the run of the training point that the point itself is.
-    pub(in crate::learn::gp) own: Option<usize>,
+    pub(in crate::learn::gp) self_index: Option<usize>,
 }
 
 impl PairRow<'_> {

@@ -96,23 +96,17 @@ impl<F: Formula> Kernel for F {
     }
 
     fn correlations(&self, shape: &[f64], s: &mut [f64]) {
-        vectorised(
-            #[inline(always)]
-            || s.iter_mut().for_each(|s| *s = F::at(*s, shape).correlation),
-        );
+        vectorised!(s.iter_mut().for_each(|s| *s = F::at(*s, shape).correlation));
     }
 
     fn slopes(&self, shape: &[f64], s: &mut [f64], slopes: &mut [f64]) {
-        vectorised(
-            #[inline(always)]
-            || {
-                for (s, slope) in s.iter_mut().zip(slopes) {
-                    let at = F::at(*s, shape);
-                    *s = at.correlation;
-                    *slope = at.slope;
-                }
-            },
-        );
+        vectorised!({
+            for (s, slope) in s.iter_mut().zip(slopes) {
+                let at = F::at(*s, shape);
+                *s = at.correlation;
+                *slope = at.slope;
+            }
+        });
     }
 
     fn shape_slopes(&self, shape: &[f64], index: usize, s: &mut [f64]) {

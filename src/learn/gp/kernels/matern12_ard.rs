@@ -7,7 +7,7 @@ use crate::learn::simd::exp_f64;
 pub struct Matern12Ard;
 
 /// The slope is infinite at s = 0, where every squared distance that multiplies it is zero.
-const LEAST: f64 = 1e-100;
+const MIN_DISTANCE: f64 = 1e-100;
 
 impl Formula for Matern12Ard {
     const NAME: &'static str = "matern12_ard";
@@ -17,6 +17,6 @@ impl Formula for Matern12Ard {
     fn at(s: f64, _shape: &[f64]) -> At {
         let a = s.sqrt();
         let correlation = exp_f64(-a);
-        At { correlation, slope: -0.5 * correlation / a.max(LEAST) }
+        At { correlation, slope: -0.5 * correlation / a.max(MIN_DISTANCE) }
     }
 }

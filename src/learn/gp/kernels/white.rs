@@ -16,8 +16,8 @@ impl Component for White {
 
     fn values(&self, _parameters: &[f64], row: &PairRow, out: &mut [f64]) {
         out.fill(0.0);
-        if let Some(own) = row.own {
-            out[own] = 1.0;
+        if let Some(self_index) = row.self_index {
+            out[self_index] = 1.0;
         }
     }
 

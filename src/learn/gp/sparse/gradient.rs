@@ -74,7 +74,7 @@ impl SparseLikelihood<'_> {
             1.0,
             Par::Seq,
         );
-        let roots: Vec<f64> = self.diagonal.iter().map(|own| 1.0 / own.sqrt()).collect();
+        let roots: Vec<f64> = self.diagonal.iter().map(|variance| 1.0 / variance.sqrt()).collect();
         for column in out.chunks_exact_mut(n) {
             column.iter_mut().zip(&roots).for_each(|(value, root)| *value *= root);
         }
@@ -84,19 +84,19 @@ impl SparseLikelihood<'_> {
     fn diagonal_weights(&self, projected: &[f64]) -> DiagonalWeights {
         let n = self.points.n;
         // W_ii = α_i² − P_ii with P_ii = 1/Λ_i − φ_iᵀ S⁻¹ φ_i / Λ_i².
-        let mut own: Vec<f64> = vec![0.0; n];
+        let mut rate: Vec<f64> = vec![0.0; n];
         for (feature, projected) in self.features.chunks_exact(n).zip(projected.chunks_exact(n)) {
-            own.iter_mut().zip(feature).zip(projected).for_each(|((own, a), b)| *own += a * b);
+            rate.iter_mut().zip(feature).zip(projected).for_each(|((rate, a), b)| *rate += a * b);
         }
-        for (i, own) in own.iter_mut().enumerate() {
-            *own = self.alpha[i] * self.alpha[i] - (1.0 - *own) / self.diagonal[i];
+        for (i, rate) in rate.iter_mut().enumerate() {
+            *rate = self.alpha[i] * self.alpha[i] - (1.0 - *rate) / self.diagonal[i];
         }
-        let half: Vec<f64> = own.iter().map(|own| 0.5 * own).collect();
+        let half: Vec<f64> = rate.iter().map(|rate| 0.5 * rate).collect();
         if self.approximation == Approximation::Fitc {
-            let added = own.iter().map(|own| -own).collect();
+            let added = rate.iter().map(|rate| -rate).collect();
             return DiagonalWeights { added, variances: half.clone(), noises: half };
         }
-        let added: Vec<f64> = self.diagonal.iter().map(|own| 1.0 / own).collect();
+        let added: Vec<f64> = self.diagonal.iter().map(|variance| 1.0 / variance).collect();
         let variances = added.iter().map(|added| -0.5 * added).collect();
         let lost = |i: usize| 0.5 * self.missing[i] * added[i] * added[i];
         let noises = half.iter().enumerate().map(|(i, half)| half + lost(i)).collect();

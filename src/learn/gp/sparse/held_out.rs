@@ -60,13 +60,13 @@ impl<'a> SparseLikelihood<'a> {
         let mut halves = self.weighted.clone();
         self.precision_factor
             .solve_half_of(faer::MatMut::from_column_major_slice_mut(&mut halves, n, width).transpose_mut());
-        let mut own = vec![0.0; n];
+        let mut explained = vec![0.0; n];
         for column in halves.chunks_exact(n) {
-            own.iter_mut().zip(column).for_each(|(own, half)| *own += half * half);
+            explained.iter_mut().zip(column).for_each(|(explained, half)| *explained += half * half);
         }
         let bound = self.approximation == Approximation::Sgpr;
         let of = |i: usize| {
-            let variance = self.diagonal[i] / (1.0 - own[i]);
+            let variance = self.diagonal[i] / (1.0 - explained[i]);
             // The diagonal of FITC holds what inducing points do not tell; that of SGPR does not.
             (self.alpha[i] * variance, variance + if bound { self.missing[i].max(0.0) } else { 0.0 })
         };

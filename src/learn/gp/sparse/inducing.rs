@@ -5,7 +5,7 @@ use crate::learn::gp::covariance::{Covariance, TrainingPoints};
 use crate::math::vectorised;
 
 /// Share of the largest variance below which a sample tells nothing that the chosen ones do not.
-const NOTHING_NEW: f64 = 1e-10;
+const MIN_VARIANCE_SHARE: f64 = 1e-10;
 
 /// Numbers of at most `count` points: each the one whose value those chosen before leave least certain under the covariance
 /// with these hyper-parameters (Burt, Rasmussen & van der Wilk 2020, section 4.2.2). It is a Cholesky decomposition with pivoting,
@@ -19,25 +19,27 @@ pub(in crate::learn::gp) fn greedy_conditional_variance(
     let n = points.n;
     let at = CovarianceAt::new(covariance, theta);
     let prepared = at.prepare(points);
-    let mut left = vec![0.0; n];
-    at.diagonal(points, &mut left, &mut vec![0.0; n]);
-    let least = NOTHING_NEW * left.iter().fold(0.0_f64, |most, one| most.max(*one));
+    let mut remaining = vec![0.0; n];
+    at.diagonal(points, &mut remaining, &mut vec![0.0; n]);
+    let least = MIN_VARIANCE_SHARE * remaining.iter().fold(0.0_f64, |max, one| max.max(*one));
     let mut factor: Vec<f64> = Vec::with_capacity(n * count.min(n));
     let mut chosen = Vec::with_capacity(count.min(n));
     while chosen.len() < count.min(n) {
-        let next = (1..n).fold(0, |best, i| if left[i] > left[best] { i } else { best });
-        if left[next] <= least {
+        // The point that the chosen ones explain least is the next pivot.
+        let next = (1..n).fold(0, |best, i| if remaining[i] > remaining[best] { i } else { best });
+        if remaining[next] <= least {
             break;
         }
         let mut column = vec![0.0; n];
         at.row(&prepared, 0, &prepared.point(next), &mut column);
         subtract_known(&factor, next, &mut column);
-        let root = left[next].sqrt();
-        column.iter_mut().zip(&mut left).for_each(|(value, left)| {
+        let root = remaining[next].sqrt();
+        column.iter_mut().zip(&mut remaining).for_each(|(value, remaining)| {
             *value /= root;
-            *left -= *value * *value;
+            *remaining -= *value * *value;
         });
-        left[next] = 0.0;
+        // Rounding would leave a trace here, and the point could be chosen twice.
+        remaining[next] = 0.0;
         factor.extend_from_slice(&column);
         chosen.push(next);
     }
@@ -49,20 +51,17 @@ pub(in crate::learn::gp) fn greedy_conditional_variance(
 fn subtract_known(factor: &[f64], pivot: usize, column: &mut [f64]) {
     let n = column.len();
     let (fours, rest) = factor.split_at(factor.len() / (4 * n) * (4 * n));
-    vectorised(
-        #[inline(always)]
-        || {
-            for four in fours.chunks_exact(4 * n) {
-                let [a, b, c, d] = [0, 1, 2, 3].map(|k| &four[k * n..(k + 1) * n]);
-                let [wa, wb, wc, wd] = [a[pivot], b[pivot], c[pivot], d[pivot]];
-                for ((((value, a), b), c), d) in column.iter_mut().zip(a).zip(b).zip(c).zip(d) {
-                    *value -= wa * a + wb * b + wc * c + wd * d;
-                }
+    vectorised!({
+        for four in fours.chunks_exact(4 * n) {
+            let [a, b, c, d] = [0, 1, 2, 3].map(|k| &four[k * n..(k + 1) * n]);
+            let [wa, wb, wc, wd] = [a[pivot], b[pivot], c[pivot], d[pivot]];
+            for ((((value, a), b), c), d) in column.iter_mut().zip(a).zip(b).zip(c).zip(d) {
+                *value -= wa * a + wb * b + wc * c + wd * d;
             }
-            for one in rest.chunks_exact(n) {
-                let weight = one[pivot];
-                column.iter_mut().zip(one).for_each(|(value, one)| *value -= weight * one);
-            }
-        },
-    );
+        }
+        for one in rest.chunks_exact(n) {
+            let weight = one[pivot];
+            column.iter_mut().zip(one).for_each(|(value, one)| *value -= weight * one);
+        }
+    });
 }

@@ -130,20 +130,21 @@ impl<'a> SparseLikelihood<'a> {
         self.inducing_factor.solve_half_of(crossed.transpose_mut());
         at.diagonal(self.points, &mut self.missing, &mut self.diagonal);
         let noise = self.noise_variance();
-        self.diagonal.iter_mut().for_each(|own| *own += noise);
+        self.diagonal.iter_mut().for_each(|diagonal| *diagonal += noise);
         for column in self.features[..n * m].chunks_exact(n) {
             self.missing.iter_mut().zip(column).for_each(|(missing, v)| *missing -= v * v);
         }
+        // FITC adds what the inducing points do not explain to the noise; SGPR charges for it in `value`.
         if self.approximation == Approximation::Fitc {
-            self.diagonal.iter_mut().zip(&self.missing).for_each(|(own, missing)| *own += missing.max(0.0));
+            self.diagonal.iter_mut().zip(&self.missing).for_each(|(diagonal, missing)| *diagonal += missing.max(0.0));
         }
-        self.diagonal.iter().all(|own| *own > 0.0)
+        self.diagonal.iter().all(|diagonal| *diagonal > 0.0)
     }
 
     /// Fills S and its factor; false when it is not positive definite.
     fn fill_precision(&mut self) -> bool {
         let (n, m, width) = (self.points.n, self.inducing.n, self.width());
-        let roots: Vec<f64> = self.diagonal.iter().map(|own| 1.0 / own.sqrt()).collect();
+        let roots: Vec<f64> = self.diagonal.iter().map(|diagonal| 1.0 / diagonal.sqrt()).collect();
         for (weighted, column) in self.weighted.chunks_exact_mut(n).zip(self.features.chunks_exact(n)) {
             weighted.iter_mut().zip(column).zip(&roots).for_each(|((to, from), root)| *to = from * root);
         }
@@ -159,6 +160,7 @@ impl<'a> SparseLikelihood<'a> {
             1.0,
             Par::Seq,
         );
+        // The prior precision D: 1 for each inducing point; the basis of the mean has a flat prior.
         (0..m).for_each(|j| self.precision.column_mut(j)[0] += 1.0);
         self.precision_factor.clone_from(&self.precision);
         self.precision_factor.factor(&mut self.memory[1])
@@ -167,15 +169,15 @@ impl<'a> SparseLikelihood<'a> {
     /// Fills the weights of the features and `alpha`.
     fn regress(&mut self) {
         let n = self.points.n;
-        let scaled: Vec<f64> = self.y.iter().zip(&self.diagonal).map(|(y, own)| y / own).collect();
+        let scaled: Vec<f64> = self.y.iter().zip(&self.diagonal).map(|(y, diagonal)| y / diagonal).collect();
         let columns = self.features.chunks_exact(n);
         self.weights.iter_mut().zip(columns).for_each(|(weight, column)| *weight = dot(column, &scaled));
         self.precision_factor.solve(&mut self.weights, &mut self.memory[1]);
         self.alpha.copy_from_slice(self.y);
         for (weight, column) in self.weights.iter().zip(self.features.chunks_exact(n)) {
-            self.alpha.iter_mut().zip(column).for_each(|(left, feature)| *left -= weight * feature);
+            self.alpha.iter_mut().zip(column).for_each(|(alpha, feature)| *alpha -= weight * feature);
         }
-        self.alpha.iter_mut().zip(&self.diagonal).for_each(|(left, own)| *left /= own);
+        self.alpha.iter_mut().zip(&self.diagonal).for_each(|(alpha, diagonal)| *alpha /= diagonal);
     }
 }
 
@@ -191,16 +193,18 @@ impl Objective for SparseLikelihood<'_> {
         self.regress();
         let (n, m) = (self.points.n, self.inducing.n);
         // yᵀ (Q + Λ)⁻¹ y as residuals and weights: no difference of large numbers.
-        let residuals: f64 = self.alpha.iter().zip(&self.diagonal).map(|(alpha, own)| alpha * alpha * own).sum();
+        let residuals: f64 =
+            self.alpha.iter().zip(&self.diagonal).map(|(alpha, diagonal)| alpha * alpha * diagonal).sum();
         let weights: f64 = self.weights[..m].iter().map(|weight| weight * weight).sum();
-        let logarithms: f64 = self.diagonal.iter().map(|own| own.ln()).sum();
+        let logarithms: f64 = self.diagonal.iter().map(|diagonal| diagonal.ln()).sum();
         let degrees = (n - self.basis.len()) as f64;
         let size = degrees * (2.0 * std::f64::consts::PI).ln();
         let likelihood = 0.5 * (residuals + weights + logarithms + size) + self.precision_factor.half_log_determinant();
         if self.approximation == Approximation::Fitc {
             return likelihood;
         }
-        let lost: f64 = self.missing.iter().zip(&self.diagonal).map(|(missing, own)| missing / own).sum();
+        // The trace term of the variational bound of SGPR.
+        let lost: f64 = self.missing.iter().zip(&self.diagonal).map(|(missing, diagonal)| missing / diagonal).sum();
         likelihood + 0.5 * lost
     }
 

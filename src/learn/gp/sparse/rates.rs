@@ -38,10 +38,7 @@ impl<'a> CovarianceAt<'a> {
                 let signal = layout.signal_variance(theta);
                 points.squared_distances(from, |d| centre[d], out);
                 kernel.correlations(&layout.shape(theta), out);
-                vectorised(
-                    #[inline(always)]
-                    || out.iter_mut().for_each(|value| *value *= signal),
-                );
+                vectorised!(out.iter_mut().for_each(|value| *value *= signal));
             }
             CovarianceAt::Composite { composite, natural } => composite.row(natural, points, (from, None), centre, out),
         }
@@ -57,10 +54,10 @@ impl<'a> CovarianceAt<'a> {
             CovarianceAt::Composite { composite, natural } => {
                 for i in 0..points.n {
                     let at = points.point(i);
-                    let mut own = [0.0];
-                    composite.row(natural, points, (i, Some(0)), &at, &mut own);
+                    let mut noisy_variance = [0.0];
+                    composite.row(natural, points, (i, Some(0)), &at, &mut noisy_variance);
                     variances[i] = composite.variance(natural, &at);
-                    noises[i] = own[0] - variances[i];
+                    noises[i] = noisy_variance[0] - variances[i];
                 }
             }
         }
@@ -110,10 +107,11 @@ impl<'a> CovarianceAt<'a> {
                     let of_variance = composite.row_rates(natural, &one, (0, None), &at);
                     let with_noise = composite.row_rates(natural, &one, (0, Some(0)), &at);
                     for (k, out) in out.iter_mut().enumerate().take(composite.len()) {
-                        let (mut variance, mut own) = ([0.0], [0.0]);
+                        let (mut variance, mut noisy_variance) = ([0.0], [0.0]);
                         composite.rate(natural, &of_variance, k, &mut variance);
-                        composite.rate(natural, &with_noise, k, &mut own);
-                        *out += variance_weights[i] * variance[0] + noise_weights[i] * (own[0] - variance[0]);
+                        composite.rate(natural, &with_noise, k, &mut noisy_variance);
+                        *out +=
+                            variance_weights[i] * variance[0] + noise_weights[i] * (noisy_variance[0] - variance[0]);
                     }
                 }
             }
@@ -141,14 +139,11 @@ fn add_stationary(
         out[1 + lengths + k] += signal * dot(weights, &slope);
     }
     kernel.slopes(&shape, &mut s, &mut slope);
-    vectorised(
-        #[inline(always)]
-        || {
-            out[0] += signal * dot(weights, &s);
-            weights.iter_mut().zip(&slope).for_each(|(weight, slope)| *weight *= slope);
-            for d in 0..inputs {
-                out[1 + d.min(lengths - 1)] -= 2.0 * signal * points.weighted_squares(d, from, weights, centre[d]);
-            }
-        },
-    );
+    vectorised!({
+        out[0] += signal * dot(weights, &s);
+        weights.iter_mut().zip(&slope).for_each(|(weight, slope)| *weight *= slope);
+        for d in 0..inputs {
+            out[1 + d.min(lengths - 1)] -= 2.0 * signal * points.weighted_squares(d, from, weights, centre[d]);
+        }
+    });
 }

@@ -37,12 +37,13 @@ pub(in crate::learn::gp) fn search(
         start.value(&theta);
         let likelihood = SparseLikelihood::new(kind, covariance.clone(), points, y, &inducing)
             .with_information(start.information(), points.n as f64 / rows as f64);
-        let found = minimise(&mut SearchObjective::new(likelihood), &to_search_coordinates(&lengths, &theta), &limits);
-        evaluations += found.evaluations;
-        if !found.value.is_finite() {
+        let minimum =
+            minimise(&mut SearchObjective::new(likelihood), &to_search_coordinates(&lengths, &theta), &limits);
+        evaluations += minimum.evaluations;
+        if !minimum.value.is_finite() {
             return None;
         }
-        theta = from_search_coordinates(&lengths, &found.x);
+        theta = from_search_coordinates(&lengths, &minimum.x);
     }
     Some(FittedHyperparameters { theta, evaluations })
 }

@@ -1,6 +1,6 @@
 //! Elman 1990: `h' = tanh(W_x x + W_h h + b)`.
 
-use super::{Backward, Forward, HiddenUnit, MOST_KEPT, MOST_SUMS, Past, WeightedSum};
+use super::{Backward, Forward, HiddenUnit, MAX_KEPT, MAX_SUMS, Past, WeightedSum};
 use crate::learn::simd::Real;
 
 pub(super) struct Elman;
@@ -9,13 +9,13 @@ impl HiddenUnit for Elman {
     const SUMS: &'static [WeightedSum] = &[WeightedSum::BOTH];
 
     #[inline(always)]
-    fn forward<T: Real>(sums: &[T; MOST_SUMS], _: T, _: T) -> Forward<T> {
-        Forward { value: sums[0].tanh_fast(), memory: T::default(), kept: [T::default(); MOST_KEPT] }
+    fn forward<T: Real>(sums: &[T; MAX_SUMS], _: T, _: T) -> Forward<T> {
+        Forward { value: sums[0].tanh_fast(), memory: T::default(), kept: [T::default(); MAX_KEPT] }
     }
 
     #[inline(always)]
     fn backward<T: Real>(past: &Past<T>) -> Backward<T> {
-        let mut d_sums = [T::default(); MOST_SUMS];
+        let mut d_sums = [T::default(); MAX_SUMS];
         d_sums[0] = past.d_value * (-past.value).fma(past.value, T::of(1.0));
         Backward { d_sums, d_value_before: T::default(), d_memory_before: T::default() }
     }

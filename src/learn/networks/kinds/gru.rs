@@ -4,7 +4,7 @@
 //! `r = σ(W_r x + U_r h + b_r)`, `z = σ(W_z x + U_z h + b_z)`, `n = tanh(W_n x + b_n + r ⊙ (U_n h + c_n))`,
 //! `h' = (1 − z) ⊙ n + z ⊙ h`.
 
-use super::{Backward, Forward, HiddenUnit, MOST_SUMS, Past, WeightedSum, sigmoid};
+use super::{Backward, Forward, HiddenUnit, MAX_SUMS, Past, WeightedSum, sigmoid};
 use crate::learn::simd::Real;
 
 pub(super) struct Gru;
@@ -17,7 +17,7 @@ impl HiddenUnit for Gru {
     const CARRIES: bool = true;
 
     #[inline(always)]
-    fn forward<T: Real>(sums: &[T; MOST_SUMS], value_before: T, _: T) -> Forward<T> {
+    fn forward<T: Real>(sums: &[T; MAX_SUMS], value_before: T, _: T) -> Forward<T> {
         let [reset, update] = [sigmoid(sums[0]), sigmoid(sums[1])];
         let from_state = sums[3];
         let candidate = reset.fma(from_state, sums[2]).tanh_fast();

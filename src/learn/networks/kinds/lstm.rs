@@ -2,7 +2,7 @@
 //!
 //! `i, f, o = σ(W x + U h + b)`, `g = tanh(W_g x + U_g h + b_g)`, `c' = f ⊙ c + i ⊙ g`, `h' = o ⊙ tanh(c')`.
 
-use super::{Backward, Forward, HiddenUnit, MOST_SUMS, Past, WeightedSum, sigmoid};
+use super::{Backward, Forward, HiddenUnit, MAX_SUMS, Past, WeightedSum, sigmoid};
 use crate::learn::simd::Real;
 
 pub(super) struct Lstm;
@@ -14,7 +14,7 @@ impl HiddenUnit for Lstm {
     const MEMORY: bool = true;
 
     #[inline(always)]
-    fn forward<T: Real>(sums: &[T; MOST_SUMS], _: T, memory_before: T) -> Forward<T> {
+    fn forward<T: Real>(sums: &[T; MAX_SUMS], _: T, memory_before: T) -> Forward<T> {
         let [input, forget, output] = [sigmoid(sums[0]), sigmoid(sums[1]), sigmoid(sums[3])];
         let candidate = sums[2].tanh_fast();
         let memory = forget.fma(memory_before, input * candidate);

@@ -9,10 +9,10 @@ use super::weights::Weights;
 use crate::learn::simd::Real;
 
 /// Most sums of a unit.
-pub(super) const MOST_SUMS: usize = 4;
+pub(super) const MAX_SUMS: usize = 4;
 
 /// Most numbers that a unit keeps for the way back.
-pub(super) const MOST_KEPT: usize = 5;
+pub(super) const MAX_KEPT: usize = 5;
 
 /// A weighted sum that a unit takes, with a bias of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,7 +36,7 @@ pub(super) struct Forward<T> {
     /// Its memory, where the kind has one.
     pub(super) memory: T,
     /// What [`HiddenUnit::backward`] wants to see again.
-    pub(super) kept: [T; MOST_KEPT],
+    pub(super) kept: [T; MAX_KEPT],
 }
 
 /// What [`HiddenUnit::backward`] starts from.
@@ -48,7 +48,7 @@ pub(super) struct Past<T> {
     /// Its memory before.
     pub(super) memory_before: T,
     /// What the step kept.
-    pub(super) kept: [T; MOST_KEPT],
+    pub(super) kept: [T; MAX_KEPT],
     /// ∂loss/∂value after the step.
     pub(super) d_value: T,
     /// ∂loss/∂memory after the step, by way of later steps.
@@ -58,7 +58,7 @@ pub(super) struct Past<T> {
 /// Derivatives of the loss with respect to what a step started from.
 pub(super) struct Backward<T> {
     /// With respect to the sums.
-    pub(super) d_sums: [T; MOST_SUMS],
+    pub(super) d_sums: [T; MAX_SUMS],
     /// With respect to the value before, not by way of the sums.
     pub(super) d_value_before: T,
     /// With respect to the memory before.
@@ -67,9 +67,9 @@ pub(super) struct Backward<T> {
 
 /// The formulas of a hidden unit.
 pub(super) trait HiddenUnit {
-    /// Its sums, at most [`MOST_SUMS`].
+    /// Its sums, at most [`MAX_SUMS`].
     const SUMS: &'static [WeightedSum];
-    /// How many numbers it keeps for the way back, at most [`MOST_KEPT`].
+    /// How many numbers it keeps for the way back, at most [`MAX_KEPT`].
     const KEPT: usize = 0;
     /// Whether it has a memory beside its value.
     const MEMORY: bool = false;
@@ -77,7 +77,7 @@ pub(super) trait HiddenUnit {
     const CARRIES: bool = false;
 
     /// One step.
-    fn forward<T: Real>(sums: &[T; MOST_SUMS], value_before: T, memory_before: T) -> Forward<T>;
+    fn forward<T: Real>(sums: &[T; MAX_SUMS], value_before: T, memory_before: T) -> Forward<T>;
 
     /// Its derivatives.
     fn backward<T: Real>(past: &Past<T>) -> Backward<T>;
