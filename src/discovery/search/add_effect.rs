@@ -58,7 +58,8 @@ impl FitProblem<'_> {
             let jacobian = if self.candidates[prediction.member.candidate].is_scanned() {
                 coarse.differentiate(&begun)?
             } else {
-                let known = coarse.known_jacobian(&start, &prediction.member, &sensitivities[prediction.sensitivity]);
+                let known =
+                    coarse.extended_jacobian(&start, &prediction.member, &sensitivities[prediction.sensitivity]);
                 if start.members.is_empty() { known } else { coarse.with_fresh_sizes(&begun, known) }
             };
             let fitted = coarse.rough_fit(begun, jacobian, wanted)?;
@@ -71,7 +72,7 @@ impl FitProblem<'_> {
     }
 
     /// Approximate Jacobian of `base` with `member`: that of the fit, extended by the sensitivity.
-    pub(crate) fn known_jacobian(
+    pub(crate) fn extended_jacobian(
         &self,
         base: &FittedSet,
         member: &SetMember,

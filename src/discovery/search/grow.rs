@@ -23,11 +23,6 @@ impl FitProblem<'_> {
 }
 
 impl Search<'_> {
-    /// Greedy search from the empty set.
-    pub(crate) fn greedy(&mut self) -> ScoredSet {
-        self.grow(self.null.clone())
-    }
-
     /// Grows `best` as long as an added effect is worth adding.
     pub(crate) fn grow(&mut self, mut best: ScoredSet) -> ScoredSet {
         // The best set of the other branches.
