@@ -1,6 +1,7 @@
 //! The discovery problem: the model, its samples, its candidates and its nuisance parameters.
 
 use super::error::DiscoveryError;
+use super::fit::baseline::SimulatedRecording;
 use super::fit::candidate::{CandidateEffect, SetMember, catalogue_candidates};
 use super::fit::gauss_newton::FitProblem;
 use super::fit::nuisance::{NuisanceColumn, Nuisances};
@@ -217,7 +218,11 @@ impl Baseline {
             }
         }
         let SimulatedBaseline { simulated_m, columns } = simulated;
-        let nuisances = baseline::baseline_nuisances((&samples, &simulated_m, &columns));
+        let nuisances = baseline::baseline_nuisances(SimulatedRecording {
+            samples: &samples,
+            simulated_m: &simulated_m,
+            columns: &columns,
+        });
         let form = ModelForm::new(&samples, &simulated_m, &nuisances);
         Ok(Baseline { samples, starts, simulated_m, columns, form, factors })
     }
@@ -244,8 +249,8 @@ fn nuisances(
     match base {
         None => Nuisances::independent(simulated_m.len(), uncertain),
         Some(base) => baseline::calibrated_nuisances(
-            (&base.samples, &base.simulated_m, &base.columns),
-            (samples, simulated_m, uncertain),
+            SimulatedRecording { samples: &base.samples, simulated_m: &base.simulated_m, columns: &base.columns },
+            SimulatedRecording { samples, simulated_m, columns: uncertain },
         ),
     }
 }

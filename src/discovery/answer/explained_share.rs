@@ -44,7 +44,7 @@ impl Problem<'_> {
         let added = effect_specs(&self.candidates, &answer.members)?;
         let simulated_m = simulate::tips(&self.model, &added, &self.held_out)?;
         let nuisances = self.nuisances_with(&[], &self.held_out, &self.held_out_simulated_m);
-        let before = squares_m2(&nuisances.left_by_prior(&self.held_out.residual(&self.held_out_simulated_m)));
+        let before = squares_m2(&nuisances.residual_by_prior(&self.held_out.residual(&self.held_out_simulated_m)));
         let after = squares_m2(&self.explain_held_out(fit_problem, answer, &simulated_m)?.residual_m);
         let yardstick = match &self.base {
             Some(base) => squares_m2(&base.form.unseen_m),

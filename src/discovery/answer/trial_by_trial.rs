@@ -55,7 +55,7 @@ impl Problem<'_> {
         let base = self.base.as_ref().filter(|_| self.model_form_m > 0.0)?;
         let fit_problem = self.fit_problem();
         // 1. The amplitude of each leading effect in every trial, beside the baseline's.
-        let residual_m = self.nuisances.left_by_prior(&self.training.residual(&self.simulated_m));
+        let residual_m = self.nuisances.residual_by_prior(&self.training.residual(&self.simulated_m));
         let judged: Vec<Judged> = leading_singles(search)
             .into_iter()
             .filter_map(|scored| {
