@@ -30,7 +30,7 @@ use crate::effects::Model;
 
 use mistakes::excluded_rows::PreparedRecording;
 use mistakes::mislabelled;
-use stages::Stages;
+use stages::DiscoveryStages;
 use steps::step;
 
 pub use answer::Discovery;
@@ -58,7 +58,7 @@ pub fn discover(
     step("checking the recording");
     let measured = &PreparedRecording::new(model, measured, options);
     let baseline = baseline.map(|baseline| PreparedRecording::new(model, baseline, options).in_step(model, options));
-    let stages = Stages { model, measured, baseline: baseline.as_ref(), options };
+    let stages = DiscoveryStages { model, measured, baseline: baseline.as_ref(), options };
     let evidence = match mislabelled::find(model, measured, options) {
         None => stages.search()?,
         Some(mistake) if !stages.doubts(&mistake) => stages.mistaken(mistake)?,

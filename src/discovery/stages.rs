@@ -24,7 +24,7 @@ const CLOCK_TOLERANCE_S: f64 = 2e-3;
 const LATER_START_SIGMA: f64 = 1.5;
 
 /// The stages, with what they have in common.
-pub(super) struct Stages<'a> {
+pub(super) struct DiscoveryStages<'a> {
     /// The model as given.
     pub(super) model: &'a Model,
     pub(super) measured: &'a PreparedRecording<'a>,
@@ -44,7 +44,7 @@ struct ScoredOffset {
     score: f64,
 }
 
-impl<'a> Stages<'a> {
+impl<'a> DiscoveryStages<'a> {
     /// Whether effects may explain more than the `mistake`: with it, the recording fits far worse than the baseline,
     /// which was recorded in the same set-up.
     pub(super) fn doubts(&self, mistake: &Mistake) -> bool {

@@ -81,6 +81,7 @@ impl Ar1Noise {
         let correlation = correlation(samples, residual).clamp(0.0, MAX_CORRELATION);
         let unit = Ar1Noise { sigma_m: [1.0; 3], correlation };
         let white = unit.whiten(samples, residual);
+        // Whitened values are independent, so their mean square is the variance.
         let remaining_freedom = (samples.len() as f64 - freedom / 3.0).max(1.0);
         let sigma = |axis: usize| {
             let sum: f64 = white.iter().skip(axis).step_by(3).map(|w| w * w).sum();

@@ -15,6 +15,7 @@ pub(crate) fn left_out_errors_m(fit_problem: &FitProblem, fitted: &FittedSet) ->
     let residual = DVector::from_vec(noise.whiten(samples, &fitted.nuisance_fit.residual_m));
     let normal = fit_problem.nuisances.information(&white);
     let length_m = fit_problem.model.robot.backbone.length_m;
+    // First order: the optimum without the equations of one trial, from the normal equations of all.
     let one = |range: std::ops::Range<usize>| -> f64 {
         let (start, count) = (3 * range.start, 3 * range.len());
         let in_trial = white.rows(start, count);

@@ -22,6 +22,7 @@ pub(crate) fn levene_test(samples: &Samples, nuisance_fit: &NuisanceFit) -> Test
         between += in_trial.len() as f64 * (usual - all).powi(2);
         within += in_trial.iter().map(|distance| (distance - usual).powi(2)).sum::<f64>();
     }
+    // Analysis of variance of the distances: between trials over within trials.
     let groups = ranges.len() as f64;
     // Correlated samples count for fewer.
     let independent = nuisance_fit.noise.independent(samples.len());

@@ -40,6 +40,7 @@ pub(crate) fn score_test(
     pull.rows_mut(0, nuisances.columns.ncols()).fill(0.0);
     let residual = &residual - &free * factor.solve(&pull);
     let scores = sensitivities.tr_mul(&residual);
+    // The score statistic in the directions that the free parameters leave determined.
     let directions = SymmetricEigen::new(sensitivities.tr_mul(&beyond));
     let min_variance = MIN_DIRECTION_SHARE * directions.eigenvalues.max().max(1.0);
     let (mut explained, mut count) = (0.0, 0);

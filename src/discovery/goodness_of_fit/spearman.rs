@@ -16,6 +16,7 @@ pub(crate) fn spearman_test(nuisance_fit: &NuisanceFit, moved: &[f64]) -> TestRe
     let (residual_m, moved_m) = (distances_m(&nuisance_fit.residual_m), distances_m(moved));
     let mut order: Vec<usize> = (0..residual_m.len()).collect();
     order.sort_by(|&a, &b| moved_m[a].total_cmp(&moved_m[b]));
+    // The size of what grows: the squares of the outer thirds.
     let third = (order.len() / 3).max(1);
     let square_m2 = |rows: &[usize]| mean(&rows.iter().map(|&row| residual_m[row].powi(2)).collect::<Vec<f64>>());
     let (smallest, largest) = (square_m2(&order[..third]), square_m2(&order[order.len() - third..]));

@@ -44,23 +44,27 @@ pub(crate) struct ClockOffset {
 /// The offset of `measured` if tips move before their commands do.
 pub(crate) fn find(model: &Model, measured: &Recording, options: &Options) -> Option<ClockOffset> {
     let scan = TimeScan::new(&coarse_model(model, options), measured).filter(|scan| scan.len() >= MIN_ROWS)?;
+    // 1. The squares at every offset, each after a fit that follows the commands.
     let part_s = scan.step_s / PARTS_PER_STEP as f64;
     let squares = |offset_s: f64| scan.fit(offset_s, false).map(|fit| fit.squares_m2);
     let each: Vec<f64> =
         (0..=MAX_STEPS * PARTS_PER_STEP).map(|part| squares(part as f64 * part_s)).collect::<Option<_>>()?;
     let best = (0..each.len()).min_by(|a, b| each[*a].total_cmp(&each[*b]))?;
+    // 2. Only a clear minimum inside the range is a clock: an effect that slows the robot does not lead its commands.
     if best == 0 || best + 1 == each.len() || scan.fit(0.0, true)?.squares_m2 < MIN_RATIO * each[best] {
         return None;
     }
+    // 3. Refine the minimum.
     let around = [best - 1, best + 1].map(|part| part as f64 * part_s);
     let offset_s = golden_section(around, &|offset_s| squares(offset_s).unwrap_or(f64::INFINITY));
     let fit = scan.fit(offset_s, false)?;
-    // The squares grow as a parabola around the least; correlated residuals count for less.
+    // 4. The squares grow as a parabola around the least; correlated residuals count for less.
     let rises_m2 = [-part_s, part_s].map(|step_s| squares(offset_s + step_s).unwrap_or(f64::INFINITY) - fit.squares_m2);
     let curvature = (rises_m2[0] + rises_m2[1]) / (part_s * part_s);
     let correlation = fit.correlation.clamp(0.0, 0.9);
     let variance_m2 = fit.squares_m2 / (3 * scan.len()) as f64 * (1.0 + correlation) / (1.0 - correlation);
     let half_s = (2.0 * CHI_SQUARED_95 * variance_m2 / curvature.max(f64::MIN_POSITIVE)).sqrt().hypot(2.0 * LAG_BIAS_S);
+    // 5. An offset of one step is a log that holds command and tip of the same moment.
     let is_one_step = (offset_s - scan.step_s).abs() < half_s.max(ONE_STEP_TOLERANCE * scan.step_s);
     let offset_s = if is_one_step { scan.step_s } else { offset_s };
     Some(ClockOffset { offset_s, interval_95: [offset_s - half_s, offset_s + half_s], is_one_step })

@@ -49,16 +49,16 @@ impl Mistake {
 }
 
 /// A change of a recording that undoes a mistake.
-struct Change<F: ?Sized> {
+struct RecordingFix<F: ?Sized> {
     /// The mistake; empty for no change.
     mistake: String,
     apply: Box<F>,
 }
 
 /// A change of one row of commands, or of the tip.
-type RowChange = dyn Fn(&[f64]) -> Vec<f64>;
-type CommandChange = Change<RowChange>;
-type TipChange = Change<dyn Fn(&Point3) -> Point3>;
+type RowFix = dyn Fn(&[f64]) -> Vec<f64>;
+type CommandFix = RecordingFix<RowFix>;
+type TipFix = RecordingFix<dyn Fn(&Point3) -> Point3>;
 
 /// A changed recording that fits the model.
 struct Hypothesis {
@@ -137,7 +137,7 @@ fn motion_m(points: impl Iterator<Item = Point3> + Clone) -> f64 {
     rms_m(&away)
 }
 
-fn with_commands(samples: &Samples, change: &CommandChange) -> Samples {
+fn with_commands(samples: &Samples, change: &CommandFix) -> Samples {
     let mut changed = samples.clone();
     for trial in &mut changed.trials {
         let mut commands = Rows::new(trial.commands.width());
@@ -150,8 +150,8 @@ fn with_commands(samples: &Samples, change: &CommandChange) -> Samples {
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// No change, every turn and mirror that exchanges axes, and other units.
-fn tip_changes(base_m: Point3) -> Vec<TipChange> {
-    let mut changes = vec![TipChange { mistake: String::new(), apply: Box::new(|tip| *tip) }];
+fn tip_changes(base_m: Point3) -> Vec<TipFix> {
+    let mut changes = vec![TipFix { mistake: String::new(), apply: Box::new(|tip| *tip) }];
     for order in [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]] {
         for signs in 0..8_u8 {
             let sign: [f64; 3] = std::array::from_fn(|axis| if signs >> axis & 1 == 1 { -1.0 } else { 1.0 });
@@ -161,14 +161,14 @@ fn tip_changes(base_m: Point3) -> Vec<TipChange> {
             let change = move |tip: &Point3| -> Point3 {
                 std::array::from_fn(|axis| base_m[axis] + sign[axis] * (tip[order[axis]] - base_m[order[axis]]))
             };
-            changes.push(TipChange { mistake: axes_text(order, sign), apply: Box::new(change) });
+            changes.push(TipFix { mistake: axes_text(order, sign), apply: Box::new(change) });
         }
     }
     for (unit, factor) in
         [("millimetres", 1e-3), ("centimetres", 1e-2), ("thousands of metres", 1e3), ("hundreds of metres", 1e2)]
     {
         let mistake = format!("the tip is in {unit} instead of metres");
-        changes.push(TipChange { mistake, apply: Box::new(move |tip| tip.map(|x| factor * x)) });
+        changes.push(TipFix { mistake, apply: Box::new(move |tip| tip.map(|x| factor * x)) });
     }
     changes
 }
@@ -192,11 +192,11 @@ fn axes_text(order: [usize; 3], sign: [f64; 3]) -> String {
 }
 
 /// No change, other orders and signs of the tendons, and other units.
-fn command_changes(measured: &Recording) -> Vec<CommandChange> {
+fn command_changes(measured: &Recording) -> Vec<CommandFix> {
     let width = measured.tendons();
-    let mut changes = vec![CommandChange { mistake: String::new(), apply: Box::new(<[f64]>::to_vec) }];
-    let mut push = |mistake: String, apply: Box<RowChange>| {
-        changes.push(CommandChange { mistake, apply });
+    let mut changes = vec![CommandFix { mistake: String::new(), apply: Box::new(<[f64]>::to_vec) }];
+    let mut push = |mistake: String, apply: Box<RowFix>| {
+        changes.push(CommandFix { mistake, apply });
     };
     for order in orders(width) {
         push(order_text(&order), Box::new(move |row| order.iter().map(|&tendon| row[tendon]).collect()));

@@ -31,6 +31,7 @@ pub(crate) fn estimate_nugget(
         return None;
     }
     let moved = moved(&sample_covariates(samples, simulated_m), &pairs);
+    // Regress half squared differences on how far the tip moved: the intercept is the noise.
     let inverse = (moved.transpose() * &moved).try_inverse()?;
     let line = |axis: usize| -> (f64, f64) {
         let at = |row: usize| nuisance_fit.residual_m[3 * row + axis];

@@ -29,6 +29,7 @@ impl Search<'_> {
         } else {
             (first.gain - (GAIN_TOLERANCE_SHARE * first.gain).max(GAIN_TOLERANCE), MAX_FITS)
         };
+        // The linear prediction is trusted to order candidates, not to tell their gain.
         let promising: Vec<&LinearPrediction> =
             predictions.iter().take(max_fits).filter(|prediction| prediction.gain >= min_gain).collect();
         let mut rough = self.fit_problem.rough_additions(base, &promising, &self.sensitivities, min_score);

@@ -17,6 +17,7 @@ impl Search<'_> {
         if !self.is_exhaustive(base) {
             predictions.retain(|prediction| self.fit_problem.is_worth_fitting(prediction, &base.fitted, &limits));
         }
+        // Sets that were fitted on another way count as well.
         let rough = self.fit_additions(base, &predictions, min_score).into_iter().filter(|fit| !fit.exact);
         let mut fits: Vec<ScoredSet> = rough.chain(self.supersets(base).cloned()).collect();
         fits.retain(|next| next.score >= min_score);

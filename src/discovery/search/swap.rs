@@ -15,6 +15,7 @@ impl Search<'_> {
         let larger = self.supersets(best).filter(|larger| larger.score > best.score);
         let larger = larger.max_by(|a, b| a.score.total_cmp(&b.score)).cloned()?;
         let old = |&out: &usize| members.contains(&larger.fitted.members[out].candidate);
+        // Only the members that it began with: the new one is what made it better.
         let fewer: Vec<ScoredSet> =
             (0..=members.len()).filter(old).filter_map(|out| self.remove(&larger, out)).collect();
         fewer.into_iter().filter(|fewer| fewer.score > best.score).max_by(|a, b| a.score.total_cmp(&b.score))
