@@ -11,7 +11,9 @@ use std::time::Instant;
 use pyo3::prelude::*;
 use spinebench::calibration::{AUTO, CalibrationOptions, ErrorLaw, HoldOut, calibrate};
 use spinebench::data::{Recording, tables};
-use spinebench::discovery::{Options, discover, telling_steps};
+use spinebench::discovery::{
+    Discovery, Options, Question, Round, RoundsError, discover_until_named, with_step_listener,
+};
 use spinebench::runner::{self, Campaign, Progress, RunFacts, RunOptions, Store, Style};
 use spinebench::specs::{ExperimentSet, read_options};
 use spinebench::tasks::{SimulationOptions, read_commands, read_to_calibrate, read_to_explain, simulate_recording};
@@ -113,26 +115,46 @@ pub(crate) fn _calibrate(
     })
 }
 
-/// Finds what a model lacks; returns the extended model, the findings as JSON, residuals and residual map as CSV.
-#[pyfunction]
-pub(crate) fn _discover(
-    py: Python<'_>,
-    model: &PyModel,
+/// An answer for Python: the extended model, the findings as JSON, residuals and residual map as CSV.
+type WrittenDiscovery = (PyModel, String, Vec<u8>, Vec<u8>);
+
+fn written(answer: &Discovery) -> Result<WrittenDiscovery, Fault> {
+    let residuals = tables::to_csv(Path::new("residuals.csv"), &answer.residuals)?;
+    let places = tables::to_csv(Path::new("disagreement.csv"), &answer.places)?;
+    Ok((PyModel(answer.model.clone().into()), json(&answer.findings)?, residuals, places))
+}
+
+/// What a discovery is asked.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct DiscoverArguments {
     measured: Vec<PathBuf>,
     baseline: Option<PathBuf>,
     options: Option<PathBuf>,
     leave_out: Vec<String>,
     at_rest: bool,
-) -> PyResult<(PyModel, String, Vec<u8>, Vec<u8>)> {
+    max_rounds: usize,
+}
+
+/// Finds what a model lacks. While the answer is ambiguous, `record` gets it with the commands of its proposals as CSV and
+/// returns the file of a new recording, or None. Returns the answer of each round.
+#[pyfunction]
+pub(crate) fn _discover(
+    py: Python<'_>,
+    model: &PyModel,
+    arguments: DiscoverArguments,
+    record: Option<Py<PyAny>>,
+) -> PyResult<Vec<WrittenDiscovery>> {
     let model = model.clone();
     long(py, move |stop| {
+        let DiscoverArguments { measured, baseline, options, leave_out, at_rest, max_rounds } = arguments;
         let mut settings = options.as_deref().map_or_else(|| Ok(Options::default()), read_options)?;
         settings.left_out.extend(leave_out);
         settings.at_rest |= at_rest;
-        let parts: Vec<Recording> =
-            measured.iter().map(|file| read_to_explain(file, &model.0, settings.at_rest)).collect::<Result<_, _>>()?;
+        let read = |file: &PathBuf| read_to_explain(file, &model.0, settings.at_rest);
+        let parts: Vec<Recording> = measured.iter().map(read).collect::<Result<_, _>>()?;
         let whole = Recording::joined(&parts).map_err(|error| about(&measured[error.index], &error))?;
-        let baseline = baseline.map(|file| read_to_explain(&file, &model.0, settings.at_rest)).transpose()?;
+        let baseline = baseline.as_ref().map(read).transpose()?;
         let stop = stop.clone();
         // A search that nobody waits for ends at its next step.
         let step = move |_: &str| {
@@ -140,12 +162,27 @@ pub(crate) fn _discover(
                 resume_unwind(Box::new("interrupted"));
             }
         };
-        let found = telling_steps(step, || discover(&model.0, &whole, baseline.as_ref(), &settings));
-        let found = found.map_err(|error| about(&measured[0], error))?;
-        let residuals = tables::to_csv(Path::new("residuals.csv"), &found.residuals)?;
-        let places = tables::to_csv(Path::new("disagreement.csv"), &found.places)?;
-        Ok((PyModel(found.model.into()), json(&found.findings)?, residuals, places))
-    })
+        let ask = |round: &Round| -> Result<Option<Recording>, PyErr> {
+            let Some(record) = &record else { return Ok(None) };
+            let proposals = round.answer.next_experiments.iter();
+            let commands: Vec<Vec<u8>> = proposals
+                .map(|next| Ok(next.commands.to_bytes(Path::new("commands.csv"))?))
+                .collect::<Result<_, Fault>>()?;
+            let answer = written(round.answer)?;
+            let file: Option<PathBuf> = Python::attach(|py| record.bind(py).call1((answer, commands))?.extract())?;
+            Ok(file.as_ref().map(read).transpose()?)
+        };
+        let question = Question { model: &model.0, baseline: baseline.as_ref(), options: &settings };
+        match with_step_listener(step, || discover_until_named(question, whole, max_rounds, ask)) {
+            Ok(rounds) => {
+                let answers = rounds.earlier.iter().chain([&rounds.answer]);
+                Ok(Ok(answers.map(written).collect::<Result<Vec<_>, Fault>>()?))
+            }
+            Err(RoundsError::Record(exception)) => Ok(Err(exception)),
+            Err(RoundsError::Mismatch(error)) => Err(Fault::words(error)),
+            Err(RoundsError::Discovery { error, .. }) => Err(about(&measured[0], error)),
+        }
+    })?
 }
 
 /// Where and how specs are run.

@@ -59,6 +59,30 @@ def test_discover_names_a_tip_load(model: Model) -> None:
     assert len(found.residuals) > 0 and len(found.candidates) > 0
 
 
+def test_an_ambiguous_answer_is_asked_again(model: Model) -> None:
+    real = model.with_effects([{"tip_load": {"mass_kg": 0.0012}}])
+    columns = ["trial", "time_s", *[f"tendon_{i}_m" for i in range(1, 5)], "tip_x_m", "tip_y_m", "tip_z_m"]
+    measured = spinebench.simulate(real, commands(), noise_m=5e-4)[columns]
+    calls = []
+
+    def record(answer: spinebench.Discovery, proposals: list[spinebench.Proposal]) -> pd.DataFrame | None:
+        assert answer.verdict == "ambiguous"
+        calls.append(proposals[0].name)
+        kept = next(one for one in proposals if one.name not in {"base_remounted", "known_weight"})
+        return spinebench.simulate(real, kept.commands, noise_m=5e-4, seed=1)[columns]
+
+    answers = spinebench.discover_until_named(model, measured, record, max_rounds=1)
+    assert len(answers) == 1 + len(calls) and len(calls) <= 1
+    assert all(answer.verdict == "ambiguous" for answer in answers[:-1])
+    if calls:
+        assert len(answers[1].residuals) > len(answers[0].residuals)
+
+
+def test_a_failing_recorder_ends_the_loop(model: Model) -> None:
+    with pytest.raises(spinebench.InputError, match="max_rounds"):
+        spinebench.discover_until_named(model, commands(), lambda answer, proposals: None, max_rounds=-1)
+
+
 def test_run_publishes_frames(tmp_path: Path) -> None:
     spec = tmp_path / "tiny.yaml"
     spec.write_text(

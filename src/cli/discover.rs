@@ -7,9 +7,10 @@ use super::{CommandError, CommandResult};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use spinebench::base::Seed;
-use spinebench::data::findings::Verdict;
 use spinebench::data::{Recording, write_atomic};
-use spinebench::discovery::{Discovery, DiscoveryError, Options, discover, telling_steps};
+use spinebench::discovery::{
+    Discovery, DiscoveryError, Options, Question, Round, Rounds, RoundsError, discover_until_named, with_step_listener,
+};
 use spinebench::effects::{CATALOGUE, Model};
 use spinebench::report::discovery::{DiscoveryReport, EffectText, artifacts};
 use spinebench::runner::Progress;
@@ -17,6 +18,7 @@ use spinebench::specs::{
     PlantSpec, SimulatedSpec, extended_text, files_behind, model_text, read_model, read_options, read_plant,
 };
 use spinebench::tasks::{SimulationOptions, read_to_explain, simulate_recording};
+use std::convert::Infallible;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -63,7 +65,7 @@ impl DiscoverCommand {
     pub(super) fn execute(self, progress: &Arc<Progress>) -> CommandResult {
         self.check_out()?;
         let written = read_model(&self.model).map_err(CommandError::bad_input)?;
-        let given = self.starts.applied(written.clone());
+        let model = self.starts.applied(written.clone());
         let mut options = match &self.options {
             Some(file) => read_options(file).map_err(CommandError::bad_input)?,
             None => Options::default(),
@@ -73,17 +75,17 @@ impl DiscoverCommand {
         let parts: Vec<Recording> = self
             .measured
             .iter()
-            .map(|file| read_to_explain(file, &given, options.at_rest))
+            .map(|file| read_to_explain(file, &model, options.at_rest))
             .collect::<Result<_, _>>()
             .map_err(CommandError::bad_input)?;
         self.refuse_twins(&parts)?;
         let measured = Recording::joined(&parts).map_err(|error| {
             CommandError::BadInput(format!("{}, line 1: {error}", self.measured[error.index].display()))
         })?;
-        let baseline = self.baseline.as_ref().map(|file| read_to_explain(file, &given, options.at_rest)).transpose();
+        let baseline = self.baseline.as_ref().map(|file| read_to_explain(file, &model, options.at_rest)).transpose();
         let baseline = baseline.map_err(CommandError::bad_input)?;
         self.refuse_own_baseline(&measured, baseline.as_ref())?;
-        let plant = self.plant.as_ref().map(|file| simulated(file, &given)).transpose()?;
+        let plant = self.plant.as_ref().map(|file| simulated(file, &model)).transpose()?;
         check_folder(&self.out, REPORT_BYTES)?;
         end_with_words("interrupted; nothing was written, and the same command begins again");
         let trials = self
@@ -91,19 +93,19 @@ impl DiscoverCommand {
             .iter()
             .zip(&parts)
             .flat_map(|(file, part)| part.trials().into_iter().map(move |(number, _)| (file.clone(), number)));
-        let (mut found, recorded) =
-            self.answer(&given, measured, trials.collect(), (baseline.as_ref(), plant.as_ref()), &options, progress)?;
+        let question = Question { model: &model, baseline: baseline.as_ref(), options: &options };
+        let (mut answer, recorded) = self.answer(question, measured, trials.collect(), plant.as_ref(), progress)?;
         progress.done();
         if baseline.is_some_and(|baseline| parts.iter().any(|part| baseline.holds(part) || part.holds(&baseline))) {
-            found.findings.limitations.push(OWN_BASELINE.to_owned());
+            answer.findings.limitations.push(OWN_BASELINE.to_owned());
         }
-        found.findings.limitations.extend(given.tracking.starts.told().map(str::to_owned));
+        answer.findings.limitations.extend(model.tracking.starts.told().map(str::to_owned));
         // The model is written as it was given, whatever `--starts` says.
-        found.model.tracking.clone_from(&written.tracking);
-        self.write(&written, &found, &recorded)?;
+        answer.model.tracking.clone_from(&written.tracking);
+        self.write(&written, &answer, &recorded)?;
         if !progress.is_quiet() {
-            println!("{}", found.findings.summary);
-            println!("next: {}", found.findings.next_measurement);
+            println!("{}", answer.findings.summary);
+            println!("next: {}", answer.findings.next_measurement);
             println!("{}", self.out.join("report.html").display());
         }
         Ok(())
@@ -155,30 +157,22 @@ impl DiscoverCommand {
         }
     }
 
-    /// The answer, with more recordings from the plant as long as it is ambiguous, and these with their files. `trials`: file
-    /// and number of those that were measured.
+    /// The answer, with more recordings from the plant as long as it is ambiguous, and these with their files. `trials`:
+    /// file and number of those that were measured.
     fn answer(
         &self,
-        given: &Model,
-        mut measured: Recording,
+        question: Question,
+        measured: Recording,
         mut trials: Vec<(PathBuf, u64)>,
-        (baseline, plant): (Option<&Recording>, Option<&SimulatedSpec>),
-        options: &Options,
+        plant: Option<&SimulatedSpec>,
         progress: &Arc<Progress>,
     ) -> Result<(Discovery, Vec<(PathBuf, Recording)>), CommandError> {
-        let mut made = Vec::new();
-        for round in 1.. {
-            let told = Arc::clone(progress);
-            let found = telling_steps(move |step| told.step(step), || discover(given, &measured, baseline, options))
-                .map_err(|error| self.refusal(&error, &measured, &trials))?;
+        let mut files = Vec::new();
+        let record = |round: &Round| -> Result<Option<Recording>, Infallible> {
             // The plant file defines the base pose, so the base cannot be remounted.
-            let next = found.next_experiments.iter().find(|next| next.proposal.name != "base_remounted");
-            let next = next.filter(|_| found.findings.verdict == Verdict::Ambiguous && round <= self.rounds);
-            let (Some(plant), Some(next)) = (plant, next) else {
-                return Ok((numbered(found, &measured, &trials, !made.is_empty()), made));
-            };
+            let (Some(plant), Some(next)) = (plant, round.proposal_without_remounting()) else { return Ok(None) };
             if !progress.is_quiet() {
-                println!("round {round}: {}", found.findings.summary);
+                println!("round {}: {}", round.number, round.answer.findings.summary);
                 println!("recording on the plant: {}", next.proposal.what);
             }
             let play_options = SimulationOptions {
@@ -186,32 +180,45 @@ impl DiscoverCommand {
                 noise_m: plant.noise_m,
                 travel_m: plant.travel_m,
                 // The seed differs from that of recordings made by an earlier call.
-                seed: Seed(options.seed).child("plant").index(measured.trials().len() as u64),
+                seed: Seed(question.options.seed).child("plant").index(round.measured.trials().len() as u64),
             };
             let mut recorded = simulate_recording(&plant.model, &next.commands, &play_options);
             recorded.forget_orientations();
             recorded.extra.clear();
-            let file = self.out.join(format!("recorded_{round}_{}.csv", next.proposal.name));
+            let file = self.out.join(format!("recorded_{}_{}.csv", round.number, next.proposal.name));
             trials.splice(0..0, recorded.trials().into_iter().map(|(number, _)| (file.clone(), number)));
-            measured = Recording::joined(&[recorded.clone(), measured]).map_err(CommandError::failed)?;
-            made.push((file, recorded));
-        }
-        unreachable!("the loop ends after the last round")
+            files.push(file);
+            Ok(Some(recorded))
+        };
+        let steps = Arc::clone(progress);
+        let rounds = with_step_listener(
+            move |step| steps.step(step),
+            || discover_until_named(question, measured, self.rounds as usize, record),
+        )
+        .map_err(|error| match error {
+            RoundsError::Discovery { error, measured } => self.refusal(&error, &measured, &trials),
+            RoundsError::Mismatch(error) => CommandError::failed(error),
+            RoundsError::Record(never) => match never {},
+        })?;
+        let Rounds { answer, recorded, measured, .. } = rounds;
+        let answer = numbered(answer, &measured, &trials, !recorded.is_empty());
+        Ok((answer, files.into_iter().zip(recorded).collect()))
     }
 
     /// Data that allow no answer, with the file that they are in and the number of a trial there; with all files where it is
     /// all of them.
     fn refusal(&self, error: &DiscoveryError, measured: &Recording, trials: &[(PathBuf, u64)]) -> CommandError {
-        let told = |file: &Path, error: &DiscoveryError| CommandError::BadInput(format!("{}: {error}", file.display()));
+        let refused =
+            |file: &Path, error: &DiscoveryError| CommandError::BadInput(format!("{}: {error}", file.display()));
         let all = || self.measured.iter().map(|file| file.display().to_string()).collect::<Vec<_>>().join(", ");
         match error {
-            DiscoveryError::Baseline(_) => told(self.baseline.as_ref().unwrap_or(&self.model), error),
-            DiscoveryError::Option(_) => told(self.options.as_ref().unwrap_or(&self.model), error),
+            DiscoveryError::Baseline(_) => refused(self.baseline.as_ref().unwrap_or(&self.model), error),
+            DiscoveryError::Option(_) => refused(self.options.as_ref().unwrap_or(&self.model), error),
             DiscoveryError::CannotFollow(number) => {
-                let place = measured.trials().iter().position(|(known, _)| known == number);
-                let given = |(file, _): &&(PathBuf, u64)| self.measured.contains(file);
-                match place.and_then(|place| trials.get(place)).filter(given) {
-                    Some((file, own)) => told(file, &DiscoveryError::CannotFollow(*own)),
+                let place = measured.trials().iter().position(|(other, _)| other == number);
+                let is_measured = |(file, _): &&(PathBuf, u64)| self.measured.contains(file);
+                match place.and_then(|place| trials.get(place)).filter(is_measured) {
+                    Some((file, number_there)) => refused(file, &DiscoveryError::CannotFollow(*number_there)),
                     None => CommandError::BadInput(format!("{}: {error}", all())),
                 }
             }
@@ -220,12 +227,12 @@ impl DiscoverCommand {
     }
 
     /// Writes all outputs after all of them are computed; `findings.json` last.
-    fn write(&self, given: &Model, found: &Discovery, recorded: &[(PathBuf, Recording)]) -> CommandResult {
-        let added = found.model.effects.len() - given.effects.len();
-        let model = if added == 0 {
+    fn write(&self, model: &Model, answer: &Discovery, recorded: &[(PathBuf, Recording)]) -> CommandResult {
+        let added = answer.model.effects.len() - model.effects.len();
+        let model_bytes = if added == 0 {
             std::fs::read(&self.model).map_err(CommandError::bad_input)?
         } else {
-            extended_text(&self.model, &found.model, added).map_err(CommandError::failed)?.into_bytes()
+            extended_text(&self.model, &answer.model, added).map_err(CommandError::failed)?.into_bytes()
         };
         let texts: Vec<EffectText> = CATALOGUE
             .iter()
@@ -236,13 +243,14 @@ impl DiscoverCommand {
                 source: card.source.to_owned(),
             })
             .collect();
-        let before = model_text(given).map_err(CommandError::failed)?;
-        let after = if added == 0 { before.clone() } else { model_text(&found.model).map_err(CommandError::failed)? };
+        let before = model_text(model).map_err(CommandError::failed)?;
+        let after =
+            if added == 0 { before.clone() } else { model_text(&answer.model).map_err(CommandError::failed)? };
         let files = artifacts(&DiscoveryReport {
-            findings: &found.findings,
-            residuals: &found.residuals,
-            places: &found.places,
-            calibrated: found.calibrated,
+            findings: &answer.findings,
+            residuals: &answer.residuals,
+            places: &answer.places,
+            calibrated: answer.calibrated,
             effects: &texts,
             model_before: &before,
             model_after: &after,
@@ -257,14 +265,14 @@ impl DiscoverCommand {
         for (file, recording) in recorded {
             recording.write(file).map_err(CommandError::failed)?;
         }
-        for next in &found.next_experiments {
+        for next in &answer.next_experiments {
             next.commands.write(&self.out.join(&next.proposal.file)).map_err(CommandError::failed)?;
         }
-        for file in old.iter().filter(|old| !found.next_experiments.iter().any(|next| next.proposal.file == **old)) {
+        for file in old.iter().filter(|old| !answer.next_experiments.iter().any(|next| next.proposal.file == **old)) {
             let _ = std::fs::remove_file(self.out.join(file));
         }
-        write_atomic(&self.out.join("model.yaml"), &model).map_err(CommandError::failed)?;
-        found.findings.write(&self.out.join("findings.json")).map_err(CommandError::failed)
+        write_atomic(&self.out.join("model.yaml"), &model_bytes).map_err(CommandError::failed)?;
+        answer.findings.write(&self.out.join("findings.json")).map_err(CommandError::failed)
     }
 
     /// Command files that an earlier run in this folder proposed.
@@ -283,18 +291,18 @@ const OWN_BASELINE: &str = "The baseline contains trials of the measured recordi
 
 /// The answer with a word on which trial is whose, where recordings were joined under new numbers or `made` on a plant.
 /// `trials`: file and number there of those of `measured`.
-fn numbered(mut found: Discovery, measured: &Recording, trials: &[(PathBuf, u64)], made: bool) -> Discovery {
+fn numbered(mut answer: Discovery, measured: &Recording, trials: &[(PathBuf, u64)], made: bool) -> Discovery {
     let now: Vec<u64> = measured.trials().into_iter().map(|(number, _)| number).collect();
-    if made || now.iter().zip(trials).any(|(now, (_, own))| now != own) {
+    if made || now.iter().zip(trials).any(|(now, (_, before))| now != before) {
         let numbers: Vec<(&Path, u64)> = trials.iter().zip(now).map(|((file, _), now)| (file.as_path(), now)).collect();
         let each = numbers.chunk_by(|(a, _), (b, _)| a == b).map(|of| {
             let name = of[0].0.file_name().unwrap_or(of[0].0.as_os_str()).to_string_lossy();
             format!("{} to {} are from {name}", of[0].1, of[of.len() - 1].1)
         });
         let each: Vec<String> = each.collect();
-        found.findings.limitations.push(format!("Trials were renumbered: {}.", each.join(", ")));
+        answer.findings.limitations.push(format!("Trials were renumbered: {}.", each.join(", ")));
     }
-    found
+    answer
 }
 
 /// Whether a file of this name holds proposed commands.

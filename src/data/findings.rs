@@ -241,6 +241,18 @@ pub struct ResidualRow {
     pub after_z_m: f64,
 }
 
+impl ResidualRow {
+    /// Measured minus given model, metres.
+    pub fn before_m(&self) -> [f64; 3] {
+        [self.before_x_m, self.before_y_m, self.before_z_m]
+    }
+
+    /// Measured minus model with the effects, metres.
+    pub fn after_m(&self) -> [f64; 3] {
+        [self.after_x_m, self.after_y_m, self.after_z_m]
+    }
+}
+
 /// One group of samples of the residual map along one axis (`disagreement.csv`).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PlaceRow {

@@ -1,24 +1,27 @@
 //! The discovery problem: the model, its samples, its candidates and its nuisance parameters.
 
 use super::error::DiscoveryError;
+use super::fit::baseline::SimulatedRecording;
 use super::fit::candidate::{CandidateEffect, SetMember, catalogue_candidates};
 use super::fit::gauss_newton::FitProblem;
 use super::fit::nuisance::{NuisanceColumn, Nuisances};
 use super::fit::nuisance_priors::UncertainParameters;
 use super::fit::obstacle_hint::obstacle_hint;
 use super::fit::{baseline, sensitivities, simulate};
+use super::mistakes::excluded_rows::PreparedRecording;
 use super::noise_floor::NoiseFloor;
 use super::noise_floor::model_form::ModelForm;
 use super::noise_floor::trial_starts;
-use super::options::Options;
+use super::options::{Options, SearchLimits};
 use super::recording::samples::{Samples, rms_m};
 use super::recording::{holdout, validate};
-use crate::data::Recording;
 use crate::effects::Model;
 
 /// The problem that a discovery solves.
 pub(crate) struct Problem<'a> {
     pub(crate) options: &'a Options,
+    /// The model as given.
+    pub(crate) given_model: &'a Model,
     /// The model, calibrated on the baseline if there is one, with the resolution of the options.
     pub(crate) model: Model,
     /// The same model at a coarse resolution.
@@ -41,19 +44,19 @@ pub(crate) struct Problem<'a> {
 
 impl<'a> Problem<'a> {
     pub(crate) fn new(
-        model: &Model,
+        given_model: &'a Model,
         all: Samples,
-        baseline: Option<&Recording>,
+        baseline: Option<&PreparedRecording>,
         options: &'a Options,
     ) -> Result<Problem<'a>, DiscoveryError> {
-        let mut model = simulate::search_resolution(model, options);
+        let mut model = simulate::search_resolution(given_model, options);
         let mut candidates = catalogue_candidates(&model);
-        let (kept, held_out) = holdout::split(&all, options.held_out_share);
-        let (training, held_out) = (all.of_trials(&kept), all.of_trials(&held_out));
+        let (trained, held_out) = holdout::split(&all, options.held_out_share);
+        let (training, held_out) = (all.of_trials(&trained), all.of_trials(&held_out));
         validate::check_parts(&training, &held_out)?;
         let base = match baseline {
             Some(recording) => Some(
-                Baseline::new(&mut model, &candidates, recording, (options, all.clock_deviation_s))
+                Baseline::new(&mut model, &candidates, recording, options, all.clock_deviation_s)
                     .map_err(|error| DiscoveryError::Baseline(Box::new(error)))?,
             ),
             None => None,
@@ -71,6 +74,7 @@ impl<'a> Problem<'a> {
         let model_form_m = base.as_ref().map_or(options.model_form_m, |base| base.form.worst_m);
         Ok(Problem {
             options,
+            given_model,
             model,
             coarse,
             base,
@@ -88,6 +92,7 @@ impl<'a> Problem<'a> {
     }
 
     pub(crate) fn fit_problem(&self) -> FitProblem<'_> {
+        // Candidates that the user excludes, that cannot be seen here, or that nothing leads to are closed.
         let open = |candidate: &CandidateEffect| {
             let name = candidate.card.name;
             let contradicted = self.base_matches_model && name == "base_tilt";
@@ -119,14 +124,9 @@ impl<'a> Problem<'a> {
         uncertain(self.options, &self.candidates, members, self.base.as_ref())
     }
 
-    /// Whether there is a baseline recording.
-    pub(crate) fn has_baseline(&self) -> bool {
-        self.base.is_some()
-    }
-
-    /// Whether calibration on the baseline changed the model.
-    pub(crate) fn is_calibrated(&self) -> bool {
-        self.base.as_ref().is_some_and(|base| base.factors.is_some())
+    /// Limits of the search on this robot.
+    pub(crate) fn limits(&self) -> SearchLimits {
+        self.options.limits(&self.model, self.model_form_m)
     }
 
     /// Residual, metres, below which nothing is missing whatever the noise: a share of the robot's length, or what the
@@ -168,57 +168,63 @@ pub(crate) struct Baseline {
     pub(crate) factors: Option<baseline::CalibrationFactors>,
 }
 
-/// Uncertainty before calibration over that after it.
+/// Uncertainty before calibration over that after it (docs/discovery.md, "What is uncertain of any robot").
 const BEFORE_CALIBRATION: f64 = 10.0;
 
-impl Baseline {
-    /// The baseline with what the calibrated model leaves of it.
-    fn calibrated(
-        samples: Samples,
-        starts: Option<NoiseFloor>,
-        simulated_m: Vec<f64>,
-        columns: Vec<NuisanceColumn>,
-        factors: Option<baseline::CalibrationFactors>,
-    ) -> Baseline {
-        let nuisances = baseline::baseline_nuisances((&samples, &simulated_m, &columns));
-        let form = ModelForm::new(&samples, &simulated_m, &nuisances);
-        Baseline { samples, starts, simulated_m, columns, form, factors }
-    }
+/// A model beside the baseline, calibrated or not.
+struct SimulatedBaseline {
+    simulated_m: Vec<f64>,
+    columns: Vec<NuisanceColumn>,
+}
 
+impl SimulatedBaseline {
+    fn deviance(&self, samples: &Samples) -> f64 {
+        let nuisances = Nuisances::independent(self.simulated_m.len(), &self.columns);
+        nuisances.explain(samples, &samples.residual(&self.simulated_m), 0.0).deviance
+    }
+}
+
+impl Baseline {
     fn new(
         model: &mut Model,
         candidates: &[CandidateEffect],
-        recording: &Recording,
-        (options, clock_deviation_s): (&Options, Option<f64>),
+        recording: &PreparedRecording,
+        options: &Options,
+        clock_deviation_s: Option<f64>,
     ) -> Result<Baseline, DiscoveryError> {
-        // Both recordings have the same uncertain numbers; the baseline says nothing on the clock of the other.
-        let whole = Samples { clock_deviation_s, ..options.samples(model, recording) };
-        validate::check(recording, &whole)?;
-        let later = trial_starts::scattered_starts(&whole, model)
-            .map(|starts| (trial_starts::without_starts(&whole), Some(starts)));
-        let enough = |(later, _): &(Samples, _)| validate::check(recording, later).is_ok();
-        let (samples, starts) = later.filter(enough).unwrap_or((whole, None));
-        let look = |model: &Model| -> Result<(Vec<f64>, Vec<NuisanceColumn>), DiscoveryError> {
+        // Both recordings have the same uncertain numbers; the baseline does not tell the clock of the other.
+        let whole = Samples { clock_deviation_s, ..recording.samples.clone() };
+        validate::check(&recording.kept, &whole)?;
+        // Trials that do not start settled at home lose their first second, if enough remains.
+        let scattered = trial_starts::scattered_starts(&whole, model);
+        let later = scattered.map(|starts| (trial_starts::without_starts(&whole), Some(starts)));
+        let is_enough = |(later, _): &(Samples, _)| validate::check(&recording.kept, later).is_ok();
+        let (samples, starts) = later.filter(is_enough).unwrap_or((whole, None));
+        let simulate = |model: &Model| -> Result<SimulatedBaseline, DiscoveryError> {
             let simulated_m = simulate_model(model, &samples)?;
             let uncertain = UncertainParameters::new(options, candidates, &[], BEFORE_CALIBRATION);
             let columns = uncertain.columns(model, &[], &samples);
-            Ok((simulated_m, columns))
+            Ok(SimulatedBaseline { simulated_m, columns })
         };
-        let (first, columns) = look(model)?;
-        let nuisances = Nuisances::independent(first.len(), &columns);
-        let left = |simulated_m: &[f64], columns: &[NuisanceColumn]| {
-            Nuisances::independent(simulated_m.len(), columns)
-                .explain(&samples, &samples.residual(simulated_m), 0.0)
-                .deviance
-        };
-        if let Some((better, factors)) = baseline::calibrate(model, candidates, &samples, &nuisances) {
-            let (there, wider) = look(&better)?;
-            if left(&there, &wider) < left(&first, &columns) {
-                *model = better;
-                return Ok(Baseline::calibrated(samples, starts, there, wider, Some(factors)));
+        let mut simulated = simulate(model)?;
+        let mut factors = None;
+        let nuisances = Nuisances::independent(simulated.simulated_m.len(), &simulated.columns);
+        if let Some((calibrated, new_factors)) = baseline::calibrate(model, candidates, &samples, &nuisances) {
+            // A calibration that does not make the baseline likelier is dropped.
+            let there = simulate(&calibrated)?;
+            if there.deviance(&samples) < simulated.deviance(&samples) {
+                *model = calibrated;
+                (simulated, factors) = (there, Some(new_factors));
             }
         }
-        Ok(Baseline::calibrated(samples, starts, first, columns, None))
+        let SimulatedBaseline { simulated_m, columns } = simulated;
+        let nuisances = baseline::baseline_nuisances(SimulatedRecording {
+            samples: &samples,
+            simulated_m: &simulated_m,
+            columns: &columns,
+        });
+        let form = ModelForm::new(&samples, &simulated_m, &nuisances);
+        Ok(Baseline { samples, starts, simulated_m, columns, form, factors })
     }
 }
 
@@ -243,8 +249,8 @@ fn nuisances(
     match base {
         None => Nuisances::independent(simulated_m.len(), uncertain),
         Some(base) => baseline::calibrated_nuisances(
-            (&base.samples, &base.simulated_m, &base.columns),
-            (samples, simulated_m, uncertain),
+            SimulatedRecording { samples: &base.samples, simulated_m: &base.simulated_m, columns: &base.columns },
+            SimulatedRecording { samples, simulated_m, columns: uncertain },
         ),
     }
 }

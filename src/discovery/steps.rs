@@ -1,4 +1,4 @@
-//! The steps of a discovery, told to whoever listens: it takes minutes.
+//! The steps of a discovery, reported to a listener: it takes minutes.
 
 use std::cell::RefCell;
 
@@ -9,12 +9,12 @@ thread_local! {
     static LISTENER: RefCell<Option<Listener>> = const { RefCell::new(None) };
 }
 
-/// Does `work` and tells its steps, as they begin on this thread, to `listener`.
-pub fn telling_steps<T>(listener: impl Fn(&str) + 'static, work: impl FnOnce() -> T) -> T {
-    let before = LISTENER.replace(Some(Box::new(listener)));
-    let done = work();
-    LISTENER.replace(before);
-    done
+/// Does `work` and reports its steps, as they begin on this thread, to `listener`.
+pub fn with_step_listener<T>(listener: impl Fn(&str) + 'static, work: impl FnOnce() -> T) -> T {
+    let outer = LISTENER.replace(Some(Box::new(listener)));
+    let result = work();
+    LISTENER.replace(outer);
+    result
 }
 
 /// A step begins.
@@ -28,18 +28,18 @@ mod tests {
     use std::rc::Rc;
 
     #[test]
-    fn steps_are_told_to_the_listener_alone() {
-        let told = Rc::new(RefCell::new(Vec::new()));
-        let own = Rc::clone(&told);
-        let listener = move |text: &str| own.borrow_mut().push(text.to_owned());
+    fn steps_are_reported_to_the_listener_alone() {
+        let heard = Rc::new(RefCell::new(Vec::new()));
+        let recorded = Rc::clone(&heard);
+        let listener = move |text: &str| recorded.borrow_mut().push(text.to_owned());
         assert_eq!(
-            telling_steps(listener, || {
+            with_step_listener(listener, || {
                 step("one");
                 3
             }),
             3
         );
         step("two");
-        assert_eq!(*told.borrow(), ["one"]);
+        assert_eq!(*heard.borrow(), ["one"]);
     }
 }

@@ -11,5 +11,6 @@ mod proof;
 mod recordings;
 mod report_benchmark;
 mod report_discovery;
+mod rounds;
 mod silence;
 mod verdicts;

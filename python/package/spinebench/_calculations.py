@@ -7,7 +7,7 @@ import io
 import json
 import os
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -164,30 +164,28 @@ class Discovery:
     """Everything that was found, as in findings.json."""
 
 
-def discover(
-    model: Model,
-    measured: Recording | Sequence[Recording],
-    *,
-    baseline: Recording | None = None,
-    options: PathLike | None = None,
-    leave_out: Sequence[str] = (),
-    static: bool = False,
-) -> Discovery:
-    """Find, name and add the effect that a model lacks (docs/discovery.md).
+@dataclass(frozen=True)
+class Proposal:
+    """An experiment that tells the rivals of an ambiguous answer apart."""
 
-    `measured` is one recording or several. `baseline` is a recording of the robot as built. `leave_out` excludes effects from
-    the search. Ctrl-C ends the call at once and the search at its next step.
-    """
-    one = isinstance(measured, (str, os.PathLike, pd.DataFrame))
-    parts: Sequence[Recording] = [measured] if one else list(measured)  # type: ignore[list-item, arg-type]
-    if not parts:
-        raise InputError("measured: found none, expected at least one recording")
-    with contextlib.ExitStack() as stack:
-        files = [stack.enter_context(_file_of(part, f"measured_{number}")) for number, part in enumerate(parts)]
-        base = None if baseline is None else stack.enter_context(_file_of(baseline, "baseline"))
-        settings = None if options is None else Path(options)
-        found = _core._discover(model, files, base, settings, list(leave_out), static)
-    extended, findings_json, residuals, places = found
+    name: str
+    """Name of the protocol."""
+    what: str
+    """Instruction in one sentence."""
+    minutes: float
+    """Duration including set-up, minutes."""
+    separation: float
+    """Smallest distance between predictions of two rivals, in standard deviations of the noise."""
+    commands: pd.DataFrame
+    """The commands, as a recording without tips."""
+
+
+Record = Callable[[Discovery, list[Proposal]], Recording | None]
+"""Records one of the proposals of an ambiguous answer, best first; None ends the loop."""
+
+
+def _answer(written: tuple[Model, str, bytes, bytes]) -> Discovery:
+    extended, findings_json, residuals, places = written
     findings = json.loads(findings_json)
     names = FoundEffect.__dataclass_fields__
     effects = [FoundEffect(**{name: effect[name] for name in names}) for effect in findings["effects"]]
@@ -203,6 +201,83 @@ def discover(
         _frame(places),
         findings,
     )
+
+
+def _proposals(answer: Discovery, commands: list[bytes]) -> list[Proposal]:
+    names = ("name", "what", "minutes", "separation")
+    told = zip(answer.findings["proposals"], commands, strict=True)
+    return [Proposal(*(one[name] for name in names), _frame(csv)) for one, csv in told]
+
+
+def discover(
+    model: Model,
+    measured: Recording | Sequence[Recording],
+    *,
+    baseline: Recording | None = None,
+    options: PathLike | None = None,
+    leave_out: Sequence[str] = (),
+    static: bool = False,
+) -> Discovery:
+    """Find, name and add the effect that a model lacks (docs/discovery.md).
+
+    `measured` is one recording or several. `baseline` is a recording of the robot as built. `leave_out` excludes effects from
+    the search. Ctrl-C ends the call at once and the search at its next step.
+    """
+    return _rounds(model, measured, baseline, options, leave_out, static, None, 0)[-1]
+
+
+def discover_until_named(
+    model: Model,
+    measured: Recording | Sequence[Recording],
+    record: Record,
+    *,
+    max_rounds: int = 3,
+    baseline: Recording | None = None,
+    options: PathLike | None = None,
+    leave_out: Sequence[str] = (),
+    static: bool = False,
+) -> list[Discovery]:
+    """Ask as `discover` does; while the answer is ambiguous, record a proposed experiment and ask again of all recordings.
+
+    `record(answer, proposals)` returns a recording of one of the proposals, or None to end. It is called `max_rounds` times at
+    most. Returns the answer of each round; the last one is that of all recordings together. Ctrl-C ends the call at once.
+    """
+    if max_rounds < 0:
+        raise InputError(f"max_rounds: found {max_rounds}, expected at least 0")
+    return _rounds(model, measured, baseline, options, leave_out, static, record, max_rounds)
+
+
+def _rounds(
+    model: Model,
+    measured: Recording | Sequence[Recording],
+    baseline: Recording | None,
+    options: PathLike | None,
+    leave_out: Sequence[str],
+    static: bool,
+    record: Record | None,
+    max_rounds: int,
+) -> list[Discovery]:
+    one = isinstance(measured, (str, os.PathLike, pd.DataFrame))
+    parts: Sequence[Recording] = [measured] if one else list(measured)  # type: ignore[list-item, arg-type]
+    if not parts:
+        raise InputError("measured: found none, expected at least one recording")
+    with contextlib.ExitStack() as stack:
+
+        def recorded(written: tuple[Model, str, bytes, bytes], commands: list[bytes]) -> Path | None:
+            answer = _answer(written)
+            new = None if record is None else record(answer, _proposals(answer, commands))
+            return None if new is None else stack.enter_context(_file_of(new, "recorded"))
+
+        arguments = {
+            "measured": [stack.enter_context(_file_of(part, f"measured_{number}")) for number, part in enumerate(parts)],
+            "baseline": None if baseline is None else stack.enter_context(_file_of(baseline, "baseline")),
+            "options": None if options is None else Path(options),
+            "leave_out": list(leave_out),
+            "at_rest": static,
+            "max_rounds": max_rounds,
+        }
+        answers = _core._discover(model, arguments, recorded)
+    return [_answer(written) for written in answers]
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """The compiled part of the package."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Any, final
@@ -183,12 +183,11 @@ def _import_mcap(bag: Path, map: Path) -> _ToldImport: ...
 def _export_mcap(recording: Path, out: Path, model: Model | None, residuals: Path | None, at_rest: bool) -> None: ...
 def _simulate(model: Model, commands: Path, at_rest: bool, noise_m: float, seed: int) -> bytes: ...
 def _calibrate(model: Model, measured: Path, arguments: dict[str, Any]) -> tuple[Model, str, bytes]: ...
+_WrittenDiscovery = tuple[Model, str, bytes, bytes]
+
 def _discover(
     model: Model,
-    measured: list[Path],
-    baseline: Path | None,
-    options: Path | None,
-    leave_out: list[str],
-    at_rest: bool,
-) -> tuple[Model, str, bytes, bytes]: ...
+    arguments: dict[str, Any],
+    record: Callable[[_WrittenDiscovery, list[bytes]], Path | None] | None,
+) -> list[_WrittenDiscovery]: ...
 def _run(specs: list[Path], arguments: dict[str, Any]) -> str: ...

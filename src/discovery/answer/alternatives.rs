@@ -1,15 +1,15 @@
 //! Alternatives to naming the effect: refit the stiffness alone, or the paper's Gaussian process on the residual.
 
 use crate::base::Rows;
-use crate::discovery::fit::candidate::{CandidateEffect, SetMember, effect_specs};
-use crate::discovery::fit::gauss_newton::{FitProblem, FittedSet};
-use crate::discovery::fit::sensitivities::Sensitivity;
+use crate::discovery::fit::candidate::{SetMember, effect_specs};
+use crate::discovery::fit::gauss_newton::FittedSet;
 use crate::discovery::fit::simulate::tips;
+use crate::discovery::problem::Problem;
 use crate::discovery::recording::covariates::sample_covariates;
 use crate::discovery::recording::samples::{Samples, rms_m};
 use crate::learn::gp::{Gp, GpConfig};
 
-/// Training points of the Gaussian process.
+/// Training points of the Gaussian process, as many as the paper's.
 const GP_POINTS: usize = 100;
 
 /// Rms error of both alternatives on held-out trials, metres; none if a fit fails.
@@ -21,46 +21,34 @@ pub struct Alternatives {
     pub gp_m: Option<f64>,
 }
 
-/// Both alternatives: `fit_problem` has the training samples; `null` and `held_out_simulated_m` are without effects.
-pub(crate) fn fit_alternatives(
-    fit_problem: &FitProblem,
-    sensitivities: &[Sensitivity],
-    null: &FittedSet,
-    held_out: &Samples,
-    held_out_simulated_m: &[f64],
-) -> Alternatives {
-    Alternatives {
-        stiffness_only_m: stiffness_only(fit_problem, sensitivities, null, held_out),
-        gp_m: process(fit_problem.samples, &null.simulated_m, held_out, held_out_simulated_m),
+impl Problem<'_> {
+    /// Both alternatives; `null`: fit without effects.
+    pub(crate) fn alternatives(&self, null: &FittedSet) -> Alternatives {
+        Alternatives { stiffness_only_m: self.stiffness_only_m(null), gp_m: self.gp_m(null) }
     }
-}
 
-fn stiffness_only(
-    fit_problem: &FitProblem,
-    sensitivities: &[Sensitivity],
-    null: &FittedSet,
-    held_out: &Samples,
-) -> Option<f64> {
-    let candidate = fit_problem.candidates.iter().position(|h: &CandidateEffect| h.card.name == "bending_stiffness")?;
-    let start = SetMember { candidate, values: fit_problem.candidates[candidate].variants().swap_remove(0) };
-    let known = sensitivities.iter().find(|sensitivity| sensitivity.candidate == candidate)?;
-    let slopes = fit_problem.known_jacobian(null, &start, known);
-    let fitted = fit_problem.rough_fit(fit_problem.evaluate(vec![start])?, slopes, f64::INFINITY)?;
-    let there = tips(fit_problem.model, &effect_specs(fit_problem.candidates, &fitted.members)?, held_out)?;
-    Some(rms_m(&held_out.residual(&there)))
-}
+    fn stiffness_only_m(&self, null: &FittedSet) -> Option<f64> {
+        let fit_problem = self.fit_problem();
+        let candidate = self.candidates.iter().position(|one| one.card.name == "bending_stiffness")?;
+        let start = SetMember { candidate, values: self.candidates[candidate].variants().swap_remove(0) };
+        let sensitivity = self.sensitivities.iter().find(|sensitivity| sensitivity.candidate == candidate)?;
+        let jacobian = fit_problem.extended_jacobian(null, &start, sensitivity);
+        let fitted = fit_problem.rough_fit(fit_problem.evaluate(vec![start])?, jacobian, f64::INFINITY)?;
+        let simulated_m = tips(&self.model, &effect_specs(&self.candidates, &fitted.members)?, &self.held_out)?;
+        Some(rms_m(&self.held_out.residual(&simulated_m)))
+    }
 
-fn process(samples: &Samples, simulated_m: &[f64], held_out: &Samples, held_out_simulated_m: &[f64]) -> Option<f64> {
-    let every = samples.len().div_ceil(GP_POINTS).max(1);
-    let chosen: Vec<usize> = (0..samples.len()).step_by(every).collect();
-    let inputs = inputs(samples, simulated_m);
-    let mut outputs = Rows::new(3);
-    samples.residual(simulated_m).chunks_exact(3).for_each(|row| outputs.push(row));
-    let gp = Gp::fit(&inputs.select(&chosen), &outputs.select(&chosen), &GpConfig::default()).ok()?;
-    let told = gp.mean_rows(&self::inputs(held_out, held_out_simulated_m)).ok()?;
-    let left: Vec<f64> =
-        held_out.residual(held_out_simulated_m).iter().zip(told.values()).map(|(r, t)| r - t).collect();
-    Some(rms_m(&left))
+    fn gp_m(&self, null: &FittedSet) -> Option<f64> {
+        let every = self.training.len().div_ceil(GP_POINTS).max(1);
+        let chosen: Vec<usize> = (0..self.training.len()).step_by(every).collect();
+        let training_inputs = inputs(&self.training, &null.simulated_m);
+        let mut outputs = Rows::new(3);
+        self.training.residual(&null.simulated_m).chunks_exact(3).for_each(|row| outputs.push(row));
+        let gp = Gp::fit(&training_inputs.select(&chosen), &outputs.select(&chosen), &GpConfig::default()).ok()?;
+        let predicted = gp.mean_rows(&inputs(&self.held_out, &self.held_out_simulated_m)).ok()?;
+        let residual_m = self.held_out.residual(&self.held_out_simulated_m);
+        Some(rms_m(&residual_m.iter().zip(predicted.values()).map(|(r, p)| r - p).collect::<Vec<f64>>()))
+    }
 }
 
 /// Commands in force and simulated tip, one row a sample.

@@ -9,6 +9,7 @@ use crate::discovery::fit::candidate::effect_specs;
 use crate::discovery::fit::gauss_newton::{FitProblem, FittedSet};
 use crate::discovery::fit::simulate;
 use crate::discovery::problem::Problem;
+use crate::math::summary::mean;
 
 /// Share of the gap that effects explain, and what they leave.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,7 +23,8 @@ pub(crate) struct ExplainedShare {
 }
 
 /// Samples of a block that is drawn together: residuals of neighbours are correlated.
-const BLOCK: usize = 10;
+const BLOCK_SAMPLES: usize = 10;
+/// Draws of the bootstrap.
 const DRAWS: usize = 1000;
 
 impl Problem<'_> {
@@ -42,7 +44,7 @@ impl Problem<'_> {
         let added = effect_specs(&self.candidates, &answer.members)?;
         let simulated_m = simulate::tips(&self.model, &added, &self.held_out)?;
         let nuisances = self.nuisances_with(&[], &self.held_out, &self.held_out_simulated_m);
-        let before = squares_m2(&nuisances.left_by_prior(&self.held_out.residual(&self.held_out_simulated_m)));
+        let before = squares_m2(&nuisances.residual_by_prior(&self.held_out.residual(&self.held_out_simulated_m)));
         let after = squares_m2(&self.explain_held_out(fit_problem, answer, &simulated_m)?.residual_m);
         let yardstick = match &self.base {
             Some(base) => squares_m2(&base.form.unseen_m),
@@ -54,20 +56,19 @@ impl Problem<'_> {
 
 /// Squared length of the residual of each sample.
 fn squares_m2(residual_m: &[f64]) -> Vec<f64> {
-    residual_m.chunks_exact(3).map(|own| own.iter().map(|x| x * x).sum()).collect()
+    residual_m.chunks_exact(3).map(|sample| sample.iter().map(|x| x * x).sum()).collect()
 }
 
 /// The share from squares a sample: `before` and `after` of the same samples, and those of the yardstick.
 fn explained(before: &[f64], after: &[f64], yardstick: &[f64], mut random: impl RngExt) -> ExplainedShare {
-    let mean = |squares: &[f64]| crate::math::summary::mean(squares);
     let left_m2 = (mean(after) - mean(yardstick)).max(0.0);
     let mut drawn: Vec<f64> = (0..DRAWS)
         .map(|_| {
             let rows = blocks_drawn(before.len(), &mut random);
-            let own = |squares: &[f64]| mean(&rows.iter().map(|&row| squares[row]).collect::<Vec<f64>>());
             let reference = blocks_drawn(yardstick.len(), &mut random);
-            let yard = mean(&reference.iter().map(|&row| yardstick[row]).collect::<Vec<f64>>());
-            share(own(before), own(after), yard)
+            let mean_of =
+                |squares: &[f64], rows: &[usize]| mean(&rows.iter().map(|&row| squares[row]).collect::<Vec<f64>>());
+            share(mean_of(before, &rows), mean_of(after, &rows), mean_of(yardstick, &reference))
         })
         .collect();
     drawn.sort_by(f64::total_cmp);
@@ -86,7 +87,8 @@ fn share(before_m2: f64, after_m2: f64, yardstick_m2: f64) -> f64 {
 
 /// Rows of as many blocks as `count` rows have, drawn with replacement.
 fn blocks_drawn(count: usize, random: &mut impl RngExt) -> Vec<usize> {
-    let blocks: Vec<Range<usize>> = (0..count).step_by(BLOCK).map(|from| from..(from + BLOCK).min(count)).collect();
+    let blocks: Vec<Range<usize>> =
+        (0..count).step_by(BLOCK_SAMPLES).map(|from| from..(from + BLOCK_SAMPLES).min(count)).collect();
     (0..blocks.len()).flat_map(|_| blocks[random.random_range(0..blocks.len())].clone()).collect()
 }
 
@@ -97,11 +99,11 @@ mod tests {
 
     #[test]
     fn the_share_is_of_what_exceeds_the_yardstick() {
-        let told = |after: f64| explained(&[10.0; 40], &[after; 40], &[2.0; 40], Seed(1).rng());
-        assert_eq!(told(4.0), ExplainedShare { share: 0.75, interval_95: [0.75, 0.75], left_m: 2.0_f64.sqrt() });
+        let of = |after: f64| explained(&[10.0; 40], &[after; 40], &[2.0; 40], Seed(1).rng());
+        assert_eq!(of(4.0), ExplainedShare { share: 0.75, interval_95: [0.75, 0.75], left_m: 2.0_f64.sqrt() });
         // As good as the robot as built: all of it, and no more than all of it.
-        assert_eq!((told(2.0).share, told(1.0).share, told(1.0).left_m), (1.0, 1.0, 0.0));
-        assert!(told(12.0).share < 0.0, "worse than before");
+        assert_eq!((of(2.0).share, of(1.0).share, of(1.0).left_m), (1.0, 1.0, 0.0));
+        assert!(of(12.0).share < 0.0, "worse than before");
         assert_eq!(explained(&[1.0; 40], &[0.5; 40], &[2.0; 40], Seed(1).rng()).share, 0.0, "there is no gap");
     }
 
@@ -109,8 +111,8 @@ mod tests {
     fn few_samples_leave_a_wide_interval() {
         let wave: Vec<f64> = (0..60).map(|k| 1.0 + f64::from(k / 10 % 2)).collect();
         let before: Vec<f64> = wave.iter().map(|square| 5.0 * square).collect();
-        let found = explained(&before, &wave, &[0.5; 60], Seed(2).rng());
-        let [low, high] = found.interval_95;
-        assert!(low < found.share && found.share < high && high - low > 0.02, "{found:?}");
+        let explained = explained(&before, &wave, &[0.5; 60], Seed(2).rng());
+        let [low, high] = explained.interval_95;
+        assert!(low < explained.share && explained.share < high && high - low > 0.02, "{explained:?}");
     }
 }

@@ -36,6 +36,7 @@ impl Problem<'_> {
     pub(crate) fn final_fit(&self, best: &FittedSet) -> FinalFit {
         let fine = self.refit_finely(best);
         let FineFit { samples, nuisances, fitted } = &fine;
+        // The tip may jump where tendons become taut, and derivatives do not lead across.
         let fitted = self.fit_problem_with(samples, nuisances).step_out(fitted.clone());
         let fine = FineFit { fitted, ..fine };
         let cross_trial = self.cross_trial_test(&fine.fitted.nuisance_fit, &fine.fitted.simulated_m);
@@ -44,17 +45,17 @@ impl Problem<'_> {
     }
 
     /// Refits the set with corrected samples and relinearised nuisance parameters.
-    pub(crate) fn refit_finely(&self, near: &FittedSet) -> FineFit {
-        let nuisances = if near.members.is_empty() {
+    pub(crate) fn refit_finely(&self, start: &FittedSet) -> FineFit {
+        let nuisances = if start.members.is_empty() {
             self.nuisances.clone()
         } else {
-            self.nuisances_with(&near.members, &self.training, &self.simulated_m)
+            self.nuisances_with(&start.members, &self.training, &self.simulated_m)
         };
-        let (samples, nuisances) = self.corrected_and_relinearised(near, nuisances);
-        match self.fit_problem_with(&samples, &nuisances).refit(near.members.clone(), near.jacobian.clone()) {
+        let (samples, nuisances) = self.corrected_and_relinearised(start, nuisances);
+        match self.fit_problem_with(&samples, &nuisances).refit(start.members.clone(), start.jacobian.clone()) {
             Some(fitted) => FineFit { samples, nuisances, fitted },
             None => {
-                let fitted = self.fit_problem().with_fresh_jacobian(near.clone()).unwrap_or_else(|| near.clone());
+                let fitted = self.fit_problem().with_fresh_jacobian(start.clone()).unwrap_or_else(|| start.clone());
                 FineFit { samples: self.training.clone(), nuisances: self.nuisances.clone(), fitted }
             }
         }
@@ -67,23 +68,23 @@ impl Problem<'_> {
     /// Samples corrected for the discretisation error of the search, and nuisance parameters linearised at their
     /// estimates; unchanged if the fine simulation fails.
     fn corrected_and_relinearised(&self, best: &FittedSet, nuisances: Nuisances) -> (Samples, Nuisances) {
-        let known = effect_specs(&self.candidates, &best.members).unwrap_or_default();
-        let fine = |off: &[EffectSpec]| simulate::fine_tips(&self.model, &[&known, off].concat(), &self.training);
-        let Some(here) = fine(&[]) else { return (self.training.clone(), nuisances) };
-        let samples = simulate::corrected(&self.training, &here, &best.simulated_m);
+        let members = effect_specs(&self.candidates, &best.members).unwrap_or_default();
+        let fine = |more: &[EffectSpec]| simulate::fine_tips(&self.model, &[&members, more].concat(), &self.training);
+        let Some(fine_m) = fine(&[]) else { return (self.training.clone(), nuisances) };
+        let samples = simulate::corrected(&self.training, &fine_m, &best.simulated_m);
         let amounts =
             self.fit_problem_with(&samples, &nuisances).fit_nuisances(&best.members, &best.simulated_m).amounts;
-        let nuisances = self.uncertain(&best.members).linearised_at(nuisances, &amounts, &here, &fine);
+        let nuisances = self.uncertain(&best.members).linearised_at(nuisances, &amounts, &fine_m, &fine);
         (samples, nuisances)
     }
 }
 
 impl FinalFit {
     /// The outcome with its best set as finally fitted.
-    pub(crate) fn replace_best(&self, mut found: SearchOutcome) -> SearchOutcome {
-        let members = std::mem::replace(&mut found.best.fitted, self.fine.fitted.clone()).members;
-        let own = found.tried.iter_mut().filter(|scored| scored.fitted.members == members);
-        own.for_each(|scored| *scored = found.best.clone());
-        found
+    pub(crate) fn replace_best(&self, mut outcome: SearchOutcome) -> SearchOutcome {
+        let members = std::mem::replace(&mut outcome.best.fitted, self.fine.fitted.clone()).members;
+        let entries = outcome.tried.iter_mut().filter(|scored| scored.fitted.members == members);
+        entries.for_each(|scored| *scored = outcome.best.clone());
+        outcome
     }
 }

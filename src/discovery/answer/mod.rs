@@ -1,15 +1,17 @@
-//! From the search outcome to the answer: final fit, verdict, alternatives, residual map and text.
+//! From the search outcome to the answer: final fit, evidence, verdict, findings.
 
 pub(crate) mod alternatives;
-pub(crate) mod assemble;
+pub(crate) mod candidates;
 pub(crate) mod caveats;
-pub(crate) mod clock;
+pub(crate) mod evidence;
 pub(crate) mod explained_share;
 pub(crate) mod final_fit;
+pub(crate) mod findings;
+pub(crate) mod held_out_check;
 pub(crate) mod mistaken;
+pub(crate) mod named_effects;
 pub(crate) mod rescore;
 pub(crate) mod residual_map;
-mod residual_rows;
 pub(crate) mod summary_text;
 pub(crate) mod trial_by_trial;
 pub(crate) mod verdict;

@@ -8,21 +8,21 @@ use crate::discovery::fit::candidate::candidate_set;
 use crate::discovery::problem::Problem;
 use crate::discovery::search::{ScoredSet, Search};
 
-/// Sets this far behind in score are rescored.
-const REACH: f64 = 30.0;
+/// Sets at most this far behind in score are rescored (docs/discovery.md, "Searching sets", step 9).
+const RESCORED_DISTANCE: f64 = 30.0;
 /// Maximum number of rescored sets.
-const MOST: usize = 4;
+const MAX_RESCORED: usize = 4;
 
 impl Problem<'_> {
     /// `best` with its final fit, or a close set that is better after rescoring and passes the tests that `best`
     /// passes. Rescored sets get their new scores in the `search`.
     pub(crate) fn rescore(&self, search: &mut Search, best: ScoredSet, final_fit: FinalFit) -> (ScoredSet, FinalFit) {
-        let costs = |scored: &ScoredSet| self.fit_problem().penalty(&scored.fitted.members);
-        let own = final_fit.fine.fitted.nuisance_fit.deviance + costs(&best);
+        let penalty = |scored: &ScoredSet| self.fit_problem().penalty(&scored.fitted.members);
+        let best_deviance = final_fit.fine.fitted.nuisance_fit.deviance + penalty(&best);
         let mut near = search.close_to(&best);
         for scored in &mut near {
             let deviance = self.refit_finely(&scored.fitted).fitted.nuisance_fit.deviance;
-            scored.score = best.score + own - deviance - costs(scored);
+            scored.score = best.score + best_deviance - deviance - penalty(scored);
         }
         search.replace_scores(&near);
         let leading = near.into_iter().max_by(|a, b| search.net_score(a).total_cmp(&search.net_score(b)));
@@ -30,7 +30,7 @@ impl Problem<'_> {
             return (best, final_fit);
         };
         let other = self.final_fit(&leading.fitted);
-        if other.goodness.is_rejected() && !final_fit.goodness.is_rejected() {
+        if other.goodness.failed.is_some() && final_fit.goodness.failed.is_none() {
             (best, final_fit)
         } else {
             (leading, other)
@@ -43,22 +43,24 @@ impl Search<'_> {
     fn close_to(&self, best: &ScoredSet) -> Vec<ScoredSet> {
         let mut near: Vec<&ScoredSet> = self.tried.iter().filter(|scored| self.is_close_to(scored, best)).collect();
         near.sort_by(|a, b| self.net_score(b).total_cmp(&self.net_score(a)));
-        let mut seen = BTreeSet::from([candidate_set(&best.fitted.members)]);
-        near.retain(|scored| seen.insert(candidate_set(&scored.fitted.members)));
-        let settled = |scored: &ScoredSet| if scored.exact { scored.clone() } else { self.fit_fully(scored) };
-        near.into_iter().take(MOST).map(settled).filter(|scored| self.is_close_to(scored, best)).collect()
+        let mut listed = BTreeSet::from([candidate_set(&best.fitted.members)]);
+        near.retain(|scored| listed.insert(candidate_set(&scored.fitted.members)));
+        let fitted = |scored: &ScoredSet| if scored.exact { scored.clone() } else { self.fit_fully(scored) };
+        near.into_iter().take(MAX_RESCORED).map(fitted).filter(|scored| self.is_close_to(scored, best)).collect()
     }
 
     fn is_close_to(&self, scored: &ScoredSet, best: &ScoredSet) -> bool {
-        let no_more = scored.fitted.members.len() <= best.fitted.members.len();
-        no_more && !scored.fitted.members.is_empty() && self.net_score(scored) > self.net_score(best) - REACH
+        let has_no_more = scored.fitted.members.len() <= best.fitted.members.len();
+        has_no_more
+            && !scored.fitted.members.is_empty()
+            && self.net_score(scored) > self.net_score(best) - RESCORED_DISTANCE
     }
 
     /// Replaces the entries of these sets.
     fn replace_scores(&mut self, sets: &[ScoredSet]) {
-        let better: BTreeSet<BTreeSet<usize>> =
+        let replaced: BTreeSet<BTreeSet<usize>> =
             sets.iter().map(|scored| candidate_set(&scored.fitted.members)).collect();
-        self.tried.retain(|scored| !better.contains(&candidate_set(&scored.fitted.members)));
+        self.tried.retain(|scored| !replaced.contains(&candidate_set(&scored.fitted.members)));
         self.tried.extend_from_slice(sets);
     }
 }
@@ -95,13 +97,13 @@ mod tests {
         let final_fit = problem.final_fit(&best.fitted);
         let (best, final_fit) = problem.rescore(&mut search, best, final_fit);
         assert_eq!(final_fit.fine.fitted.members.len(), 1);
-        let of = |own: &ScoredSet| -> Vec<ScoredSet> {
+        let entries = |set: &ScoredSet| -> Vec<ScoredSet> {
             let all = search.tried.iter().chain([&best]);
-            all.filter(|one| candidate_set(&one.fitted.members) == candidate_set(&own.fitted.members))
+            all.filter(|one| candidate_set(&one.fitted.members) == candidate_set(&set.fitted.members))
                 .cloned()
                 .collect()
         };
-        [of(&load), of(&mass)]
+        [entries(&load), entries(&mass)]
     }
 
     #[test]
@@ -115,8 +117,8 @@ mod tests {
 
     #[test]
     fn what_is_far_behind_is_not_judged() {
-        let [load, mass] = rescored(-2.0 * REACH, false);
+        let [load, mass] = rescored(-2.0 * RESCORED_DISTANCE, false);
         assert_eq!((load.len(), mass.len()), (1, 2));
-        assert_eq!(load[0].score, mass[0].score - 2.0 * REACH);
+        assert_eq!(load[0].score, mass[0].score - 2.0 * RESCORED_DISTANCE);
     }
 }

@@ -1,9 +1,10 @@
-//! Residual map: samples grouped by tracked place, workspace, time, direction of motion, tension and history, each group
+//! Every sample with its residuals, and the residual map: samples grouped by tracked place, workspace, time, direction of motion, tension and history, each group
 //! with its residual and p-value.
 
-use crate::data::findings::{Disagreement, PlaceRow};
+use crate::data::findings::{Disagreement, PlaceRow, ResidualRow};
 use crate::discovery::fit::ar1_noise::Ar1Noise;
 use crate::discovery::recording::covariates::Covariates;
+use crate::discovery::recording::samples::{Sample, Samples};
 use crate::math::distribution::{chi_squared_above, holm};
 use crate::math::summary::quantile;
 
@@ -15,23 +16,51 @@ struct SampleGroup {
 }
 
 /// Minimum number of samples of a group.
-const FEWEST: usize = 8;
+const MIN_GROUP_SAMPLES: usize = 8;
 const AXES: [&str; 4] = ["x", "y", "z", "all"];
 
-/// The map: every group along every axis and all together, before and after. `points`: names of the model's points.
-/// Residuals have three values a sample, metres.
+/// A row for each sample: its residuals before and after, three values a sample, metres. `points`: names of the
+/// model's points.
+pub(crate) fn residual_rows(
+    samples: &Samples,
+    points: &[String],
+    [before_m, after_m]: [&[f64]; 2],
+    is_held_out: &dyn Fn(usize) -> bool,
+) -> Vec<ResidualRow> {
+    let row = |((sample, before), after): ((&Sample, &[f64; 3]), &[f64; 3])| ResidualRow {
+        trial: samples.trials[sample.trial].number,
+        time_s: sample.time_s,
+        held_out: is_held_out(sample.trial),
+        point: sample.point.map(|point| points[point].clone()).unwrap_or_default(),
+        tip_x_m: sample.position_m[0],
+        tip_y_m: sample.position_m[1],
+        tip_z_m: sample.position_m[2],
+        before_x_m: before[0],
+        before_y_m: before[1],
+        before_z_m: before[2],
+        after_x_m: after[0],
+        after_y_m: after[1],
+        after_z_m: after[2],
+    };
+    samples.rows.iter().zip(before_m.as_chunks::<3>().0).zip(after_m.as_chunks::<3>().0).map(row).collect()
+}
+
+/// The map: every group along every axis and all together, before and after. `residuals`: rows of the samples of these
+/// `covariates`; `points`: names of the model's points.
 pub(crate) fn residual_map(
-    (covariates, points): (&[Covariates], &[String]),
-    before: &[f64],
-    after: &[f64],
+    covariates: &[Covariates],
+    points: &[String],
+    residuals: &[ResidualRow],
     noise: &Ar1Noise,
 ) -> Vec<PlaceRow> {
-    let mut found = Vec::new();
-    for group in groups(covariates, points).iter().filter(|group| group.rows.len() >= FEWEST) {
+    let before_m: Vec<f64> = residuals.iter().flat_map(ResidualRow::before_m).collect();
+    let after_m: Vec<f64> = residuals.iter().flat_map(ResidualRow::after_m).collect();
+    let mut map = Vec::new();
+    for group in groups(covariates, points).iter().filter(|group| group.rows.len() >= MIN_GROUP_SAMPLES) {
         for (axis, name) in AXES.into_iter().enumerate() {
-            let (mean_before_m, rms_before_m, p_before) = summarise(&group.rows, before, axis, noise);
-            let (mean_after_m, rms_after_m, p_after) = summarise(&group.rows, after, axis, noise);
-            found.push(PlaceRow {
+            let (mean_before_m, rms_before_m, p_before) = summarise(&group.rows, &before_m, axis, noise);
+            let (mean_after_m, rms_after_m, p_after) = summarise(&group.rows, &after_m, axis, noise);
+            map.push(PlaceRow {
                 by: group.by.to_owned(),
                 place: group.name.clone(),
                 axis: name.to_owned(),
@@ -46,29 +75,30 @@ pub(crate) fn residual_map(
             });
         }
     }
-    let corrected = |p: &dyn Fn(&PlaceRow) -> f64| holm(&found.iter().map(p).collect::<Vec<f64>>());
+    // Holm's correction for the number of groups, for the residuals before and after apart.
+    let corrected = |p: &dyn Fn(&PlaceRow) -> f64| holm(&map.iter().map(p).collect::<Vec<f64>>());
     let (p_before, p_after) = (corrected(&|row| row.p_before), corrected(&|row| row.p_after));
-    for (row, (before, after)) in found.iter_mut().zip(p_before.into_iter().zip(p_after)) {
+    for (row, (before, after)) in map.iter_mut().zip(p_before.into_iter().zip(p_after)) {
         (row.p_before, row.p_after) = (before, after);
     }
-    found
+    map
 }
 
 /// The groups of the map, largest residual over noise first.
 pub(crate) fn disagreements(map: &[PlaceRow]) -> Vec<Disagreement> {
     let squares = |row: &PlaceRow| row.samples as f64 * row.rms_before_m.powi(2);
     let whole = map.iter().find(|row| row.by == "all" && row.axis == "all").map_or(0.0, squares);
-    let mut found: Vec<&PlaceRow> = map.iter().filter(|row| row.axis != "all" || row.by == "all").collect();
+    let mut rows: Vec<&PlaceRow> = map.iter().filter(|row| row.axis != "all" || row.by == "all").collect();
     let excess = |row: &PlaceRow| row.rms_before_m / row.floor_m;
-    found.sort_by(|a, b| excess(b).total_cmp(&excess(a)));
-    let told = |row: &&PlaceRow| Disagreement {
+    rows.sort_by(|a, b| excess(b).total_cmp(&excess(a)));
+    let disagreement = |row: &&PlaceRow| Disagreement {
         place: if row.by == "all" { "all samples".to_owned() } else { format!("{}: {}", row.by, row.place) },
         axis: row.axis.clone(),
         rms_m: row.rms_before_m,
         share: if whole > 0.0 { squares(row) / whole } else { 0.0 },
         p_value: row.p_before,
     };
-    found.iter().map(told).collect()
+    rows.iter().map(disagreement).collect()
 }
 
 /// Mean, rms, and p-value against noise.
@@ -125,7 +155,8 @@ fn groups(covariates: &[Covariates], points: &[String]) -> Vec<SampleGroup> {
     add("largest pull", "middling".to_owned(), &|at| pull(at) >= low && pull(at) < high);
     add("largest pull", "large".to_owned(), &|at| pull(at) >= high);
     let reversed = |at: &Covariates| at.change.iter().zip(&at.change_before).any(|(now, before)| now * before < 0.0);
-    let further = |at: &Covariates| at.command.iter().zip(&at.largest).any(|(now, most)| *now > 0.0 && now >= most);
+    let further =
+        |at: &Covariates| at.command.iter().zip(&at.largest).any(|(now, largest)| *now > 0.0 && now >= largest);
     add("history", "a tendon has just reversed".to_owned(), &reversed);
     add("history", "no tendon has just reversed".to_owned(), &|at| !reversed(at));
     add("history", "further out than before".to_owned(), &further);

@@ -1,24 +1,10 @@
 //! Texts of the answer, from computed values only.
 
-use crate::data::findings::{Findings, Gap, PlaceRow, Verdict};
+use super::evidence::Evidence;
+use super::verdict::Objection;
+use crate::data::findings::{PlaceRow, Verdict};
 use crate::discovery::goodness_of_fit::kernel_ridge::ResidualPattern;
 use crate::discovery::goodness_of_fit::test_result::{FitTest, TestResult};
-
-/// Input of the summary beside the findings.
-pub(crate) struct SummaryContext<'a> {
-    /// Rival sets, most likely first.
-    pub(crate) sets: &'a [String],
-    /// The best candidate, if any is better than none …
-    pub(crate) refused: Option<String>,
-    /// … and the objection to it.
-    pub(crate) objection: &'a str,
-    /// What remains beside named effects, as a clause, if anything does.
-    pub(crate) remains: Option<String>,
-    /// What the errors are.
-    pub(crate) error: &'static str,
-    /// Error shared with the baseline.
-    pub(crate) shared: Option<BaselineShare>,
-}
 
 /// Held-out error of the answer in two parts whose squares add up, metres.
 pub(crate) struct BaselineShare {
@@ -26,6 +12,14 @@ pub(crate) struct BaselineShare {
     pub(crate) shared_m: f64,
     /// The rest.
     pub(crate) apart_m: f64,
+}
+
+/// Caveat of a named delay, seconds, which may be the tracker's clock instead.
+pub(crate) fn delay_caveat(time_s: f64) -> String {
+    format!(
+        "A delay of the robot by {time_s:.3} s and a tracker's clock that is as much behind that of the commands are the \
+         same in these data: check the clocks before the drive."
+    )
 }
 
 /// Caveat of an effect that single trials tell, on a robot of which the model leaves `model_form_m` anyway.
@@ -39,36 +33,48 @@ pub(crate) fn by_trials_caveat(model_form_m: f64) -> String {
 }
 
 /// Summary in one or two sentences.
-pub(crate) fn summary(findings: &Findings, beside: &SummaryContext) -> String {
-    let SummaryContext { sets, refused, objection, remains, error, .. } = beside;
-    let (before_mm, after_mm) = (findings.gap.before_m * 1e3, findings.gap.after_m * 1e3);
-    let floor_mm = findings.noise_floor_m * 1e3;
-    let names = findings.effects.iter().map(|effect| effect.name.as_str()).collect::<Vec<_>>();
-    let shared = beside.shared.as_ref().map_or_else(String::new, |BaselineShare { shared_m, apart_m }| {
+pub(crate) fn summary(evidence: &Evidence) -> String {
+    let Evidence { error_name, search, .. } = evidence;
+    let pattern = &evidence.residuals.pattern;
+    if let Some(mistake) = &evidence.mistake {
+        let (before_mm, after_mm) = (1e3 * mistake.before_m, 1e3 * mistake.after_m);
+        return format!(
+            "This is a mistake of recording or set-up rather than physics: if {}, the {error_name} is {after_mm:.2} mm \
+             instead of {before_mm:.2} mm. No effect was sought and nothing was added to the model.",
+            mistake.what
+        );
+    }
+    let (before_mm, after_mm) = (evidence.gap.before_m * 1e3, evidence.gap.after_m * 1e3);
+    let floor_mm = evidence.residuals.noise.rms_m() * 1e3;
+    let shared = search.shared.as_ref().map_or_else(String::new, |BaselineShare { shared_m, apart_m }| {
         format!(
             " {:.2} mm of the remaining error also appears in the baseline and is not attributed to a missing \
-         effect; the rest is {:.2} mm.",
+             effect; the rest is {:.2} mm.",
             1e3 * shared_m,
             1e3 * apart_m
         )
     });
-    let more = remains.as_ref().map_or_else(String::new, |remains| {
-        format!(" Something remains that the named effects do not explain: {remains}. {}", findings.pattern)
+    let remaining = evidence.decision.remaining.as_ref().map_or_else(String::new, |test| {
+        let remaining = failed_test(test);
+        format!(" Something remains that the named effects do not explain: {remaining}. {pattern}")
     });
     let held_out = format!(
-        "On held-out trials the {error} falls from {before_mm:.2} mm to {after_mm:.2} mm; the noise \
-         floor is {floor_mm:.2} mm.{shared}{more}"
+        "On held-out trials the {error_name} falls from {before_mm:.2} mm to {after_mm:.2} mm; the noise \
+         floor is {floor_mm:.2} mm.{shared}{remaining}"
     );
-    match findings.verdict {
+    match evidence.decision.verdict {
         Verdict::Consistent => format!(
-            "The data are consistent with the model, measurement noise and calibration uncertainty: {error} \
-         {before_mm:.2} mm on held-out trials, noise floor {floor_mm:.2} mm."
+            "The data are consistent with the model, measurement noise and calibration uncertainty: {error_name} \
+             {before_mm:.2} mm on held-out trials, noise floor {floor_mm:.2} mm."
         ),
-        Verdict::Named => format!("The model lacks {}. {held_out}", names.join(" and ")),
+        Verdict::Named => {
+            let names: Vec<&str> = search.effects.iter().map(|effect| effect.name.as_str()).collect();
+            format!("The model lacks {}. {held_out}", names.join(" and "))
+        }
         Verdict::Ambiguous => format!(
             "An effect is missing, and these data cannot tell whether it is {}. `model.yaml` contains the most \
-         likely one, the first. {held_out}",
-            sets.join(" or ")
+             likely one, the first. {held_out}",
+            search.set_names.join(" or ")
         ),
         Verdict::Unexplained => {
             let gap = if before_mm > floor_mm {
@@ -76,31 +82,45 @@ pub(crate) fn summary(findings: &Findings, beside: &SummaryContext) -> String {
             } else {
                 "The residual is not noise, although its mean size is"
             };
-            let best = refused.as_ref().map_or_else(
+            let best = search.best_name.as_ref().map_or_else(
                 || "No candidate improves the fit enough to be named".to_owned(),
-                |refused| format!("The best candidate is {refused}"),
+                |name| format!("The best candidate is {name}"),
             );
             format!(
                 "{gap} ({before_mm:.2} mm on held-out trials, noise floor {floor_mm:.2} mm), and no effect of the \
-         catalogue explains it. {} {best}, but {objection}.",
-                findings.pattern
+                 catalogue explains it. {pattern} {best}, but {}.",
+                search.objection
             )
         }
     }
 }
 
 /// Smaller p-values are not reported: no test's assumptions hold that well.
-const LEAST_CHANCE: f64 = 1e-9;
+const MIN_WRITTEN_P_VALUE: f64 = 1e-9;
 
-/// Objection to a set of effects, as a clause after "but".
-pub(crate) fn objection(sign: &TestResult) -> String {
-    let (more_mm, beyond_mm) = (1e3 * sign.more_m, 1e3 * sign.beyond_m);
+/// Objection to a set of effects, as a clause after "but"; with the held-out error before and after, metres.
+pub(crate) fn objection(objection: &Objection, held_out_m: [f64; 2]) -> String {
+    match objection {
+        Objection::Test(test) => failed_test(test),
+        Objection::CannotSimulate => "the model with it cannot be simulated on the held-out trials".to_owned(),
+        Objection::Worse => {
+            let [before_mm, after_mm] = held_out_m.map(|error_m| 1e3 * error_m);
+            // More digits where two would show the same number twice.
+            let digits = if after_mm - before_mm < 0.01 { 4 } else { 2 };
+            format!("it increases the error on held-out trials from {before_mm:.digits$} mm to {after_mm:.digits$} mm")
+        }
+    }
+}
+
+/// What a failed test shows, as a clause.
+fn failed_test(result: &TestResult) -> String {
+    let (more_mm, beyond_mm) = (1e3 * result.more_m, 1e3 * result.beyond_m);
     let all_mm = more_mm.hypot(beyond_mm);
-    let chance = match sign.p_value {
-        p_value if p_value < LEAST_CHANCE => format!("p < {LEAST_CHANCE:e}"),
+    let chance = match result.p_value {
+        p_value if p_value < MIN_WRITTEN_P_VALUE => format!("p < {MIN_WRITTEN_P_VALUE:e}"),
         p_value => format!("p = {p_value:.1e}"),
     };
-    match sign.test {
+    match result.test {
         FitTest::CrossTrial => format!("{more_mm:.2} mm of its residual can be predicted from other trials ({chance})"),
         FitTest::Variance => {
             format!("its residual is {all_mm:.2} mm, where the noise floor is {beyond_mm:.2} mm ({chance})")
@@ -109,43 +129,28 @@ pub(crate) fn objection(sign: &TestResult) -> String {
             "its residual changes too slowly from sample to sample for tracker noise and is {all_mm:.2} mm, where \
          the noise floor is {beyond_mm:.2} mm ({chance})"
         ),
-        FitTest::Levene => {
-            format!(
-                "its residual is {all_mm:.2} mm in the worst trial and {beyond_mm:.2} mm in the median trial \
+        FitTest::Levene => format!(
+            "its residual is {all_mm:.2} mm in the worst trial and {beyond_mm:.2} mm in the median trial \
          ({chance})"
-            )
-        }
-        FitTest::LackOfFit => {
-            format!("its mean error over repeated measurements is {more_mm:.2} mm ({chance})")
-        }
+        ),
+        FitTest::LackOfFit => format!("its mean error over repeated measurements is {more_mm:.2} mm ({chance})"),
         FitTest::Score => {
             format!("small amounts of all effects together explain {more_mm:.2} mm of its residual ({chance})")
         }
-        FitTest::Spearman => {
-            format!(
-                "its residual is {all_mm:.2} mm where it moves the tip most and {beyond_mm:.2} mm where it moves the \
+        FitTest::Spearman => format!(
+            "its residual is {all_mm:.2} mm where it moves the tip most and {beyond_mm:.2} mm where it moves the \
          tip least ({chance})"
-            )
-        }
-        FitTest::HeldOut => {
-            format!(
-                "its residual is {all_mm:.2} mm on held-out trials and {beyond_mm:.2} mm on the fitted trials \
+        ),
+        FitTest::HeldOut => format!(
+            "its residual is {all_mm:.2} mm on held-out trials and {beyond_mm:.2} mm on the fitted trials \
          ({chance})"
-            )
-        }
+        ),
     }
 }
 
-/// Objection that an answer increases the held-out error, as a clause after "but".
-pub(crate) fn worse_on_held_out(gap: &Gap) -> String {
-    let [before_mm, after_mm] = [gap.before_m, gap.after_m].map(|error_m| 1e3 * error_m);
-    let digits = if after_mm - before_mm < 0.01 { 4 } else { 2 };
-    format!("it increases the error on held-out trials from {before_mm:.digits$} mm to {after_mm:.digits$} mm")
-}
-
 /// Caveat if held-out trials scatter more, but other values within the intervals remove the difference.
-pub(crate) fn held_out_caveat(sign: &TestResult) -> String {
-    let [all_mm, fit_mm] = [sign.more_m.hypot(sign.beyond_m), sign.beyond_m].map(|size_m| 1e3 * size_m);
+pub(crate) fn held_out_caveat(test: &TestResult) -> String {
+    let [all_mm, fit_mm] = [test.more_m.hypot(test.beyond_m), test.beyond_m].map(|size_m| 1e3 * size_m);
     format!(
         "With the fitted values the residual is {all_mm:.2} mm on held-out trials and {fit_mm:.2} mm on the \
          fitted trials; other values within the 95 % intervals remove this difference. The effect is better \
@@ -174,21 +179,16 @@ pub(crate) fn strained_caveat(explained_m: f64, deviations: f64) -> String {
 }
 
 /// Patterns that predict less than this share of the squares are not reported.
-const LEAST_SHARE: f64 = 0.1;
+const MIN_PREDICTED_SHARE: f64 = 0.1;
 
 /// Pattern of an unexplained residual, with the shares of squares that each pattern predicts, best first.
 pub(crate) fn pattern(foretold: &[(ResidualPattern, f64)], places: &[PlaceRow]) -> String {
     let depends = match foretold.first() {
-        Some((pattern, share)) if *share >= LEAST_SHARE => {
-            let told = |(pattern, share): &(ResidualPattern, f64)| {
-                format!("{:.0} % by {}", 100.0 * share, pattern_name(*pattern))
-            };
-            let each: Vec<String> = foretold.iter().map(told).collect();
-            format!(
-                "{} Share of its squares that other trials predict: {}.",
-                describe_pattern(*pattern),
-                each.join(", ")
-            )
+        Some((pattern, share)) if *share >= MIN_PREDICTED_SHARE => {
+            let shares =
+                foretold.iter().map(|(pattern, share)| format!("{:.0} % by {}", 100.0 * share, pattern.name()));
+            let shares: Vec<String> = shares.collect();
+            format!("{} Share of its squares that other trials predict: {}.", pattern.description(), shares.join(", "))
         }
         _ => "The residual differs from trial to trial and no trial predicts another. Possible causes: contact, a \
          part that moves or slips, or a tracker noisier than its repeated samples."
@@ -208,34 +208,40 @@ pub(crate) fn pattern(foretold: &[(ResidualPattern, f64)], places: &[PlaceRow]) 
     )
 }
 
-fn describe_pattern(pattern: ResidualPattern) -> &'static str {
-    match pattern {
-        ResidualPattern::Constant => "The residual is nearly constant, as from a shift of the tracking frame.",
-        ResidualPattern::Pose => "The residual depends on the pose, as from a load, a stiffness or a geometry error.",
-        ResidualPattern::History => {
-            "The residual depends on the motion history, as from friction, backlash or a delay."
+impl ResidualPattern {
+    fn description(self) -> &'static str {
+        match self {
+            ResidualPattern::Constant => "The residual is nearly constant, as from a shift of the tracking frame.",
+            ResidualPattern::Pose => {
+                "The residual depends on the pose, as from a load, a stiffness or a geometry error."
+            }
+            ResidualPattern::History => {
+                "The residual depends on the motion history, as from friction, backlash or a delay."
+            }
+            ResidualPattern::Time => "The residual depends on the time in the trial, as from drift, creep or slip.",
         }
-        ResidualPattern::Time => "The residual depends on the time in the trial, as from drift, creep or slip.",
     }
-}
 
-/// Name of a pattern.
-fn pattern_name(pattern: ResidualPattern) -> &'static str {
-    match pattern {
-        ResidualPattern::Constant => "a constant",
-        ResidualPattern::Pose => "pose",
-        ResidualPattern::History => "history",
-        ResidualPattern::Time => "time",
+    fn name(self) -> &'static str {
+        match self {
+            ResidualPattern::Constant => "a constant",
+            ResidualPattern::Pose => "pose",
+            ResidualPattern::History => "history",
+            ResidualPattern::Time => "time",
+        }
     }
 }
 
 /// Separation in standard deviations above which rivals are told apart.
-const CLEAR: f64 = 3.0;
+const CLEAR_SEPARATION: f64 = 3.0;
 
 /// What to record next.
-pub(crate) fn next_measurement(findings: &Findings) -> String {
-    if let Some(first) = findings.proposals.first() {
-        let little = if first.separation < CLEAR {
+pub(crate) fn next_measurement(evidence: &Evidence) -> String {
+    if let Some(mistake) = &evidence.mistake {
+        return format!("Correct the recording or its set-up ({}), then run `discover` again.", mistake.what);
+    }
+    if let Some(first) = evidence.search.next_experiments.first().map(|next| &next.proposal) {
+        let doubt = if first.separation < CLEAR_SEPARATION {
             format!(
                 "; the predictions differ by only {:.1} standard deviations, so it may have to be repeated",
                 first.separation
@@ -243,20 +249,18 @@ pub(crate) fn next_measurement(findings: &Findings) -> String {
         } else {
             String::new()
         };
-        return format!("{} (about {:.0} min; commands in {}{little}).", first.what, first.minutes, first.file);
+        return format!("{} (about {:.0} min; commands in {}{doubt}).", first.what, first.minutes, first.file);
     }
-    match findings.verdict {
-        Verdict::Consistent => "No further recording is needed: the model explains these data.".to_owned(),
-        Verdict::Named => "No further recording is needed to tell candidates apart.".to_owned(),
-        Verdict::Ambiguous => {
-            "Record the same commands again with a known weight on the tip in half of the trials.".to_owned()
-        }
+    let next = match evidence.decision.verdict {
+        Verdict::Consistent => "No further recording is needed: the model explains these data.",
+        Verdict::Named => "No further recording is needed to tell candidates apart.",
+        Verdict::Ambiguous => "Record the same commands again with a known weight on the tip in half of the trials.",
         Verdict::Unexplained => {
             "Record repeats of one trial, a slow and a fast one, and one with a known weight, to see what the \
-         residual depends on."
-                .to_owned()
+             residual depends on."
         }
-    }
+    };
+    next.to_owned()
 }
 
 #[cfg(test)]
@@ -265,7 +269,7 @@ mod tests {
 
     #[test]
     fn what_speaks_against_an_answer_is_told_in_sizes_that_can_be_compared() {
-        let told = |test, p_value| objection(&TestResult { test, p_value, more_m: 4e-4, beyond_m: 3e-4 });
+        let clause = |test, p_value| failed_test(&TestResult { test, p_value, more_m: 4e-4, beyond_m: 3e-4 });
         for (test, said) in [
             (FitTest::CrossTrial, "0.40 mm of its residual can be predicted"),
             (FitTest::Variance, "its residual is 0.50 mm, where the noise floor is 0.30 mm"),
@@ -276,10 +280,10 @@ mod tests {
             (FitTest::Spearman, "0.50 mm where it moves the tip most and 0.30 mm where it moves the tip least"),
             (FitTest::HeldOut, "0.50 mm on held-out trials and 0.30 mm on the fitted trials"),
         ] {
-            let told = told(test, 4.8e-5);
-            assert!(told.contains(said) && told.ends_with("(p = 4.8e-5)"), "{told}");
+            let clause = clause(test, 4.8e-5);
+            assert!(clause.contains(said) && clause.ends_with("(p = 4.8e-5)"), "{clause}");
         }
-        assert!(told(FitTest::LackOfFit, 0.0).ends_with("(p < 1e-9)"));
+        assert!(clause(FitTest::LackOfFit, 0.0).ends_with("(p < 1e-9)"));
     }
 
     #[test]

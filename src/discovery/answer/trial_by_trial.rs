@@ -17,14 +17,15 @@ use crate::discovery::search::{ScoredSet, Search, TrialEvidence};
 use crate::math::distribution::{student_95, student_beyond};
 use crate::math::summary::{mean, standard_deviation};
 
-/// Sets with the largest scores that are judged.
-const JUDGED: usize = 6;
+/// Number of sets with the largest scores that are judged. This and the constants below were chosen on one trunk
+/// (docs/discovery.md, "Robots whose physics is not exactly the model's").
+const MAX_JUDGED: usize = 6;
 /// Fewest trials on either side.
-const FEWEST_TRIALS: usize = 3;
+const MIN_TRIALS: usize = 3;
 /// Share of the held-out gap that the effect must explain, its interval above zero.
-const MOST: f64 = 0.5;
+const MIN_EXPLAINED_SHARE: f64 = 0.5;
 /// A set is an equal of the best unless the chance of errors on unseen trials that are so much larger is below this.
-const EQUAL: f64 = 0.05;
+const WORSE_P_VALUE: f64 = 0.05;
 
 /// Effects, and those of which they are special cases: a weight is a force along gravity.
 const SPECIAL_CASES: [(&str, &str); 2] = [("tip_load", "tip_force"), ("bending_stiffness", "anisotropic_stiffness")];
@@ -53,15 +54,18 @@ impl Problem<'_> {
     pub(crate) fn judge_by_trials(&self, search: &Search) -> Option<JudgedEffect> {
         let base = self.base.as_ref().filter(|_| self.model_form_m > 0.0)?;
         let fit_problem = self.fit_problem();
+        // 1. The amplitude of each leading effect in every trial, beside the baseline's.
+        let residual_m = self.nuisances.residual_by_prior(&self.training.residual(&self.simulated_m));
         let judged: Vec<Judged> = leading_singles(search)
             .into_iter()
             .filter_map(|scored| {
-                let (amplitudes, is_larger) = self.amplitudes_beside(base, &scored)?;
+                let (amplitudes, is_larger) = self.amplitudes_beside(base, &scored, &residual_m)?;
                 let errors_m = jackknife::left_out_errors_m(&fit_problem, &scored.fitted);
                 let unseen_m2 = errors_m.iter().map(|error_m| error_m * error_m).collect();
                 Some(Judged { scored, is_larger, amplitudes, unseen_m2 })
             })
             .collect();
+        // 2. Of the effects that are larger, the one that predicts unseen trials best, or a special case of it.
         let larger = judged.iter().filter(|judged| judged.is_larger);
         let top = larger.min_by(|a, b| mean(&a.unseen_m2).total_cmp(&mean(&b.unseen_m2)))?;
         // More numbers of the same kind that gain less than the model leaves anyway fit what it leaves.
@@ -71,16 +75,18 @@ impl Problem<'_> {
         let set = |judged: &Judged| candidate_set(&judged.scored.fitted.members);
         let is_equal =
             |other: &&Judged| set(other) != set(best) && !self.is_case_of(best, other) && !is_worse(other, best);
+        // 3. Sets that predict unseen trials as well are its rivals.
         let evidence = TrialEvidence {
             equals: judged.iter().filter(is_equal).map(set).collect(),
             half_width: half_width(&best.amplitudes),
         };
+        // 4. It must explain most of the held-out gap.
         let final_fit = self.final_fit(&best.scored.fitted);
         let fine = &final_fit.fine;
         let fit_problem = &FitProblem { nuisances: &fine.nuisances, samples: &fine.samples, ..fit_problem };
         let explained = self.explained_share(fit_problem, &fine.fitted, final_fit.goodness.floor.rms_m())?;
-        let most = explained.share > MOST && explained.interval_95[0] > 0.0;
-        most.then_some(JudgedEffect { best: best.scored.clone(), final_fit, evidence })
+        let explains_most = explained.share > MIN_EXPLAINED_SHARE && explained.interval_95[0] > 0.0;
+        explains_most.then_some(JudgedEffect { best: best.scored.clone(), final_fit, evidence })
     }
 
     /// Whether an effect is a special case of another.
@@ -90,17 +96,17 @@ impl Problem<'_> {
     }
 
     /// Amplitudes of a set in the measured trials, and whether they are larger than in those of the baseline (t-test of
-    /// Welch, Biometrika 34, 1947).
-    fn amplitudes_beside(&self, base: &Baseline, scored: &ScoredSet) -> Option<(Vec<f64>, bool)> {
+    /// Welch, Biometrika 34, 1947). `residual_m`: what the uncertain parameters leave of the training trials.
+    fn amplitudes_beside(&self, base: &Baseline, scored: &ScoredSet, residual_m: &[f64]) -> Option<(Vec<f64>, bool)> {
         let effects = effect_specs(&self.candidates, &scored.fitted.members)?;
-        let there_m = simulate::tips(&self.model, &effects, &base.samples)?;
-        let moved_m: Vec<f64> = there_m.iter().zip(&base.simulated_m).map(|(with, without)| with - without).collect();
+        let simulated_m = simulate::tips(&self.model, &effects, &base.samples)?;
+        let moved_m: Vec<f64> =
+            simulated_m.iter().zip(&base.simulated_m).map(|(with, without)| with - without).collect();
         let before = amplitudes(&base.samples, &base.form.unseen_m, &moved_m);
-        let residual_m = self.nuisances.left_by_prior(&self.training.residual(&self.simulated_m));
         let moved_m = self.displacement_m(&scored.fitted.simulated_m);
-        let after = amplitudes(&self.training, &residual_m, &moved_m);
-        let enough = before.len().min(after.len()) >= FEWEST_TRIALS;
-        let is_larger = enough && chance_of_more(&before, &after) < self.options.false_alarm;
+        let after = amplitudes(&self.training, residual_m, &moved_m);
+        let has_trials = before.len().min(after.len()) >= MIN_TRIALS;
+        let is_larger = has_trials && chance_of_more(&before, &after) < self.options.false_alarm;
         Some((after, is_larger))
     }
 }
@@ -109,11 +115,11 @@ impl Problem<'_> {
 fn leading_singles(search: &Search) -> Vec<ScoredSet> {
     let mut singles: Vec<&ScoredSet> = search.tried.iter().filter(|scored| scored.fitted.members.len() == 1).collect();
     singles.sort_by(|a, b| b.score.total_cmp(&a.score));
-    let mut seen = BTreeSet::new();
-    singles.retain(|scored| seen.insert(candidate_set(&scored.fitted.members)));
+    let mut listed = BTreeSet::new();
+    singles.retain(|scored| listed.insert(candidate_set(&scored.fitted.members)));
     singles
         .into_iter()
-        .take(JUDGED)
+        .take(MAX_JUDGED)
         .map(|scored| if scored.exact { scored.clone() } else { search.fit_fully(scored) })
         .collect()
 }
@@ -121,9 +127,9 @@ fn leading_singles(search: &Search) -> Vec<ScoredSet> {
 /// The amplitude of a displacement `moved_m` in the residual of each trial, by least squares.
 fn amplitudes(samples: &Samples, residual_m: &[f64], moved_m: &[f64]) -> Vec<f64> {
     let of = |rows: std::ops::Range<usize>| {
-        let own = 3 * rows.start..3 * rows.end;
-        let (residual_m, moved_m) = (&residual_m[own.clone()], &moved_m[own]);
-        let along: f64 = residual_m.iter().zip(moved_m).map(|(left, moved)| left * moved).sum();
+        let values = 3 * rows.start..3 * rows.end;
+        let (residual_m, moved_m) = (&residual_m[values.clone()], &moved_m[values]);
+        let along: f64 = residual_m.iter().zip(moved_m).map(|(residual, moved)| residual * moved).sum();
         along / moved_m.iter().map(|moved| moved * moved).sum::<f64>().max(f64::MIN_POSITIVE)
     };
     samples.ranges().into_iter().filter(|rows| !rows.is_empty()).map(of).collect()
@@ -131,10 +137,10 @@ fn amplitudes(samples: &Samples, residual_m: &[f64], moved_m: &[f64]) -> Vec<f64
 
 /// Probability that numbers with the same mean differ by this much or more, `after` being larger.
 fn chance_of_more(before: &[f64], after: &[f64]) -> f64 {
-    let [a, b] = [before, after].map(|own| standard_deviation(own).powi(2) / own.len() as f64);
+    let [a, b] = [before, after].map(|side| standard_deviation(side).powi(2) / side.len() as f64);
     let freedom = (a + b).powi(2) / (a * a / (before.len() as f64 - 1.0) + b * b / (after.len() as f64 - 1.0));
-    let apart = (mean(after) - mean(before)) / (a + b).sqrt();
-    if apart > 0.0 { 0.5 * student_beyond(apart, freedom) } else { 1.0 }
+    let t = (mean(after) - mean(before)) / (a + b).sqrt();
+    if t > 0.0 { 0.5 * student_beyond(t, freedom) } else { 1.0 }
 }
 
 /// Half of the 95 % interval of the mean, over the mean.
@@ -147,8 +153,8 @@ fn half_width(amplitudes: &[f64]) -> f64 {
 fn is_worse(other: &Judged, top: &Judged) -> bool {
     let more: Vec<f64> = other.unseen_m2.iter().zip(&top.unseen_m2).map(|(other, top)| other - top).collect();
     let spread = standard_deviation(&more) / (more.len() as f64).sqrt();
-    let apart = mean(&more) / spread.max(f64::MIN_POSITIVE);
-    apart > 0.0 && 0.5 * student_beyond(apart, more.len() as f64 - 1.0) < EQUAL
+    let t = mean(&more) / spread.max(f64::MIN_POSITIVE);
+    t > 0.0 && 0.5 * student_beyond(t, more.len() as f64 - 1.0) < WORSE_P_VALUE
 }
 
 #[cfg(test)]

@@ -1,279 +1,165 @@
-//! Decides the verdict: `consistent`, `named`, `ambiguous` or `unexplained`, with the effects, their intervals and
-//! their rivals.
+//! Decides the verdict (docs/discovery.md, "The verdict"): `consistent`, `named`, `ambiguous` or `unexplained`.
 
-use std::collections::{BTreeMap, BTreeSet};
-
-use serde_json::{Number, Value};
-
-use super::summary_text;
-use crate::data::findings::{Candidate, FoundEffect, Verdict};
-use crate::data::tables::round_significant;
-use crate::discovery::fit::candidate::{CandidateEffect, SetMember, candidate_set};
-use crate::discovery::fit::gauss_newton::FitProblem;
+use crate::data::findings::Verdict;
 use crate::discovery::goodness_of_fit::test_result::TestResult;
-use crate::discovery::search::{ScoredSet, SearchOutcome};
-use crate::effects::Seek;
 
-/// The decision.
+/// What the verdict is decided from.
+pub(crate) enum VerdictEvidence {
+    /// A mistake of recording or set-up explains the gap; no effect was sought.
+    Mistake,
+    /// The best set of effects with its tests.
+    BestSet(SetEvidence),
+}
+
+/// Evidence for and against the best set of effects, which is empty if nothing is missing.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct SetEvidence {
+    /// Number of effects in the set.
+    pub(crate) effects: usize,
+    /// The goodness-of-fit test that the set fails on the training trials.
+    pub(crate) failed_test: Option<TestResult>,
+    /// Whether the set explains most of the gap of a robot that the model does not describe exactly. It is then named
+    /// although something remains.
+    pub(crate) explains_gap: bool,
+    /// Whether other sets fit equally well.
+    pub(crate) has_rivals: bool,
+    /// Result on the held-out trials. They are not asked of a set that the training trials reject.
+    pub(crate) held_out: HeldOutResult,
+}
+
+/// What held-out trials say of a set.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) enum HeldOutResult {
+    /// They do not contradict it.
+    #[default]
+    Supported,
+    /// The model with the set cannot be simulated on them.
+    CannotSimulate,
+    /// The set increases their error.
+    Worse,
+    /// They scatter more about the fitted values, but other values within the intervals remove the difference.
+    Tolerated(TestResult),
+    /// They scatter significantly more than the training trials.
+    Scattered(TestResult),
+}
+
+/// Why the best set is not the answer.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Objection {
+    /// A failed test.
+    Test(TestResult),
+    /// The model with the set cannot be simulated on held-out trials.
+    CannotSimulate,
+    /// The set increases the held-out error.
+    Worse,
+}
+
+/// The verdict and what speaks against more.
 pub(crate) struct Decision {
     pub(crate) verdict: Verdict,
-    /// Members added to the model; empty if none.
-    pub(crate) members: Vec<SetMember>,
-    pub(crate) effects: Vec<FoundEffect>,
-    /// For `ambiguous`: sets that fit equally well.
-    pub(crate) rivals: Vec<Vec<SetMember>>,
-    /// Objection to the best set, if it is not the answer or not all of it.
-    pub(crate) objection: String,
+    /// For `unexplained`: the objection to the best set. None beside a mistake.
+    pub(crate) objection: Option<Objection>,
+    /// For `named` and `ambiguous`: the test that shows that something remains beside the effects.
+    pub(crate) remaining: Option<TestResult>,
 }
 
 impl Decision {
-    /// A decision that adds nothing to the model.
-    fn without_effects(verdict: Verdict, objection: String) -> Decision {
-        Decision { verdict, members: Vec::new(), effects: Vec::new(), rivals: Vec::new(), objection }
+    /// Whether effects are added to the model.
+    pub(crate) fn names_effects(&self) -> bool {
+        matches!(self.verdict, Verdict::Named | Verdict::Ambiguous)
     }
 
-    /// The decision after an objection.
-    pub(crate) fn refuted(objection: String) -> Decision {
-        Decision::without_effects(Verdict::Unexplained, objection)
-    }
-}
-
-/// Significant digits of written values.
-const DIGITS: usize = 6;
-/// Maximum number of listed candidates.
-const LISTED: usize = 30;
-
-impl FitProblem<'_> {
-    /// Decides the verdict. `plain`: fit problem of the search, for rivals; `sign`: failed goodness-of-fit test of the
-    /// best set; `most`: whether that set explains most of the gap of a robot that the model does not describe exactly,
-    /// so that it is named although something remains.
-    pub(crate) fn decide(
-        &self,
-        plain: &FitProblem,
-        found: &SearchOutcome,
-        (sign, most): (Option<TestResult>, bool),
-        rival_score: f64,
-    ) -> Decision {
-        let members: Vec<SetMember> = found.best.fitted.members.iter().map(|member| self.rounded(member)).collect();
-        let objection = sign.map_or_else(String::new, |sign| summary_text::objection(&sign));
-        if sign.is_some() && (members.is_empty() || !most) {
-            return Decision::refuted(objection);
-        }
-        if members.is_empty() {
-            return Decision::without_effects(Verdict::Consistent, String::new());
-        }
-        let rivals = self.rivals(found, rival_score);
-        let mut effects: Vec<FoundEffect> =
-            (0..members.len()).map(|k| self.found_effect(&found.best, k, found)).collect();
-        for (k, effect) in effects.iter_mut().enumerate() {
-            effect.confusable_with = rivals[k].iter().map(|&(rival, _)| self.rival_label(rival, &members[k])).collect();
-        }
-        let verdict = if rivals.iter().all(Vec::is_empty) { Verdict::Named } else { Verdict::Ambiguous };
-        let mut listed = candidate_set(&members);
-        for &(rival, scored) in rivals.iter().flatten() {
-            let place = scored.fitted.members.iter().position(|member| member.candidate == rival);
-            if let Some(place) = place.filter(|_| listed.insert(rival)) {
-                let mut effect = plain.found_effect(scored, place, found);
-                let replaced =
-                    members.iter().zip(&rivals).filter(|(_, instead)| instead.iter().any(|&(other, _)| other == rival));
-                let own = &scored.fitted.members[place];
-                effect.confusable_with = replaced.map(|(member, _)| self.rival_label(member.candidate, own)).collect();
-                effects.push(effect);
-            }
-        }
-        let mut sets = vec![members.clone()];
-        for (_, rival) in rivals.iter().flatten() {
-            if !sets.contains(&rival.fitted.members) {
-                sets.push(rival.fitted.members.clone());
-            }
-        }
-        Decision { verdict, members, effects, rivals: sets, objection }
-    }
-
-    /// The member with values as written, six significant digits.
-    fn rounded(&self, member: &SetMember) -> SetMember {
-        let values = member.values.iter().map(|&value| round_significant(value, DIGITS)).collect();
-        SetMember { values, ..*member }
-    }
-
-    /// Name of a rival of `member`, with its tendon if the names are equal.
-    fn rival_label(&self, rival: usize, member: &SetMember) -> String {
-        let [rival, own] = [rival, member.candidate].map(|number| &self.candidates[number]);
-        if rival.card.name == own.card.name { rival.label() } else { rival.card.name.to_owned() }
-    }
-
-    /// For each member of the best set, the candidates that can replace it, with their sets.
-    fn rivals<'f>(&self, found: &'f SearchOutcome, rival_score: f64) -> Vec<Vec<(usize, &'f ScoredSet)>> {
-        let best = &found.best;
-        let own = candidate_set(&best.fitted.members);
-        let mut rivals: Vec<Vec<(usize, &ScoredSet)>> = vec![Vec::new(); best.fitted.members.len()];
-        for scored in found.tried.iter().filter(|scored| found.is_rival(scored, rival_score)) {
-            let theirs = candidate_set(&scored.fitted.members);
-            for &other in theirs.difference(&own) {
-                for (instead, member) in rivals.iter_mut().zip(&best.fitted.members) {
-                    let known = instead.iter().any(|(known, _)| *known == other);
-                    if !theirs.contains(&member.candidate) && !known {
-                        instead.push((other, scored));
-                    }
-                }
-            }
-        }
-        rivals
-    }
-
-    fn found_effect(&self, scored: &ScoredSet, k: usize, found: &SearchOutcome) -> FoundEffect {
-        let member = &scored.fitted.members[k];
-        let candidate = &self.candidates[member.candidate];
-        let intervals = self.intervals(&scored.fitted, k);
-        let mut parameters = BTreeMap::new();
-        let mut interval_95 = BTreeMap::new();
-        for (index, parameter) in candidate.card.parameters.iter().enumerate() {
-            let value = member.values[index];
-            let shown = match parameter.seek {
-                Seek::Tendon => Value::from(value as u64),
-                Seek::Flag => Value::Bool(value != 0.0),
-                _ => rounded_number(value),
-            };
-            insert_parameter(&mut parameters, parameter.name, shown);
-            if parameter.seek == Seek::Flag {
-                continue;
-            }
-            if let Some(&[low, high]) = intervals.get(&index) {
-                // What single trials tell differs more than noise does where the model is not exact.
-                let half = found.by_trials.as_ref().map_or(0.0, |evidence| evidence.half_width)
-                    * (value - parameter.null).abs();
-                let [low, high] = [low.min(value - half), high.max(value + half)];
-                insert_parameter(
-                    &mut interval_95,
-                    parameter.name,
-                    Value::Array(vec![rounded_number(low), rounded_number(high)]),
-                );
-            }
-        }
-        FoundEffect {
-            name: candidate.card.name.to_owned(),
-            parameters,
-            interval_95,
-            confidence: self.confidence(member.candidate, found),
-            confusable_with: Vec::new(),
-        }
-    }
-
-    /// Posterior probability of a candidate: share of the fitted sets, weighted by exp(score / 2), that contain it. Where
-    /// trials decide, all sets that fit them equally well have the same.
-    fn confidence(&self, candidate: usize, found: &SearchOutcome) -> f64 {
-        if let Some(evidence) = &found.by_trials {
-            return 1.0 / (1.0 + evidence.equals.len() as f64);
-        }
-        let mut scores: BTreeMap<BTreeSet<usize>, f64> = BTreeMap::new();
-        for scored in found.tried.iter().chain([&found.null]) {
-            let best = scores.entry(candidate_set(&scored.fitted.members)).or_insert(scored.score);
-            *best = best.max(scored.score);
-        }
-        // A set that is not worth naming may fit far better than the answer.
-        let top = scores.values().copied().fold(f64::NEG_INFINITY, f64::max);
-        let weight = |score: &f64| (0.5 * (score - top)).exp();
-        let all: f64 = scores.values().map(weight).sum();
-        scores.iter().filter(|(set, _)| set.contains(&candidate)).map(|(_, score)| weight(score)).sum::<f64>() / all
-    }
-
-    /// The candidates, best first; `after_m` returns the leave-one-out error of a set.
-    pub(crate) fn candidate_rows(
-        &self,
-        found: &SearchOutcome,
-        answer: &Decision,
-        rival_score: f64,
-        after_m: &dyn Fn(&ScoredSet) -> f64,
-    ) -> Vec<Candidate> {
-        let mut tried: Vec<&ScoredSet> = found.tried.iter().chain([&found.null]).collect();
-        tried.sort_by(|a, b| b.score.total_cmp(&a.score));
-        let mut listed: Vec<Candidate> = Vec::new();
-        let mut seen = BTreeSet::new();
-        for scored in tried {
-            if listed.len() < LISTED && seen.insert(candidate_set(&scored.fitted.members)) {
-                let name = set_name(self.candidates, &scored.fitted.members);
-                let why_not = self.why_not(found, answer, scored, rival_score);
-                let parameters = parameter_text(self.candidates, &scored.fitted.members);
-                listed.push(Candidate { name, score: scored.score, after_m: after_m(scored), why_not, parameters });
-            }
-        }
-        // Every effect of the catalogue is listed.
-        for (prediction, score) in &found.screened {
-            if seen.insert(BTreeSet::from([prediction.member.candidate])) {
-                let name = set_name(self.candidates, std::slice::from_ref(&prediction.member));
-                let left = (-prediction.gain / (6.0 * self.samples.len() as f64)).exp();
-                let after_m =
-                    left * crate::discovery::recording::samples::rms_m(&found.null.fitted.nuisance_fit.residual_m);
-                let why_not = "not fitted: the linear screening predicts no more than this".to_owned();
-                listed.push(Candidate { name, score: *score, after_m, why_not, parameters: String::new() });
-            }
-        }
-        listed
-    }
-
-    fn why_not(&self, found: &SearchOutcome, answer: &Decision, scored: &ScoredSet, rival_score: f64) -> String {
-        let best = &found.best;
-        let own: Vec<SetMember> = scored.fitted.members.iter().map(|member| self.rounded(member)).collect();
-        if own == answer.members && answer.verdict != Verdict::Unexplained {
-            return String::new();
-        }
-        let behind = best.score - scored.score;
-        if answer.verdict == Verdict::Unexplained && scored.fitted.members == best.fitted.members {
-            let rank = if own.is_empty() { "no candidate is better" } else { "the best candidate" };
-            return format!("{rank}, but {}", answer.objection);
-        }
-        if scored.fitted.members.len() > best.fitted.members.len() {
-            let why = if behind < 0.0 {
-                "improves the fit by too little to be named"
-            } else {
-                "does not justify its parameters"
-            };
-            return format!("the additional effect {why}");
-        }
-        if found.is_rival(scored, rival_score) {
-            return "fits equally well: these data cannot tell the two apart".to_owned();
-        }
-        if found.by_trials.is_some() {
-            return "does not fit unseen trials better by more than the model leaves on this robot anyway".to_owned();
-        }
-        format!("fits worse: score lower by {behind:.0}")
+    /// Whether nothing significant remains.
+    pub(crate) fn is_complete(&self) -> bool {
+        self.verdict != Verdict::Unexplained && self.remaining.is_none()
     }
 }
 
-/// Names of the effects of a set, joined.
-pub(crate) fn set_name(candidates: &[CandidateEffect], members: &[SetMember]) -> String {
-    if members.is_empty() {
-        return "nothing missing".to_owned();
+impl SetEvidence {
+    /// Whether a failed test only shows that something remains beside the effects.
+    fn may_leave_something(&self) -> bool {
+        self.explains_gap && self.effects > 0
     }
-    members.iter().map(|member| candidates[member.candidate].label()).collect::<Vec<_>>().join(" + ")
+
+    /// Whether the training trials alone reject the set.
+    pub(crate) fn is_rejected_in_training(&self) -> bool {
+        self.failed_test.is_some() && !self.may_leave_something()
+    }
+
+    /// The objection to the set, if there is one.
+    fn objection(&self) -> Option<Objection> {
+        if self.is_rejected_in_training() {
+            return self.failed_test.map(Objection::Test);
+        }
+        match self.held_out {
+            HeldOutResult::CannotSimulate => Some(Objection::CannotSimulate),
+            HeldOutResult::Worse => Some(Objection::Worse),
+            HeldOutResult::Scattered(test) if !self.may_leave_something() => Some(Objection::Test(test)),
+            HeldOutResult::Scattered(_) | HeldOutResult::Tolerated(_) | HeldOutResult::Supported => None,
+        }
+    }
 }
 
-/// Parameters of a set as `effect.parameter=value`, joined.
-fn parameter_text(candidates: &[CandidateEffect], members: &[SetMember]) -> String {
-    let of = |member: &SetMember| {
-        let card = candidates[member.candidate].card;
-        let each = card.parameters.iter().zip(&member.values);
-        let told = each.map(|(own, &value)| format!("{}.{}={}", card.name, own.name, round_significant(value, DIGITS)));
-        told.collect::<Vec<String>>().join("; ")
+/// The verdict.
+pub(crate) fn decide(evidence: &VerdictEvidence) -> Decision {
+    let set = match evidence {
+        VerdictEvidence::Mistake => {
+            return Decision { verdict: Verdict::Unexplained, objection: None, remaining: None };
+        }
+        VerdictEvidence::BestSet(set) => set,
     };
-    members.iter().map(of).collect::<Vec<String>>().join("; ")
+    if let Some(objection) = set.objection() {
+        return Decision { verdict: Verdict::Unexplained, objection: Some(objection), remaining: None };
+    }
+    if set.effects == 0 {
+        return Decision { verdict: Verdict::Consistent, objection: None, remaining: None };
+    }
+    let verdict = if set.has_rivals { Verdict::Ambiguous } else { Verdict::Named };
+    let scattered = match set.held_out {
+        HeldOutResult::Scattered(test) => Some(test),
+        _ => None,
+    };
+    Decision { verdict, objection: None, remaining: set.failed_test.or(scattered) }
 }
 
-fn rounded_number(value: f64) -> Value {
-    Number::from_f64(round_significant(value, DIGITS)).map_or(Value::Null, Value::Number)
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::discovery::goodness_of_fit::test_result::FitTest;
 
-/// Inserts a value under its name; components of a vector (`name[k]`, in order) into a list.
-fn insert_parameter(map: &mut BTreeMap<String, Value>, name: &str, value: Value) {
-    match name.split_once('[') {
-        None => {
-            map.insert(name.to_owned(), value);
+    const FAILED: TestResult = TestResult { test: FitTest::Variance, p_value: 1e-6, more_m: 1e-3, beyond_m: 1e-3 };
+
+    fn of(set: SetEvidence) -> (Verdict, bool) {
+        let decision = decide(&VerdictEvidence::BestSet(set));
+        assert_eq!(decision.objection.is_some(), decision.verdict == Verdict::Unexplained);
+        (decision.verdict, decision.is_complete())
+    }
+
+    #[test]
+    fn tests_rivals_and_held_out_trials_decide() {
+        let none = SetEvidence::default();
+        let one = SetEvidence { effects: 1, ..none };
+        assert_eq!(of(none), (Verdict::Consistent, true));
+        assert_eq!(of(one), (Verdict::Named, true));
+        assert_eq!(of(SetEvidence { has_rivals: true, ..one }), (Verdict::Ambiguous, true));
+        for held_out in [HeldOutResult::Worse, HeldOutResult::CannotSimulate, HeldOutResult::Scattered(FAILED)] {
+            assert_eq!(of(SetEvidence { held_out, ..one }), (Verdict::Unexplained, false), "{held_out:?}");
         }
-        Some((vector, _)) => {
-            let list = map.entry(vector.to_owned()).or_insert_with(|| Value::Array(Vec::new()));
-            if let Value::Array(items) = list {
-                items.push(value);
-            }
-        }
+        assert_eq!(of(SetEvidence { held_out: HeldOutResult::Tolerated(FAILED), ..one }), (Verdict::Named, true));
+        assert_eq!(of(SetEvidence { failed_test: Some(FAILED), ..one }), (Verdict::Unexplained, false));
+        assert_eq!(decide(&VerdictEvidence::Mistake).verdict, Verdict::Unexplained);
+    }
+
+    #[test]
+    fn an_effect_that_explains_the_gap_is_named_although_something_remains() {
+        let explains_gap = SetEvidence { effects: 1, explains_gap: true, ..SetEvidence::default() };
+        assert_eq!(of(SetEvidence { failed_test: Some(FAILED), ..explains_gap }), (Verdict::Named, false));
+        let held_out = HeldOutResult::Scattered(FAILED);
+        assert_eq!(of(SetEvidence { held_out, ..explains_gap }), (Verdict::Named, false));
+        let held_out = HeldOutResult::Worse;
+        assert_eq!(of(SetEvidence { held_out, ..explains_gap }), (Verdict::Unexplained, false));
+        // Without an effect there is nothing that could explain the gap.
+        let nothing = SetEvidence { effects: 0, failed_test: Some(FAILED), ..explains_gap };
+        assert_eq!(of(nothing), (Verdict::Unexplained, false));
     }
 }

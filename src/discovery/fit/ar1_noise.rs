@@ -14,9 +14,9 @@ pub(crate) struct Ar1Noise {
 }
 
 /// Correlations above this cannot be told from drift.
-const MOST_CORRELATION: f64 = 0.98;
+const MAX_CORRELATION: f64 = 0.98;
 /// Lower bound of the standard deviation, metres: the last digit of a tracker.
-pub(crate) const LEAST_SIGMA_M: f64 = 1e-6;
+pub(crate) const MIN_SIGMA_M: f64 = 1e-6;
 
 impl Ar1Noise {
     /// Root mean square distance, metres.
@@ -36,7 +36,7 @@ impl Ar1Noise {
     }
 
     /// Correlation with the previous sample. Steps below the median count as one step.
-    fn kept(&self, samples: &Samples, row: usize) -> f64 {
+    fn carried_correlation(&self, samples: &Samples, row: usize) -> f64 {
         samples.steps_since_last(row).map_or(0.0, |steps| self.correlation.powf(steps.max(1.0)))
     }
 
@@ -54,11 +54,11 @@ impl Ar1Noise {
     pub(crate) fn whiten(&self, samples: &Samples, values: &[f64]) -> Vec<f64> {
         let mut white = Vec::with_capacity(values.len());
         for row in 0..samples.len() {
-            let kept = self.kept(samples, row);
-            let new = (1.0 - kept * kept).sqrt();
+            let correlation = self.carried_correlation(samples, row);
+            let new = (1.0 - correlation * correlation).sqrt();
             for axis in 0..3 {
                 let at = 3 * row + axis;
-                let carried = if kept > 0.0 { kept * values[at - 3] } else { 0.0 };
+                let carried = if correlation > 0.0 { correlation * values[at - 3] } else { 0.0 };
                 white.push((values[at] - carried) / (new * self.sigma_m[axis]));
             }
         }
@@ -69,8 +69,8 @@ impl Ar1Noise {
     pub(crate) fn log_determinant(&self, samples: &Samples) -> f64 {
         let axes: f64 = self.sigma_m.iter().map(|sigma| (sigma * sigma).ln()).sum();
         let row = |row: usize| {
-            let kept = self.kept(samples, row);
-            axes + 3.0 * (1.0 - kept * kept).ln()
+            let correlation = self.carried_correlation(samples, row);
+            axes + 3.0 * (1.0 - correlation * correlation).ln()
         };
         (0..samples.len()).map(row).sum()
     }
@@ -78,13 +78,14 @@ impl Ar1Noise {
     /// Maximum-likelihood noise of `residual`; a fit has used `freedom` degrees of freedom.
     pub(crate) fn estimate(samples: &Samples, residual: &[f64], freedom: f64) -> Ar1Noise {
         // Negative correlations are attributed to chance.
-        let correlation = correlation(samples, residual).clamp(0.0, MOST_CORRELATION);
+        let correlation = correlation(samples, residual).clamp(0.0, MAX_CORRELATION);
         let unit = Ar1Noise { sigma_m: [1.0; 3], correlation };
         let white = unit.whiten(samples, residual);
-        let left = (samples.len() as f64 - freedom / 3.0).max(1.0);
+        // Whitened values are independent, so their mean square is the variance.
+        let remaining_freedom = (samples.len() as f64 - freedom / 3.0).max(1.0);
         let sigma = |axis: usize| {
             let sum: f64 = white.iter().skip(axis).step_by(3).map(|w| w * w).sum();
-            (sum / left).sqrt().max(LEAST_SIGMA_M)
+            (sum / remaining_freedom).sqrt().max(MIN_SIGMA_M)
         };
         Ar1Noise { sigma_m: std::array::from_fn(sigma), correlation }
     }
@@ -100,12 +101,12 @@ pub(crate) fn effective_axes(variances: &[f64; 3]) -> f64 {
 /// Correlation of consecutive samples, mean over axes with a signal. Pairs farther apart than usual are excluded.
 fn correlation(samples: &Samples, residual: &[f64]) -> f64 {
     let neighbours = samples.consecutive_rows();
-    let least_m2 = neighbours.len() as f64 * LEAST_SIGMA_M.powi(2);
+    let min_m2 = neighbours.len() as f64 * MIN_SIGMA_M.powi(2);
     let of = |axis: usize| {
         let at = |row: usize| residual[3 * row + axis];
         let together: f64 = neighbours.iter().map(|&row| at(row) * at(row - 1)).sum();
         let alone: f64 = neighbours.iter().map(|&row| 0.5 * (at(row).powi(2) + at(row - 1).powi(2))).sum();
-        (alone > least_m2).then(|| together / alone)
+        (alone > min_m2).then(|| together / alone)
     };
     let each: Vec<f64> = (0..3).filter_map(of).collect();
     each.iter().sum::<f64>() / each.len().max(1) as f64
@@ -143,8 +144,8 @@ mod tests {
             }
         }
         residual_m.iter_mut().skip(2).step_by(3).for_each(|y| *y = 0.0);
-        let found = Ar1Noise::estimate(&samples, &residual_m, 0.0);
-        assert!((found.correlation - 0.8).abs() < 0.03, "{found:?}");
+        let estimated = Ar1Noise::estimate(&samples, &residual_m, 0.0);
+        assert!((estimated.correlation - 0.8).abs() < 0.03, "{estimated:?}");
     }
 
     /// A row logged late is close to the next one: white noise stays white, with the same size.
@@ -157,9 +158,9 @@ mod tests {
         for seed in 0..20 {
             let mut noise = white_noise(NOISE_M, seed);
             let residual_m: Vec<f64> = (0..3 * samples.len()).map(|_| noise()).collect();
-            let found = Ar1Noise::estimate(&samples, &residual_m, 0.0);
-            assert!(found.correlation < 0.1, "{found:?}");
-            assert!((found.rms_m() / (3.0_f64.sqrt() * NOISE_M) - 1.0).abs() < 0.08, "{found:?}");
+            let estimated = Ar1Noise::estimate(&samples, &residual_m, 0.0);
+            assert!(estimated.correlation < 0.1, "{estimated:?}");
+            assert!((estimated.rms_m() / (3.0_f64.sqrt() * NOISE_M) - 1.0).abs() < 0.08, "{estimated:?}");
         }
     }
 }

@@ -21,7 +21,7 @@ const FORM_M: f64 = 5e-4;
 const MOTION_FORM_M: f64 = 2e-4;
 
 /// Lower bound of the speed by which motion terms are scaled, m/s.
-const SLOWEST_M_S: f64 = 5e-5;
+const MIN_SPEED_M_S: f64 = 5e-5;
 
 /// Factors by which calibration multiplied parameters of the model.
 #[derive(Clone, Copy)]
@@ -73,8 +73,8 @@ impl ModelFormBasis {
     fn new(covariates: &[Covariates]) -> ModelFormBasis {
         let points: BTreeSet<Option<usize>> = covariates.iter().map(|at| at.point).collect();
         let basis = |point: Option<usize>| {
-            let own: Vec<&Covariates> = covariates.iter().filter(|at| at.point == point).collect();
-            (point, PlaceBasis::new(&own))
+            let in_place: Vec<&Covariates> = covariates.iter().filter(|at| at.point == point).collect();
+            (point, PlaceBasis::new(&in_place))
         };
         ModelFormBasis { places: points.into_iter().map(basis).collect() }
     }
@@ -92,7 +92,7 @@ impl PlaceBasis {
         PlaceBasis {
             middle_m: std::array::from_fn(|axis| crate::math::summary::mean(&column(axis))),
             spread_m: std::array::from_fn(|axis| crate::math::summary::standard_deviation(&column(axis)).max(1e-4)),
-            speed_m_s: crate::math::summary::root_mean_square(&moving).max(SLOWEST_M_S),
+            speed_m_s: crate::math::summary::root_mean_square(&moving).max(MIN_SPEED_M_S),
         }
     }
 
@@ -136,30 +136,38 @@ impl PlaceBasis {
     }
 }
 
-/// Samples, simulated tip, and columns of the uncertain parameters.
-pub(crate) type SimulatedRecording<'a> = (&'a Samples, &'a [f64], &'a [NuisanceColumn]);
+/// A recording beside the model.
+#[derive(Clone, Copy)]
+pub(crate) struct SimulatedRecording<'a> {
+    pub(crate) samples: &'a Samples,
+    /// Simulated tip, three values a sample, metres.
+    pub(crate) simulated_m: &'a [f64],
+    /// Columns of the uncertain parameters.
+    pub(crate) columns: &'a [NuisanceColumn],
+}
 
 /// Nuisance parameters of the baseline itself: uncertain parameters and model form, by their priors.
 pub(crate) fn baseline_nuisances(baseline: SimulatedRecording) -> Nuisances {
-    let (samples, simulated_m, own) = baseline;
+    let SimulatedRecording { samples, simulated_m, columns } = baseline;
     let covariates = sample_covariates(samples, simulated_m);
     let form = ModelFormBasis::new(&covariates);
-    let all: Vec<NuisanceColumn> = own.iter().cloned().chain(form.columns(&covariates)).collect();
+    let all: Vec<NuisanceColumn> = columns.iter().cloned().chain(form.columns(&covariates)).collect();
     Nuisances::independent(simulated_m.len(), &all)
 }
 
-/// Nuisance parameters of the measured recording after the baseline: uncertain parameters (`own` columns in either
-/// recording) and model form.
+/// Nuisance parameters of the measured recording after the baseline: uncertain parameters and model
+/// form.
 pub(crate) fn calibrated_nuisances(baseline: SimulatedRecording, recording: SimulatedRecording) -> Nuisances {
-    let (samples, simulated_m, _) = baseline;
+    let SimulatedRecording { samples, simulated_m, .. } = baseline;
     let form = ModelFormBasis::new(&sample_covariates(samples, simulated_m));
     let before = baseline_nuisances(baseline);
     let nuisance_fit = before.explain(samples, &samples.residual(simulated_m), 0.0);
     let precision = before.information(&nuisance_fit.noise.whitened(samples, &before.columns));
-    let (samples, simulated_m, own) = recording;
+    // The posterior of the baseline is the prior of the measured recording.
+    let SimulatedRecording { samples, simulated_m, columns: uncertain } = recording;
     let covariates = sample_covariates(samples, simulated_m);
     let form = form.columns(&covariates);
-    let all: Vec<&NuisanceColumn> = own.iter().chain(&form).collect();
+    let all: Vec<&NuisanceColumn> = uncertain.iter().chain(&form).collect();
     let columns = DMatrix::from_fn(simulated_m.len(), all.len(), |row, k| all[k].0[row]);
     Nuisances::new(columns, nuisance_fit.amounts, precision)
 }

@@ -18,7 +18,7 @@ pub(crate) struct CandidateEffect {
 enum ParameterSearch {
     /// Fitted in units of `size` from `null`; started from the best value of `scan`, if there are any.
     Size { null: f64, size: f64, scan: Vec<f64> },
-    /// Tried at each value, then fitted; in its logarithm if `positive`, up to a factor of [`BEYOND`] outside the
+    /// Tried at each value, then fitted; in its logarithm if `positive`, up to a factor of [`MAX_SHAPE_FACTOR`] outside the
     /// values.
     Shape { tries: Vec<f64>, positive: bool },
     /// Fitted from `start`, with this step; without one there is nothing to fit.
@@ -42,11 +42,11 @@ const PLACES: usize = 6;
 
 /// Factor by which a positive shape may leave the range of tried values. Farther out it is another effect, or one that
 /// cannot be simulated (friction without yield is rigid).
-const BEYOND: f64 = 5.0;
+const MAX_SHAPE_FACTOR: f64 = 5.0;
 
 /// Bisection steps for the end of a range, and the rounding unit over the probe.
-const HALVINGS: usize = 60;
-const ROUND: f64 = 1e-9;
+const RANGE_BISECTIONS: usize = 60;
+const ROUNDING_SHARE: f64 = 1e-9;
 
 /// The catalogue as candidates for `model`.
 pub(crate) fn catalogue_candidates(model: &Model) -> Vec<CandidateEffect> {
@@ -72,8 +72,8 @@ impl CandidateEffect {
             Seek::Replaces(path, size) => {
                 // An earlier effect of the model may have replaced the parameter.
                 let last = model.effects.iter().rposition(|effect| effect.card().name == card.name);
-                let own = last.map(|k| format!("effects[{k}].{}", parameter.name));
-                let path = own.as_deref().unwrap_or(path);
+                let replaced = last.map(|k| format!("effects[{k}].{}", parameter.name));
+                let path = replaced.as_deref().unwrap_or(path);
                 let number = ModelParameter::named(model, path).and_then(|number| number.value(model));
                 ParameterSearch::Size { null: number.unwrap_or(parameter.null), size, scan: Vec::new() }
             }
@@ -147,13 +147,13 @@ impl CandidateEffect {
         self.indices(is_fitted)
     }
 
-    fn indices(&self, kept: impl Fn(&ParameterSearch) -> bool) -> Vec<usize> {
-        (0..self.searches.len()).filter(|&index| kept(&self.searches[index])).collect()
+    fn indices(&self, is_listed: impl Fn(&ParameterSearch) -> bool) -> Vec<usize> {
+        (0..self.searches.len()).filter(|&index| is_listed(&self.searches[index])).collect()
     }
 
     /// Values without any effect, one for each combination of shapes and choices.
     pub(crate) fn variants(&self) -> Vec<Vec<f64>> {
-        let mut found = vec![Vec::new()];
+        let mut variants = vec![Vec::new()];
         for search in &self.searches {
             let values: &[f64] = match search {
                 ParameterSearch::Size { null, .. } => std::slice::from_ref(null),
@@ -161,12 +161,12 @@ impl CandidateEffect {
                 ParameterSearch::Located { start, .. } => start.as_slice(),
                 ParameterSearch::Shape { tries, .. } | ParameterSearch::Choice(tries) => tries,
             };
-            let longer = |known: &Vec<f64>| -> Vec<Vec<f64>> {
-                values.iter().map(|&value| known.iter().copied().chain([value]).collect()).collect()
+            let longer = |shorter: &Vec<f64>| -> Vec<Vec<f64>> {
+                values.iter().map(|&value| shorter.iter().copied().chain([value]).collect()).collect()
             };
-            found = found.iter().flat_map(longer).collect();
+            variants = variants.iter().flat_map(longer).collect();
         }
-        found
+        variants
     }
 
     /// `values` with all sizes at null.
@@ -193,17 +193,17 @@ impl CandidateEffect {
 
     /// `values` with one choice replaced by a neighbouring one.
     pub(crate) fn neighbouring_choices(&self, values: &[f64]) -> Vec<Vec<f64>> {
-        let mut found = Vec::new();
+        let mut neighbours = Vec::new();
         for (index, search) in self.searches.iter().enumerate() {
             let ParameterSearch::Choice(choices) = search else { continue };
             let at = choices.iter().position(|&choice| choice == values[index]).unwrap_or(0);
             for other in [at.checked_sub(1), Some(at + 1)].into_iter().flatten().filter(|&k| k < choices.len()) {
                 let mut beside = values.to_vec();
                 beside[index] = choices[other];
-                found.push(beside);
+                neighbours.push(beside);
             }
         }
-        found
+        neighbours
     }
 
     /// A step of parameter `index` with a visible response, in the coordinate of [`CandidateEffect::moved`].
@@ -222,9 +222,9 @@ impl CandidateEffect {
         let mut there = values.to_vec();
         match self.searches[index] {
             ParameterSearch::Shape { ref tries, positive: true } => {
-                let least = tries.iter().copied().fold(f64::INFINITY, f64::min) / BEYOND;
-                let most = tries.iter().copied().fold(0.0, f64::max) * BEYOND;
-                there[index] = (values[index] * step.exp()).clamp(least, most);
+                let min = tries.iter().copied().fold(f64::INFINITY, f64::min) / MAX_SHAPE_FACTOR;
+                let max = tries.iter().copied().fold(0.0, f64::max) * MAX_SHAPE_FACTOR;
+                there[index] = (values[index] * step.exp()).clamp(min, max);
             }
             _ => there[index] += step,
         }
@@ -246,13 +246,13 @@ impl CandidateEffect {
             return there;
         }
         let (mut inside, mut outside) = (0.0, 1.0);
-        for _ in 0..HALVINGS {
+        for _ in 0..RANGE_BISECTIONS {
             let middle = 0.5 * (inside + outside);
             *(if is_in_range(&self.moved(values, index, middle * step)) { &mut inside } else { &mut outside }) = middle;
         }
         let last = self.moved(values, index, inside * step);
         let mut round = last.clone();
-        let unit = ROUND * self.probe(index);
+        let unit = ROUNDING_SHARE * self.probe(index);
         // Adding 0.0 turns a negative zero into a positive one.
         round[index] = (last[index] / unit).round() * unit + 0.0;
         if is_in_range(&round) { round } else { last }
@@ -261,8 +261,8 @@ impl CandidateEffect {
     /// Whether a size is at the end of its valid range.
     pub(crate) fn is_at_range_end(&self, values: &[f64]) -> bool {
         let is_out = |index: usize, step: f64| self.effect(&self.moved(values, index, step)).is_none();
-        let little = |index: usize| 1e-3 * self.probe(index).abs();
-        self.sizes().into_iter().any(|index| is_out(index, little(index)) || is_out(index, -little(index)))
+        let small_step = |index: usize| 1e-3 * self.probe(index).abs();
+        self.sizes().into_iter().any(|index| is_out(index, small_step(index)) || is_out(index, -small_step(index)))
     }
 
     /// The step by which [`CandidateEffect::moved`] leads from `values` to `there`.
@@ -315,7 +315,7 @@ mod tests {
         let friction = candidate("friction");
         let from = &friction.variants()[0];
         let there = friction.moved(from, 1, -9.0);
-        assert_eq!(there[1], 0.1 / BEYOND);
+        assert_eq!(there[1], 0.1 / MAX_SHAPE_FACTOR);
         assert_eq!(friction.moved(&there, 1, -0.1), there);
         let step = friction.step(from, &there, 1);
         assert!((friction.moved(from, 1, step)[1] - there[1]).abs() < 1e-12 && step > -9.0);

@@ -42,27 +42,33 @@ impl FittedSet {
 }
 
 /// Maximum number of steps.
-const MOST_STEPS: usize = 12;
+const MAX_STEPS: usize = 12;
 /// Decrease of the deviance below which an exact fit stops.
-const SMALL_FALL: f64 = 0.05;
+const MIN_DECREASE: f64 = 0.05;
 /// The same for a rough fit.
-const ROUGH_FALL: f64 = 2.0;
+const MIN_ROUGH_DECREASE: f64 = 2.0;
 /// A rough fit stops as well below this share of the missing decrease.
-const SLOW_FALL: f64 = 0.1;
+const MIN_DECREASE_SHARE: f64 = 0.1;
 /// Stiffness factor that holds a coordinate.
-const HOLDS: f64 = 1e12;
+const HOLDING_STIFFNESS: f64 = 1e12;
 /// Relative change that shows that a step was cut at the end of a range.
-const BEYOND: f64 = 1e-6;
+const CUT_TOLERANCE: f64 = 1e-6;
 /// Difference step of numerical derivatives, over the probe.
 const DIFFERENCE: f64 = 0.1;
+
+/// A step that ends at the end of the range of its coordinate.
+struct HeldStep {
+    coordinate: usize,
+    step: f64,
+}
 
 /// When a fit stops.
 #[derive(Clone, Copy)]
 enum StopRule {
-    /// Stops when steps bring little; a deviance above `wanted` is of no use.
-    Rough { wanted: f64 },
-    /// Uses the given Jacobian, as long as a deviance below `wanted` is possible.
-    Near { wanted: f64 },
+    /// Stops when steps bring little; a deviance above `target_deviance` is of no use.
+    Rough { target_deviance: f64 },
+    /// Uses the given Jacobian, as long as a deviance below `target_deviance` is possible.
+    Near { target_deviance: f64 },
     /// Converges with a fresh Jacobian; `fresh`: the given one is fresh.
     Exact { fresh: bool },
 }
@@ -92,9 +98,14 @@ impl FitProblem<'_> {
     }
 
     /// Rough fit with an approximate Jacobian (in units of the probes; a zero column holds its coordinate). Stops
-    /// early if the deviance decreases too slowly to reach `wanted`.
-    pub(crate) fn rough_fit(&self, start: FittedSet, jacobian: DMatrix<f64>, wanted: f64) -> Option<FittedSet> {
-        self.descend(FittedSet { jacobian, ..start }, StopRule::Rough { wanted })
+    /// early if the deviance decreases too slowly to reach `target_deviance`.
+    pub(crate) fn rough_fit(
+        &self,
+        start: FittedSet,
+        jacobian: DMatrix<f64>,
+        target_deviance: f64,
+    ) -> Option<FittedSet> {
+        self.descend(FittedSet { jacobian, ..start }, StopRule::Rough { target_deviance })
     }
 
     /// The members moved by `step` (in units of the probes) within their valid ranges, and the distance that
@@ -106,17 +117,17 @@ impl FitProblem<'_> {
     }
 
     /// Fits the other coordinates with coordinate `at` held at its value in `members`, as long as a deviance below
-    /// `wanted` is possible.
+    /// `target_deviance` is possible.
     pub(crate) fn fit_holding(
         &self,
         fitted: &FittedSet,
         at: usize,
         members: Vec<SetMember>,
-        wanted: f64,
+        target_deviance: f64,
     ) -> Option<FittedSet> {
         let mut jacobian = fitted.jacobian.clone();
         jacobian.column_mut(at).fill(0.0);
-        self.descend(FittedSet { jacobian, ..self.evaluate(members)? }, StopRule::Near { wanted })
+        self.descend(FittedSet { jacobian, ..self.evaluate(members)? }, StopRule::Near { target_deviance })
     }
 
     /// Takes steps as long as they help.
@@ -125,26 +136,28 @@ impl FitProblem<'_> {
             StopRule::Rough { .. } | StopRule::Near { .. } => (false, true),
             StopRule::Exact { fresh } => (true, fresh),
         };
-        for _ in 0..MOST_STEPS {
+        for _ in 0..MAX_STEPS {
             let small = match rule {
-                StopRule::Rough { wanted } => ROUGH_FALL.max(SLOW_FALL * (best.nuisance_fit.deviance - wanted)),
-                StopRule::Near { .. } | StopRule::Exact { .. } => SMALL_FALL,
+                StopRule::Rough { target_deviance } => {
+                    MIN_ROUGH_DECREASE.max(MIN_DECREASE_SHARE * (best.nuisance_fit.deviance - target_deviance))
+                }
+                StopRule::Near { .. } | StopRule::Exact { .. } => MIN_DECREASE,
             };
             let needed = match rule {
-                StopRule::Near { wanted } => small.max(best.nuisance_fit.deviance - wanted),
+                StopRule::Near { target_deviance } => small.max(best.nuisance_fit.deviance - target_deviance),
                 StopRule::Rough { .. } | StopRule::Exact { .. } => small,
             };
-            let (step, promised) = self.step(&best)?;
+            let (step, predicted) = self.step(&best)?;
             // Steps with too small a predicted decrease are not simulated.
             // Three lengths in place of Marquardt's damping: where none helps, the Jacobian is renewed.
-            let shares: &[f64] = if promised < needed { &[] } else { &[1.0, 0.4, 0.1] };
+            let shares: &[f64] = if predicted < needed { &[] } else { &[1.0, 0.4, 0.1] };
             let next = shares.iter().find_map(|&share| self.accept_step(&best, &(share * &step)));
-            let fall = next.as_ref().map_or(0.0, |next| best.nuisance_fit.deviance - next.nuisance_fit.deviance);
+            let decrease = next.as_ref().map_or(0.0, |next| best.nuisance_fit.deviance - next.nuisance_fit.deviance);
             best = next.unwrap_or(best);
-            if !exact && fall < small {
+            if !exact && decrease < small {
                 break;
             }
-            if fall >= small {
+            if decrease >= small {
                 fresh = false;
             } else if fresh {
                 break;
@@ -175,8 +188,8 @@ impl FitProblem<'_> {
     /// The Jacobian without the coordinates of member `out`.
     pub(crate) fn jacobian_without(&self, fitted: &FittedSet, out: usize) -> DMatrix<f64> {
         let coordinates = self.coordinates(&fitted.members);
-        let gone: Vec<usize> = (0..coordinates.len()).filter(|&k| coordinates[k].0 == out).collect();
-        fitted.jacobian.clone().remove_columns_at(&gone)
+        let removed: Vec<usize> = (0..coordinates.len()).filter(|&k| coordinates[k].0 == out).collect();
+        fitted.jacobian.clone().remove_columns_at(&removed)
     }
 
     /// The fit without member `out`, the others unchanged.
@@ -199,8 +212,8 @@ impl FitProblem<'_> {
         let (normal, free) = self.normal_matrix(fitted);
         let count = normal.ncols() - free;
         let shared = normal.view((0, free), (free, count)).into_owned();
-        let own = Cholesky::new(normal.view((free, free), (count, count)).into_owned())?;
-        Some(normal.view((0, 0), (free, free)) - &shared * own.solve(&shared.transpose()))
+        let factor = Cholesky::new(normal.view((free, free), (count, count)).into_owned())?;
+        Some(normal.view((0, 0), (free, free)) - &shared * factor.solve(&shared.transpose()))
     }
 
     /// Simulates the members with their values; none if the simulation fails.
@@ -287,23 +300,22 @@ impl FitProblem<'_> {
     /// The Gauss–Newton step and the predicted decrease of the deviance. Coordinates that would leave their range stop
     /// at its end, and the others follow.
     fn step(&self, fitted: &FittedSet) -> Option<(DVector<f64>, f64)> {
-        let mut ended: Vec<(usize, f64)> = Vec::new();
+        let mut held: Vec<HeldStep> = Vec::new();
         loop {
-            let (step, promised) = self.constrained_step(fitted, &ended)?;
-            let known = ended.len();
+            let (step, predicted) = self.constrained_step(fitted, &held)?;
             let moved = self.between(&fitted.members, &self.moved(&fitted.members, &step));
-            let is_cut = |k: &usize| (moved[*k] - step[*k]).abs() > BEYOND * step[*k].abs();
-            let cut = (0..step.len()).filter(|k| is_cut(k) && !ended.iter().any(|(end, _)| end == k));
-            let cut: Vec<(usize, f64)> = cut.map(|k| (k, moved[k])).collect();
-            ended.extend(cut);
-            if ended.len() == known {
-                return Some((step, promised));
+            let is_cut = |k: &usize| (moved[*k] - step[*k]).abs() > CUT_TOLERANCE * step[*k].abs();
+            let cut = (0..step.len()).filter(|k| is_cut(k) && !held.iter().any(|held| held.coordinate == *k));
+            let cut: Vec<HeldStep> = cut.map(|k| HeldStep { coordinate: k, step: moved[k] }).collect();
+            if cut.is_empty() {
+                return Some((step, predicted));
             }
+            held.extend(cut);
         }
     }
 
-    /// The same with `given` steps of some coordinates.
-    fn constrained_step(&self, fitted: &FittedSet, given: &[(usize, f64)]) -> Option<(DVector<f64>, f64)> {
+    /// The same with these steps of some coordinates.
+    fn constrained_step(&self, fitted: &FittedSet, held: &[HeldStep]) -> Option<(DVector<f64>, f64)> {
         let (mut normal, free) = self.normal_matrix(fitted);
         let count = normal.ncols() - free;
         for k in free..free + count {
@@ -311,18 +323,18 @@ impl FitProblem<'_> {
             normal[(k, k)] += 1e-12;
         }
         let noise = &fitted.nuisance_fit.noise;
-        let left = DVector::from_vec(noise.whiten(self.samples, &fitted.nuisance_fit.residual_m));
+        let residual = DVector::from_vec(noise.whiten(self.samples, &fitted.nuisance_fit.residual_m));
         let mut right = DVector::zeros(free + count);
         for (k, column) in fitted.jacobian.column_iter().enumerate() {
-            right[free + k] = DVector::from_vec(noise.whiten(self.samples, column.as_slice())).dot(&left);
+            right[free + k] = DVector::from_vec(noise.whiten(self.samples, column.as_slice())).dot(&residual);
         }
         let (mut stiff, mut pulled) = (normal.clone(), right.clone());
-        for &(k, step) in given {
-            stiff[(free + k, free + k)] *= HOLDS;
+        for &HeldStep { coordinate: k, step } in held {
+            stiff[(free + k, free + k)] *= HOLDING_STIFFNESS;
             pulled[free + k] = stiff[(free + k, free + k)] * step;
         }
         let step = Cholesky::new(stiff)?.solve(&pulled);
-        let promised = 2.0 * right.dot(&step) - step.dot(&(&normal * &step));
-        Some((step.rows(free, count).into_owned(), promised))
+        let predicted = 2.0 * right.dot(&step) - step.dot(&(&normal * &step));
+        Some((step.rows(free, count).into_owned(), predicted))
     }
 }

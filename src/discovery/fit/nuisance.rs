@@ -37,7 +37,16 @@ pub(crate) struct NuisanceFit {
     pub(crate) deviance: f64,
 }
 
-/// Alternating rounds of noise and nuisance estimation.
+/// Most likely amounts with their posterior.
+struct Amounts {
+    values: DVector<f64>,
+    /// Log-determinant of the posterior precision.
+    log_determinant: f64,
+    /// Effective number of parameters.
+    freedom: f64,
+}
+
+/// Alternating rounds of noise and nuisance estimation (docs/discovery.md, "Noise").
 const ROUNDS: usize = 5;
 
 impl Nuisances {
@@ -78,13 +87,15 @@ impl Nuisances {
             residual.iter().zip(self.offset.iter()).map(|(residual, offset)| residual - offset).collect();
         let residual = residual.as_slice();
         let mut noise = Ar1Noise::estimate(samples, residual, freedom);
-        let mut found = self.amounts(samples, residual, &noise);
+        let mut posterior = self.amounts(samples, residual, &noise);
         for _ in 0..ROUNDS {
-            noise = Ar1Noise::estimate(samples, &self.left(residual, &found.0), freedom + found.2);
-            found = self.amounts(samples, residual, &noise);
+            let remaining_m = self.subtract(residual, &posterior.values);
+            noise = Ar1Noise::estimate(samples, &remaining_m, freedom + posterior.freedom);
+            posterior = self.amounts(samples, residual, &noise);
         }
-        let (amounts, log_determinant, _) = found;
-        let residual_m = self.left(residual, &amounts);
+        let Amounts { values: amounts, log_determinant, .. } = posterior;
+        let residual_m = self.subtract(residual, &amounts);
+        // Minus twice the log-likelihood with the amounts integrated out (Laplace's method, exact for linear columns).
         let off = &amounts - &self.mean;
         let squares: f64 = noise.whiten(samples, &residual_m).iter().map(|w| w * w).sum();
         let deviance = noise.log_determinant(samples) + squares + off.dot(&(&self.precision * &off)) + log_determinant
@@ -93,8 +104,9 @@ impl Nuisances {
     }
 
     /// What the prior mean of the parameters leaves of a `residual`, three values a sample, metres.
-    pub(crate) fn left_by_prior(&self, residual: &[f64]) -> Vec<f64> {
-        self.left(residual, &self.mean).iter().zip(self.offset.iter()).map(|(left, offset)| left - offset).collect()
+    pub(crate) fn residual_by_prior(&self, residual: &[f64]) -> Vec<f64> {
+        let remaining_m = self.subtract(residual, &self.mean);
+        remaining_m.iter().zip(self.offset.iter()).map(|(remaining, offset)| remaining - offset).collect()
     }
 
     /// The largest distance of independent `amounts` from their prior mean, in standard deviations.
@@ -108,9 +120,9 @@ impl Nuisances {
 
     /// Own columns followed by `others`.
     pub(crate) fn with(&self, others: &DMatrix<f64>) -> DMatrix<f64> {
-        let own = self.columns.ncols();
-        let mut all = self.columns.clone().resize_horizontally(own + others.ncols(), 0.0);
-        all.columns_mut(own, others.ncols()).copy_from(others);
+        let count = self.columns.ncols();
+        let mut all = self.columns.clone().resize_horizontally(count + others.ncols(), 0.0);
+        all.columns_mut(count, others.ncols()).copy_from(others);
         all
     }
 
@@ -118,29 +130,30 @@ impl Nuisances {
     /// the prior.
     pub(crate) fn information(&self, white: &DMatrix<f64>) -> DMatrix<f64> {
         let mut information = white.tr_mul(white);
-        let own = self.columns.ncols();
-        let mut block = information.view_mut((0, 0), (own, own));
+        let count = self.columns.ncols();
+        let mut block = information.view_mut((0, 0), (count, count));
         block += &self.precision;
         information
     }
 
-    /// Most likely amounts, log-determinant of their posterior precision, and effective number of parameters.
-    fn amounts(&self, samples: &Samples, residual: &[f64], noise: &Ar1Noise) -> (DVector<f64>, f64, f64) {
+    /// Most likely amounts; the prior mean where nothing determines them.
+    fn amounts(&self, samples: &Samples, residual: &[f64], noise: &Ar1Noise) -> Amounts {
+        let prior = || Amounts { values: self.mean.clone(), log_determinant: 0.0, freedom: 0.0 };
         if self.mean.is_empty() {
-            return (self.mean.clone(), 0.0, 0.0);
+            return prior();
         }
         let white = noise.whitened(samples, &self.columns);
         let target = DVector::from_vec(noise.whiten(samples, residual));
         let information = white.tr_mul(&white);
         let posterior = &information + &self.precision;
         let right = white.tr_mul(&target) + &self.precision * &self.mean;
-        let Some(factor) = Cholesky::new(posterior) else { return (self.mean.clone(), 0.0, 0.0) };
-        let used = factor.solve(&information).trace();
+        let Some(factor) = Cholesky::new(posterior) else { return prior() };
+        let freedom = factor.solve(&information).trace();
         let log_determinant = 2.0 * factor.l().diagonal().iter().map(|d| d.ln()).sum::<f64>();
-        (factor.solve(&right), log_determinant, used)
+        Amounts { values: factor.solve(&right), log_determinant, freedom }
     }
 
-    fn left(&self, residual: &[f64], amounts: &DVector<f64>) -> Vec<f64> {
+    fn subtract(&self, residual: &[f64], amounts: &DVector<f64>) -> Vec<f64> {
         let added = &self.columns * amounts;
         residual.iter().zip(added.iter()).map(|(r, a)| r - a).collect()
     }

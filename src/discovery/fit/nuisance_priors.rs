@@ -31,10 +31,10 @@ struct UncertainParameter {
 
 /// Largest assumed deviation in standard deviations. Sensitivities are differences between both ends of this range: at
 /// the usual size of an effect the response can differ (reduced damping oscillates, strong damping does not).
-const FARTHEST: f64 = 3.0;
+const MAX_DEVIATIONS: f64 = 3.0;
 
 /// Minimum difference step over the usual size, so that time-stepping errors do not dominate.
-const SEEN: f64 = 0.25;
+const MIN_STEP_SHARE: f64 = 0.25;
 
 impl<'a> UncertainParameters<'a> {
     /// The uncertain parameters given the `members`, with `times` the deviation of the options. Their number does not
@@ -45,16 +45,17 @@ impl<'a> UncertainParameters<'a> {
         members: &[SetMember],
         times: f64,
     ) -> UncertainParameters<'a> {
-        let replaced = |own: &CandidateEffect| {
-            own.replaces() && members.iter().any(|member| candidates[member.candidate].card.name == own.card.name)
+        let replaced = |candidate: &CandidateEffect| {
+            let is_same = |member: &SetMember| candidates[member.candidate].card.name == candidate.card.name;
+            candidate.replaces() && members.iter().any(is_same)
         };
         let mut parameters = Vec::new();
         for one in &options.uncertain {
-            let about = candidates.iter().enumerate().filter(|(_, own)| own.card.name == one.effect);
+            let about = candidates.iter().enumerate().filter(|(_, candidate)| candidate.card.name == one.effect);
             for (number, candidate) in about {
                 for null in candidate.variants() {
-                    let asked = |size: &usize| candidate.card.parameters[*size].vector() == one.parameter;
-                    parameters.extend(candidate.sizes().into_iter().filter(asked).map(|size| UncertainParameter {
+                    let is_named = |size: &usize| candidate.card.parameters[*size].vector() == one.parameter;
+                    parameters.extend(candidate.sizes().into_iter().filter(is_named).map(|size| UncertainParameter {
                         candidate: number,
                         null: null.clone(),
                         size,
@@ -72,15 +73,16 @@ impl<'a> UncertainParameters<'a> {
         self.parameters.len()
     }
 
-    /// Sensitivities of `model` with the `members` to each parameter, with its standard deviation, and at last to the
-    /// tracker's clock where that is uncertain. Taken without the
-    /// members if they cannot be simulated; zero if nothing can be simulated.
+    /// Sensitivities of `model` with the `members` to each parameter, with its standard deviation, and at
+    /// last to the tracker's clock where that is uncertain. Taken without the members if they cannot be simulated; zero if
+    /// nothing can be simulated.
     pub(crate) fn columns(&self, model: &Model, members: &[SetMember], samples: &Samples) -> Vec<NuisanceColumn> {
         let beside = |members: &[SetMember]| -> Vec<Option<Vec<f64>>> {
-            let known = effect_specs(self.candidates, members);
-            let here = known.as_ref().and_then(|known| tips(model, known, samples));
-            let (Some(known), Some(here)) = (known, here) else { return vec![None; self.parameters.len()] };
-            let sensitivity_of = |number: &UncertainParameter| self.sensitivity(number, model, &known, samples, &here);
+            let effects = effect_specs(self.candidates, members);
+            let base_m = effects.as_ref().and_then(|effects| tips(model, effects, samples));
+            let (Some(effects), Some(base_m)) = (effects, base_m) else { return vec![None; self.parameters.len()] };
+            let sensitivity_of =
+                |number: &UncertainParameter| self.sensitivity(number, model, &effects, samples, &base_m);
             self.parameters.par_iter().map(sensitivity_of).collect()
         };
         let mut sensitivities = beside(members);
@@ -90,9 +92,9 @@ impl<'a> UncertainParameters<'a> {
         }
         let zero = || vec![0.0; 3 * samples.len()];
         let each = sensitivities.into_iter().zip(&self.parameters);
-        let known = each.map(|(sensitivity_of, number)| (sensitivity_of.unwrap_or_else(zero), number.deviation));
+        let columns = each.map(|(sensitivity_of, number)| (sensitivity_of.unwrap_or_else(zero), number.deviation));
         let clock = samples.clock_deviation_s.map(|deviation_s| (samples.velocity_m_s(), deviation_s));
-        known.chain(clock).collect()
+        columns.chain(clock).collect()
     }
 
     /// Sensitivity to one parameter by a central difference, as far as it can be simulated.
@@ -100,37 +102,38 @@ impl<'a> UncertainParameters<'a> {
         &self,
         number: &UncertainParameter,
         model: &Model,
-        known: &[EffectSpec],
+        effects: &[EffectSpec],
         samples: &Samples,
-        here: &[f64],
+        base_m: &[f64],
     ) -> Option<Vec<f64>> {
         if number.replaced {
-            return Some(vec![0.0; here.len()]);
+            return Some(vec![0.0; base_m.len()]);
         }
         let side = |step: f64| {
             let (effect, moved) = self.moved(number, step)?;
-            Some((tips(model, &[known, &[effect]].concat(), samples)?, moved))
+            Some((tips(model, &[effects, &[effect]].concat(), samples)?, moved))
         };
         let usual = self.candidates[number.candidate].probe(number.size).abs();
-        let step = (FARTHEST * number.deviation).max(SEEN * usual);
+        let step = (MAX_DEVIATIONS * number.deviation).max(MIN_STEP_SHARE * usual);
         let (high, low) = (side(step), side(-step));
-        let still = (here.to_vec(), 0.0);
-        let ((high, up), (low, down)) = (high.unwrap_or_else(|| still.clone()), low.unwrap_or(still));
+        // A side that cannot be simulated is replaced by the model as it is: a one-sided difference.
+        let unmoved = (base_m.to_vec(), 0.0);
+        let ((high, up), (low, down)) = (high.unwrap_or_else(|| unmoved.clone()), low.unwrap_or(unmoved));
         (up > down).then(|| high.iter().zip(&low).map(|(high, low)| (high - low) / (up - down)).collect())
     }
 
     /// The `nuisances`, linearised at these `amounts`, if that can be simulated and the remainder exceeds the
-    /// simulation accuracy. `play`: simulated tip with more effects, `here` without.
+    /// simulation accuracy. `play`: simulated tip with more effects, `base_m` without.
     pub(crate) fn linearised_at(
         &self,
         nuisances: Nuisances,
         amounts: &DVector<f64>,
-        here: &[f64],
+        base_m: &[f64],
         play: &dyn Fn(&[EffectSpec]) -> Option<Vec<f64>>,
     ) -> Nuisances {
         let offset = || {
-            let (off, told) = self.effects_at(&nuisances, amounts)?;
-            Some(DVector::from_vec(play(&off)?) - DVector::from_column_slice(here) - told)
+            let (effects, linear_m) = self.effects_at(&nuisances, amounts)?;
+            Some(DVector::from_vec(play(&effects)?) - DVector::from_column_slice(base_m) - linear_m)
         };
         match offset().filter(|offset| rms_m(offset.as_slice()) >= self.exact_m) {
             Some(offset) => nuisances.with_offset(offset),
@@ -140,15 +143,15 @@ impl<'a> UncertainParameters<'a> {
 
     /// Effects at these `amounts` of the `nuisances`, and their linear prediction of the tip change.
     fn effects_at(&self, nuisances: &Nuisances, amounts: &DVector<f64>) -> Option<(Vec<EffectSpec>, DVector<f64>)> {
-        let mut told = DVector::zeros(nuisances.columns.nrows());
+        let mut linear_m = DVector::zeros(nuisances.columns.nrows());
         let mut all = Vec::new();
         for (k, number) in self.parameters.iter().enumerate().filter(|(_, number)| !number.replaced) {
-            let most = FARTHEST * number.deviation;
-            let (effect, moved) = self.moved(number, (amounts[k] - nuisances.mean[k]).clamp(-most, most))?;
+            let max = MAX_DEVIATIONS * number.deviation;
+            let (effect, moved) = self.moved(number, (amounts[k] - nuisances.mean[k]).clamp(-max, max))?;
             all.push(effect);
-            told += moved * nuisances.columns.column(k);
+            linear_m += moved * nuisances.columns.column(k);
         }
-        Some((all, told))
+        Some((all, linear_m))
     }
 
     /// The effect moved by `step` within its valid range, and the distance moved.

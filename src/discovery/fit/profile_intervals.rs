@@ -8,52 +8,64 @@ use super::gauss_newton::{FitProblem, FittedSet};
 use crate::math::distribution::student_95;
 
 /// Maximum steps to an end of an interval, and relative tolerance of the end.
-const PROFILED: usize = 5;
-const NEAR_ENOUGH: f64 = 0.1;
+const MAX_PROFILE_STEPS: usize = 5;
+const END_TOLERANCE: f64 = 0.1;
 /// Fractions of the way to an end at which other equally good values are evaluated.
-const ON_THE_WAY: [f64; 3] = [1.0, 0.5, 0.25];
-/// Evaluations beyond an end …
-const LOOKS: i32 = 5;
+const EVALUATED_SHARES: [f64; 3] = [1.0, 0.5, 0.25];
+/// Evaluations beyond an end, each twice as far out (docs/discovery.md, "Intervals") …
+const MAX_DOUBLINGS: i32 = 5;
 /// … and more as long as the last one fits, up to this distance in probes: a slack tendon stays slack for any larger
 /// zero.
-const FAR: f64 = 10.0;
+const MAX_DISTANCE: f64 = 10.0;
+
+/// The profile of the deviance along one coordinate of a fit.
+struct Profile<'a> {
+    fitted: &'a FittedSet,
+    coordinate: usize,
+    /// Direction of all coordinates in probes: the others follow by the curvature at the best fit.
+    direction: DVector<f64>,
+    /// Quadratic prediction of the distance to the end of the interval.
+    predicted: f64,
+    /// Root of the increase of the deviance at the end.
+    radius: f64,
+}
 
 impl FitProblem<'_> {
     /// 95 % intervals of the parameters of member `k`, by parameter index. A choice covers half the distance to its
     /// neighbours; the last one extends equally far outwards.
     pub(crate) fn intervals(&self, best: &FittedSet, k: usize) -> BTreeMap<usize, [f64; 2]> {
-        let reach = self.likelihood_radius(best);
-        let mut found = BTreeMap::new();
+        let radius = self.likelihood_radius(best);
+        let mut intervals = BTreeMap::new();
         let mut widen = |parameter: usize, ends: [f64; 2]| {
-            let known = found.entry(parameter).or_insert(ends);
-            *known = [known[0].min(ends[0]), known[1].max(ends[1])];
+            let interval = intervals.entry(parameter).or_insert(ends);
+            *interval = [interval[0].min(ends[0]), interval[1].max(ends[1])];
         };
-        self.profile_ends(best, k, reach).into_iter().for_each(|(parameter, ends)| widen(parameter, ends));
+        self.profile_ends(best, k, radius).into_iter().for_each(|(parameter, ends)| widen(parameter, ends));
         let values = &best.members[k].values;
         for beside in self.candidates[best.members[k].candidate].neighbouring_choices(values) {
             let Some(parameter) = (0..values.len()).find(|&index| beside[index] != values[index]) else { continue };
             let towards = beside[parameter] - values[parameter];
             let half = 0.5 * towards.abs();
             widen(parameter, [values[parameter] - half, values[parameter] + half]);
-            for (there, reach) in self.plausible_choices(best, k, parameter, towards, reach) {
+            for (there, radius) in self.plausible_choices(best, k, parameter, towards, radius) {
                 let choice = there.members[k].values[parameter];
                 widen(parameter, [choice - half, choice + half]);
-                self.profile_ends(&there, k, reach).into_iter().for_each(|(parameter, ends)| widen(parameter, ends));
+                self.profile_ends(&there, k, radius).into_iter().for_each(|(parameter, ends)| widen(parameter, ends));
             }
         }
-        found
+        intervals
     }
 
-    /// Ends of the sizes and shapes of member `k` at which the profile deviance exceeds that of `fitted` by `reach`
+    /// Ends of the sizes and shapes of member `k` at which the profile deviance exceeds that of `fitted` by `radius`
     /// squared (profile likelihood; Venzon & Moolgavkar, Applied Statistics 37, 1988).
-    fn profile_ends(&self, fitted: &FittedSet, k: usize, reach: f64) -> BTreeMap<usize, [f64; 2]> {
+    fn profile_ends(&self, fitted: &FittedSet, k: usize, radius: f64) -> BTreeMap<usize, [f64; 2]> {
         let Some(covariance) = self.covariance(fitted) else { return BTreeMap::new() };
         let candidate = &self.candidates[fitted.members[k].candidate];
         let values = &fitted.members[k].values;
         let coordinates = self.coordinates(&fitted.members).into_iter().enumerate();
         let interval = |(at, (_, parameter)): (usize, (usize, usize))| {
             let end = |sign: f64| {
-                let (_, step) = self.interval_end(fitted, &covariance, at, sign, reach);
+                let step = self.interval_end(&Profile::new(fitted, &covariance, at, sign, radius));
                 candidate.moved_within(values, parameter, sign * step * candidate.probe(parameter))[parameter]
             };
             let mut ends = [end(-1.0), end(1.0)];
@@ -68,91 +80,83 @@ impl FitProblem<'_> {
         student_95(3.0 * self.samples.len() as f64 - self.coordinates(&best.members).len() as f64)
     }
 
-    /// Direction of all coordinates (in probes) as coordinate `at` moves by `sign`, and the distance at which the
-    /// deviance has risen by `reach` squared.
-    fn interval_end(
-        &self,
-        fitted: &FittedSet,
-        covariance: &DMatrix<f64>,
-        at: usize,
-        sign: f64,
-        reach: f64,
-    ) -> (DVector<f64>, f64) {
-        let variance = covariance[(at, at)].max(f64::MIN_POSITIVE);
-        // The other coordinates follow by the curvature at the best fit.
-        let direction = covariance.column(at) * (sign / variance);
-        let first = reach * variance.sqrt();
-        let step = self.profile_step(fitted, at, &direction, (first, reach));
-        let step = self.scan_beyond(fitted, at, &direction, (first, reach)).max(step);
-        (direction, step)
+    /// Distance along a profile at which the deviance has risen to that of the end, for good.
+    fn interval_end(&self, profile: &Profile) -> f64 {
+        let step = self.profile_step(profile);
+        self.scan_beyond(profile).max(step)
     }
 
     /// Other values within the intervals that fit almost equally well.
     pub(crate) fn equally_good_fits(&self, best: &FittedSet) -> Vec<FittedSet> {
-        let reach = self.likelihood_radius(best);
-        let most = best.nuisance_fit.deviance + reach.powi(2);
+        let radius = self.likelihood_radius(best);
+        let max_deviance = best.nuisance_fit.deviance + radius.powi(2);
         let Some(covariance) = self.covariance(best) else { return Vec::new() };
-        let mut found = Vec::new();
+        let mut fits = Vec::new();
         for (at, sign) in (0..covariance.ncols()).flat_map(|at| [(at, -1.0), (at, 1.0)]) {
-            let (direction, step) = self.interval_end(best, &covariance, at, sign, reach);
-            let there = |share: f64| self.evaluate(self.step_along(&best.members, at, &(share * step * &direction)).0);
-            let others = ON_THE_WAY.into_iter().filter_map(there).filter(|other| other.nuisance_fit.deviance < most);
-            found.extend(others.map(|other| FittedSet { jacobian: best.jacobian.clone(), ..other }));
+            let profile = Profile::new(best, &covariance, at, sign, radius);
+            let step = self.interval_end(&profile);
+            let evaluate =
+                |share: f64| self.evaluate(self.step_along(&best.members, at, &(share * step * &profile.direction)).0);
+            let others = EVALUATED_SHARES.into_iter().filter_map(evaluate);
+            let others = others.filter(|other| other.nuisance_fit.deviance < max_deviance);
+            fits.extend(others.map(|other| FittedSet { jacobian: best.jacobian.clone(), ..other }));
         }
-        found
+        fits
     }
 
-    /// Distance of coordinate `at` along a `direction` (in probes) until the deviance has risen by `reach` squared.
-    /// Starts at `first`, the quadratic prediction. Time-stepping noise lowers the deviance at the best fit, so no
-    /// interval ends before `first` except at the end of the valid range or of what can be simulated.
-    fn profile_step(&self, fitted: &FittedSet, at: usize, direction: &DVector<f64>, (first, reach): (f64, f64)) -> f64 {
+    /// Distance along a profile until the deviance has risen, by secant steps from the quadratic prediction.
+    /// Time-stepping noise lowers the deviance at the best fit, so no interval ends before the prediction except at the
+    /// end of the valid range or of what can be simulated.
+    fn profile_step(&self, profile: &Profile) -> f64 {
+        let &Profile { fitted, coordinate, ref direction, predicted, radius } = profile;
         // Last step that was too short, and the root of its increase.
         let mut last = (0.0, 0.0);
-        let mut step = first;
-        let (least, far_enough) = (fitted.nuisance_fit.deviance, (1.0 - NEAR_ENOUGH) * reach);
-        for _ in 0..PROFILED {
-            let (members, moved) = self.step_along(&fitted.members, at, &(step * direction));
-            let is_the_end = moved.abs() < (1.0 - NEAR_ENOUGH) * step;
-            let wanted = match last {
+        let mut step = predicted;
+        let (min_deviance, min_root) = (fitted.nuisance_fit.deviance, (1.0 - END_TOLERANCE) * radius);
+        for _ in 0..MAX_PROFILE_STEPS {
+            let (members, moved) = self.step_along(&fitted.members, coordinate, &(step * direction));
+            let is_the_end = moved.abs() < (1.0 - END_TOLERANCE) * step;
+            let target_deviance = match last {
                 // At the end of the range the simulation alone decides.
                 _ if is_the_end => f64::NEG_INFINITY,
-                // An incomplete fit may already show that `first` is far enough.
-                (0.0, _) => least + far_enough.powi(2),
+                // An incomplete fit may already show that the prediction is far enough.
+                (0.0, _) => min_deviance + min_root.powi(2),
                 _ => f64::INFINITY,
             };
-            let Some(there) = self.fit_holding(fitted, at, members, wanted) else {
+            let Some(there) = self.fit_holding(fitted, coordinate, members, target_deviance) else {
                 step = 0.5 * (last.0 + step);
                 continue;
             };
             if is_the_end {
                 return moved.abs();
             }
-            let root = (there.nuisance_fit.deviance - least).max(0.0).sqrt();
-            if root >= far_enough {
-                let beyond = if last.0 > 0.0 { (root - reach).max(0.0) / (root - last.1) } else { 0.0 };
+            let root = (there.nuisance_fit.deviance - min_deviance).max(0.0).sqrt();
+            if root >= min_root {
+                let beyond = if last.0 > 0.0 { (root - radius).max(0.0) / (root - last.1) } else { 0.0 };
                 return step - beyond * (step - last.0);
             }
             last = (step, root);
-            step *= (reach / root).min(2.0);
+            step *= (radius / root).min(2.0);
         }
         last.0
     }
 
     /// Farthest evaluation beyond the end, doubling each time, with a deviance below that of the end: where the tip
     /// jumps (a buckling rod) the deviance is not monotonic. Zero if there is none.
-    fn scan_beyond(&self, fitted: &FittedSet, at: usize, direction: &DVector<f64>, (first, reach): (f64, f64)) -> f64 {
-        let most = fitted.nuisance_fit.deviance + reach.powi(2);
+    fn scan_beyond(&self, profile: &Profile) -> f64 {
+        let &Profile { fitted, coordinate, ref direction, predicted, radius } = profile;
+        let max_deviance = fitted.nuisance_fit.deviance + radius.powi(2);
         let mut farthest = 0.0;
-        for doubled in 1.. {
-            let step = first * 2.0_f64.powi(doubled);
-            let (members, moved) = self.step_along(&fitted.members, at, &(step * direction));
-            let fits =
-                self.fit_holding(fitted, at, members, most).is_some_and(|there| there.nuisance_fit.deviance < most);
+        for doublings in 1.. {
+            let step = predicted * 2.0_f64.powi(doublings);
+            let (members, moved) = self.step_along(&fitted.members, coordinate, &(step * direction));
+            let there = self.fit_holding(fitted, coordinate, members, max_deviance);
+            let fits = there.is_some_and(|there| there.nuisance_fit.deviance < max_deviance);
             if fits {
                 farthest = moved.abs();
             }
-            let is_the_end = moved.abs() < (1.0 - NEAR_ENOUGH) * step;
-            if is_the_end || doubled >= LOOKS && !(fits && step < FAR) {
+            let is_the_end = moved.abs() < (1.0 - END_TOLERANCE) * step;
+            if is_the_end || doublings >= MAX_DOUBLINGS && !(fits && step < MAX_DISTANCE) {
                 break;
             }
         }
@@ -160,31 +164,40 @@ impl FitProblem<'_> {
     }
 
     /// Fits with other choices of `parameter` of member `k`, `towards` one side as long as they fit almost equally
-    /// well, each with the remaining `reach` (profile likelihood; Venzon & Moolgavkar, Applied Statistics 37, 1988).
+    /// well, each with the remaining `radius` (profile likelihood; Venzon & Moolgavkar, Applied Statistics 37, 1988).
     fn plausible_choices(
         &self,
         best: &FittedSet,
         k: usize,
         parameter: usize,
         towards: f64,
-        reach: f64,
+        radius: f64,
     ) -> Vec<(FittedSet, f64)> {
         let candidate = &self.candidates[best.members[k].candidate];
-        let mut found: Vec<(FittedSet, f64)> = Vec::new();
+        let mut choices: Vec<(FittedSet, f64)> = Vec::new();
         loop {
-            let last = found.last().map_or(best, |(last, _)| last);
+            let last = choices.last().map_or(best, |(last, _)| last);
             let mut members = last.members.clone();
             let here = members[k].values[parameter];
             let mut beside = candidate.neighbouring_choices(&members[k].values).into_iter();
-            let Some(next) = beside.find(|next| towards * (next[parameter] - here) > 0.0) else { return found };
+            let Some(next) = beside.find(|next| towards * (next[parameter] - here) > 0.0) else { return choices };
             members[k].values = next;
-            let Some(there) = self.refit(members, last.jacobian.clone()) else { return found };
-            let square = reach * reach - (there.nuisance_fit.deviance - best.nuisance_fit.deviance);
+            let Some(there) = self.refit(members, last.jacobian.clone()) else { return choices };
+            let square = radius * radius - (there.nuisance_fit.deviance - best.nuisance_fit.deviance);
             if square <= 0.0 {
-                return found;
+                return choices;
             }
-            found.push((there, square.sqrt().min(reach)));
+            choices.push((there, square.sqrt().min(radius)));
         }
+    }
+}
+
+impl<'a> Profile<'a> {
+    /// Of a `coordinate` as it moves by `sign`.
+    fn new(fitted: &'a FittedSet, covariance: &DMatrix<f64>, coordinate: usize, sign: f64, radius: f64) -> Profile<'a> {
+        let variance = covariance[(coordinate, coordinate)].max(f64::MIN_POSITIVE);
+        let direction = covariance.column(coordinate) * (sign / variance);
+        Profile { fitted, coordinate, direction, predicted: radius * variance.sqrt(), radius }
     }
 }
 

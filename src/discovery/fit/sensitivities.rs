@@ -28,32 +28,32 @@ impl Sensitivity {
     }
 }
 
-/// Sensitivities of `model` with the `members` to all variants of the `asked` candidates. Variants that cannot be
+/// Sensitivities of `model` with the `members` to all variants of the candidates that are asked. Variants that cannot be
 /// simulated are left out; empty if the model itself cannot be simulated.
 pub(crate) fn sensitivities(
     model: &Model,
     candidates: &[CandidateEffect],
     members: &[SetMember],
-    asked: &(dyn Fn(&CandidateEffect) -> bool + Sync),
+    is_asked: &(dyn Fn(&CandidateEffect) -> bool + Sync),
     samples: &Samples,
 ) -> Vec<Sensitivity> {
-    let known = effect_specs(candidates, members).unwrap_or_default();
-    let Some(simulated_m) = tips(model, &known, samples) else { return Vec::new() };
+    let effects = effect_specs(candidates, members).unwrap_or_default();
+    let Some(simulated_m) = tips(model, &effects, samples) else { return Vec::new() };
     let simulated_m = simulated_m.as_slice();
     let variants: Vec<(usize, Vec<f64>)> = candidates
         .iter()
         .enumerate()
-        .filter(|(_, candidate)| asked(candidate))
+        .filter(|(_, candidate)| is_asked(candidate))
         .flat_map(|(number, candidate)| candidate.variants().into_iter().map(move |null| (number, null)))
         .collect();
-    let answer = |(number, null): (usize, Vec<f64>)| {
+    let sensitivity = |(number, null): (usize, Vec<f64>)| {
         let candidate = &candidates[number];
         let column = |&size: &usize| -> Option<Vec<f64>> {
             let step = candidate.probe(size);
             // If one direction cannot be simulated, the other may.
             [step, -step].into_iter().find_map(|step| {
                 let effect = candidate.effect(&candidate.moved(&null, size, step))?;
-                let there = tips(model, &[known.as_slice(), &[effect]].concat(), samples)?;
+                let there = tips(model, &[effects.as_slice(), &[effect]].concat(), samples)?;
                 Some(there.iter().zip(simulated_m).map(|(there, here)| (there - here) / step).collect())
             })
         };
@@ -61,5 +61,5 @@ pub(crate) fn sensitivities(
         let columns = DMatrix::from_fn(simulated_m.len(), columns.len(), |row, k| columns[k][row]);
         Some(Sensitivity { candidate: number, null, columns, step: None })
     };
-    variants.into_par_iter().filter_map(answer).collect()
+    variants.into_par_iter().filter_map(sensitivity).collect()
 }

@@ -11,13 +11,13 @@ use crate::effects::{BodyPoint, EffectSpec, Model, Trial, replay};
 use crate::math::rotation;
 
 /// Coarse resolution for screening and rough fits: factors on time tolerance and cell length, and numbers of modes.
-const COARSER: f64 = 10.0;
-const LONGER: f64 = 1.5;
+const COARSE_TOLERANCE_FACTOR: f64 = 10.0;
+const COARSE_CELL_FACTOR: f64 = 1.5;
 const BENDING_MODES: usize = 4;
 const OTHER_MODES: usize = 3;
 /// Fine resolution of the final fit: factor on the time tolerance. At the resolution of the search the error
 /// corresponds to the information in some hundred samples.
-const FINER: f64 = 30.0;
+const FINE_TOLERANCE_FACTOR: f64 = 30.0;
 /// Static tolerance over the time-stepping tolerance.
 const STATIC_SHARE: f64 = 0.3;
 
@@ -36,8 +36,8 @@ pub(crate) fn search_resolution(model: &Model, options: &Options) -> Model {
 pub(crate) fn coarse(model: &Model) -> Model {
     let mut coarse = model.clone();
     let resolution = &mut coarse.robot.resolution;
-    resolution.motion_tolerance_m *= COARSER;
-    resolution.cell_m *= LONGER;
+    resolution.motion_tolerance_m *= COARSE_TOLERANCE_FACTOR;
+    resolution.cell_m *= COARSE_CELL_FACTOR;
     resolution.bending_modes = resolution.bending_modes.min(BENDING_MODES);
     for modes in [&mut resolution.torsion_modes, &mut resolution.shear_modes, &mut resolution.axial_modes] {
         *modes = (*modes).min(OTHER_MODES);
@@ -49,19 +49,19 @@ pub(crate) fn coarse(model: &Model) -> Model {
 fn fine(model: &Model) -> Model {
     let mut fine = model.clone();
     let resolution = &mut fine.robot.resolution;
-    resolution.motion_tolerance_m /= FINER;
+    resolution.motion_tolerance_m /= FINE_TOLERANCE_FACTOR;
     resolution.static_tolerance_m = STATIC_SHARE * resolution.motion_tolerance_m;
     resolution.blended = false;
     fine
 }
 
-/// What [`tips`] says at the fine resolution; none if the simulation fails.
+/// [`tips`] at the fine resolution; none if the simulation fails.
 pub(crate) fn fine_tips(model: &Model, extra: &[EffectSpec], samples: &Samples) -> Option<Vec<f64>> {
     let fine = fine(model);
     // Rest states that do not converge to the fine tolerance use the grid of the motion.
-    let mut unsettled = fine.clone();
-    unsettled.robot.resolution.static_tolerance_m = f64::INFINITY;
-    tips(&fine, extra, samples).or_else(|| tips(&unsettled, extra, samples))
+    let mut coarse_rest = fine.clone();
+    coarse_rest.robot.resolution.static_tolerance_m = f64::INFINITY;
+    tips(&fine, extra, samples).or_else(|| tips(&coarse_rest, extra, samples))
 }
 
 /// `samples` minus the difference of the fine solution `fine` and the coarse solution `simulated_m`: a fit to them
@@ -128,8 +128,8 @@ impl SimulatedPlaces {
             starts: trial.starts.unwrap_or(model.tracking.starts),
             tip_loads: trial.tip_loads.as_deref(),
         };
-        let hung = (trial.known_load_kg > 0.0).then(|| EffectSpec::tip_load(trial.known_load_kg));
-        let extra: Vec<EffectSpec> = extra.iter().cloned().chain(hung).collect();
+        let load = (trial.known_load_kg > 0.0).then(|| EffectSpec::tip_load(trial.known_load_kg));
+        let extra: Vec<EffectSpec> = extra.iter().cloned().chain(load).collect();
         let gravity = trial.gravity_m_s2.map(|gravity_m_s2| {
             let mut turned = model.clone();
             turned.robot.gravity_m_s2 = gravity_m_s2;

@@ -4,20 +4,20 @@ use nalgebra::DVector;
 
 use super::gauss_newton::{FitProblem, FittedSet};
 
-/// Search distances in standard deviations, up to far beyond an interval.
-const AHEAD: [f64; 4] = [2.0, 6.0, 20.0, 60.0];
+/// Search distances in standard deviations, up to far beyond an interval (docs/discovery.md, "Searching sets", step 8).
+const DISTANCES_SIGMA: [f64; 4] = [2.0, 6.0, 20.0, 60.0];
 /// Minimum decrease of the deviance.
-const WORTH: f64 = 1.0;
+const MIN_DECREASE: f64 = 1.0;
 /// Maximum number of successive improvements.
-const MOST_FITS: usize = 4;
+const MAX_FITS: usize = 4;
 
 impl FitProblem<'_> {
     /// `fitted`, or a better fit along one of its coordinates. Derivatives do not predict jumps of the tip (tendons
     /// that become taut).
     pub(crate) fn step_out(&self, mut fitted: FittedSet) -> FittedSet {
-        for _ in 0..MOST_FITS {
+        for _ in 0..MAX_FITS {
             let better = self.find_better(&fitted).and_then(|ahead| self.refit(ahead.members, ahead.jacobian));
-            match better.filter(|better| better.nuisance_fit.deviance < fitted.nuisance_fit.deviance - WORTH) {
+            match better.filter(|better| better.nuisance_fit.deviance < fitted.nuisance_fit.deviance - MIN_DECREASE) {
                 Some(better) => fitted = better,
                 None => break,
             }
@@ -32,8 +32,8 @@ impl FitProblem<'_> {
             let deviation = covariance[(at, at)].max(f64::MIN_POSITIVE).sqrt();
             // The other coordinates follow by the curvature at the fit.
             let together = covariance.column(at) / deviation;
-            let ways = AHEAD.into_iter().flat_map(|ahead| [ahead, -ahead]);
-            ways.into_iter().find_map(|ahead| self.best_along_step(fitted, at, ahead * &together))
+            let distances = DISTANCES_SIGMA.into_iter().flat_map(|ahead| [ahead, -ahead]);
+            distances.into_iter().find_map(|ahead| self.best_along_step(fitted, at, ahead * &together))
         })
     }
 
@@ -42,8 +42,10 @@ impl FitProblem<'_> {
         let mut best: Option<FittedSet> = None;
         loop {
             let members = self.moved(&fitted.members, &step);
-            let least = best.as_ref().map_or(fitted.nuisance_fit.deviance - WORTH, |best| best.nuisance_fit.deviance);
-            match self.fit_holding(fitted, at, members, least).filter(|there| there.nuisance_fit.deviance < least) {
+            let deviance =
+                best.as_ref().map_or(fitted.nuisance_fit.deviance - MIN_DECREASE, |best| best.nuisance_fit.deviance);
+            match self.fit_holding(fitted, at, members, deviance).filter(|there| there.nuisance_fit.deviance < deviance)
+            {
                 Some(there) => best = Some(there),
                 None => return best,
             }

@@ -4,13 +4,14 @@ use nalgebra::DVector;
 
 use super::lack_of_fit::lack_of_fit_test;
 use super::levene::levene_test;
+use super::test_result::TestResult;
 use crate::discovery::fit::ar1_noise::Ar1Noise;
 use crate::discovery::fit::nuisance::NuisanceFit;
 use crate::discovery::noise_floor::NoiseFloor;
-use crate::discovery::problem::{Baseline, Problem};
+use crate::discovery::problem::Problem;
 
 /// Significance level at which a test finds something in the baseline.
-const SIGNIFICANT: f64 = 0.01;
+const SIGNIFICANCE: f64 = 0.01;
 
 /// Sizes that tests find in the baseline with the margin of the options, metres; zero where they find nothing, and
 /// without a baseline.
@@ -22,17 +23,17 @@ pub(crate) struct BaselineSizes {
 
 impl BaselineSizes {
     pub(crate) fn new(problem: &Problem) -> BaselineSizes {
-        problem.base.as_ref().map_or_else(BaselineSizes::default, |base| of(base, problem.options.form_margin))
+        let Some(base) = &problem.base else { return BaselineSizes::default() };
+        let (samples, residual_m) = (&base.samples, base.form.unseen_m.clone());
+        let noise = Ar1Noise::estimate(samples, &residual_m, 0.0);
+        let unseen = NuisanceFit { noise, amounts: DVector::zeros(0), residual_m, deviance: f64::NAN };
+        let floor = NoiseFloor::estimate(samples, &unseen, &base.simulated_m);
+        let size_m = |result: TestResult| {
+            if result.p_value < SIGNIFICANCE { problem.options.form_margin * result.more_m } else { 0.0 }
+        };
+        BaselineSizes {
+            levene_m: size_m(levene_test(samples, &unseen)),
+            lack_of_fit_m: size_m(lack_of_fit_test(samples, &unseen.residual_m, &noise, &floor)),
+        }
     }
-}
-
-fn of(base: &Baseline, margin: f64) -> BaselineSizes {
-    let noise = Ar1Noise::estimate(&base.samples, &base.form.unseen_m, 0.0);
-    let unseen =
-        NuisanceFit { noise, amounts: DVector::zeros(0), residual_m: base.form.unseen_m.clone(), deviance: f64::NAN };
-    let floor = NoiseFloor::estimate(&base.samples, &unseen, &base.simulated_m);
-    let spread = levene_test(&base.samples, &unseen);
-    let bias = lack_of_fit_test(&base.samples, &base.form.unseen_m, &noise, &floor);
-    let size_m = |p_value: f64, size_m: f64| if p_value < SIGNIFICANT { margin * size_m } else { 0.0 };
-    BaselineSizes { levene_m: size_m(spread.p_value, spread.more_m), lack_of_fit_m: size_m(bias.p_value, bias.rms_m) }
 }

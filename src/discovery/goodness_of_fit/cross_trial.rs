@@ -23,13 +23,13 @@ pub(crate) struct CrossTrialTest {
 }
 
 /// Minimum number of blocks.
-const FEWEST_BLOCKS: usize = 12;
+const MIN_BLOCKS: usize = 12;
 /// Minimum number of sign draws.
-const DRAWS: usize = 400;
+const MIN_DRAWS: usize = 400;
 /// Maximum number of sign draws, so that a chance of one in a thousand is observed several times.
-const MOST_DRAWS: usize = 4000;
+const MAX_DRAWS: usize = 4000;
 /// Draws stop after this many successes by chance (sequential Monte Carlo; Besag & Clifford, Biometrika 78, 1991).
-const ENOUGH_ABOVE: usize = 20;
+const MAX_CHANCE_SUCCESSES: usize = 20;
 
 /// Tests whether `residual` (metres, three values a sample) is noise.
 pub(crate) fn test_cross_trial(
@@ -49,19 +49,19 @@ pub(crate) fn test_cross_trial(
         let signs: Vec<[f64; 3]> = blocks.iter().map(|_| std::array::from_fn(|_| sign())).collect();
         tables.iter().map(|table| table.success(&signs)).collect()
     };
-    let first: Vec<Vec<f64>> = (0..DRAWS).map(|_| drawn()).collect();
+    let first: Vec<Vec<f64>> = (0..MIN_DRAWS).map(|_| drawn()).collect();
     // Test statistic: the largest standardised success over the patterns.
     let moments: Vec<(f64, f64)> = (0..tables.len()).map(|k| moments(first.iter().map(|draw| draw[k]))).collect();
     let best = |successes: &[f64]| {
         let scaled = successes.iter().zip(&moments).map(|(value, (mean, deviation))| (value - mean) / deviation);
         scaled.fold(f64::NEG_INFINITY, f64::max)
     };
-    let plain = vec![[1.0; 3]; blocks.len()];
-    let observed: Vec<f64> = tables.iter().map(|table| table.success(&plain)).collect();
+    let unsigned = vec![[1.0; 3]; blocks.len()];
+    let observed: Vec<f64> = tables.iter().map(|table| table.success(&unsigned)).collect();
     let height = best(&observed);
-    let mut draws = DRAWS;
+    let mut draws = MIN_DRAWS;
     let mut above = first.iter().filter(|draw| best(draw) >= height).count();
-    while above < ENOUGH_ABOVE && draws < MOST_DRAWS {
+    while above < MAX_CHANCE_SUCCESSES && draws < MAX_DRAWS {
         draws += 1;
         above += usize::from(best(&drawn()) >= height);
     }
@@ -75,8 +75,8 @@ pub(crate) fn test_cross_trial(
         .map(|(pattern, table)| (pattern, (table.foretold / squares).min(1.0)))
         .collect();
     foretold.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let most_m2 = foretold[0].1 * squares / samples.len().max(1) as f64;
-    CrossTrialTest { test: MissingTest { rms_m: rms_m(residual), foretold_m: most_m2.sqrt(), p_value }, foretold }
+    let foretold_m2 = foretold[0].1 * squares / samples.len().max(1) as f64;
+    CrossTrialTest { test: MissingTest { rms_m: rms_m(residual), foretold_m: foretold_m2.sqrt(), p_value }, foretold }
 }
 
 fn moments(values: impl Iterator<Item = f64>) -> (f64, f64) {
@@ -85,9 +85,9 @@ fn moments(values: impl Iterator<Item = f64>) -> (f64, f64) {
     (crate::math::summary::mean(&values), deviation.max(f64::MIN_POSITIVE))
 }
 
-/// Blocks of samples with a common sign: at least [`FEWEST_BLOCKS`].
+/// Blocks of samples with a common sign: at least [`MIN_BLOCKS`].
 fn blocks(ranges: &[Range<usize>]) -> Vec<Range<usize>> {
-    let parts = FEWEST_BLOCKS.div_ceil(ranges.len().max(1));
+    let parts = MIN_BLOCKS.div_ceil(ranges.len().max(1));
     let cut = |range: &Range<usize>| -> Vec<Range<usize>> {
         let at = |part: usize| range.start + range.len() * part / parts;
         (0..parts).map(|part| at(part)..at(part + 1)).filter(|block| !block.is_empty()).collect()

@@ -23,10 +23,10 @@ pub(crate) enum ResidualPattern {
 /// Ratio of noise variance to signal variance.
 const RIDGE: f64 = 3.0;
 /// Beyond this number of samples, consecutive ones are averaged: the cost grows with the cube.
-const MOST_POINTS: usize = 1200;
+const MAX_POINTS: usize = 1200;
 
 /// Beyond this number of trials, several are predicted together.
-const MOST_GROUPS: usize = 12;
+const MAX_GROUPS: usize = 12;
 
 /// Samples, or means of consecutive samples if there are many.
 pub(crate) struct BinnedSamples {
@@ -42,7 +42,7 @@ pub(crate) struct BinnedSamples {
 
 impl BinnedSamples {
     pub(crate) fn new(trials: &[Range<usize>], covariates: &[Covariates], residual: &[f64]) -> BinnedSamples {
-        let together = covariates.len().div_ceil(MOST_POINTS).max(1);
+        let together = covariates.len().div_ceil(MAX_POINTS).max(1);
         let mut points =
             BinnedSamples { ranges: Vec::new(), covariates: Vec::new(), residual: Vec::new(), samples_each: 1.0 };
         for trial in trials {
@@ -56,7 +56,7 @@ impl BinnedSamples {
             }
             points.ranges.push(first..points.covariates.len());
         }
-        let each = points.ranges.len().div_ceil(MOST_GROUPS).max(1);
+        let each = points.ranges.len().div_ceil(MAX_GROUPS).max(1);
         points.ranges = points.ranges.chunks(each).map(|group| group[0].start..group[group.len() - 1].end).collect();
         points.samples_each = covariates.len() as f64 / points.covariates.len().max(1) as f64;
         points
@@ -82,27 +82,27 @@ impl CrossPrediction {
         for there in trials {
             let others: Vec<usize> =
                 trials.iter().filter(|trial| *trial != there).flat_map(|trial| trial.clone()).collect();
-            let mut known = DMatrix::from_fn(others.len(), others.len(), |i, j| kernel[(others[i], others[j])]);
-            (0..others.len()).for_each(|k| known[(k, k)] += RIDGE);
-            let Some(factor) = Cholesky::new(known) else { continue };
+            let mut gram = DMatrix::from_fn(others.len(), others.len(), |i, j| kernel[(others[i], others[j])]);
+            (0..others.len()).for_each(|k| gram[(k, k)] += RIDGE);
+            let Some(factor) = Cholesky::new(gram) else { continue };
             let cross = DMatrix::from_fn(others.len(), there.len(), |i, j| kernel[(others[i], there.start + j)]);
             let weights = factor.solve(&cross);
             let inside = |block: &Range<usize>| there.contains(&block.start);
             for axis in 0..3 {
                 let part =
                     |rows: Range<usize>| DVector::from_iterator(rows.len(), rows.map(|row| residual[3 * row + axis]));
-                let left = part(there.clone());
+                let measured = part(there.clone());
                 let mut sum = DVector::zeros(there.len());
                 for (other, block) in blocks.iter().enumerate().filter(|(_, block)| !inside(block)) {
                     let first = others.partition_point(|&row| row < block.start);
-                    let told = weights.rows(first, block.len()).tr_mul(&part(block.clone()));
-                    for (own, here) in blocks.iter().enumerate().filter(|(_, block)| inside(block)) {
+                    let predicted = weights.rows(first, block.len()).tr_mul(&part(block.clone()));
+                    for (row, here) in blocks.iter().enumerate().filter(|(_, block)| inside(block)) {
                         let (start, length) = (here.start - there.start, here.len());
-                        products[axis][(own, other)] = left.rows(start, length).dot(&told.rows(start, length));
+                        products[axis][(row, other)] = measured.rows(start, length).dot(&predicted.rows(start, length));
                     }
-                    sum += told;
+                    sum += predicted;
                 }
-                foretold += 2.0 * left.dot(&sum) - sum.norm_squared();
+                foretold += 2.0 * measured.dot(&sum) - sum.norm_squared();
             }
         }
         CrossPrediction { products, foretold: points.samples_each * foretold.max(0.0) }
@@ -127,7 +127,7 @@ fn kernel(pattern: ResidualPattern, covariates: &[Covariates]) -> DMatrix<f64> {
             ResidualPattern::Constant => Vec::new(),
             ResidualPattern::Pose => at.position_m.iter().chain(&at.command).copied().collect(),
             ResidualPattern::History => {
-                let within = at.command.iter().zip(&at.largest).map(|(now, most)| most - now);
+                let within = at.command.iter().zip(&at.largest).map(|(now, largest)| largest - now);
                 at.change.iter().chain(&at.change_before).copied().chain(at.moved_m).chain(within).collect()
             }
             ResidualPattern::Time => vec![at.time_s],

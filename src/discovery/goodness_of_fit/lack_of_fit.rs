@@ -1,30 +1,23 @@
 //! Lack-of-fit test against pure error: is the mean residual of repeated measurements zero (Draper & Smith, Applied
 //! Regression Analysis, section 2.1)?
 
+use super::test_result::{FitTest, TestResult};
 use crate::discovery::fit::ar1_noise::{Ar1Noise, effective_axes};
 use crate::discovery::noise_floor::NoiseFloor;
 use crate::discovery::noise_floor::repeats::{groups, is_start};
 use crate::discovery::recording::samples::Samples;
 
-/// Mean residual of repeated measurements.
-pub(crate) struct LackOfFit {
-    /// Probability of this or more if the model is right.
-    pub(crate) p_value: f64,
-    /// Root mean square, metres.
-    pub(crate) rms_m: f64,
-}
-
 /// Tests the means of `residual_m` (three values a sample) over repeated samples against the noise `floor`. Starts are
-/// independent; samples at rest are correlated like `noise`.
+/// independent; samples at rest are correlated like `noise`. The size is the root mean square of the means.
 pub(crate) fn lack_of_fit_test(
     samples: &Samples,
     residual_m: &[f64],
     noise: &Ar1Noise,
     floor: &NoiseFloor,
-) -> LackOfFit {
+) -> TestResult {
     let groups = groups(samples);
     if groups.is_empty() {
-        return LackOfFit { p_value: 1.0, rms_m: 0.0 };
+        return TestResult { test: FitTest::LackOfFit, p_value: 1.0, more_m: 0.0, beyond_m: 0.0 };
     }
     let (mut squares, mut weighed, mut weights) = (0.0, 0.0, 0.0);
     for group in &groups {
@@ -38,7 +31,7 @@ pub(crate) fn lack_of_fit_test(
     }
     let p_value =
         floor.p_value(squares / groups.len() as f64, effective_axes(&floor.variance_m2) * groups.len() as f64);
-    LackOfFit { p_value, rms_m: (weighed / weights).sqrt() }
+    TestResult { test: FitTest::LackOfFit, p_value, more_m: (weighed / weights).sqrt(), beyond_m: 0.0 }
 }
 
 #[cfg(test)]
@@ -49,7 +42,7 @@ mod tests {
     const NOISE_M: f64 = 5e-4;
 
     /// Residual of eight trials of ten samples: noise, and a bias at the start.
-    fn tested(bias_m: f64, seed: u64) -> LackOfFit {
+    fn tested(bias_m: f64, seed: u64) -> TestResult {
         let mut noise = white_noise(NOISE_M, seed);
         let mut samples = Samples::alike(8, 10);
         for sample in &mut samples.rows {
@@ -65,8 +58,8 @@ mod tests {
     fn a_model_that_is_wrong_at_home_is_seen_and_noise_is_not() {
         let low = (0..200).filter(|&seed| tested(0.0, seed).p_value < 0.05).count();
         assert!((2..22).contains(&low), "{low} of 200 below 0.05");
-        let found = tested(1e-3, 1);
-        assert!(found.p_value < 1e-3, "{}", found.p_value);
-        assert!((found.rms_m / 1e-3 - 1.0).abs() < 0.4, "{}", found.rms_m);
+        let biased = tested(1e-3, 1);
+        assert!(biased.p_value < 1e-3, "{}", biased.p_value);
+        assert!((biased.more_m / 1e-3 - 1.0).abs() < 0.4, "{}", biased.more_m);
     }
 }

@@ -2,34 +2,27 @@
 //! the missing one is not. Analysis of variance of the distances (Levene, in Contributions to Probability and
 //! Statistics, 1960), which is robust against outliers.
 
+use super::test_result::{FitTest, TestResult};
 use crate::discovery::fit::nuisance::NuisanceFit;
 use crate::discovery::recording::samples::{Samples, rms_m};
 use crate::math::distribution::f_above;
 use crate::math::summary::{mean, quantile};
 
-/// Result of Levene's test.
-pub(crate) struct LeveneResult {
-    /// Probability of this or more from noise.
-    pub(crate) p_value: f64,
-    /// Excess of the worst trial over the median trial, rms, metres (squares add up).
-    pub(crate) more_m: f64,
-    /// Rms of the median trial, metres.
-    pub(crate) middle_m: f64,
-}
-
-/// The test on the residual of `nuisance_fit` in `samples`.
-pub(crate) fn levene_test(samples: &Samples, nuisance_fit: &NuisanceFit) -> LeveneResult {
+/// The test on the residual of `nuisance_fit` in `samples`. The size is the excess of the worst trial over the median
+/// trial.
+pub(crate) fn levene_test(samples: &Samples, nuisance_fit: &NuisanceFit) -> TestResult {
     let distance_m: Vec<f64> = nuisance_fit.residual_m.chunks_exact(3).map(rms_m).collect();
     let (mut between, mut within) = (0.0, 0.0);
     let mut ranges = samples.ranges();
     ranges.retain(|range| !range.is_empty());
     let all = mean(&distance_m);
     for range in &ranges {
-        let own = &distance_m[range.clone()];
-        let usual = mean(own);
-        between += own.len() as f64 * (usual - all).powi(2);
-        within += own.iter().map(|distance| (distance - usual).powi(2)).sum::<f64>();
+        let in_trial = &distance_m[range.clone()];
+        let usual = mean(in_trial);
+        between += in_trial.len() as f64 * (usual - all).powi(2);
+        within += in_trial.iter().map(|distance| (distance - usual).powi(2)).sum::<f64>();
     }
+    // Analysis of variance of the distances: between trials over within trials.
     let groups = ranges.len() as f64;
     // Correlated samples count for fewer.
     let independent = nuisance_fit.noise.independent(samples.len());
@@ -39,10 +32,11 @@ pub(crate) fn levene_test(samples: &Samples, nuisance_fit: &NuisanceFit) -> Leve
         ranges.iter().map(|r| rms_m(&nuisance_fit.residual_m[3 * r.start..3 * r.end]).powi(2)).collect();
     let worst = each.iter().copied().fold(0.0, f64::max);
     let middle = quantile(&each, 0.5);
-    LeveneResult {
+    TestResult {
+        test: FitTest::Levene,
         p_value: f_above(ratio, above, below),
         more_m: (worst - middle).max(0.0).sqrt(),
-        middle_m: middle.max(0.0).sqrt(),
+        beyond_m: middle.max(0.0).sqrt(),
     }
 }
 
@@ -57,7 +51,7 @@ mod tests {
     const NOISE_M: f64 = 5e-4;
 
     /// Six trials of fifty samples of noise, one of them larger by a factor.
-    fn tested(times: f64, seed: u64) -> LeveneResult {
+    fn tested(times: f64, seed: u64) -> TestResult {
         let mut noise = white_noise(NOISE_M, seed);
         let residual_m = (0..900).map(|k| if (300..450).contains(&k) { times * noise() } else { noise() }).collect();
         let noise = Ar1Noise { sigma_m: [NOISE_M; 3], correlation: 0.0 };
@@ -72,9 +66,9 @@ mod tests {
         let even: Vec<f64> = (0..200).map(|seed| tested(1.0, seed).p_value).collect();
         let low = even.iter().filter(|p| **p < 0.05).count();
         assert!((2..22).contains(&low), "{low} of 200 below 0.05");
-        let found = tested(1.6, 1);
-        assert!(found.p_value < 1e-4, "{}", found.p_value);
+        let uneven = tested(1.6, 1);
+        assert!(uneven.p_value < 1e-4, "{}", uneven.p_value);
         let more_m = 3.0_f64.sqrt() * NOISE_M * (1.6_f64.powi(2) - 1.0).sqrt();
-        assert!((found.more_m / more_m - 1.0).abs() < 0.3, "{}", found.more_m);
+        assert!((uneven.more_m / more_m - 1.0).abs() < 0.3, "{}", uneven.more_m);
     }
 }

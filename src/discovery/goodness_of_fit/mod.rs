@@ -40,21 +40,14 @@ pub(crate) struct GoodnessOfFit {
     pub(crate) floor: NoiseFloor,
 }
 
-/// Correlation above which a residual is no tracker noise.
-const SLOW: f64 = 0.8;
-/// Significance level of the variance test for such a residual.
-const SLOW_CHANCE: f64 = 0.05;
+/// Correlation above which a residual is no tracker noise, and significance level of the variance test for such a
+/// residual. This and the constants below are those of docs/discovery.md, "Is anything missing?".
+const MAX_TRACKER_CORRELATION: f64 = 0.8;
+const SLOW_SIGNIFICANCE: f64 = 0.05;
 /// Significance level below which the search goes on.
-const DOUBTFUL: f64 = 0.05;
+const DOUBTFUL_SIGNIFICANCE: f64 = 0.05;
 /// Share of the expected law error for effects without shape or choice parameters, whose laws are more accurate.
 const WITHOUT_SHAPE: f64 = 0.5;
-
-impl GoodnessOfFit {
-    /// Whether a test has failed.
-    pub(crate) fn is_rejected(&self) -> bool {
-        self.failed.is_some()
-    }
-}
 
 impl Problem<'_> {
     /// Cross-trial test of the training residual.
@@ -70,62 +63,72 @@ impl Problem<'_> {
         fitted: &FittedSet,
         foretold: &CrossTrialTest,
     ) -> GoodnessOfFit {
-        let nuisance_fit = &fitted.nuisance_fit;
-        let floor_m = nuisance_fit.noise.rms_m();
+        let (samples, nuisance_fit) = (&self.training, &fitted.nuisance_fit);
         let model_m = self.model_error_m();
-        let least_m = self.least_relevant_m(floor_m);
-        let inexact_m = least_m.max(self.allowed_law_error_m(fitted, 1.0));
-        // Variance above the noise floor. Little excess suffices if the residual is too slow for tracker noise.
-        let floor = NoiseFloor::estimate(&self.training, nuisance_fit, &fitted.simulated_m);
-        let scatters = floor.p_value_of(&NoiseFloor::of_residual(nuisance_fit, &self.training));
-        let alone_m = floor.rms_m();
-        let more_m = (floor_m.powi(2) - alone_m.powi(2)).max(0.0).sqrt();
-        let slow = nuisance_fit.noise.correlation > SLOW && scatters < SLOW_CHANCE && more_m > model_m;
-        let spread = levene_test(&self.training, nuisance_fit);
-        let bias = lack_of_fit_test(&self.training, &nuisance_fit.residual_m, &nuisance_fit.noise, &floor);
-        let grows = spearman_test(nuisance_fit, &self.displacement_m(&fitted.simulated_m));
-        let all = score_test(&self.training, nuisances, fitted, &self.catalogue_sensitivities());
-        let (all, all_m) = all.map_or((1.0, 0.0), |found| (found.p_value, found.more_m));
+        let relevant_m = self.least_relevant_m(nuisance_fit.noise.rms_m());
+        let law_m = relevant_m.max(self.allowed_law_error_m(fitted, 1.0));
+        // Test 2: variance above the noise floor.
+        let floor = NoiseFloor::estimate(samples, nuisance_fit, &fitted.simulated_m);
+        let [residual_m, floor_m] = [nuisance_fit.noise.rms_m(), floor.rms_m()];
+        let variance = TestResult {
+            test: FitTest::Variance,
+            p_value: floor.p_value_of(&NoiseFloor::of_residual(nuisance_fit, samples)),
+            more_m: (residual_m.powi(2) - floor_m.powi(2)).max(0.0).sqrt(),
+            beyond_m: floor_m,
+        };
+        let cross_trial = TestResult {
+            test: FitTest::CrossTrial,
+            p_value: foretold.test.p_value,
+            more_m: foretold.test.foretold_m,
+            beyond_m: 0.0,
+        };
+        let lack_of_fit = lack_of_fit_test(samples, &nuisance_fit.residual_m, &nuisance_fit.noise, &floor);
+        let spearman = spearman_test(nuisance_fit, &self.displacement_m(&fitted.simulated_m));
+        let nothing = TestResult { test: FitTest::Score, p_value: 1.0, more_m: 0.0, beyond_m: 0.0 };
+        let score = score_test(samples, nuisances, fitted, &self.catalogue_sensitivities()).unwrap_or(nothing);
         // The score test covers only the part that the catalogue explains, and is not relative to the noise floor.
-        let shaped = fitted.members.iter().any(|member| self.candidates[member.candidate].has_shape());
-        let tolerable_m = model_m.max(self.allowed_law_error_m(fitted, if shaped { 1.0 } else { WITHOUT_SHAPE }));
-        let seen = |test, p_value, more_m, beyond_m| TestResult { test, p_value, more_m, beyond_m };
+        let has_shape = fitted.members.iter().any(|member| self.candidates[member.candidate].has_shape());
+        let tolerable_m = model_m.max(self.allowed_law_error_m(fitted, if has_shape { 1.0 } else { WITHOUT_SHAPE }));
         // A robot that the model does not describe exactly does not follow the laws of its effects exactly either.
-        let predictable_m = if self.model_form_m > 0.0 { inexact_m } else { least_m };
+        let predictable_m = if self.model_form_m > 0.0 { law_m } else { relevant_m };
         let as_built = BaselineSizes::new(self);
         // Each test with its minimum relevant size.
         let tests = [
-            (seen(FitTest::CrossTrial, foretold.test.p_value, foretold.test.foretold_m, 0.0), predictable_m),
-            (seen(FitTest::Variance, scatters, more_m, alone_m), predictable_m),
-            (seen(FitTest::Levene, spread.p_value, spread.more_m, spread.middle_m), inexact_m.max(as_built.levene_m)),
-            (seen(FitTest::LackOfFit, bias.p_value, bias.rms_m, 0.0), inexact_m.max(as_built.lack_of_fit_m)),
-            (seen(FitTest::Score, all, all_m, 0.0), tolerable_m),
-            (seen(FitTest::Spearman, grows.p_value, grows.more_m, grows.least_m), inexact_m),
+            (cross_trial, predictable_m),
+            (variance, predictable_m),
+            (levene_test(samples, nuisance_fit), law_m.max(as_built.levene_m)),
+            (lack_of_fit, law_m.max(as_built.lack_of_fit_m)),
+            (score, tolerable_m),
+            (spearman, law_m),
         ];
-        let below = |chance: f64| {
-            let clear =
-                tests.iter().filter(|(failed, matters_m)| failed.more_m > *matters_m && failed.p_value < chance);
-            clear.map(|(failed, _)| *failed).min_by(|a, b| a.p_value.total_cmp(&b.p_value))
+        let worst_below = |significance: f64| {
+            let failed = tests.iter().filter(|(result, min_m)| result.is_failed(significance, *min_m));
+            failed.map(|(result, _)| *result).min_by(|a, b| a.p_value.total_cmp(&b.p_value))
         };
-        let failed =
-            below(self.options.false_alarm).or(slow.then(|| seen(FitTest::SlowVariance, scatters, more_m, alone_m)));
-        let is_doubtful = failed.or(below(DOUBTFUL / tests.len() as f64)).is_some();
-        let is_tolerated = all < self.options.false_alarm && all_m > model_m && all_m <= tolerable_m;
-        GoodnessOfFit { failed, is_doubtful, tolerated_m: is_tolerated.then_some(all_m), floor }
+        // Little excess variance suffices if the residual is too slow for tracker noise.
+        let is_slow =
+            nuisance_fit.noise.correlation > MAX_TRACKER_CORRELATION && variance.is_failed(SLOW_SIGNIFICANCE, model_m);
+        let slow_variance = is_slow.then_some(TestResult { test: FitTest::SlowVariance, ..variance });
+        let failed = worst_below(self.options.false_alarm).or(slow_variance);
+        // Bonferroni's correction: the search goes on if any of the tests is doubtful.
+        let is_doubtful = failed.or(worst_below(DOUBTFUL_SIGNIFICANCE / tests.len() as f64)).is_some();
+        let is_tolerated = score.is_failed(self.options.false_alarm, model_m) && score.more_m <= tolerable_m;
+        GoodnessOfFit { failed, is_doubtful, tolerated_m: is_tolerated.then_some(score.more_m), floor }
     }
 
     /// Expected law error of the members, metres, times `share`. Zero if a size is at the end of its range.
     fn allowed_law_error_m(&self, fitted: &FittedSet, share: f64) -> f64 {
-        let ended = |member: &SetMember| self.candidates[member.candidate].is_at_range_end(&member.values);
-        if fitted.members.iter().any(ended) { 0.0 } else { share * self.law_error_m(&fitted.simulated_m) }
+        let is_at_end = |member: &SetMember| self.candidates[member.candidate].is_at_range_end(&member.values);
+        if fitted.members.iter().any(is_at_end) { 0.0 } else { share * self.law_error_m(&fitted.simulated_m) }
     }
 
     /// Sensitivities to every effect that may be named, one column a size, without uncertain parameters.
     fn catalogue_sensitivities(&self) -> DMatrix<f64> {
         let open = self.fit_problem().open;
-        let asked = |number: usize| open[number] && !self.options.is_uncertain(self.candidates[number].card.name);
-        let own = self.sensitivities.iter().filter(|sensitivity| asked(sensitivity.candidate));
-        let columns: Vec<DVectorView<f64>> = own.flat_map(|sensitivity| sensitivity.columns.column_iter()).collect();
+        let is_named =
+            |candidate: usize| open[candidate] && !self.options.is_uncertain(self.candidates[candidate].card.name);
+        let named = self.sensitivities.iter().filter(|sensitivity| is_named(sensitivity.candidate));
+        let columns: Vec<DVectorView<f64>> = named.flat_map(|sensitivity| sensitivity.columns.column_iter()).collect();
         DMatrix::from_fn(3 * self.training.len(), columns.len(), |row, k| columns[k][row])
     }
 }

@@ -4,65 +4,62 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, SymmetricEigen};
 
+use super::test_result::{FitTest, TestResult};
 use crate::discovery::fit::gauss_newton::FittedSet;
 use crate::discovery::fit::nuisance::Nuisances;
 use crate::discovery::recording::samples::Samples;
 use crate::math::distribution::f_above;
 
-/// Result of the score test.
-pub(crate) struct ScoreTestResult {
-    /// Probability of this or more from noise.
-    pub(crate) p_value: f64,
-    /// Explained part beyond that expected from noise, rms, metres; a lower bound for correlated noise.
-    pub(crate) more_m: f64,
-}
-
 /// Directions weaker than this share of the strongest, in squares, are ignored; so are those this weak relative to one
 /// column.
-const LEAST_DIRECTION: f64 = 1e-3;
+const MIN_DIRECTION_SHARE: f64 = 1e-3;
 /// Relative ridge on free parameters.
-const RIDGE: f64 = 1e-9;
+const RELATIVE_RIDGE: f64 = 1e-9;
 
-/// The test on the residual of `fitted` in `samples`. `answers`: sensitivities to all effects, one column each, three
-/// rows a sample. None with too few samples or without effects.
+/// The test on the residual of `fitted` in `samples`. `sensitivities`: sensitivities to all effects, one column each, three
+/// rows a sample. The size is the explained part beyond that expected from noise, a lower bound for correlated noise.
+/// None with too few samples or without effects.
 pub(crate) fn score_test(
     samples: &Samples,
     nuisances: &Nuisances,
     fitted: &FittedSet,
-    answers: &DMatrix<f64>,
-) -> Option<ScoreTestResult> {
+    sensitivities: &DMatrix<f64>,
+) -> Option<TestResult> {
     let noise = &fitted.nuisance_fit.noise;
     let free = noise.whitened(samples, &nuisances.with(&fitted.jacobian));
-    let answers = of_length_one(&noise.whitened(samples, answers));
-    if answers.is_empty() {
+    let sensitivities = normalised(&noise.whitened(samples, sensitivities));
+    if sensitivities.is_empty() {
         return None;
     }
     let factor = factor(nuisances, &free)?;
-    let beyond = &answers - &free * factor.solve(&free.tr_mul(&answers));
-    let left = DVector::from_vec(noise.whiten(samples, &fitted.nuisance_fit.residual_m));
+    let beyond = &sensitivities - &free * factor.solve(&free.tr_mul(&sensitivities));
+    let residual = DVector::from_vec(noise.whiten(samples, &fitted.nuisance_fit.residual_m));
     // The fit may be short of its optimum: member parameters take what they still can (Neyman's C(α)). Nuisance
     // parameters are at their most likely values.
-    let mut pull = free.tr_mul(&left);
+    let mut pull = free.tr_mul(&residual);
     pull.rows_mut(0, nuisances.columns.ncols()).fill(0.0);
-    let left = &left - &free * factor.solve(&pull);
-    let scores = answers.tr_mul(&left);
-    let directions = SymmetricEigen::new(answers.tr_mul(&beyond));
-    let least = LEAST_DIRECTION * directions.eigenvalues.max().max(1.0);
-    let (mut taken, mut count) = (0.0, 0);
+    let residual = &residual - &free * factor.solve(&pull);
+    let scores = sensitivities.tr_mul(&residual);
+    // The score statistic in the directions that the free parameters leave determined.
+    let directions = SymmetricEigen::new(sensitivities.tr_mul(&beyond));
+    let min_variance = MIN_DIRECTION_SHARE * directions.eigenvalues.max().max(1.0);
+    let (mut explained, mut count) = (0.0, 0);
     for (direction, &variance) in directions.eigenvectors.column_iter().zip(&directions.eigenvalues) {
-        if variance > least {
-            taken += direction.dot(&scores).powi(2) / variance;
+        if variance > min_variance {
+            explained += direction.dot(&scores).powi(2) / variance;
             count += 1;
         }
     }
-    let numbers = left.len();
+    let numbers = residual.len();
     // Conservative: priors reduce the number of free parameters.
     let freedom = numbers.checked_sub(count + free.ncols()).filter(|freedom| *freedom > 0)? as f64;
-    let rest = (left.norm_squared() - taken).max(0.0) / freedom;
-    let more = (taken - count as f64 * rest).max(0.0) / numbers as f64;
-    Some(ScoreTestResult {
-        p_value: f_above(taken / (count.max(1) as f64 * rest.max(f64::MIN_POSITIVE)), count as f64, freedom),
+    let rest = (residual.norm_squared() - explained).max(0.0) / freedom;
+    let more = (explained - count as f64 * rest).max(0.0) / numbers as f64;
+    Some(TestResult {
+        test: FitTest::Score,
+        p_value: f_above(explained / (count.max(1) as f64 * rest.max(f64::MIN_POSITIVE)), count as f64, freedom),
         more_m: more.sqrt() * noise.rms_m(),
+        beyond_m: 0.0,
     })
 }
 
@@ -72,16 +69,16 @@ fn factor(nuisances: &Nuisances, free: &DMatrix<f64>) -> Option<Cholesky<f64, Dy
     let largest = information.diagonal().max();
     for k in 0..information.ncols() {
         let diagonal = information[(k, k)];
-        information[(k, k)] += RIDGE * if diagonal > 0.0 { diagonal } else { largest };
+        information[(k, k)] += RELATIVE_RIDGE * if diagonal > 0.0 { diagonal } else { largest };
     }
     Cholesky::new(information)
 }
 
 /// Normalised columns without zero columns.
-fn of_length_one(columns: &DMatrix<f64>) -> DMatrix<f64> {
-    let kept: Vec<DVector<f64>> =
+fn normalised(columns: &DMatrix<f64>) -> DMatrix<f64> {
+    let normalised: Vec<DVector<f64>> =
         columns.column_iter().filter(|column| column.norm() > 0.0).map(|column| column.normalize()).collect();
-    DMatrix::from_fn(columns.nrows(), kept.len(), |row, k| kept[k][row])
+    DMatrix::from_fn(columns.nrows(), normalised.len(), |row, k| normalised[k][row])
 }
 
 #[cfg(test)]
@@ -103,12 +100,12 @@ mod tests {
 
     /// The test on noise of this correlation with this amplitude of all waves; the first wave is uncertain, the second
     /// fitted.
-    fn tested(correlation: f64, each_m: f64, seed: u64) -> ScoreTestResult {
+    fn tested(correlation: f64, each_m: f64, seed: u64) -> TestResult {
         short_of_best(correlation, each_m, 0.0, seed)
     }
 
     /// The same with the fit of the second wave short of its optimum.
-    fn short_of_best(correlation: f64, each_m: f64, short_m: f64, seed: u64) -> ScoreTestResult {
+    fn short_of_best(correlation: f64, each_m: f64, short_m: f64, seed: u64) -> TestResult {
         let (samples, waves) = (Samples::alike(6, 50), waves());
         let mut residual_m = samples.noise(NOISE_M, correlation, seed);
         for (left, wave) in residual_m.iter_mut().zip(waves.row_iter()) {
@@ -139,11 +136,11 @@ mod tests {
     fn a_little_of_everything_is_seen() {
         let each_m = 0.2 * NOISE_M;
         for seed in 0..20 {
-            let found = tested(0.0, each_m, seed);
-            assert!(found.p_value < 1e-3, "{seed}: {}", found.p_value);
+            let result = tested(0.0, each_m, seed);
+            assert!(result.p_value < 1e-3, "{seed}: {}", result.p_value);
             // Twenty-eight waves remain, each with half a square on one of three axes.
             let more_m = (14.0_f64).sqrt() * each_m;
-            assert!((found.more_m / more_m - 1.0).abs() < 0.3, "{seed}: {} of {more_m}", found.more_m);
+            assert!((result.more_m / more_m - 1.0).abs() < 0.3, "{seed}: {} of {more_m}", result.more_m);
         }
     }
 
@@ -151,8 +148,8 @@ mod tests {
     #[test]
     fn a_fit_that_ended_too_soon_is_nothing_new() {
         for seed in 0..20 {
-            let found = short_of_best(0.0, 0.0, NOISE_M, seed);
-            assert!(found.p_value > 1e-3, "{seed}: {}", found.p_value);
+            let result = short_of_best(0.0, 0.0, NOISE_M, seed);
+            assert!(result.p_value > 1e-3, "{seed}: {}", result.p_value);
         }
     }
 
@@ -169,6 +166,6 @@ mod tests {
         };
         assert!(score_test(&samples, &nuisances, &fitted, &nothing).is_none());
         assert!(score_test(&samples, &nuisances, &fitted, &DMatrix::zeros(900, 2)).is_none());
-        assert!(score_test(&samples, &nuisances, &fitted, &waves()).is_some_and(|found| found.p_value > 0.01));
+        assert!(score_test(&samples, &nuisances, &fitted, &waves()).is_some_and(|result| result.p_value > 0.01));
     }
 }

@@ -2,39 +2,32 @@
 //! worst where it moves the tip most, even in a single trial. Rank correlation (Spearman, Am. J. Psychol. 15, 1904),
 //! robust against outliers and heavy tails.
 
+use super::test_result::{FitTest, TestResult};
 use crate::discovery::fit::ar1_noise::Ar1Noise;
 use crate::discovery::fit::nuisance::NuisanceFit;
 use crate::discovery::recording::samples::rms_m;
 use crate::math::distribution::f_above;
 use crate::math::summary::mean;
 
-/// Result of the Spearman test.
-pub(crate) struct SpearmanResult {
-    /// Probability of this or more from noise.
-    pub(crate) p_value: f64,
-    /// Excess of the third of the samples with the largest displacement over the third with the smallest, rms, metres
-    /// (squares add up).
-    pub(crate) more_m: f64,
-    /// Rms of the third with the smallest displacement, metres.
-    pub(crate) least_m: f64,
-}
-
 /// The test on the residual of `nuisance_fit`; `moved`: displacement by the set (three values a sample, metres).
-pub(crate) fn spearman_test(nuisance_fit: &NuisanceFit, moved: &[f64]) -> SpearmanResult {
+/// The size is the excess of the third of the samples that move most over the third that move least.
+pub(crate) fn spearman_test(nuisance_fit: &NuisanceFit, moved: &[f64]) -> TestResult {
     let distances_m = |values: &[f64]| -> Vec<f64> { values.chunks_exact(3).map(rms_m).collect() };
     let (residual_m, moved_m) = (distances_m(&nuisance_fit.residual_m), distances_m(moved));
     let mut order: Vec<usize> = (0..residual_m.len()).collect();
     order.sort_by(|&a, &b| moved_m[a].total_cmp(&moved_m[b]));
+    // The size of what grows: the squares of the outer thirds.
     let third = (order.len() / 3).max(1);
     let square_m2 = |rows: &[usize]| mean(&rows.iter().map(|&row| residual_m[row].powi(2)).collect::<Vec<f64>>());
-    let (least, most) = (square_m2(&order[..third]), square_m2(&order[order.len() - third..]));
+    let (smallest, largest) = (square_m2(&order[..third]), square_m2(&order[order.len() - third..]));
     // Correlated samples count for fewer; squares are correlated by the square.
     let memory = Ar1Noise { correlation: nuisance_fit.noise.correlation.powi(2), ..nuisance_fit.noise };
     let freedom = memory.independent(residual_m.len()) - 2.0;
-    SpearmanResult {
+    TestResult {
+        test: FitTest::Spearman,
         p_value: chance(rank_correlation(&residual_m, &moved_m), freedom),
-        more_m: (most - least).max(0.0).sqrt(),
-        least_m: least.sqrt(),
+        more_m: (largest - smallest).max(0.0).sqrt(),
+        beyond_m: smallest.sqrt(),
     }
 }
 
@@ -81,7 +74,7 @@ mod tests {
 
     /// Six trials of fifty samples with growing displacement, noise of this correlation, and an error of this share of
     /// the displacement with random sign.
-    fn tested(correlation: f64, share: f64, seed: u64) -> SpearmanResult {
+    fn tested(correlation: f64, share: f64, seed: u64) -> TestResult {
         let samples = Samples::alike(6, 50);
         let mut residual_m = samples.noise(NOISE_M, correlation, seed);
         let mut side = white_noise(1.0, 1000 + seed);
@@ -98,11 +91,11 @@ mod tests {
             let low = even.iter().filter(|p| **p < 0.05).count();
             assert!((2..20).contains(&low), "{correlation}: {low} of 200 below 0.05");
         }
-        let found = tested(0.0, 0.15, 1);
-        assert!(found.p_value < 1e-6, "{}", found.p_value);
+        let growing = tested(0.0, 0.15, 1);
+        assert!(growing.p_value < 1e-6, "{}", growing.p_value);
         // The last third moves by 8.2 mm rms.
-        assert!((found.more_m / (0.15 * 8.2e-3) - 1.0).abs() < 0.2, "{}", found.more_m);
-        assert!((found.least_m / (3.0_f64.sqrt() * NOISE_M) - 1.0).abs() < 0.2, "{}", found.least_m);
+        assert!((growing.more_m / (0.15 * 8.2e-3) - 1.0).abs() < 0.2, "{}", growing.more_m);
+        assert!((growing.beyond_m / (3.0_f64.sqrt() * NOISE_M) - 1.0).abs() < 0.2, "{}", growing.beyond_m);
     }
 
     #[test]

@@ -29,6 +29,13 @@ pub(crate) struct TestResult {
     pub(crate) p_value: f64,
     /// Size of the detected part of the residual, rms, metres.
     pub(crate) more_m: f64,
-    /// Reference size, rms, metres, if two variances are compared (squares add up).
+    /// Reference size, rms, metres, if two variances are compared (squares add up); else zero.
     pub(crate) beyond_m: f64,
+}
+
+impl TestResult {
+    /// Whether the test fails: the p-value is below `significance` and the size above `min_m`.
+    pub(crate) fn is_failed(&self, significance: f64, min_m: f64) -> bool {
+        self.p_value < significance && self.more_m > min_m
+    }
 }

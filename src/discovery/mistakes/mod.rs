@@ -9,8 +9,10 @@ mod time_scan;
 mod tests {
     use std::path::Path;
 
-    use super::excluded_rows::coarse_model;
+    use super::excluded_rows::{PreparedRecording, coarse_model};
+    use super::{clock_offset, mislabelled};
     use crate::data::Recording;
+    use crate::discovery::fit::candidate::catalogue_candidates;
     use crate::discovery::fit::simulate;
     use crate::discovery::options::Options;
     use crate::discovery::recording::samples::{Samples, white_noise};
@@ -33,5 +35,26 @@ mod tests {
         let mut noise = white_noise(5e-4, 9);
         part.tip_m = Some(tips_m.as_chunks::<3>().0.iter().map(|tip| tip.map(|x| x + noise())).collect());
         Some((model, part))
+    }
+
+    /// No effect of the catalogue is taken for a mistake or a clock, at twice the size at which it is sought: whatever a
+    /// robot lacks, it does not move before its commands.
+    #[test]
+    fn no_effect_is_a_mistake_or_a_clock() {
+        let options = Options::default();
+        for candidate in catalogue_candidates(&Model::default()) {
+            for values in candidate.variants().iter().take(1) {
+                for step in [-2.0, 2.0] {
+                    let steps: Vec<f64> = candidate.sizes().iter().map(|&size| step * candidate.probe(size)).collect();
+                    let Some(effect) = candidate.effect(&candidate.with_sizes(values, &steps)) else { continue };
+                    let Some((model, measured)) = robot(&[effect], 0.0) else { continue };
+                    let mistake =
+                        mislabelled::find(&model, &PreparedRecording::new(&model, &measured, &options), &options);
+                    assert!(mistake.is_none(), "{} {steps:?}: {mistake:?}", candidate.label());
+                    let offset = clock_offset::find(&model, &measured, &options);
+                    assert!(offset.is_none(), "{} {steps:?}: {offset:?}", candidate.label());
+                }
+            }
+        }
     }
 }

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::base::{Point3, Rows};
 use crate::data::Recording;
 use crate::discovery::fit::simulate;
-use crate::discovery::recording::samples::Samples;
+use crate::discovery::recording::samples::{Sample, Samples};
 use crate::effects::Model;
 
 /// Predicted tips are computed this many times a step.
@@ -39,10 +39,9 @@ impl TimeScan {
         let samples = Samples::new(measured);
         let step_s = samples.step_s;
         let trials = measured.trials();
-        let place = |number: u64| trials.iter().position(|(known, _)| *known == number);
-        let row = |sample: &crate::discovery::recording::samples::Sample| {
-            Some((place(samples.trials[sample.trial].number)?, sample.time_s, sample.position_m))
-        };
+        let place = |number: u64| trials.iter().position(|(other, _)| *other == number);
+        let row =
+            |sample: &Sample| Some((place(samples.trials[sample.trial].number)?, sample.time_s, sample.position_m));
         let rows: Vec<(usize, f64, Point3)> = samples.rows.iter().filter_map(row).collect();
         let fine = Samples::new(&subdivided(measured, step_s));
         let tips_m = simulate::tips(model, &[], &fine)?;
@@ -80,11 +79,11 @@ impl TimeScan {
             residual_m.push(measured - design * numbers);
         }
         let squares_m2: f64 = residual_m.iter().map(DVector::norm_squared).sum();
-        let next = |own: &DVector<f64>| -> f64 {
+        let products = |axis_m: &DVector<f64>| -> f64 {
             let same = |row: &usize| self.rows[*row].0 == self.rows[row - 1].0;
-            (1..self.rows.len()).filter(same).map(|row| own[row] * own[row - 1]).sum()
+            (1..self.rows.len()).filter(same).map(|row| axis_m[row] * axis_m[row - 1]).sum()
         };
-        let correlation = residual_m.iter().map(next).sum::<f64>() / squares_m2.max(f64::MIN_POSITIVE);
+        let correlation = residual_m.iter().map(products).sum::<f64>() / squares_m2.max(f64::MIN_POSITIVE);
         Some(ScanFit { squares_m2, correlation })
     }
 }

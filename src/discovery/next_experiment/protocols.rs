@@ -2,14 +2,20 @@
 
 use crate::base::Rows;
 
+/// A trial of a protocol.
+pub(crate) struct ProtocolTrial {
+    pub(crate) commands: Rows,
+    /// Weight on the tip, kilograms.
+    pub(crate) load_kg: f64,
+}
+
 /// A protocol.
 pub(crate) struct Protocol {
     pub(crate) name: &'static str,
     pub(crate) what: String,
     /// Manual set-up time, minutes.
     pub(crate) setup_min: f64,
-    /// Commands of each trial, and the weight on the tip, kilograms.
-    pub(crate) trials: Vec<(Rows, f64)>,
+    pub(crate) trials: Vec<ProtocolTrial>,
     /// Duration of a command, seconds.
     pub(crate) step_s: f64,
     /// Gravity in the base frame, m/s², if the base is mounted differently.
@@ -27,8 +33,8 @@ pub(crate) struct CommandRange {
 }
 
 /// Commands a trial, and the minimum duration of each, seconds.
-const LENGTH: usize = 50;
-const HELD_S: f64 = 0.2;
+const COMMANDS: usize = 50;
+const MIN_COMMAND_S: f64 = 0.2;
 /// Poses of a path.
 const CORNERS: usize = 6;
 /// A common laboratory weight.
@@ -37,13 +43,16 @@ const WEIGHT_KG: f64 = 0.02;
 /// All protocols, four trials each.
 pub(crate) fn protocols(range: &CommandRange, gravity_m_s2: [f64; 3]) -> Vec<Protocol> {
     let path = |first: usize| range.path(&range.corners(first), range.step);
-    let four = |trial: &dyn Fn(usize) -> Rows| -> Vec<(Rows, f64)> { (0..4).map(|k| (trial(k), 0.0)).collect() };
+    let four = |commands: &dyn Fn(usize) -> Rows| -> Vec<ProtocolTrial> {
+        (0..4).map(|k| ProtocolTrial { commands: commands(k), load_kg: 0.0 }).collect()
+    };
     let protocol = |name, what: &str, setup_min, trials| {
         let what = what.to_owned();
         Protocol { name, what, setup_min, trials, step_s: range.step_s, gravity_m_s2: None }
     };
     let (mounted, gravity_m_s2) = remounted(gravity_m_s2);
-    let weighed = (0..4).map(|k| (path(k / 2), if k % 2 == 1 { WEIGHT_KG } else { 0.0 })).collect();
+    let load_kg = |k: usize| if k % 2 == 1 { WEIGHT_KG } else { 0.0 };
+    let weighed = (0..4).map(|k| ProtocolTrial { commands: path(k / 2), load_kg: load_kg(k) }).collect();
     let looped = |k: usize| {
         let corners: Vec<Vec<f64>> = range.corners(k).into_iter().take(2).collect();
         range.path(&[corners.clone(), corners.clone(), corners].concat(), range.step)
@@ -52,7 +61,7 @@ pub(crate) fn protocols(range: &CommandRange, gravity_m_s2: [f64; 3]) -> Vec<Pro
         let corners: Vec<Vec<f64>> = range.corners(k / 2).into_iter().take(2).collect();
         range.path(&corners, if k.is_multiple_of(2) { range.step } else { range.step / 3.0 })
     };
-    let stay = format!("Go to four far poses and hold each for {:.0} s in total", LENGTH as f64 * range.step_s);
+    let stay = format!("Go to four far poses and hold each for {:.0} s in total", COMMANDS as f64 * range.step_s);
     vec![
         protocol("known_weight", "Run four trials, the second and fourth with 20 g on the tip", 2.0, weighed),
         Protocol {
@@ -83,7 +92,7 @@ fn remounted([x, y, z]: [f64; 3]) -> (&'static str, [f64; 3]) {
 impl CommandRange {
     /// Range of the recorded commands; rows are `recorded_s` seconds apart.
     pub(crate) fn new<'a>(trials: impl Iterator<Item = &'a Rows>, recorded_s: f64) -> CommandRange {
-        let held = (HELD_S / recorded_s).round().max(1.0);
+        let held = (MIN_COMMAND_S / recorded_s).round().max(1.0);
         let mut range = CommandRange { poses: Vec::new(), step_s: held * recorded_s, step: 0.0 };
         for trial in trials {
             let rows: Vec<&[f64]> = trial.iter().collect();
@@ -106,7 +115,7 @@ impl CommandRange {
         let mut chosen: Vec<Vec<f64>> = vec![home];
         for _ in 0..first + CORNERS {
             let nearest =
-                |pose: &Vec<f64>| chosen.iter().map(|known| farthest(pose, known)).fold(f64::INFINITY, f64::min);
+                |pose: &Vec<f64>| chosen.iter().map(|other| farthest(pose, other)).fold(f64::INFINITY, f64::min);
             match self.poses.iter().max_by(|a, b| nearest(a).total_cmp(&nearest(b))) {
                 Some(pose) => chosen.push(pose.clone()),
                 None => break,
@@ -127,12 +136,12 @@ impl CommandRange {
                 let share = k as f64 / steps as f64;
                 at = from.iter().zip(corner).map(|(a, b)| a + share * (b - a)).collect();
                 rows.push(&at);
-                if rows.len() == LENGTH {
+                if rows.len() == COMMANDS {
                     return rows;
                 }
             }
         }
-        while rows.len() < LENGTH {
+        while rows.len() < COMMANDS {
             rows.push(&at);
         }
         rows
@@ -196,8 +205,8 @@ mod tests {
         assert_eq!(all.len(), 7);
         for protocol in &all {
             assert_eq!(protocol.trials.len(), 4, "{}", protocol.name);
-            for (rows, _) in &protocol.trials {
-                assert_eq!(rows.len(), LENGTH, "{}", protocol.name);
+            for rows in protocol.trials.iter().map(|trial| &trial.commands) {
+                assert_eq!(rows.len(), COMMANDS, "{}", protocol.name);
                 let mut at = vec![0.0; 4];
                 for row in rows.iter() {
                     assert!(farthest(&at, row) < range.step + 1e-12, "{}: {at:?} to {row:?}", protocol.name);
@@ -205,7 +214,7 @@ mod tests {
                     at = row.to_vec();
                 }
             }
-            let weights: Vec<f64> = protocol.trials.iter().map(|trial| trial.1).collect();
+            let weights: Vec<f64> = protocol.trials.iter().map(|trial| trial.load_kg).collect();
             let weighed = if protocol.name == "known_weight" { WEIGHT_KG } else { 0.0 };
             assert_eq!(weights, [0.0, weighed, 0.0, weighed], "{}", protocol.name);
             assert_eq!(protocol.gravity_m_s2.is_some(), protocol.name == "base_remounted");
@@ -224,8 +233,9 @@ mod tests {
         let range = CommandRange::new(trials.iter(), 0.2);
         assert_eq!(range.step, 5.0);
         for protocol in protocols(&range, ACROSS) {
-            assert!(protocol.trials.iter().all(|(rows, _)| rows.len() == LENGTH), "{}", protocol.name);
-            let most = protocol.trials.iter().flat_map(|(rows, _)| rows.iter()).map(|row| row[0]).fold(0.0, f64::max);
+            assert!(protocol.trials.iter().all(|trial| trial.commands.len() == COMMANDS), "{}", protocol.name);
+            let most =
+                protocol.trials.iter().flat_map(|trial| trial.commands.iter()).map(|row| row[0]).fold(0.0, f64::max);
             assert!((2.0..=5.0).contains(&most), "{}: {most}", protocol.name);
         }
     }
@@ -241,7 +251,7 @@ mod tests {
         }
         let [slow, fast] = [CommandRange::new(slow.iter(), 0.2), CommandRange::new(fast.iter(), 0.01)];
         assert_eq!((slow.step, slow.step_s), (fast.step, fast.step_s));
-        assert_eq!(protocols(&slow, ACROSS)[2].trials[0].0, protocols(&fast, ACROSS)[2].trials[0].0);
+        assert_eq!(protocols(&slow, ACROSS)[2].trials[0].commands, protocols(&fast, ACROSS)[2].trials[0].commands);
     }
 
     #[test]
@@ -255,17 +265,19 @@ mod tests {
                 .unwrap()
                 .trials
                 .swap_remove(0)
-                .0
+                .commands
         };
         let dwell: Vec<Vec<f64>> = protocol("dwell").iter().map(<[f64]>::to_vec).collect();
-        assert!(dwell[LENGTH - 40..].iter().all(|row| *row == dwell[LENGTH - 1]) && dwell[LENGTH - 1] != dwell[0]);
+        assert!(
+            dwell[COMMANDS - 40..].iter().all(|row| *row == dwell[COMMANDS - 1]) && dwell[COMMANDS - 1] != dwell[0]
+        );
         let slow_and_fast =
             protocols(&range, ACROSS).into_iter().find(|protocol| protocol.name == "slow_and_fast").unwrap().trials;
-        let fastest = |rows: &Rows| (1..LENGTH).map(|k| farthest(rows.row(k - 1), rows.row(k))).fold(0.0, f64::max);
-        assert!(fastest(&slow_and_fast[1].0) < 0.4 * fastest(&slow_and_fast[0].0));
+        let fastest = |rows: &Rows| (1..COMMANDS).map(|k| farthest(rows.row(k - 1), rows.row(k))).fold(0.0, f64::max);
+        assert!(fastest(&slow_and_fast[1].commands) < 0.4 * fastest(&slow_and_fast[0].commands));
         let out: Vec<f64> = protocol("reversals").iter().map(|row| row.iter().copied().fold(0.0, f64::max)).collect();
         let peaks: Vec<f64> =
-            (1..LENGTH - 1).filter(|&k| out[k] > out[k - 1] && out[k] > out[k + 1]).map(|k| out[k]).collect();
+            (1..COMMANDS - 1).filter(|&k| out[k] > out[k - 1] && out[k] > out[k + 1]).map(|k| out[k]).collect();
         assert_eq!(peaks.len(), 3, "{out:?}");
         assert!(peaks.is_sorted() && (peaks[0] / peaks[2] - 1.0 / 3.0).abs() < 1e-9, "{peaks:?}");
         let corner = range.corners(0).swap_remove(0);

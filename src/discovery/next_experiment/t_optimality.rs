@@ -3,7 +3,7 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-use super::protocols::{CommandRange, Protocol, protocols};
+use super::protocols::{CommandRange, Protocol, ProtocolTrial, protocols};
 use crate::data::findings::Proposal;
 use crate::data::tables::round_significant;
 use crate::data::{Actuation, Recording};
@@ -38,16 +38,16 @@ impl Problem<'_> {
             return Vec::new();
         }
         let range = CommandRange::new(self.all.trials.iter().map(|trial| &trial.commands), self.all.step_s);
-        let mut found: Vec<NextExperiment> = protocols(&range, self.model.robot.gravity_m_s2)
+        let mut ranked: Vec<NextExperiment> = protocols(&range, self.model.robot.gravity_m_s2)
             .iter()
             .filter_map(|protocol| self.evaluate(protocol, rivals, noise))
             .collect();
         let rate = |next: &NextExperiment| next.proposal.separation / next.proposal.minutes;
-        found.sort_by(|a, b| rate(b).total_cmp(&rate(a)));
-        for (rank, next) in found.iter_mut().enumerate() {
+        ranked.sort_by(|a, b| rate(b).total_cmp(&rate(a)));
+        for (rank, next) in ranked.iter_mut().enumerate() {
             next.proposal.file = format!("next_{}_{}.csv", rank + 1, next.proposal.name);
         }
-        found
+        ranked
     }
 
     fn evaluate(&self, protocol: &Protocol, rivals: &[Vec<SetMember>], noise: &Ar1Noise) -> Option<NextExperiment> {
@@ -72,7 +72,7 @@ impl Problem<'_> {
                 separation = separation.min(separation_sigma(&samples, noise, &apart, &slopes[b], &free));
             }
         }
-        let rows: usize = protocol.trials.iter().map(|(rows, _)| rows.len() + 1).sum();
+        let rows: usize = protocol.trials.iter().map(|trial| trial.commands.len() + 1).sum();
         let minutes = protocol.setup_min + rows as f64 * protocol.step_s / 60.0;
         let proposal = Proposal {
             name: protocol.name.to_owned(),
@@ -105,37 +105,25 @@ impl Problem<'_> {
 
     fn protocol_samples(&self, protocol: &Protocol) -> Samples {
         let mut samples = Samples { trials: Vec::new(), rows: Vec::new(), clock_deviation_s: None, ..self.all };
-        for (trial, (commands, load_kg)) in protocol.trials.iter().enumerate() {
+        for (trial, ProtocolTrial { commands, load_kg }) in protocol.trials.iter().enumerate() {
             samples.trials.push(TrialCommands {
                 number: trial as u64,
-                first_row: 0,
-                starts: None,
-                at_rest: false,
-                commands: commands.clone(),
-                durations_s: vec![protocol.step_s; commands.len()],
                 tensions: self.all.trials[0].tensions,
                 known_load_kg: *load_kg,
-                gravity_m_s2: None,
-                tip_loads: None,
+                ..TrialCommands::new(commands.clone(), vec![protocol.step_s; commands.len()])
             });
-            samples.rows.extend((0..=commands.len()).map(|row| Sample {
-                trial,
-                row,
-                point: None,
-                time_s: row as f64 * protocol.step_s,
-                position_m: [0.0; 3],
-                velocity_m_s: [0.0; 3],
-            }));
+            let sample = |row: usize| Sample::of_tip(trial, row, row as f64 * protocol.step_s);
+            samples.rows.extend((0..=commands.len()).map(sample));
         }
         samples
     }
 
     fn protocol_commands(&self, protocol: &Protocol) -> Recording {
-        let width = protocol.trials[0].0.width();
+        let width = protocol.trials[0].commands.width();
         let actuation = if self.all.trials[0].tensions { Actuation::Tensions } else { Actuation::Lengths };
         let mut commands = Recording::new(actuation, width);
         let mut loads = Vec::new();
-        for (trial, (rows, load_kg)) in protocol.trials.iter().enumerate() {
+        for (trial, ProtocolTrial { commands: rows, load_kg }) in protocol.trials.iter().enumerate() {
             // The last command is held for a step like all others, so its row is repeated.
             for (k, row) in rows.iter().chain(rows.iter().last()).enumerate() {
                 commands.trial.push(trial as u64);
@@ -175,8 +163,8 @@ fn separation_sigma(
         normal[(k, k)] = normal[(k, k)] * (1.0 + 1e-9) + 1e-12;
     }
     let right = all.tr_mul(&target);
-    let nuisance_fit = Cholesky::new(normal).map_or(0.0, |factor| right.dot(&factor.solve(&right)));
-    (target.norm_squared() - nuisance_fit).max(0.0).sqrt()
+    let explained = Cholesky::new(normal).map_or(0.0, |factor| right.dot(&factor.solve(&right)));
+    (target.norm_squared() - explained).max(0.0).sqrt()
 }
 
 #[cfg(test)]

@@ -3,15 +3,15 @@
 use crate::discovery::recording::samples::Samples;
 
 /// Number of samples, beyond two a dwell, that determine a correlation.
-const ENOUGH: usize = 50;
+const MIN_SAMPLES: usize = 50;
 /// Dwells contradict a correlation that differs by more than this many standard deviations.
-const CONTRADICTS: f64 = 6.0;
+const CONTRADICTION_SIGMA: f64 = 6.0;
 /// Correlations above this cannot be told from drift.
-const MOST: f64 = 0.98;
+const MAX_CORRELATION: f64 = 0.98;
 /// Step of the numerical derivative with respect to the correlation.
-const SLIGHTLY: f64 = 1e-4;
+const DIFFERENCE: f64 = 1e-4;
 /// Bisection steps for the correlation.
-const HALVINGS: usize = 30;
+const BISECTIONS: usize = 30;
 
 /// Moments of a sum of squares about group means, in units of the noise variance.
 #[derive(Clone, Copy, Debug)]
@@ -28,13 +28,13 @@ impl SquareSumMoments {
     pub(crate) fn of(counts: impl Iterator<Item = usize> + Clone, correlation: f64) -> SquareSumMoments {
         let sums = |correlation: f64| {
             let each = counts.clone().map(|count| moments(count, correlation));
-            each.fold([0.0, 0.0], |all, own| [all[0] + own[0], all[1] + own[1]])
+            each.fold([0.0, 0.0], |sum, moments| [sum[0] + moments[0], sum[1] + moments[1]])
         };
         let [mean, half_variance] = sums(correlation);
         if correlation == 0.0 {
             return SquareSumMoments { mean, half_variance };
         }
-        let slope = (sums(correlation)[0] - sums(correlation - SLIGHTLY)[0]) / SLIGHTLY;
+        let slope = (sums(correlation)[0] - sums(correlation - DIFFERENCE)[0]) / DIFFERENCE;
         let samples = counts.map(beyond_two).sum::<usize>().max(1) as f64;
         // Variance of an estimated correlation on one axis: Quenouille, Journal of the Royal Statistical Society 110,
         // 1947.
@@ -87,15 +87,16 @@ pub(crate) fn squares_m2(samples: &Samples, group: &[usize]) -> [f64; 3] {
 /// too.
 pub(crate) fn correlation(samples: &Samples, dwells: &[&[usize]], believed: f64) -> f64 {
     let count: usize = dwells.iter().map(|dwell| beyond_two(dwell.len())).sum();
-    if count < ENOUGH {
+    if count < MIN_SAMPLES {
         return believed;
     }
-    let shown = shown(samples, dwells);
+    let measured = measured_correlation(samples, dwells);
     let deviation = ((1.0 - believed * believed) / count as f64).sqrt();
-    if (shown - believed).abs() < CONTRADICTS * deviation { believed } else { shown }
+    if (measured - believed).abs() < CONTRADICTION_SIGMA * deviation { believed } else { measured }
 }
 
-fn shown(samples: &Samples, dwells: &[&[usize]]) -> f64 {
+/// The correlation that the ratio of successive differences to the variance shows, by bisection of its expectation.
+fn measured_correlation(samples: &Samples, dwells: &[&[usize]]) -> f64 {
     let half_m2 = |dwell: &[usize], axis: usize| -> f64 {
         let at = |row: usize| samples.rows[row].position_m[axis];
         dwell.windows(2).map(|pair| 0.5 * (at(pair[1]) - at(pair[0])).powi(2)).sum()
@@ -105,16 +106,16 @@ fn shown(samples: &Samples, dwells: &[&[usize]]) -> f64 {
         let all: f64 = dwells.iter().map(|dwell| squares_m2(samples, dwell)[axis]).sum();
         if all > 0.0 { near / all } else { 1.0 }
     };
-    let found = (0..3).map(ratio).sum::<f64>() / 3.0;
+    let measured = (0..3).map(ratio).sum::<f64>() / 3.0;
     let neighbours: usize = dwells.iter().map(|dwell| dwell.len() - 1).sum();
     let expected = |correlation: f64| {
         let all: f64 = dwells.iter().map(|dwell| moments(dwell.len(), correlation)[0]).sum();
         (1.0 - correlation) * neighbours as f64 / all
     };
-    let (mut low, mut high) = (0.0, MOST);
-    for _ in 0..HALVINGS {
+    let (mut low, mut high) = (0.0, MAX_CORRELATION);
+    for _ in 0..BISECTIONS {
         let middle = 0.5 * (low + high);
-        *(if expected(middle) > found { &mut low } else { &mut high }) = middle;
+        *(if expected(middle) > measured { &mut low } else { &mut high }) = middle;
     }
     low
 }

@@ -11,6 +11,7 @@ use super::fit::ar1_noise::effective_axes;
 use super::fit::nuisance::NuisanceFit;
 use super::recording::samples::Samples;
 use crate::math::distribution::f_above;
+use dwell_ar1::SquareSumMoments;
 use nugget::estimate_nugget;
 use repeats::{groups, is_start, starts};
 
@@ -27,25 +28,18 @@ pub(crate) struct NoiseFloor {
 
 /// Significance level at which two estimates contradict each other. It is low because consecutive differences can miss
 /// noise with memory and because few repeats scatter widely.
-const CONTRADICTS: f64 = 1e-5;
+const CONTRADICTION_SIGNIFICANCE: f64 = 1e-5;
 
 impl NoiseFloor {
     /// Pooled estimate from repeats, dwells and consecutive differences. The differences are used only if the residual
     /// in `nuisance_fit` is uncorrelated and repeats do not contradict them. `simulated_m`: simulated tip.
     pub(crate) fn estimate(samples: &Samples, nuisance_fit: &NuisanceFit, simulated_m: &[f64]) -> NoiseFloor {
         let repeats = NoiseFloor::from_repeats(samples, nuisance_fit.noise.correlation);
-        let neighbours = NoiseFloor::from_neighbours(samples, nuisance_fit, simulated_m);
+        let neighbours = estimate_nugget(samples, nuisance_fit, simulated_m);
         match neighbours.filter(|neighbours| !repeats.contradicts(neighbours)) {
             Some(neighbours) => repeats.combined_with(neighbours),
             None => repeats,
         }
-    }
-
-    /// From differences of consecutive samples.
-    fn from_neighbours(samples: &Samples, nuisance_fit: &NuisanceFit, simulated_m: &[f64]) -> Option<NoiseFloor> {
-        let nugget = estimate_nugget(samples, nuisance_fit, simulated_m)?;
-        let from = vec!["differences of consecutive samples".to_owned()];
-        Some(NoiseFloor { variance_m2: nugget.variance_m2, freedom: nugget.freedom, from })
     }
 
     /// The residual of a fit, taken as noise.
@@ -70,25 +64,21 @@ impl NoiseFloor {
 
     /// From groups of samples, each of one pose.
     fn from_groups(samples: &Samples, groups: &[Vec<usize>], correlation: f64) -> NoiseFloor {
-        let at_rest: Vec<&[usize]> = groups.iter().filter(|g| !is_start(samples, g)).map(Vec::as_slice).collect();
-        let correlation = dwell_ar1::correlation(samples, &at_rest, correlation);
-        let repeats =
-            dwell_ar1::SquareSumMoments::of(groups.iter().filter(|g| is_start(samples, g)).map(Vec::len), 0.0);
-        let moments_of_all = repeats
-            .combined_with(dwell_ar1::SquareSumMoments::of(at_rest.iter().map(|dwell| dwell.len()), correlation));
+        let (starts, dwells): (Vec<&[usize]>, Vec<&[usize]>) =
+            groups.iter().map(Vec::as_slice).partition(|group| is_start(samples, group));
+        let correlation = dwell_ar1::correlation(samples, &dwells, correlation);
+        // Starts are independent; samples at rest are correlated.
+        let moments = SquareSumMoments::of(starts.iter().map(|group| group.len()), 0.0)
+            .combined_with(SquareSumMoments::of(dwells.iter().map(|group| group.len()), correlation));
         let squares_m2: Vec<[f64; 3]> = groups.iter().map(|group| dwell_ar1::squares_m2(samples, group)).collect();
         let variance = |axis: usize| {
-            squares_m2.iter().map(|own| own[axis]).sum::<f64>() / moments_of_all.mean.max(f64::MIN_POSITIVE)
+            squares_m2.iter().map(|squares| squares[axis]).sum::<f64>() / moments.mean.max(f64::MIN_POSITIVE)
         };
-        let variance_m2 = std::array::from_fn(variance);
-        let freedom = moments_of_all.freedom();
-        let (starts, dwells): (Vec<&Vec<usize>>, Vec<&Vec<usize>>) =
-            groups.iter().partition(|group| is_start(samples, group));
-        let [firsts, dwells] = [starts, dwells].map(|groups| groups.iter().map(|group| group.len()).sum::<usize>());
+        let [starts, dwells] = [starts, dwells].map(|groups| groups.iter().map(|group| group.len()).sum::<usize>());
         let mut from = Vec::new();
-        from.extend((firsts > 1).then(|| format!("{firsts} starts at home")));
+        from.extend((starts > 1).then(|| format!("{starts} starts at home")));
         from.extend((dwells > 1).then(|| format!("{dwells} samples at rest")));
-        NoiseFloor { variance_m2, freedom, from }
+        NoiseFloor { variance_m2: std::array::from_fn(variance), freedom: moments.freedom(), from }
     }
 
     /// Root mean square distance, metres.
@@ -98,11 +88,11 @@ impl NoiseFloor {
 
     /// Probability that noise of this floor has this variance or more (all axes together).
     pub(crate) fn p_value(&self, variance_m2: f64, freedom: f64) -> f64 {
-        let own: f64 = self.variance_m2.iter().sum();
-        if self.freedom < 2.0 || own <= 0.0 {
+        let floor_m2: f64 = self.variance_m2.iter().sum();
+        if self.freedom < 2.0 || floor_m2 <= 0.0 {
             return 1.0;
         }
-        f_above(variance_m2 / own, freedom, effective_axes(&self.variance_m2) * self.freedom)
+        f_above(variance_m2 / floor_m2, freedom, effective_axes(&self.variance_m2) * self.freedom)
     }
 
     /// Probability that noise of this floor yields `other` or more.
@@ -112,7 +102,7 @@ impl NoiseFloor {
 
     /// Whether `other` is significantly larger.
     pub(crate) fn is_exceeded_by(&self, other: &NoiseFloor) -> bool {
-        self.p_value_of(other) < CONTRADICTS
+        self.p_value_of(other) < CONTRADICTION_SIGNIFICANCE
     }
 
     fn contradicts(&self, other: &NoiseFloor) -> bool {

@@ -10,7 +10,7 @@ use crate::math::distribution::f_above;
 use crate::math::summary::mean;
 
 /// Significance level at which the worst trial of the baseline exceeds its noise.
-const SIGNIFICANT: f64 = 0.01;
+const SIGNIFICANCE: f64 = 0.01;
 
 /// What a calibrated model leaves of its baseline.
 pub(crate) struct ModelForm {
@@ -32,7 +32,7 @@ impl ModelForm {
         let floor = NoiseFloor::estimate(samples, &whole, simulated_m);
         let unseen_m = unseen_residual_m(samples, simulated_m, nuisances);
         let freedom = effective_axes(&floor.variance_m2) * whole.noise.independent(samples.len());
-        let is_inexact = floor.freedom < 1.0 || floor.p_value(rms_m(&residual_m).powi(2), freedom) < SIGNIFICANT;
+        let is_inexact = floor.freedom < 1.0 || floor.p_value(rms_m(&residual_m).powi(2), freedom) < SIGNIFICANCE;
         ModelForm { worst_m: worst_m(samples, &unseen_m, &whole, &floor), unseen_m, is_inexact }
     }
 }
@@ -54,11 +54,11 @@ fn worst_m(samples: &Samples, unseen_m: &[f64], whole: &NuisanceFit, floor: &Noi
     };
     let others: Vec<f64> = (0..ranges.len()).filter(|&trial| trial != worst).map(|trial| squares_m2[trial]).collect();
     let rest_m2 = mean(&others);
-    let own = freedom(&|trial| trial == worst);
+    let worst_freedom = freedom(&|trial| trial == worst);
     // Bonferroni's correction: the worst of so many trials, beside the others and beside the floor.
-    let level = SIGNIFICANT / (2.0 * ranges.len() as f64);
-    let beside_others = f_above(squares_m2[worst] / rest_m2, own, freedom(&|trial| trial != worst)) < level;
-    let beside_floor = floor.p_value(squares_m2[worst], own) < level;
+    let level = SIGNIFICANCE / (2.0 * ranges.len() as f64);
+    let beside_others = f_above(squares_m2[worst] / rest_m2, worst_freedom, freedom(&|trial| trial != worst)) < level;
+    let beside_floor = floor.p_value(squares_m2[worst], worst_freedom) < level;
     let more_m2 = |significant: bool, noise_m2: f64| if significant { squares_m2[worst] - noise_m2 } else { 0.0 };
     more_m2(beside_others, rest_m2).max(more_m2(beside_floor, floor.rms_m().powi(2))).max(0.0).sqrt()
 }
@@ -71,20 +71,20 @@ fn unseen_residual_m(samples: &Samples, simulated_m: &[f64], nuisances: &Nuisanc
     if ranges.len() < 2 {
         return nuisances.explain(samples, &residual_m, 0.0).residual_m;
     }
-    let mut left_m = Vec::with_capacity(residual_m.len());
+    let mut unseen_m = Vec::with_capacity(residual_m.len());
     for (trial, range) in ranges.iter().enumerate() {
-        let own: Vec<usize> = (3 * range.start..3 * range.end).collect();
-        let others: Vec<usize> = (0..residual_m.len()).filter(|row| !own.contains(row)).collect();
-        let kept: Vec<usize> = (0..ranges.len()).filter(|other| *other != trial).collect();
-        let seen = samples.of_trials(&kept);
+        let in_trial: Vec<usize> = (3 * range.start..3 * range.end).collect();
+        let others: Vec<usize> = (0..residual_m.len()).filter(|row| !in_trial.contains(row)).collect();
+        let other_trials: Vec<usize> = (0..ranges.len()).filter(|other| *other != trial).collect();
+        let seen = samples.of_trials(&other_trials);
         let part = |rows: &[usize]| rows.iter().map(|&row| residual_m[row]).collect::<Vec<f64>>();
         let before = nuisances.in_rows(&others);
         let fitted = before.explain(&seen, &part(&others), 0.0);
         let precision = before.information(&fitted.noise.whitened(&seen, &before.columns));
-        let after = nuisances.in_rows(&own).with_prior(fitted.amounts, precision);
-        left_m.extend(after.explain(&samples.of_trials(&[trial]), &part(&own), 0.0).residual_m);
+        let after = nuisances.in_rows(&in_trial).with_prior(fitted.amounts, precision);
+        unseen_m.extend(after.explain(&samples.of_trials(&[trial]), &part(&in_trial), 0.0).residual_m);
     }
-    left_m
+    unseen_m
 }
 
 #[cfg(test)]

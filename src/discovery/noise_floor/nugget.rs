@@ -4,36 +4,34 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::NoiseFloor;
 use crate::discovery::fit::nuisance::NuisanceFit;
 use crate::discovery::recording::covariates::{Covariates, sample_covariates};
 use crate::discovery::recording::samples::Samples;
 
 /// Minimum number of consecutive pairs.
-const ENOUGH: usize = 20;
+const MIN_PAIRS: usize = 20;
 /// Correlations beyond this many standard deviations rule the estimate out: noise with memory and model errors cannot
 /// be told apart.
-const MEMORY: f64 = 3.0;
+const MAX_CORRELATION_SIGMA: f64 = 3.0;
 /// Variance of the mean of n half squared consecutive differences over that of n independent ones: neighbours share a
 /// sample.
-const SHARED: f64 = 1.5;
-
-/// Noise from consecutive differences.
-pub(crate) struct Nugget {
-    /// Variance along x, y and z, m².
-    pub(crate) variance_m2: [f64; 3],
-    /// Degrees of freedom behind each of them.
-    pub(crate) freedom: f64,
-}
+const SHARED_SAMPLE_FACTOR: f64 = 1.5;
 
 /// The nugget of the residual of `nuisance_fit`; `simulated_m` is the simulated tip. None if the residual is
 /// correlated, too few samples are consecutive, or none are close to each other.
-pub(crate) fn estimate_nugget(samples: &Samples, nuisance_fit: &NuisanceFit, simulated_m: &[f64]) -> Option<Nugget> {
+pub(crate) fn estimate_nugget(
+    samples: &Samples,
+    nuisance_fit: &NuisanceFit,
+    simulated_m: &[f64],
+) -> Option<NoiseFloor> {
     let pairs = samples.consecutive_rows();
     let deviation = 1.0 / (3.0 * pairs.len() as f64).sqrt();
-    if pairs.len() < ENOUGH || nuisance_fit.noise.correlation > MEMORY * deviation {
+    if pairs.len() < MIN_PAIRS || nuisance_fit.noise.correlation > MAX_CORRELATION_SIGMA * deviation {
         return None;
     }
     let moved = moved(&sample_covariates(samples, simulated_m), &pairs);
+    // Regress half squared differences on how far the tip moved: the intercept is the noise.
     let inverse = (moved.transpose() * &moved).try_inverse()?;
     let line = |axis: usize| -> (f64, f64) {
         let at = |row: usize| nuisance_fit.residual_m[3 * row + axis];
@@ -47,9 +45,10 @@ pub(crate) fn estimate_nugget(samples: &Samples, nuisance_fit: &NuisanceFit, sim
     // About the regression line, noise alone scatters by twice its variance squared; model errors add to this.
     let squares: f64 = variance_m2.iter().map(|variance| 2.0 * variance * variance).sum();
     let scatter: f64 = lines.iter().map(|(_, scatter)| scatter).sum();
-    let freedom = (squares / scatter).min(1.0) / (SHARED * inverse[(0, 0)]);
-    let sound = variance_m2.iter().all(|variance| *variance >= 0.0) && freedom > 0.0;
-    sound.then_some(Nugget { variance_m2, freedom })
+    let freedom = (squares / scatter).min(1.0) / (SHARED_SAMPLE_FACTOR * inverse[(0, 0)]);
+    let is_sound = variance_m2.iter().all(|variance| *variance >= 0.0) && freedom > 0.0;
+    let from = vec!["differences of consecutive samples".to_owned()];
+    is_sound.then_some(NoiseFloor { variance_m2, freedom, from })
 }
 
 /// Regressors, one row a pair: one, squared displacement, and squared change of displacement, the latter two over
@@ -61,9 +60,9 @@ fn moved(covariates: &[Covariates], pairs: &[usize]) -> DMatrix<f64> {
         square(std::array::from_fn(|axis| covariates[row].moved_m[axis] - covariates[row - 1].moved_m[axis]))
     };
     let column = |of: &dyn Fn(usize) -> f64| -> Vec<f64> {
-        let own: Vec<f64> = pairs.iter().map(|&row| of(row)).collect();
-        let mean = crate::math::summary::mean(&own).max(f64::MIN_POSITIVE);
-        own.iter().map(|value| value / mean).collect()
+        let values: Vec<f64> = pairs.iter().map(|&row| of(row)).collect();
+        let mean = crate::math::summary::mean(&values).max(f64::MIN_POSITIVE);
+        values.iter().map(|value| value / mean).collect()
     };
     let columns = [column(&|_| 1.0), column(&way), column(&change)];
     DMatrix::from_fn(pairs.len(), columns.len(), |pair, k| columns[k][pair])
@@ -94,7 +93,7 @@ mod tests {
 
     /// The nugget for noise of this correlation and a model error of `lag` times the displacement plus `scale` times
     /// the position.
-    fn told(correlation: f64, [lag, scale]: [f64; 2], seed: u64) -> Option<Nugget> {
+    fn told(correlation: f64, [lag, scale]: [f64; 2], seed: u64) -> Option<NoiseFloor> {
         let (samples, simulated_m, moved) = wandering(seed);
         let noise = samples.noise(NOISE_M, correlation, 1000 + seed);
         let residual_m: Vec<f64> =
@@ -110,7 +109,7 @@ mod tests {
     #[test]
     fn noise_is_told_as_well_as_it_says_and_apart_from_an_error_that_changes_with_the_motion() {
         for errors in [[0.0, 0.0], [0.1, 0.0]] {
-            let found: Vec<Nugget> = (0..300).filter_map(|seed| told(0.0, errors, seed)).collect();
+            let found: Vec<NoiseFloor> = (0..300).filter_map(|seed| told(0.0, errors, seed)).collect();
             assert!(found.len() > 280, "{errors:?}: {}", found.len());
             let ratios: Vec<f64> = found.iter().map(|own| own.variance_m2[0] / NOISE_M.powi(2)).collect();
             assert!((mean(&ratios) - 1.0).abs() < 0.05, "{errors:?}: {}", mean(&ratios));

@@ -2,13 +2,28 @@
 
 use crate::discovery::recording::samples::{Samples, TrialCommands};
 
-/// Known weight on the tip, kilograms, gravity where it is not the model's, and which point was tracked.
-type SameMeasurement = (f64, Option<[f64; 3]>, Option<usize>);
-/// Trial, tracked point, and the index at which its command began.
-type Hold = (usize, Option<usize>, usize);
+/// Conditions under which first rows of trials repeat one measurement.
+#[derive(PartialEq)]
+struct StartConditions {
+    load_kg: f64,
+    /// Gravity where it is not the model's.
+    gravity_m_s2: Option<[f64; 3]>,
+    /// The tracked point; none for the tip.
+    point: Option<usize>,
+}
 
-/// Time after which a held command counts as at rest, seconds.
+/// A command that is held.
+#[derive(Clone, Copy, PartialEq)]
+struct Hold {
+    trial: usize,
+    point: Option<usize>,
+    /// Index at which the command began.
+    first: usize,
+}
+
+/// Time after which a held command counts as at rest, seconds (docs/discovery.md, "Noise").
 const SETTLED_S: f64 = 1.0;
+
 /// Groups of repeated samples: first rows of all trials under the same weight, then each dwell.
 pub(crate) fn groups(samples: &Samples) -> Vec<Vec<usize>> {
     let mut groups = starts(samples);
@@ -23,42 +38,43 @@ pub(crate) fn is_start(samples: &Samples, group: &[usize]) -> bool {
 /// First rows of trials at one place of the body under the same weight, if there are several. None where trials start
 /// anywhere.
 pub(crate) fn starts(samples: &Samples) -> Vec<Vec<usize>> {
-    let mut found: Vec<(SameMeasurement, Vec<usize>)> = Vec::new();
+    let mut starts: Vec<(StartConditions, Vec<usize>)> = Vec::new();
     if !samples.at_home {
         return Vec::new();
     }
     for row in (0..samples.len()).filter(|&row| samples.rows[row].row == 0) {
         let trial = &samples.trials[samples.rows[row].trial];
-        let same = (trial.known_load_kg, trial.gravity_m_s2, samples.rows[row].point);
-        match found.iter_mut().find(|(known, _)| *known == same) {
+        let TrialCommands { known_load_kg: load_kg, gravity_m_s2, .. } = *trial;
+        let conditions = StartConditions { load_kg, gravity_m_s2, point: samples.rows[row].point };
+        match starts.iter_mut().find(|(other, _)| *other == conditions) {
             Some((_, rows)) => rows.push(row),
-            None => found.push((same, vec![row])),
+            None => starts.push((conditions, vec![row])),
         }
     }
-    found.into_iter().map(|(_, rows)| rows).filter(|rows| rows.len() > 1).collect()
+    starts.into_iter().map(|(_, rows)| rows).filter(|rows| rows.len() > 1).collect()
 }
 
 /// Runs of samples of one place under one command and load after [`SETTLED_S`].
 pub(crate) fn dwells(samples: &Samples) -> Vec<Vec<usize>> {
     let start_of_hold: Vec<Vec<usize>> = samples.trials.iter().map(start_of_hold).collect();
-    let mut found: Vec<Vec<usize>> = Vec::new();
+    let mut dwells: Vec<Vec<usize>> = Vec::new();
     let mut held: Option<(Hold, f64)> = None;
     let mut run: Vec<usize> = Vec::new();
     let settled_s = if samples.at_rest() { f64::NEG_INFINITY } else { SETTLED_S };
     for (index, row) in samples.rows.iter().enumerate() {
         let Some(command) = samples.command_of(row) else { continue };
-        let hold: Hold = (row.trial, row.point, start_of_hold[row.trial][command]);
-        if held.is_none_or(|(before, _)| before != hold) {
+        let hold = Hold { trial: row.trial, point: row.point, first: start_of_hold[row.trial][command] };
+        if held.is_none_or(|(last, _)| last != hold) {
             held = Some((hold, row.time_s));
-            found.push(std::mem::take(&mut run));
+            dwells.push(std::mem::take(&mut run));
         }
         if held.is_some_and(|(_, since_s)| row.time_s - since_s >= settled_s) {
             run.push(index);
         }
     }
-    found.push(run);
-    found.retain(|run| run.len() > 1);
-    found
+    dwells.push(run);
+    dwells.retain(|run| run.len() > 1);
+    dwells
 }
 
 /// For each command of a trial, the index at which the same command and load began.
@@ -73,13 +89,13 @@ fn start_of_hold(trial: &TrialCommands) -> Vec<usize> {
 }
 
 /// Largest change of a command that counts as held in poses at rest, metres or newtons: steps of an encoder.
-const HELD: f64 = 2e-5;
+const HELD_TOLERANCE: f64 = 2e-5;
 
 /// Whether command `k` is the one before it.
 fn is_held(trial: &TrialCommands, k: usize) -> bool {
     let (now, before) = (trial.commands.row(k), trial.commands.row(k - 1));
-    let near = || now.iter().zip(before).all(|(now, before)| (now - before).abs() < HELD);
-    now == before || trial.at_rest && near()
+    let is_near = || now.iter().zip(before).all(|(now, before)| (now - before).abs() < HELD_TOLERANCE);
+    now == before || trial.at_rest && is_near()
 }
 
 #[cfg(test)]

@@ -5,20 +5,21 @@ use super::NoiseFloor;
 use crate::discovery::recording::samples::{Sample, Samples};
 use crate::effects::Model;
 
-/// First tip positions that scatter by more than this share of the backbone's length are doubtful.
-const DOUBTFUL: f64 = 0.01;
+/// First tip positions that scatter by more than this share of the backbone's length are doubtful (docs/discovery.md,
+/// "What to record").
+const MAX_SCATTER_SHARE: f64 = 0.01;
 /// Time after which the start of a trial has no influence, seconds.
-const FORGOTTEN_S: f64 = 1.0;
+const EXCLUDED_START_S: f64 = 1.0;
 
 /// Scatter of first tip positions, if it is doubtful.
 pub(crate) fn scattered_starts(samples: &Samples, model: &Model) -> Option<NoiseFloor> {
     let starts = NoiseFloor::from_starts(samples);
-    (starts.rms_m() > DOUBTFUL * model.robot.backbone.length_m).then_some(starts)
+    (starts.rms_m() > MAX_SCATTER_SHARE * model.robot.backbone.length_m).then_some(starts)
 }
 
 /// Samples without the starts of trials.
 pub(crate) fn without_starts(samples: &Samples) -> Samples {
-    let rows: Vec<Sample> = samples.rows.iter().filter(|row| row.time_s > FORGOTTEN_S).copied().collect();
+    let rows: Vec<Sample> = samples.rows.iter().filter(|row| row.time_s > EXCLUDED_START_S).copied().collect();
     let later = Samples { trials: samples.trials.clone(), rows, ..*samples };
     let seen = later.ranges().into_iter().enumerate().filter(|(_, rows)| !rows.is_empty());
     later.of_trials(&seen.map(|(trial, _)| trial).collect::<Vec<usize>>())

@@ -7,29 +7,29 @@ use crate::effects::Model;
 use crate::math::summary::{mean, standard_deviation};
 
 /// Accuracy of base markers, radians.
-const MOUNTED_RAD: f64 = 2e-3;
+const MOUNTING_ACCURACY_RAD: f64 = 2e-3;
 /// Tilts beyond this many standard deviations are considered possible.
-const SEEN: f64 = 1.5;
+const MAX_DEVIATIONS: f64 = 1.5;
 
 /// Whether base markers in these `rows` show the base pose of the `model`, apart from rotation about its own axis.
 /// If they do, no tip error is a base tilt. False without markers.
 pub(crate) fn base_matches_model(measured: &Recording, rows: &[usize], model: &Model) -> bool {
     let Some(base) = &measured.base else { return false };
     let modelled = UnitQuaternion::from_scaled_axis(model.rod(&[]).base_rotation_rad);
-    let asked = rows.iter().map(|&row| &base[row]);
-    let tracked = asked.filter(|pose| pose.quaternion.iter().all(|q| q.is_finite()));
+    let poses = rows.iter().map(|&row| &base[row]);
+    let tracked = poses.filter(|pose| pose.quaternion.iter().all(|q| q.is_finite()));
     let turns: Vec<Vector3<f64>> = tracked
         .map(|pose| {
             let [w, x, y, z] = pose.quaternion;
             (modelled.inverse() * UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z))).scaled_axis()
         })
         .collect();
-    let stands = |axis: usize| {
+    let is_straight = |axis: usize| {
         let about: Vec<f64> = turns.iter().map(|turn| turn[axis]).collect();
-        let deviation = MOUNTED_RAD.hypot(standard_deviation(&about) / (about.len() as f64).sqrt());
-        mean(&about).abs() < SEEN * deviation
+        let deviation = MOUNTING_ACCURACY_RAD.hypot(standard_deviation(&about) / (about.len() as f64).sqrt());
+        mean(&about).abs() < MAX_DEVIATIONS * deviation
     };
-    turns.len() > 1 && (0..2).all(stands)
+    turns.len() > 1 && (0..2).all(is_straight)
 }
 
 #[cfg(test)]

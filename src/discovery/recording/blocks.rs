@@ -8,7 +8,7 @@ use crate::effects::Starts;
 /// Parts into which a recording of one trial is divided.
 const STRETCHES: usize = 8;
 /// Fewest rows of such a part.
-const FEWEST_ROWS: usize = 8;
+const MIN_ROWS: usize = 8;
 /// Commands before a block that are played first, so that the robot arrives in motion and with its history: seconds, and
 /// rows of a recording of poses at rest.
 const LEAD_IN_S: f64 = 5.0;
@@ -52,7 +52,7 @@ pub(crate) fn kind(measured: &Recording, playing: Playing) -> BlockKind {
     let labels = measured.pattern.as_deref().unwrap_or_default();
     if playing.at_rest && labels.windows(2).any(|two| two[0] != two[1]) {
         BlockKind::Pattern
-    } else if trials.len() == 1 && measured.len() >= STRETCHES * FEWEST_ROWS {
+    } else if trials.len() == 1 && measured.len() >= STRETCHES * MIN_ROWS {
         BlockKind::Stretch
     } else {
         BlockKind::Trial

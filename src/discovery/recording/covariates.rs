@@ -37,9 +37,10 @@ pub(crate) fn sample_covariates(samples: &Samples, simulated_m: &[f64]) -> Vec<C
         .map(|(index, sample)| {
             let commands = &samples.trials[sample.trial].commands;
             let width = commands.width();
-            let led = samples.command_of(sample);
+            let command_index = samples.command_of(sample);
             let before = |steps: usize| -> Vec<f64> {
-                led.and_then(|index| index.checked_sub(steps))
+                command_index
+                    .and_then(|index| index.checked_sub(steps))
                     .map_or_else(|| vec![0.0; width], |row| commands.row(row).to_vec())
             };
             let (now, last, older) = (before(0), before(1), before(2));
@@ -56,7 +57,7 @@ pub(crate) fn sample_covariates(samples: &Samples, simulated_m: &[f64]) -> Vec<C
                 change: difference(&now, &last),
                 change_before: difference(&last, &older),
                 command: now,
-                largest: largest[sample.trial][led.map_or(0, |index| index + 1)].clone(),
+                largest: largest[sample.trial][command_index.map_or(0, |index| index + 1)].clone(),
             }
         })
         .collect()
@@ -64,10 +65,10 @@ pub(crate) fn sample_covariates(samples: &Samples, simulated_m: &[f64]) -> Vec<C
 
 /// Running maximum of each tendon's command: before the first row, before the second, … after the last.
 fn running_maxima(commands: &Rows) -> Vec<Vec<f64>> {
-    let mut found = vec![vec![0.0; commands.width()]];
+    let mut maxima = vec![vec![0.0; commands.width()]];
     for row in commands.iter() {
-        let most = &found[found.len() - 1];
-        found.push(most.iter().zip(row).map(|(most, now): (&f64, &f64)| most.max(*now)).collect());
+        let last = &maxima[maxima.len() - 1];
+        maxima.push(last.iter().zip(row).map(|(largest, now): (&f64, &f64)| largest.max(*now)).collect());
     }
-    found
+    maxima
 }

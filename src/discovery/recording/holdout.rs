@@ -4,16 +4,16 @@
 use super::samples::Samples;
 
 /// With more possible choices than this, one choice is improved by exchanges instead of comparing all.
-const MOST_CHOICES: usize = 20_000;
+const MAX_COMPARED_CHOICES: usize = 20_000;
 /// Row shares above this bring no further benefit.
-const ENOUGH_ROWS: f64 = 0.75;
+const MAX_ROW_SHARE: f64 = 0.75;
 /// The held-out part may have fewer rows than the training part, by this factor.
-const SHORT_PROOF: f64 = 2.0;
+const HELD_OUT_WEIGHT: f64 = 2.0;
 
 /// Indices of training trials and of held-out trials.
 pub(crate) fn split(samples: &Samples, share: f64) -> (Vec<usize>, Vec<usize>) {
     let trials = TrialStatistics::new(samples, share);
-    let held_out = if count_choices(trials.count(), trials.held) <= MOST_CHOICES as f64 {
+    let held_out = if count_choices(trials.count(), trials.held) <= MAX_COMPARED_CHOICES as f64 {
         trials.best_of_all()
     } else {
         trials.improved_by_exchange()
@@ -40,7 +40,11 @@ struct TrialStatistics {
 }
 
 /// Quality of a choice: first the share of rows in both parts, then the share of tendon use.
-type SplitQuality = (f64, f64);
+#[derive(Clone, Copy, PartialEq)]
+struct SplitQuality {
+    rows: f64,
+    tendons: f64,
+}
 
 impl TrialStatistics {
     fn new(samples: &Samples, share: f64) -> TrialStatistics {
@@ -48,7 +52,7 @@ impl TrialStatistics {
         let spreads: Vec<Vec<f64>> = (0..count).map(|trial| spread(samples, trial)).collect();
         let rows: Vec<f64> = samples.ranges().iter().map(|range| range.len() as f64).collect();
         let held = ((count as f64 * share).ceil() as usize).clamp(1, count - 1);
-        let mean = |tendon: usize| spreads.iter().map(|own| own[tendon]).sum::<f64>() / count as f64;
+        let mean = |tendon: usize| spreads.iter().map(|spread| spread[tendon]).sum::<f64>() / count as f64;
         let usual = (0..spreads[0].len()).map(mean).collect();
         TrialStatistics { usual, usual_rows: rows.iter().sum::<f64>() / count as f64, spreads, rows, held }
     }
@@ -75,10 +79,10 @@ impl TrialStatistics {
         let mut choice: Vec<usize> = (0..self.held).map(|k| (2 * k + 1) * self.count() / (2 * self.held)).collect();
         let mut quality = self.quality(&choice);
         loop {
-            let begun = quality;
+            let quality_before = quality;
             for k in 0..self.held {
                 for other in (0..self.count()).rev() {
-                    let own = choice[k];
+                    let replaced = choice[k];
                     if choice.contains(&other) {
                         continue;
                     }
@@ -87,11 +91,11 @@ impl TrialStatistics {
                     if is_better(there, quality) {
                         quality = there;
                     } else {
-                        choice[k] = own;
+                        choice[k] = replaced;
                     }
                 }
             }
-            if quality == begun {
+            if quality == quality_before {
                 choice.sort_unstable();
                 return choice;
             }
@@ -100,22 +104,27 @@ impl TrialStatistics {
 
     fn quality(&self, held_out: &[usize]) -> SplitQuality {
         let rest = self.count() - self.held;
+        // The smaller share of either part counts, so that neither lacks rows or tendons.
         // Share of both parts over the mean of all trials.
-        let shares = |own: f64, usual: f64| {
-            let own = own / (self.held as f64 * usual);
-            [own, (self.count() as f64 - self.held as f64 * own) / rest as f64]
+        let shares = |sum: f64, usual: f64| {
+            let share = sum / (self.held as f64 * usual);
+            [share, (self.count() as f64 - self.held as f64 * share) / rest as f64]
         };
         let sum = |of: &dyn Fn(usize) -> f64| held_out.iter().map(|&trial| of(trial)).sum::<f64>();
         let [proved, fitted] = shares(sum(&|trial| self.rows[trial]), self.usual_rows);
         let used = (0..self.usual.len()).filter(|&tendon| self.usual[tendon] > 0.0);
         let exercise = used.flat_map(|tendon| shares(sum(&|trial| self.spreads[trial][tendon]), self.usual[tendon]));
-        (fitted.min(SHORT_PROOF * proved).min(ENOUGH_ROWS), exercise.fold(1.0, f64::min))
+        SplitQuality {
+            rows: fitted.min(HELD_OUT_WEIGHT * proved).min(MAX_ROW_SHARE),
+            tendons: exercise.fold(1.0, f64::min),
+        }
     }
 }
 
 fn is_better(there: SplitQuality, here: SplitQuality) -> bool {
-    const EQUAL: f64 = 1e-9;
-    there.0 > here.0 + EQUAL || (there.0 > here.0 - EQUAL && there.1 > here.1 + EQUAL)
+    const TOLERANCE: f64 = 1e-9;
+    let has_as_many_rows = there.rows > here.rows - TOLERANCE;
+    there.rows > here.rows + TOLERANCE || has_as_many_rows && there.tendons > here.tendons + TOLERANCE
 }
 
 /// Sum of squared commands of each tendon in a trial.
@@ -174,14 +183,7 @@ mod tests {
             (1..rows).for_each(|_| commands.push(&row));
             samples.trials[trial].durations_s = vec![0.2; rows - 1];
             samples.trials[trial].commands = commands;
-            let sample = |row: usize| Sample {
-                trial,
-                row,
-                point: None,
-                time_s: 0.2 * row as f64,
-                position_m: [0.0; 3],
-                velocity_m_s: [0.0; 3],
-            };
+            let sample = |row: usize| Sample::of_tip(trial, row, 0.2 * row as f64);
             samples.rows.extend((0..rows).map(sample));
         }
         samples

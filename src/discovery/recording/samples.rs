@@ -32,6 +32,24 @@ pub(crate) struct TrialCommands {
     pub(crate) tip_loads: Option<Vec<TipWrench>>,
 }
 
+impl TrialCommands {
+    /// Commands of a motion under the model's gravity, without any load.
+    pub(crate) fn new(commands: Rows, durations_s: Vec<f64>) -> TrialCommands {
+        TrialCommands {
+            number: 0,
+            first_row: 0,
+            starts: None,
+            commands,
+            durations_s,
+            at_rest: false,
+            tensions: false,
+            known_load_kg: 0.0,
+            gravity_m_s2: None,
+            tip_loads: None,
+        }
+    }
+}
+
 /// What was tracked at one place of the body in one row.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sample {
@@ -47,6 +65,13 @@ pub(crate) struct Sample {
     pub(crate) position_m: Point3,
     /// Velocity of the same simulated place, m/s; zero unless the clocks of tracker and commands are uncertain.
     pub(crate) velocity_m_s: Point3,
+}
+
+impl Sample {
+    /// A sample of the tip that was not measured.
+    pub(crate) fn of_tip(trial: usize, row: usize, time_s: f64) -> Sample {
+        Sample { trial, row, point: None, time_s, position_m: [0.0; 3], velocity_m_s: [0.0; 3] }
+    }
 }
 
 /// All samples of a recording, trial by trial, in a trial place by place: the tip, then the points in the model's order.
@@ -208,14 +233,15 @@ impl Samples {
 
     /// Time since the previous sample of the same trial and place, in median tracker steps; none for the first.
     pub(crate) fn steps_since_last(&self, row: usize) -> Option<f64> {
-        let own = &self.rows[row];
-        let before = self.rows[..row].last().filter(|before| (before.trial, before.point) == (own.trial, own.point))?;
-        Some((own.time_s - before.time_s) / self.tracked_step_s)
+        let sample = &self.rows[row];
+        let before =
+            self.rows[..row].last().filter(|before| (before.trial, before.point) == (sample.trial, sample.point))?;
+        Some((sample.time_s - before.time_s) / self.tracked_step_s)
     }
 
-    /// Rows whose previous sample is in the same trial, of the same place and at most [`MOST_STEPS`] before.
+    /// Rows whose previous sample is in the same trial, of the same place and at most [`MAX_CONSECUTIVE_STEPS`] before.
     pub(crate) fn consecutive_rows(&self) -> Vec<usize> {
-        let is_close = |&row: &usize| self.steps_since_last(row).is_some_and(|steps| steps < MOST_STEPS);
+        let is_close = |&row: &usize| self.steps_since_last(row).is_some_and(|steps| steps < MAX_CONSECUTIVE_STEPS);
         (0..self.len()).filter(is_close).collect()
     }
 }
@@ -228,7 +254,7 @@ fn places<'a>(measured: &'a Recording, points: &[String]) -> Vec<(Option<usize>,
 }
 
 /// Samples farther apart than this many median steps are not consecutive.
-const MOST_STEPS: f64 = 1.5;
+const MAX_CONSECUTIVE_STEPS: f64 = 1.5;
 
 /// Independent normal numbers of this standard deviation.
 #[cfg(test)]
@@ -246,29 +272,12 @@ impl Samples {
     pub(crate) fn alike(trials: usize, samples: usize) -> Samples {
         let mut commands = Rows::new(1);
         (1..samples).for_each(|k| commands.push(&[k as f64]));
-        let trial = |number| TrialCommands {
+        let trial = |number: u64| TrialCommands {
             number,
             first_row: number as usize * samples,
-            starts: None,
-            commands: commands.clone(),
-            durations_s: vec![0.2; samples - 1],
-            at_rest: false,
-            tensions: false,
-            known_load_kg: 0.0,
-            gravity_m_s2: None,
-            tip_loads: None,
+            ..TrialCommands::new(commands.clone(), vec![0.2; samples - 1])
         };
-        let sample = |k: usize| {
-            let row = k % samples;
-            Sample {
-                trial: k / samples,
-                row,
-                point: None,
-                time_s: 0.2 * row as f64,
-                position_m: [0.0; 3],
-                velocity_m_s: [0.0; 3],
-            }
-        };
+        let sample = |k: usize| Sample::of_tip(k / samples, k % samples, 0.2 * (k % samples) as f64);
         Samples {
             trials: (0..trials as u64).map(trial).collect(),
             rows: (0..trials * samples).map(sample).collect(),

@@ -3,10 +3,11 @@
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use super::screening::{LinearPrediction, LinearScreen, best_of_each};
+use super::screening::{LinearPrediction, LinearScreen, ScreenedResidual, best_of_each};
 use super::state::ScoredSet;
 use crate::discovery::fit::candidate::SetMember;
 use crate::discovery::fit::gauss_newton::{FitProblem, FittedSet};
+use crate::discovery::fit::nuisance::NuisanceFit;
 use crate::discovery::fit::sensitivities::Sensitivity;
 
 impl FitProblem<'_> {
@@ -31,59 +32,62 @@ impl FitProblem<'_> {
         without: &[usize],
         sensitivities: &[Sensitivity],
     ) -> Vec<LinearPrediction> {
-        let left = (&from.nuisance_fit.noise, from.nuisance_fit.residual_m.as_slice());
-        let screen = LinearScreen::new(self.candidates, self.samples, self.nuisances, left, &from.jacobian);
+        let NuisanceFit { noise, residual_m, .. } = &from.nuisance_fit;
+        let residual = ScreenedResidual { noise, residual_m };
+        let screen = LinearScreen::new(self.candidates, self.samples, self.nuisances, residual, &from.jacobian);
         let mut predictions = best_of_each(screen.predictions(sensitivities));
         predictions.retain(|prediction| {
-            let own = prediction.member.candidate;
-            self.open[own] && !from.has(own) && !without.contains(&own)
+            let candidate = prediction.member.candidate;
+            self.open[candidate] && !from.has(candidate) && !without.contains(&candidate)
         });
         predictions
     }
 
-    /// `base` with each predicted member added, fitted at coarse resolution; scores below `enough` are of no use.
+    /// `base` with each predicted member added, fitted at coarse resolution; scores below `min_score` are of no use.
     pub(crate) fn rough_additions(
         &self,
         base: &ScoredSet,
         predictions: &[&LinearPrediction],
         sensitivities: &[Sensitivity],
-        enough: f64,
+        min_score: f64,
     ) -> Vec<ScoredSet> {
         let coarse = FitProblem { model: self.coarse, ..self.clone() };
         let Some(start) = coarse.resimulate(&base.fitted) else { return Vec::new() };
         let fit = |prediction: &&LinearPrediction| {
-            let costs = self.penalty(std::slice::from_ref(&prediction.member));
-            let wanted = start.nuisance_fit.deviance - (enough - base.score) - costs;
-            let begun = coarse.starting_point(&start, &prediction.member)?;
+            let penalty = self.penalty(std::slice::from_ref(&prediction.member));
+            // A fit that cannot reach this deviance is of no use.
+            let target_deviance = start.nuisance_fit.deviance - (min_score - base.score) - penalty;
+            let added = coarse.starting_point(&start, &prediction.member)?;
             let jacobian = if self.candidates[prediction.member.candidate].is_scanned() {
-                coarse.differentiate(&begun)?
+                coarse.differentiate(&added)?
             } else {
-                let known = coarse.known_jacobian(&start, &prediction.member, &sensitivities[prediction.sensitivity]);
-                if start.members.is_empty() { known } else { coarse.with_fresh_sizes(&begun, known) }
+                let extended =
+                    coarse.extended_jacobian(&start, &prediction.member, &sensitivities[prediction.sensitivity]);
+                if start.members.is_empty() { extended } else { coarse.with_fresh_sizes(&added, extended) }
             };
-            let fitted = coarse.rough_fit(begun, jacobian, wanted)?;
+            let fitted = coarse.rough_fit(added, jacobian, target_deviance)?;
             let last = fitted.members.len() - 1;
-            let fitted = coarse.with_best_choice(fitted, last, wanted);
-            let score = base.score + start.nuisance_fit.deviance - fitted.nuisance_fit.deviance - costs;
+            let fitted = coarse.with_best_choice(fitted, last, target_deviance);
+            let score = base.score + start.nuisance_fit.deviance - fitted.nuisance_fit.deviance - penalty;
             Some(ScoredSet { fitted, score, exact: false })
         };
         predictions.par_iter().filter_map(fit).collect()
     }
 
     /// Approximate Jacobian of `base` with `member`: that of the fit, extended by the sensitivity.
-    pub(crate) fn known_jacobian(
+    pub(crate) fn extended_jacobian(
         &self,
         base: &FittedSet,
         member: &SetMember,
         sensitivity: &Sensitivity,
     ) -> DMatrix<f64> {
         let candidate = &self.candidates[member.candidate];
-        let (known, sizes) = (base.jacobian.ncols(), candidate.sizes());
+        let (base_columns, sizes) = (base.jacobian.ncols(), candidate.sizes());
         let fitted = candidate.fitted();
-        let mut slopes = base.jacobian.clone().resize_horizontally(known + fitted.len(), 0.0);
+        let mut slopes = base.jacobian.clone().resize_horizontally(base_columns + fitted.len(), 0.0);
         for (k, parameter) in fitted.into_iter().enumerate() {
             if let Some(size) = sizes.iter().position(|&size| size == parameter) {
-                slopes.set_column(known + k, &(sensitivity.columns.column(size) * candidate.probe(parameter)));
+                slopes.set_column(base_columns + k, &(sensitivity.columns.column(size) * candidate.probe(parameter)));
             }
         }
         slopes
@@ -106,21 +110,21 @@ impl FitProblem<'_> {
     }
 
     /// `base` with the predicted member, reduced where a smaller amount fits better; none if it cannot be simulated.
-    fn starting_point(&self, base: &FittedSet, promised: &SetMember) -> Option<FittedSet> {
-        let nothing = self.candidates[promised.candidate].without_size(&promised.values);
+    fn starting_point(&self, base: &FittedSet, predicted: &SetMember) -> Option<FittedSet> {
+        let nothing = self.candidates[predicted.candidate].without_size(&predicted.values);
         let part = |share: f64| {
-            let between = nothing.iter().zip(&promised.values).map(|(n, v)| n + share * (v - n)).collect();
-            let member = SetMember { values: between, ..*promised };
+            let between = nothing.iter().zip(&predicted.values).map(|(n, v)| n + share * (v - n)).collect();
+            let member = SetMember { values: between, ..*predicted };
             self.evaluate(base.members.iter().cloned().chain([member]).collect())
         };
         let mut best: Option<FittedSet> = None;
-        for begun in [1.0, 0.5, 0.25].into_iter().filter_map(part) {
-            if begun.nuisance_fit.deviance < base.nuisance_fit.deviance {
-                return Some(begun);
+        for start in [1.0, 0.5, 0.25].into_iter().filter_map(part) {
+            if start.nuisance_fit.deviance < base.nuisance_fit.deviance {
+                return Some(start);
             }
             match &best {
-                Some(best) if best.nuisance_fit.deviance <= begun.nuisance_fit.deviance => break,
-                _ => best = Some(begun),
+                Some(best) if best.nuisance_fit.deviance <= start.nuisance_fit.deviance => break,
+                _ => best = Some(start),
             }
         }
         best
@@ -139,13 +143,13 @@ impl FitProblem<'_> {
     }
 
     /// Moves every choice of member `k` (such as a position) to its neighbours as long as a rough fit improves.
-    fn with_best_choice(&self, mut best: FittedSet, k: usize, wanted: f64) -> FittedSet {
+    fn with_best_choice(&self, mut best: FittedSet, k: usize, target_deviance: f64) -> FittedSet {
         let candidate = &self.candidates[best.members[k].candidate];
         loop {
             let fits = candidate.neighbouring_choices(&best.members[k].values).into_iter().filter_map(|values| {
                 let mut members = best.members.clone();
                 members[k].values = values;
-                self.rough_fit(self.evaluate(members)?, best.jacobian.clone(), wanted)
+                self.rough_fit(self.evaluate(members)?, best.jacobian.clone(), target_deviance)
             });
             let next = fits.min_by(|a, b| a.nuisance_fit.deviance.total_cmp(&b.nuisance_fit.deviance));
             match next.filter(|next| next.nuisance_fit.deviance < best.nuisance_fit.deviance) {

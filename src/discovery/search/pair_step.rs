@@ -9,7 +9,15 @@ use super::swap::extended_set;
 use crate::discovery::fit::candidate::candidate_set;
 
 /// Maximum number of pairs without a member of the current best set.
-const PAIRS: usize = 16;
+const MAX_OTHER_PAIRS: usize = 16;
+
+/// A fitted single effect with a predicted second one.
+struct PredictedPair {
+    score: f64,
+    /// Index of the single effect.
+    single: usize,
+    prediction: LinearPrediction,
+}
 
 impl Search<'_> {
     /// `best`, or the result from the best pair that was not tried, if that is better.
@@ -17,12 +25,12 @@ impl Search<'_> {
         if self.limits.most_effects < 2 {
             return best;
         }
-        let enough = self.score_to_beat(2, &best);
+        let min_score = self.score_to_beat(2, &best);
         let mut pairs: Vec<ScoredSet> = Vec::new();
         for (single, predictions) in self.promising_pairs(&candidate_set(&best.fitted.members)) {
-            pairs.extend(self.fit_additions(&single, &predictions, enough));
+            pairs.extend(self.fit_additions(&single, &predictions, min_score));
         }
-        pairs.retain(|pair| pair.score > enough);
+        pairs.retain(|pair| pair.score > min_score);
         pairs.sort_by(|a, b| b.score.total_cmp(&a.score));
         match pairs.into_iter().find(|pair| self.is_each_worth_adding(pair)) {
             Some(pair) => {
@@ -42,29 +50,28 @@ impl Search<'_> {
     /// the most promising others.
     fn promising_pairs(&self, members: &BTreeSet<usize>) -> Vec<(ScoredSet, Vec<LinearPrediction>)> {
         let singles = self.singles();
-        let mut pairs: Vec<(f64, usize, LinearPrediction)> = Vec::new();
+        let mut pairs: Vec<PredictedPair> = Vec::new();
         for (number, single) in singles.iter().enumerate() {
             let predictions = self.fit_problem.predictions(&single.fitted, &[], &self.sensitivities).into_iter();
             let new = predictions.filter(|prediction| !self.is_tried(single, prediction));
-            pairs.extend(
-                new.map(|prediction| {
-                    (single.score + self.fit_problem.predicted_score(&prediction), number, prediction)
-                }),
-            );
+            pairs.extend(new.map(|prediction| {
+                let score = single.score + self.fit_problem.predicted_score(&prediction);
+                PredictedPair { score, single: number, prediction }
+            }));
         }
-        pairs.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let (mut seen, mut others) = (BTreeSet::new(), 0..PAIRS);
-        pairs.retain(|(_, single, prediction)| {
-            let pair = extended_set(singles[*single], prediction);
-            let beside_member = !pair.is_disjoint(members);
-            seen.insert(pair) && (beside_member || others.next().is_some())
+        pairs.sort_by(|a, b| b.score.total_cmp(&a.score));
+        let (mut listed, mut others) = (BTreeSet::new(), 0..MAX_OTHER_PAIRS);
+        pairs.retain(|pair| {
+            let set = extended_set(singles[pair.single], &pair.prediction);
+            let has_member = !set.is_disjoint(members);
+            listed.insert(set) && (has_member || others.next().is_some())
         });
         let beside = |number: usize| -> Vec<LinearPrediction> {
-            pairs.iter().filter(|pair| pair.1 == number).map(|pair| pair.2.clone()).collect()
+            pairs.iter().filter(|pair| pair.single == number).map(|pair| pair.prediction.clone()).collect()
         };
-        let with_promises = singles.iter().enumerate().map(|(number, &single)| (single, beside(number)));
-        let kept = with_promises.filter(|(_, predictions)| !predictions.is_empty());
-        kept.map(|(single, predictions)| (single.clone(), predictions)).collect()
+        let with_predictions = singles.iter().enumerate().map(|(number, &single)| (single, beside(number)));
+        let predicted = with_predictions.filter(|(_, predictions)| !predictions.is_empty());
+        predicted.map(|(single, predictions)| (single.clone(), predictions)).collect()
     }
 
     /// Fully fitted single effects, best first.
@@ -72,8 +79,8 @@ impl Search<'_> {
         let mut singles: Vec<&ScoredSet> =
             self.tried.iter().filter(|scored| scored.fitted.members.len() == 1).collect();
         singles.sort_by(|a, b| b.score.total_cmp(&a.score));
-        let mut seen = BTreeSet::new();
-        singles.retain(|single| seen.insert(candidate_set(&single.fitted.members)));
+        let mut listed = BTreeSet::new();
+        singles.retain(|single| listed.insert(candidate_set(&single.fitted.members)));
         singles
     }
 }

@@ -110,7 +110,7 @@ impl<'s> Search<'s> {
     pub(crate) fn into_outcome(mut self, best: ScoredSet) -> SearchOutcome {
         for k in 0..self.tried.len() {
             if !self.tried[k].exact && self.tried[k].is_rival_of(&best, self.limits.rival_score) {
-                self.fit_fully_in_place(k);
+                self.tried[k] = self.fit_fully(&self.tried[k]);
             }
         }
         let Search { fit_problem, null, sensitivities, tried, .. } = self;
@@ -121,18 +121,13 @@ impl<'s> Search<'s> {
         SearchOutcome { best, tried, by_trials: None, screened: screened.collect(), null }
     }
 
-    /// Fits set `k` of those tried fully.
-    pub(crate) fn fit_fully_in_place(&mut self, k: usize) {
-        self.tried[k] = self.fit_fully(&self.tried[k]);
-    }
-
     /// The same set fully fitted, or unchanged if that fails.
     pub(crate) fn fit_fully(&self, rough: &ScoredSet) -> ScoredSet {
         self.fit_problem.fit_fully(&rough.fitted).map_or_else(|| rough.clone(), |fitted| self.score(fitted))
     }
 
     pub(crate) fn score(&self, fitted: FittedSet) -> ScoredSet {
-        let fall = self.null.fitted.nuisance_fit.deviance - fitted.nuisance_fit.deviance;
-        ScoredSet { score: fall - self.fit_problem.penalty(&fitted.members), fitted, exact: true }
+        let decrease = self.null.fitted.nuisance_fit.deviance - fitted.nuisance_fit.deviance;
+        ScoredSet { score: decrease - self.fit_problem.penalty(&fitted.members), fitted, exact: true }
     }
 }

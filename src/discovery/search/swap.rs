@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::fit_additions::WIDTH;
+use super::fit_additions::MAX_FITS;
 use super::screening::LinearPrediction;
 use super::state::{ScoredSet, Search};
 use crate::discovery::fit::candidate::candidate_set;
@@ -15,6 +15,7 @@ impl Search<'_> {
         let larger = self.supersets(best).filter(|larger| larger.score > best.score);
         let larger = larger.max_by(|a, b| a.score.total_cmp(&b.score)).cloned()?;
         let old = |&out: &usize| members.contains(&larger.fitted.members[out].candidate);
+        // Only the members that it began with: the new one is what made it better.
         let fewer: Vec<ScoredSet> =
             (0..=members.len()).filter(old).filter_map(|out| self.remove(&larger, out)).collect();
         fewer.into_iter().filter(|fewer| fewer.score > best.score).max_by(|a, b| a.score.total_cmp(&b.score))
@@ -28,8 +29,8 @@ impl Search<'_> {
         loop {
             let mut better: Option<ScoredSet> = None;
             for out in 0..best.fitted.members.len() {
-                let enough = better.as_ref().map_or(best.score, |better| better.score);
-                better = self.swap_member(&best, out, enough).or(better);
+                let min_score = better.as_ref().map_or(best.score, |better| better.score);
+                better = self.swap_member(&best, out, min_score).or(better);
             }
             match better {
                 Some(next) => best = next,
@@ -38,26 +39,33 @@ impl Search<'_> {
         }
     }
 
-    /// The set with member `out` replaced, if its score exceeds `enough`. Tries first with the other members
+    /// The set with member `out` replaced, if its score exceeds `min_score`. Tries first with the other members
     /// unchanged; in a pair also with the other refitted.
-    fn swap_member(&mut self, best: &ScoredSet, out: usize, enough: f64) -> Option<ScoredSet> {
+    fn swap_member(&mut self, best: &ScoredSet, out: usize, min_score: f64) -> Option<ScoredSet> {
         let kept = self.fit_problem.evaluate_without(&best.fitted, out).map(|rest| self.score(rest));
-        let gone = best.fitted.members[out].candidate;
-        let width = WIDTH / best.fitted.members.len();
-        if let Some(better) = kept.and_then(|rest| self.best_addition_except(gone, &rest, enough, width)) {
+        let removed = best.fitted.members[out].candidate;
+        let width = MAX_FITS / best.fitted.members.len();
+        if let Some(better) = kept.and_then(|rest| self.best_addition_except(removed, &rest, min_score, width)) {
             return Some(better);
         }
-        let anew = if best.fitted.members.len() == 2 { self.remove(best, out) } else { None };
-        anew.and_then(|rest| self.best_addition_except(gone, &rest, enough, width))
+        // In a pair the other member may have stood for both, so it is refitted alone.
+        let refitted = if best.fitted.members.len() == 2 { self.remove(best, out) } else { None };
+        refitted.and_then(|rest| self.best_addition_except(removed, &rest, min_score, width))
     }
 
-    /// The best of `rest` with one of `width` promising members other than `gone`, if its score exceeds `enough`.
-    fn best_addition_except(&mut self, gone: usize, rest: &ScoredSet, enough: f64, width: usize) -> Option<ScoredSet> {
-        let mut predictions = self.fit_problem.predictions(&rest.fitted, &[gone], &self.sensitivities);
+    /// The best of `rest` with one of `width` promising members other than `removed`, if its score exceeds `min_score`.
+    fn best_addition_except(
+        &mut self,
+        removed: usize,
+        rest: &ScoredSet,
+        min_score: f64,
+        width: usize,
+    ) -> Option<ScoredSet> {
+        let mut predictions = self.fit_problem.predictions(&rest.fitted, &[removed], &self.sensitivities);
         predictions.retain(|prediction| !self.is_fitted(rest, prediction));
         predictions.truncate(width);
-        let fits = self.fit_additions(rest, &predictions, enough);
-        fits.into_iter().filter(|fit| fit.score > enough).max_by(|a, b| a.score.total_cmp(&b.score))
+        let fits = self.fit_additions(rest, &predictions, min_score);
+        fits.into_iter().filter(|fit| fit.score > min_score).max_by(|a, b| a.score.total_cmp(&b.score))
     }
 
     /// Whether the set extended by the prediction was fully fitted.
@@ -91,10 +99,11 @@ impl Search<'_> {
     pub(crate) fn remove(&mut self, best: &ScoredSet, out: usize) -> Option<ScoredSet> {
         let mut rest = best.fitted.members.clone();
         rest.remove(out);
-        let wanted = candidate_set(&rest);
-        let known = self.tried.iter().filter(|scored| scored.exact && candidate_set(&scored.fitted.members) == wanted);
-        if let Some(known) = known.max_by(|a, b| a.score.total_cmp(&b.score)) {
-            return Some(known.clone());
+        let candidates = candidate_set(&rest);
+        let fitted_before =
+            self.tried.iter().filter(|scored| scored.exact && candidate_set(&scored.fitted.members) == candidates);
+        if let Some(fitted_before) = fitted_before.max_by(|a, b| a.score.total_cmp(&b.score)) {
+            return Some(fitted_before.clone());
         }
         let fewer = self.score(self.fit_problem.refit(rest, self.fit_problem.jacobian_without(&best.fitted, out))?);
         self.tried.push(fewer.clone());
