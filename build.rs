@@ -1,5 +1,5 @@
 //! Hands digests of sources and packages to the program: a stored result is believed only by the code that computed it
-//! (`src/runner/source_digest.rs`).
+//! (`src/runner/graph/source_digest.rs`).
 
 #[path = "build/dependencies.rs"]
 mod dependencies;

@@ -8,7 +8,7 @@ use std::path::Path;
 /// The folder of jobs: each file is the root of the stages that it defines.
 const JOBS: &str = "runner/jobs/";
 /// How results are laid out in the store: every stage depends on it.
-const CODEC: &str = "runner/codec.rs";
+const CODEC: &str = "runner/graph/codec.rs";
 /// What only robots on a bench and rehearsals of them run: in the digest of such a robot, not of every stage that may
 /// build one.
 const BENCH: &str = "plants/hardware/";

@@ -6,7 +6,8 @@ use super::error::BenchmarkError;
 use crate::base::{Point3, Rows, Seed};
 use crate::effects::{EffectSpec, Model, Trial, replay};
 use crate::plants::{Simulated, SimulatedOptions};
-use crate::tasks::{ExploreOptions, explore};
+use crate::tasks::ExploreOptions;
+use crate::tasks::explore;
 
 /// Commands of the drives, trial by trial, at a constant rate.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

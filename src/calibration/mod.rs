@@ -3,42 +3,34 @@
 //! Methods: `docs/calibration.md`.
 
 mod auto;
-mod baselines;
-mod blocks;
-mod comparison;
-mod constant_curvature;
-mod entry;
+mod compare;
 mod error;
-mod idle;
-mod intervals;
-mod noise;
-mod number;
-mod optimum;
-mod path;
+mod fit;
+mod numbers;
 mod report;
-mod residuals;
-mod robust;
 mod select;
-mod slopes;
-mod starts;
-mod validation;
+mod validate;
 
 use crate::data::Recording;
 use crate::data::calibration::{CalibrationFindings, SightingRow};
 use crate::effects::Model;
+use compare::{noise, robust};
+use fit::{optimum, starts};
+use numbers::{entry, idle};
+use validate::{residuals, validation};
 
-use blocks::{Blocks, SightingSplit};
-use comparison::Comparison;
-use intervals::{Uncertain, uncertainty};
-use noise::{Misfit, NoiseEstimate};
-use number::FitNumber;
-use optimum::{CalibrationProblem, Optimum};
+use compare::blocks::{Blocks, SightingSplit};
+use compare::comparison::Comparison;
+use compare::noise::{Misfit, NoiseEstimate};
+use fit::intervals::{Uncertain, uncertainty};
+use fit::optimum::{CalibrationProblem, Optimum};
+use numbers::number::FitNumber;
 use select::{NumberGroup, Selection};
 
-pub use blocks::HoldOut;
-pub use entry::SHORT_NAMES;
+pub use compare::blocks::HoldOut;
+pub use compare::robust::ErrorLaw;
 pub use error::CalibrationError;
-pub use robust::ErrorLaw;
+pub use numbers::entry::SHORT_NAMES;
 
 /// The entry that stands for a staged set of numbers.
 pub const AUTO: &str = "auto";

@@ -1,9 +1,10 @@
 //! What a calibration says of its result.
 
-use super::blocks::Blocks;
-use super::idle::instead;
-use super::optimum::CalibrationProblem;
-use super::{ErrorLaw, FitNumber, Fitted, Uncertain, residuals};
+use super::compare::blocks::Blocks;
+use super::fit::optimum::CalibrationProblem;
+use super::numbers::idle::instead;
+use super::validate::residuals;
+use super::{ErrorLaw, FitNumber, Fitted, Uncertain};
 use crate::data::calibration::{CalibratedNumber, CalibrationFindings, HeldOutError, NoiseAndMisfit, TradeOff};
 
 /// Correlation beyond which two numbers trade against each other: one of them known, the other's interval would be less than

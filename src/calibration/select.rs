@@ -1,15 +1,15 @@
 //! How many numbers the data can carry: groups of numbers are added one after the other, and stay only where they lower the
 //! blocked cross-validation error.
 
-use super::blocks::Blocks;
-use super::comparison::Comparison;
-use super::entry::numbers;
+use super::compare::blocks::Blocks;
+use super::compare::comparison::Comparison;
+use super::compare::robust::ErrorLaw;
 use super::error::CalibrationError;
-use super::idle;
-use super::number::FitNumber;
-use super::optimum::{CalibrationProblem, ROUGHLY_CONVERGED};
-use super::robust::ErrorLaw;
-use super::validation::without;
+use super::fit::optimum::{CalibrationProblem, ROUGHLY_CONVERGED};
+use super::numbers::entry::numbers;
+use super::numbers::idle;
+use super::numbers::number::FitNumber;
+use super::validate::validation::without;
 use crate::base::distance_m;
 use crate::data::calibration::FitStage;
 use crate::effects::Model;

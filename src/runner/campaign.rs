@@ -1,14 +1,12 @@
 //! Experiments as stages of one graph, and the stages' results as the tables of each experiment.
 
 use super::graph::{Failure, Graph, Handle};
-use super::metrics::{ANY_TRAINING, Tables};
-use super::outcomes::Outcomes;
-use super::stages::{BlindStages, RepairCampaign, RepairVariant, SharedParts, Stages};
+use super::stages::{BlindStages, RepairCampaign, RepairVariant, SharedParts, Stages, points_of};
 use crate::base::Point3;
 use crate::benchmark::DrawnEffect;
 use crate::effects::EffectSpec;
 use crate::learn::networks::Trained;
-use crate::policies::{self, FORWARD, NetworkDescription, PolicyEntry, TrainingData, networks};
+use crate::policies::{self, FORWARD, NetworkDescription, PolicyEntry, networks};
 use crate::rows::cell::CellLabel;
 use crate::rows::experiment::{GapSample, GpCoverage, GpLeftOut, GpScore, ReachTrial, TrackSample};
 use crate::rows::responses::{PaceLap, ResponseTrial};
@@ -19,6 +17,9 @@ use crate::specs::{
 use crate::tasks::SimulatedBy;
 use std::collections::BTreeSet;
 use std::sync::Arc;
+
+/// In the place of a kind of training: none takes part.
+pub(super) const ANY_TRAINING: &str = "any";
 
 /// Some experiments, expanded into the stages that they need. What they share is there once.
 pub struct Campaign {
@@ -143,13 +144,6 @@ impl CampaignEntry {
     /// The values of a point's swept fields, in words.
     pub(super) fn label(&self, point: &PointStages) -> String {
         SweepPoint { values: point.values.clone(), experiment: point.experiment.clone() }.label(&self.sweep)
-    }
-}
-
-impl PointStages {
-    /// The tables of this point: rows sorted, failures as rows with a status.
-    pub(super) fn tables(&self, outcomes: &Outcomes) -> Tables {
-        super::tables::assemble(self, outcomes)
     }
 }
 
@@ -308,13 +302,4 @@ fn networks_of(
         }
     }
     used.into_iter().filter_map(|(rank, points)| Some((known[rank?], points))).collect()
-}
-
-/// How much data a network of a cell depends on: real points, points of the error model, or 0 for simulated data.
-pub(super) fn points_of(network: &NetworkDescription, cell: &CellLabel) -> usize {
-    match network.data {
-        TrainingData::Simulated | TrainingData::Randomised => 0,
-        TrainingData::Real => cell.real_points as usize,
-        TrainingData::Generated => cell.gp_points as usize,
-    }
 }

@@ -40,8 +40,8 @@ fn telling_files_change_the_keys_of_exactly_these_stages() {
     assert_eq!(all.len(), 38);
     let only = |names: &[&'static str]| names.iter().copied().collect::<BTreeSet<_>>();
     // How results lie in the store.
-    assert_eq!(&stages_of("runner/codec.rs") - &only(&["bench"]), all);
-    assert_eq!(stages_of("data/rows.rs"), only(&ROWS));
+    assert_eq!(&stages_of("runner/graph/codec.rs") - &only(&["bench"]), all);
+    assert_eq!(stages_of("rows/experiment.rs"), only(&ROWS));
     // The rod moves in all that build a robot; what is only trained has seen it through its inputs.
     let rod = &stages_of("rod/solver/newton.rs") - &only(&["bench"]);
     for kind in ["collect_sim", "collect_real", "gp_pool", "target_pool", "waypoints", "reach", "track", "discover"] {
@@ -68,9 +68,9 @@ fn telling_files_change_the_keys_of_exactly_these_stages() {
     ])));
     // One file of jobs holds both.
     let trials = only(&["reach", "track", "response", "pace", "monitor", "alarm"]);
-    assert_eq!(stages_of("tasks/reach.rs"), trials);
-    assert_eq!(stages_of("tasks/track.rs"), trials);
-    assert_eq!(stages_of("tasks/pace.rs"), only(&["response", "pace"]));
+    assert_eq!(stages_of("tasks/loops/reach.rs"), trials);
+    assert_eq!(stages_of("tasks/loops/track.rs"), trials);
+    assert_eq!(stages_of("tasks/loops/pace.rs"), only(&["response", "pace"]));
     assert_eq!(stages_of("tasks/monitor.rs"), only(&["monitor", "alarm"]));
     assert_eq!(
         stages_of("plants/hardware/options.rs"),
@@ -82,7 +82,8 @@ fn telling_files_change_the_keys_of_exactly_these_stages() {
         let room = file.split('/').next().unwrap();
         let outside = ["report", "cli", "main.rs", "calibration"].contains(&room)
             || [
-                "runner/executor",
+                "runner/execute/",
+                "runner/publish/",
                 "runner/store/",
                 "runner/slurm/",
                 "runner/stages/",

@@ -89,7 +89,7 @@ fn a_command_refused_for_its_antagonists_leaves_the_model_where_it_was() {
     let after = |refused: Option<[TendonCommand; 4]>| {
         let mut plant = open(&options(), 5);
         plant.reset(Seed(0)).unwrap();
-        for commands in refused {
+        if let Some(commands) = refused {
             let Err(PlantError::Refused(words)) = plant.drive(&commands) else { panic!("not refused") };
             assert!(words.contains("antagonist"), "{words}");
         }

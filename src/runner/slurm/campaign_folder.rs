@@ -3,10 +3,10 @@
 use super::worker::WorkerSummary;
 use crate::data::write_atomic;
 use crate::runner::campaign::Campaign;
-use crate::runner::digest::Digest;
-use crate::runner::executor::RunRecord;
+use crate::runner::execute::executor::RunRecord;
 use crate::runner::graph::Failure;
-use crate::runner::key::Key;
+use crate::runner::graph::digest::Digest;
+use crate::runner::graph::key::Key;
 use crate::runner::store::Store;
 use crate::specs::ExperimentSet;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};

@@ -4,11 +4,11 @@ use super::campaign_folder::{CANCELLED, CampaignContents, CampaignFolder, FINISH
 use super::queue;
 use crate::hardware::interrupt::Interrupt;
 use crate::runner::campaign::Campaign;
-use crate::runner::executor::RunRecord as _;
+use crate::runner::execute::executor::RunRecord as _;
+use crate::runner::execute::plan::{Need, plan};
+use crate::runner::execute::progress::{Progress, StageEvent};
 use crate::runner::graph::Failure;
-use crate::runner::key::Key;
-use crate::runner::plan::{Need, plan};
-use crate::runner::progress::{Progress, StageEvent};
+use crate::runner::graph::key::Key;
 use crate::runner::store::Store;
 use crate::specs::SlurmOptions;
 use std::collections::HashSet;

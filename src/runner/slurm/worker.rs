@@ -2,9 +2,9 @@
 
 use super::campaign_folder::{CampaignFolder, FINISHED, REFUSED};
 use crate::hardware::interrupt::Interrupt;
-use crate::runner::executor::{RunOptions, WorkerShare, execute_share};
-use crate::runner::outcomes::SharingCost;
-use crate::runner::progress::Progress;
+use crate::runner::execute::executor::{RunOptions, WorkerShare, execute_share};
+use crate::runner::execute::outcomes::SharingCost;
+use crate::runner::execute::progress::Progress;
 use crate::runner::store::StoreTraffic;
 use serde::{Deserialize, Serialize};
 use std::time::Instant;

@@ -3,12 +3,12 @@
 use super::{Added, Stages};
 use crate::base::Point3;
 use crate::rows::experiment::GapSample;
-use crate::runner::jobs::exploration::{EXPLORE, ExploreParams, REPLAY, ReplayParams};
-use crate::runner::jobs::gap::GAP;
-use crate::runner::jobs::gp_pool::{GP_POOL, PoolParams};
-use crate::runner::jobs::identified::Identified;
-use crate::runner::jobs::path::{PATH, WAYPOINTS, WaypointParams};
-use crate::runner::jobs::targets::{TARGET_POOL, TARGETS, TargetPoolParams, Targets};
+use crate::runner::jobs::data::exploration::{EXPLORE, ExploreParams, REPLAY, ReplayParams};
+use crate::runner::jobs::data::gap::GAP;
+use crate::runner::jobs::data::gp_pool::{GP_POOL, PoolParams};
+use crate::runner::jobs::data::path::{PATH, WAYPOINTS, WaypointParams};
+use crate::runner::jobs::data::targets::{TARGET_POOL, TARGETS, TargetPoolParams, Targets};
+use crate::runner::jobs::parts::identified::Identified;
 use crate::tasks::{GpPool, SimulatedBy, Transitions};
 
 impl Stages<'_> {

@@ -9,11 +9,13 @@ use crate::benchmark::{
 use crate::data::DataError;
 use crate::discovery::Options;
 use crate::effects::Model;
-use crate::runner::jobs::blind::{COMMANDS, CommandParams, RECORDED_TRUTH, RECORDING, SPAN, SpanParams, TRUTH};
-use crate::runner::jobs::blind_score::{SCORE, ScoreParams};
-use crate::runner::jobs::discover::{DISCOVER, DISCOVER_RECORDED, RecordedFile, RecordedParams};
-use crate::runner::outcomes::Outcomes;
-use crate::runner::stage::Handle;
+use crate::runner::execute::outcomes::Outcomes;
+use crate::runner::graph::stage::Handle;
+use crate::runner::jobs::discovery::blind::{
+    COMMANDS, CommandParams, RECORDED_TRUTH, RECORDING, SPAN, SpanParams, TRUTH,
+};
+use crate::runner::jobs::discovery::blind_score::{SCORE, ScoreParams};
+use crate::runner::jobs::discovery::discover::{DISCOVER, DISCOVER_RECORDED, RecordedFile, RecordedParams};
 use crate::specs::{DiscoveryRun, PlantSpec};
 use crate::tasks::ExploreOptions;
 

@@ -12,14 +12,15 @@ pub(super) use discovery::BlindStages;
 pub(super) use repair::{RepairCampaign, RepairStages, RepairVariant};
 pub(super) use shared::SharedParts;
 
-use super::digest::Digest;
-use super::failure::Failure;
 use super::graph::Graph;
+use super::graph::digest::Digest;
+use super::graph::failure::Failure;
+use super::graph::source_digest;
+use super::graph::stage::{Handle, StageKind};
 use super::jobs;
-use super::source_digest;
-use super::stage::{Handle, StageKind};
 use crate::base::Seed;
-use crate::policies::networks;
+use crate::policies::{NetworkDescription, TrainingData, networks};
+use crate::rows::cell::CellLabel;
 use crate::specs::{Experiment, Training};
 use std::any::Any;
 use std::collections::{BTreeMap, HashMap};
@@ -111,3 +112,12 @@ fn stops(training: &Training) -> Option<[Option<u64>; 4]> {
 
 /// What adding a stage yields.
 type Added<T> = Result<Handle<T>, Failure>;
+
+/// How much data a network of a cell depends on: real points, points of the error model, or 0 for simulated data.
+pub(super) fn points_of(network: &NetworkDescription, cell: &CellLabel) -> usize {
+    match network.data {
+        TrainingData::Simulated | TrainingData::Randomised => 0,
+        TrainingData::Real => cell.real_points as usize,
+        TrainingData::Generated => cell.gp_points as usize,
+    }
+}

@@ -1,6 +1,6 @@
 //! The stages of repairs: the robot at work, its monitor, and for each change what is noticed, told, mended and run again.
 
-use super::{Added, Stages};
+use super::{Added, Stages, points_of};
 use crate::base::Point3;
 use crate::discovery::Options;
 use crate::effects::EffectSpec;
@@ -9,21 +9,20 @@ use crate::learn::networks::Trained;
 use crate::policies::{self, ModelNeed, NetworkDescription, PolicyEntry, TrainingData};
 use crate::rows::cell::CellLabel;
 use crate::rows::experiment::ReachTrial;
-use crate::runner::campaign::points_of;
-use crate::runner::failure::Failure;
-use crate::runner::jobs::diagnose::{DIAGNOSE, DiagnoseParams, IDENTIFY};
-use crate::runner::jobs::diagnosis::Diagnosis;
-use crate::runner::jobs::exploration::{EXPLORE, ExploreParams, REPLAY, ReplayParams};
-use crate::runner::jobs::gaussian_process::GP;
-use crate::runner::jobs::gp_repaired::{GP_MOVED, GP_REPAIRED, GpRepairedParams};
-use crate::runner::jobs::identified::Identified;
-use crate::runner::jobs::nearest::{NEAREST, NearestParams};
-use crate::runner::jobs::networks::train;
-use crate::runner::jobs::repaired::EXPLORE_REPAIRED;
-use crate::runner::jobs::retrain::RETRAIN;
-use crate::runner::jobs::trials::{PartHandles, REACH, ReachParams};
-use crate::runner::jobs::work::{ALARM, MONITOR, TriedMonitor, WorkParams};
-use crate::runner::stage::Handle;
+use crate::runner::graph::failure::Failure;
+use crate::runner::graph::stage::Handle;
+use crate::runner::jobs::data::exploration::{EXPLORE, ExploreParams, REPLAY, ReplayParams};
+use crate::runner::jobs::learning::gaussian_process::GP;
+use crate::runner::jobs::learning::networks::train;
+use crate::runner::jobs::parts::identified::Identified;
+use crate::runner::jobs::repair::diagnose::{DIAGNOSE, DiagnoseParams, IDENTIFY};
+use crate::runner::jobs::repair::diagnosis::Diagnosis;
+use crate::runner::jobs::repair::gp_repaired::{GP_MOVED, GP_REPAIRED, GpRepairedParams};
+use crate::runner::jobs::repair::nearest::{NEAREST, NearestParams};
+use crate::runner::jobs::repair::repaired::EXPLORE_REPAIRED;
+use crate::runner::jobs::repair::retrain::RETRAIN;
+use crate::runner::jobs::repair::work::{ALARM, MONITOR, TriedMonitor, WorkParams};
+use crate::runner::jobs::trials::reach_track::{PartHandles, REACH, ReachParams};
 use crate::specs::{PlantSpec, RepairRun, Training, TrialMode, repair_cells, repair_worker};
 use crate::tasks::{ExploreOptions, LoopMode, Transitions};
 

@@ -1,10 +1,10 @@
 //! The parts of an experiment that many of its stages read.
 
 use crate::policies::PolicyOptions;
-use crate::runner::failure::Failure;
-use crate::runner::jobs::identified::Identified;
-use crate::runner::jobs::outside_part::OutsidePart;
-use crate::runner::jobs::shared_part::SharedPart;
+use crate::runner::graph::failure::Failure;
+use crate::runner::jobs::parts::identified::Identified;
+use crate::runner::jobs::parts::outside_part::OutsidePart;
+use crate::runner::jobs::parts::shared_part::SharedPart;
 use crate::specs::{Experiment, PlantSpec};
 use std::collections::BTreeMap;
 

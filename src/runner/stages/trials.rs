@@ -1,15 +1,14 @@
 //! The stages of trials.
 
-use super::{Added, Stages};
+use super::{Added, Stages, points_of};
 use crate::policies::{self, ModelAccess, ModelNeed, PolicyEntry};
 use crate::rows::cell::CellLabel;
 use crate::rows::experiment::{ReachTrial, TrackSample};
 use crate::rows::responses::{PaceLap, ResponseTrial};
-use crate::runner::campaign::points_of;
-use crate::runner::failure::Failure;
-use crate::runner::jobs::identified::Identified;
-use crate::runner::jobs::responses::{PACE, PaceParams, RESPONSE, ResponseParams};
-use crate::runner::jobs::trials::{Condition, PartHandles, REACH, ReachParams, TRACK, TrackParams};
+use crate::runner::graph::failure::Failure;
+use crate::runner::jobs::parts::identified::Identified;
+use crate::runner::jobs::trials::reach_track::{Condition, PartHandles, REACH, ReachParams, TRACK, TrackParams};
+use crate::runner::jobs::trials::responses::{PACE, PaceParams, RESPONSE, ResponseParams};
 use crate::specs::{PaceRun, Training, TrialMode};
 
 impl Stages<'_> {

@@ -7,7 +7,7 @@
 //! holder was only suspended, two processes may compute the same entry: twice the work, the same bytes.
 
 use super::Store;
-use crate::runner::key::Key;
+use crate::runner::graph::key::Key;
 use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
 use std::sync::PoisonError;
@@ -87,7 +87,7 @@ impl Drop for EntryLock {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::runner::digest::Digest;
+    use crate::runner::graph::digest::Digest;
 
     #[test]
     fn an_entry_is_locked_once_until_the_lock_is_dropped() {

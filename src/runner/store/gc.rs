@@ -1,8 +1,8 @@
 //! Keeping the store: what lies in it, whether it is good, and taking out what is of no use.
 
 use super::{Lookup, Note, Store};
-use crate::runner::digest::Digest;
-use crate::runner::key::Key;
+use crate::runner::graph::digest::Digest;
+use crate::runner::graph::key::Key;
 use std::collections::BTreeMap;
 use std::fs;
 use std::io;
@@ -135,7 +135,7 @@ fn folders(folder: &Path) -> io::Result<Vec<PathBuf>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::runner::timing::Timing;
+    use crate::runner::graph::timing::Timing;
 
     #[test]
     fn entries_are_listed_with_their_state_and_leftovers_are_found() {

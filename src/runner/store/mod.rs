@@ -10,9 +10,9 @@ mod gc;
 pub use entry_lock::EntryLock;
 pub use gc::{EntryState, StoredEntry};
 
-use super::digest::Digest;
-use super::key::Key;
-use super::timing::Timing;
+use super::graph::digest::Digest;
+use super::graph::key::Key;
+use super::graph::timing::Timing;
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 use std::fs::{self, File};

@@ -1,0 +1,200 @@
+//! What is compared: the places of tracked points in rows of a recording, and what a model says of them, in parallel.
+
+use std::borrow::Cow;
+use std::ops::Range;
+use std::path::Path;
+
+use rayon::prelude::*;
+
+use crate::base::{InterruptRequest, Point3};
+use crate::calibration::error::CalibrationError;
+use crate::data::Recording;
+use crate::effects::{Model, Starts};
+use crate::tasks::SimulationOptions;
+use crate::tasks::simulate_recording;
+
+/// Rows that one thread simulates one after the other when rows are independent. A fixed number, so that the result does not
+/// depend on the number of threads.
+const ROWS: usize = 48;
+
+/// One measured position.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::calibration) struct Sighting {
+    /// Row of the recording.
+    pub(in crate::calibration) row: usize,
+    /// Tracked point: 0 is the tip, then the recording's points.
+    pub(in crate::calibration) marker: usize,
+    /// Measured, metres.
+    pub(in crate::calibration) at_m: Point3,
+}
+
+/// A recording and what of it is compared.
+#[derive(Clone, Debug)]
+pub(in crate::calibration) struct Comparison<'a> {
+    pub(in crate::calibration) recording: &'a Recording,
+    pub(in crate::calibration) at_rest: bool,
+    pub(in crate::calibration) sightings: Vec<Sighting>,
+    /// Names of the tracked points.
+    pub(in crate::calibration) markers: Vec<String>,
+    /// Whether rows do not depend on those before them.
+    pub(in crate::calibration) independent: bool,
+    /// Whether trials go on from one another.
+    continues: bool,
+    pub(in crate::calibration) parts: Vec<Part>,
+}
+
+/// Rows that are simulated together.
+#[derive(Clone, Debug)]
+pub(in crate::calibration) struct Part {
+    pub(in crate::calibration) commands: Recording,
+    /// Index of a sighting and its row in `commands`.
+    pub(in crate::calibration) sightings: Vec<(usize, usize)>,
+}
+
+/// Positions that a model says, one a sighting; none where it has no solution.
+pub(in crate::calibration) type Positions = Vec<Option<Point3>>;
+
+impl<'a> Comparison<'a> {
+    /// Every tracked point that `model` places, in every valid row.
+    ///
+    /// # Errors
+    /// [`CalibrationError::NothingTracked`].
+    pub(in crate::calibration) fn new(
+        model: &Model,
+        recording: &'a Recording,
+        at_rest: bool,
+    ) -> Result<Comparison<'a>, CalibrationError> {
+        let point_names = model.tracking.names();
+        let mut tracks = tracks(recording);
+        tracks.retain(|(name, _)| name == "tip" || point_names.contains(name));
+        let mut sightings = Vec::new();
+        for row in (0..recording.len()).filter(|&row| recording.is_valid(row)) {
+            for (marker, (_, track)) in tracks.iter().enumerate() {
+                let at_m = track.get(row).copied().unwrap_or([f64::NAN; 3]);
+                if at_m.iter().all(|x| x.is_finite()) {
+                    sightings.push(Sighting { row, marker, at_m });
+                }
+            }
+        }
+        if sightings.is_empty() {
+            return Err(CalibrationError::NothingTracked);
+        }
+        let markers = tracks.into_iter().map(|(name, _)| name).collect();
+        let independent = at_rest
+            && model.rod(&[]).moment_laws.is_empty()
+            && !model.effects.iter().any(|effect| effect.build().has_memory_at_rest());
+        let continues = model.tracking.starts == Starts::Continue;
+        let mut comparison =
+            Comparison { recording, at_rest, sightings, markers, independent, continues, parts: Vec::new() };
+        comparison.parts = comparison.divided();
+        Ok(comparison)
+    }
+
+    /// Only some of the sightings, by index.
+    pub(in crate::calibration) fn only(&self, kept: &[usize]) -> Comparison<'a> {
+        let sightings = kept.iter().map(|&index| self.sightings[index]).collect();
+        let mut comparison = Comparison { sightings, parts: Vec::new(), ..self.clone() };
+        comparison.parts = comparison.divided();
+        comparison
+    }
+
+    /// Number of compared rows.
+    pub(in crate::calibration) fn rows(&self) -> usize {
+        let mut rows: Vec<usize> = self.sightings.iter().map(|sighting| sighting.row).collect();
+        rows.dedup();
+        rows.len()
+    }
+
+    /// Rows that are simulated together: poses at rest of a robot without memory in short parts, other trials up to the last
+    /// compared row.
+    fn divided(&self) -> Vec<Part> {
+        let mut trials = self.recording.trials();
+        if self.continues && !self.independent {
+            trials = vec![(0, 0..self.recording.len())];
+        }
+        let mut parts: Vec<Part> = Vec::new();
+        for (_, trial) in trials {
+            let of_trial = self.sightings.iter().enumerate().filter(|(_, sighting)| trial.contains(&sighting.row));
+            let seen: Vec<(usize, usize)> = of_trial.map(|(index, sighting)| (index, sighting.row)).collect();
+            let Some(&(_, last)) = seen.last() else { continue };
+            if !self.independent {
+                let rows: Vec<usize> = (trial.start..last + 1).collect();
+                parts.push(self.part(&rows, &seen));
+                continue;
+            }
+            let mut rows: Vec<usize> = seen.iter().map(|&(_, row)| row).collect();
+            rows.dedup();
+            for chunk in rows.chunks(ROWS) {
+                let range: Range<usize> = chunk[0]..chunk[chunk.len() - 1] + 1;
+                let in_chunk: Vec<(usize, usize)> =
+                    seen.iter().copied().filter(|(_, row)| range.contains(row)).collect();
+                parts.push(self.part(chunk, &in_chunk));
+            }
+        }
+        parts
+    }
+
+    fn part(&self, rows: &[usize], seen: &[(usize, usize)]) -> Part {
+        let place = |row: usize| rows.binary_search(&row).unwrap_or_default();
+        let measured = self.recording.rows(rows);
+        let commands =
+            Recording { tip_m: None, tip_quaternion: None, points: Vec::new(), extra: Vec::new(), ..measured };
+        Part { commands, sightings: seen.iter().map(|&(index, row)| (index, place(row))).collect() }
+    }
+
+    pub(in crate::calibration) fn options(&self) -> SimulationOptions {
+        SimulationOptions { at_rest: self.at_rest, ..SimulationOptions::default() }
+    }
+
+    /// What of a part is simulated under `model`, and the model to do it with: its gains decide what the tendons do, and poses
+    /// that do not depend on others need no home.
+    pub(in crate::calibration) fn driven<'b>(&self, part: &'b Part, model: &Model) -> (Model, Cow<'b, Recording>) {
+        let mut model = model.clone();
+        if self.independent {
+            model.tracking.starts = Starts::Anywhere;
+        }
+        let mut commands = Cow::Borrowed(&part.commands);
+        if !part.commands.drives.is_empty() {
+            let tendons = model.robot.tendons.angles_deg.len();
+            // The recording has been converted before, so that no drive is missing.
+            let _ = commands.to_mut().convert_drives(Path::new(""), &model.drive_gains(), tendons);
+        }
+        (model, commands)
+    }
+
+    pub(in crate::calibration) fn simulated(&self, part: &Part, model: &Model) -> Recording {
+        let (model, commands) = self.driven(part, model);
+        simulate_recording(&model, &commands, &self.options())
+    }
+
+    /// What `model` says.
+    pub(in crate::calibration) fn positions(&self, model: &Model) -> Positions {
+        let request = InterruptRequest::current();
+        let simulated = |part| request.within(|| self.simulated(part, model));
+        let each: Vec<Recording> = self.parts.par_iter().map(simulated).collect();
+        let mut positions = vec![None; self.sightings.len()];
+        for (part, simulated) in self.parts.iter().zip(&each) {
+            self.take(part, &tracks(simulated), &mut positions);
+        }
+        positions
+    }
+
+    pub(in crate::calibration) fn take(
+        &self,
+        part: &Part,
+        tracks: &[(String, &[Point3])],
+        positions: &mut [Option<Point3>],
+    ) {
+        for &(index, row) in &part.sightings {
+            let name = &self.markers[self.sightings[index].marker];
+            let track = tracks.iter().find(|(track_name, _)| track_name == name);
+            positions[index] = track.map(|(_, track)| track[row]).filter(|at| at.iter().all(|x| x.is_finite()));
+        }
+    }
+}
+
+/// The tracked points of a recording, with their positions: the tip first.
+pub(in crate::calibration) fn tracks(recording: &Recording) -> Vec<(String, &[Point3])> {
+    let tip = recording.tip_m.iter().map(|tip| ("tip".to_owned(), tip.as_slice()));
+    tip.chain(recording.points.iter().map(|point| (point.name.clone(), point.position_m.as_slice()))).collect()
+}

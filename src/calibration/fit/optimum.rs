@@ -1,0 +1,233 @@
+//! The fit: Levenberg–Marquardt with bounds, priors and weights (Nocedal & Wright, Numerical Optimization, sections 10.3 and
+//! 16.7: coordinates at a bound that the gradient pushes against are held).
+
+use nalgebra::{Cholesky, DMatrix, DVector};
+
+use crate::calibration::compare::comparison::{Comparison, Positions};
+use crate::calibration::compare::robust::{ErrorLaw, weights};
+use crate::calibration::error::CalibrationError;
+use crate::calibration::numbers::number::{FitNumber, with_coordinates};
+use crate::effects::Model;
+use crate::math::optimise::least_squares::{damped, unseen_left_out};
+
+/// A number that moves no point by more than [`POINT_ACCURACY_M`] when its coordinate changes by this is not observable.
+const OBSERVABLE_CHANGE: f64 = 1e-3;
+/// Accuracy of a simulated point, metres: the rod's tolerance.
+const POINT_ACCURACY_M: f64 = 1e-8;
+/// Largest damping: then a step is a hundred-thousandth of the undamped one.
+const MAX_DAMPING: f64 = 1e5;
+/// Improvement of the sum of squares below which a fit has converged, in variances of one coordinate: a thirtieth of a
+/// standard error, or, for a start of another fit, a tenth.
+pub(in crate::calibration) const CONVERGED: f64 = 1e-3;
+pub(in crate::calibration) const ROUGHLY_CONVERGED: f64 = 1e-2;
+/// Largest share of rows that the model may leave without a solution.
+const MAX_FAILED_SHARE: f64 = 0.2;
+/// Largest share of the solved rows that a step may lose.
+const MAX_LOST_SHARE: f64 = 0.02;
+
+/// A fit at its optimum, or where it stopped.
+#[derive(Clone, Debug)]
+pub(in crate::calibration) struct Optimum {
+    /// Coordinates of the numbers.
+    pub(in crate::calibration) x: Vec<f64>,
+    /// What the model says of each sighting.
+    pub(in crate::calibration) positions: Positions,
+    /// Derivative of the positions, three rows a sighting; zero for numbers without influence and sightings without solution.
+    pub(in crate::calibration) slopes: DMatrix<f64>,
+    /// Simulated minus measured, three a sighting, metres; zero where there is no solution.
+    pub(in crate::calibration) residual_m: DVector<f64>,
+    /// Weight of each sighting.
+    pub(in crate::calibration) weights: Vec<f64>,
+    /// Variance of one coordinate of a sighting, m².
+    pub(in crate::calibration) variance_m2: f64,
+    /// Whether no more improvement was possible within the iterations.
+    pub(in crate::calibration) converged: bool,
+}
+
+/// What is fitted to what.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::calibration) struct CalibrationProblem<'a> {
+    pub(in crate::calibration) model: &'a Model,
+    pub(in crate::calibration) numbers: &'a [FitNumber],
+    pub(in crate::calibration) comparison: &'a Comparison<'a>,
+    pub(in crate::calibration) likelihood: ErrorLaw,
+}
+
+impl CalibrationProblem<'_> {
+    /// The model at some coordinates.
+    pub(in crate::calibration) fn at(&self, x: &[f64]) -> Option<Model> {
+        with_coordinates(self.model, self.numbers, x)
+    }
+
+    /// Fits from `start` in at most `iterations` steps, until one gains less than `converged` variances of a coordinate.
+    ///
+    /// # Errors
+    /// [`CalibrationError::NotSimulated`] when the model has no solution for many of the rows at the start.
+    pub(in crate::calibration) fn fit(
+        &self,
+        start: &[f64],
+        iterations: usize,
+        converged: f64,
+    ) -> Result<Optimum, CalibrationError> {
+        let mut here = self.evaluated(start).ok_or_else(|| self.not_simulated(&[]))?;
+        let failed = here.positions.iter().filter(|at| at.is_none()).count();
+        if failed as f64 > MAX_FAILED_SHARE * here.positions.len() as f64 {
+            return Err(self.not_simulated(&here.positions));
+        }
+        let mut damping = 1e-3;
+        for _ in 0..iterations {
+            if self.expected_gain(&here) < converged * here.variance_m2 {
+                here.converged = true;
+                break;
+            }
+            let Some((x, gain)) = self.improved(&here, &mut damping) else {
+                here.converged = true;
+                break;
+            };
+            let variance_m2 = here.variance_m2;
+            let Some(next) = self.evaluated(&x) else { break };
+            here = next;
+            if gain < converged * variance_m2 {
+                here.converged = true;
+                break;
+            }
+        }
+        Ok(here)
+    }
+
+    /// Positions, derivative and weights at `x`; `None` when the model cannot be evaluated.
+    pub(in crate::calibration) fn evaluated(&self, x: &[f64]) -> Option<Optimum> {
+        let (positions, slopes) = self.comparison.with_slopes(&self.at(x)?, self.numbers, x)?;
+        let residual_m = self.residual_m(&positions);
+        let (weights, variance_m2) = weights(self.likelihood, &residual_m, &positions, self.numbers.len());
+        let slopes = unseen_left_out(slopes, OBSERVABLE_CHANGE, POINT_ACCURACY_M);
+        Some(Optimum { x: x.to_vec(), positions, slopes, residual_m, weights, variance_m2, converged: false })
+    }
+
+    /// Simulated minus measured; zero where there is no solution.
+    pub(in crate::calibration) fn residual_m(&self, positions: &Positions) -> DVector<f64> {
+        let each = positions.iter().zip(&self.comparison.sightings).flat_map(|(at, sighting)| match at {
+            Some(at) => [0, 1, 2].map(|axis| at[axis] - sighting.at_m[axis]),
+            None => [0.0; 3],
+        });
+        DVector::from_iterator(3 * positions.len(), each)
+    }
+
+    fn not_simulated(&self, positions: &[Option<[f64; 3]>]) -> CalibrationError {
+        let failed = |index: &usize| positions.get(*index).is_none_or(Option::is_none);
+        let all = self.comparison.sightings.len();
+        let first = (0..all).find(failed).unwrap_or_default();
+        let row = self.comparison.sightings[first].row;
+        CalibrationError::NotSimulated {
+            failed: (0..all).filter(failed).count(),
+            rows: all,
+            trial: self.comparison.recording.trial[row],
+            time_s: self.comparison.recording.time_s[row],
+        }
+    }
+
+    /// A step that lowers the weighted sum of squares, and by how much; `None` when there is none.
+    fn improved(&self, here: &Optimum, damping: &mut f64) -> Option<(Vec<f64>, f64)> {
+        let (normal, gradient) = self.normal(here);
+        let free = self.free(here, &gradient);
+        if free.is_empty() {
+            return None;
+        }
+        let accepted = damped(damping, MAX_DAMPING, |damping| {
+            let x = self.damped_step(here, (&normal, &gradient), &free, damping)?;
+            let positions = self.comparison.positions(&self.at(&x)?);
+            let gain = self.gain(here, &x, &positions).filter(|&gain| gain >= 0.0)?;
+            Some((x, gain))
+        });
+        if accepted.is_none() {
+            *damping = 1e-3;
+        }
+        // Bounds may undo the whole step.
+        accepted.filter(|(x, _)| *x != here.x)
+    }
+
+    /// Half the second derivative and half the gradient of the weighted sum of squares, priors included.
+    pub(in crate::calibration) fn normal(&self, here: &Optimum) -> (DMatrix<f64>, DVector<f64>) {
+        let mut weighted = here.slopes.clone();
+        for (index, &weight) in here.weights.iter().enumerate() {
+            weighted.rows_mut(3 * index, 3).scale_mut(weight);
+        }
+        let mut normal = weighted.tr_mul(&here.slopes);
+        let mut gradient = weighted.tr_mul(&here.residual_m);
+        for (k, number) in self.numbers.iter().enumerate() {
+            if let Some(deviation) = number.prior {
+                let weight = here.variance_m2 / (deviation * deviation);
+                normal[(k, k)] += weight;
+                gradient[k] += weight * here.x[k];
+            }
+        }
+        (normal, gradient)
+    }
+
+    /// By how much an undamped step would lower the weighted sum of squares if the model were linear.
+    fn expected_gain(&self, here: &Optimum) -> f64 {
+        let (normal, gradient) = self.normal(here);
+        let free = self.free(here, &gradient);
+        let part = DMatrix::from_fn(free.len(), free.len(), |row, column| normal[(free[row], free[column])]);
+        let right = DVector::from_fn(free.len(), |row, _| gradient[free[row]]);
+        Cholesky::new(part).map_or(f64::INFINITY, |factor| factor.solve(&right).dot(&right))
+    }
+
+    /// Numbers that are not held at their bound.
+    fn free(&self, here: &Optimum, gradient: &DVector<f64>) -> Vec<usize> {
+        let held = |k: usize| here.x[k] <= self.numbers[k].low() && gradient[k] >= 0.0;
+        (0..here.x.len()).filter(|&k| !held(k) && gradient[k] != 0.0).collect()
+    }
+
+    /// The coordinates after a damped step of the free numbers, within their bounds.
+    fn damped_step(
+        &self,
+        here: &Optimum,
+        (normal, gradient): (&DMatrix<f64>, &DVector<f64>),
+        free: &[usize],
+        damping: f64,
+    ) -> Option<Vec<f64>> {
+        let part = DMatrix::from_fn(free.len(), free.len(), |row, column| {
+            let entry = normal[(free[row], free[column])];
+            if row == column { entry * (1.0 + damping) } else { entry }
+        });
+        let right = DVector::from_fn(free.len(), |row, _| -gradient[free[row]]);
+        let step = Cholesky::new(part)?.solve(&right);
+        let excess = |(&k, step): (&usize, &f64)| step.abs() / self.numbers[k].longest_step();
+        let shorten = free.iter().zip(step.iter()).map(excess).fold(1.0, f64::max);
+        let mut x = here.x.clone();
+        for (&k, step) in free.iter().zip(step.iter()) {
+            x[k] = (x[k] + step / shorten).max(self.numbers[k].low());
+        }
+        Some(x)
+    }
+
+    /// By how much the weighted sum of squares is lower at `x`, over the sightings that have a solution at both; `None` when
+    /// too many have lost theirs.
+    fn gain(&self, here: &Optimum, x: &[f64], positions: &Positions) -> Option<f64> {
+        let solved = here.positions.iter().filter(|at| at.is_some()).count();
+        let both = |index: usize| here.positions[index].is_some() && positions[index].is_some();
+        let kept = (0..positions.len()).filter(|&index| both(index)).count();
+        if (solved - kept) as f64 > MAX_LOST_SHARE * solved as f64 {
+            return None;
+        }
+        let there = self.residual_m(positions);
+        let square = |residual: &DVector<f64>, index: usize| residual.rows(3 * index, 3).norm_squared();
+        let lower = |index: usize| here.weights[index] * (square(&here.residual_m, index) - square(&there, index));
+        let data: f64 = (0..positions.len()).filter(|&index| both(index)).map(lower).sum();
+        let prior = |(k, number): (usize, &FitNumber)| {
+            number.prior.map_or(0.0, |deviation| (here.x[k] * here.x[k] - x[k] * x[k]) / (deviation * deviation))
+        };
+        let priors: f64 = self.numbers.iter().enumerate().map(prior).sum();
+        let gain = data + here.variance_m2 * priors;
+        gain.is_finite().then_some(gain)
+    }
+}
+
+impl Optimum {
+    /// Root mean square distance between simulated and measured points, metres.
+    pub(in crate::calibration) fn rms_m(&self) -> f64 {
+        let solved = self.positions.iter().filter(|at| at.is_some()).count();
+        (self.residual_m.norm_squared() / solved.max(1) as f64).sqrt()
+    }
+}

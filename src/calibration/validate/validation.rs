@@ -1,0 +1,130 @@
+//! The error on rows that the fit has not seen, beside that of what a laboratory would use instead.
+
+use nalgebra::DVector;
+
+use super::baselines::{Reference, references};
+use crate::base::{Point3, distance_m};
+use crate::calibration::compare::blocks::{Blocks, SightingSplit};
+use crate::calibration::compare::comparison::{Comparison, Positions};
+use crate::calibration::fit::intervals::inverse;
+use crate::calibration::fit::optimum::{CalibrationProblem, Optimum};
+use crate::data::calibration::{HeldOutError, ModelError};
+use crate::effects::Model;
+
+/// Predictions of sightings that were not fitted, one list a model.
+struct Unseen {
+    name: &'static str,
+    numbers: usize,
+    /// Index of a sighting and what the model says of it.
+    positions: Vec<(usize, Option<Point3>)>,
+    /// Whether it could be fitted in every part.
+    complete: bool,
+}
+
+/// Blocked cross-validation. For each part the numbers are those of a fit without it, from one Gauss–Newton step at the
+/// optimum of all rows (exact where the model is linear; Giordano et al. 2019, the infinitesimal jackknife), and the part is
+/// then simulated with them.
+pub(in crate::calibration) fn cross_validated(
+    problem: &CalibrationProblem,
+    best: &Optimum,
+    blocks: &Blocks,
+) -> HeldOutError {
+    let folds = blocks.folds();
+    let mut all: Vec<Unseen> = Vec::new();
+    for fold in &folds {
+        let (unseen, fitted) = blocks.parted(fold);
+        let part = problem.comparison.only(&unseen);
+        let x = without(problem, best, &unseen);
+        let model = problem.at(&x).or_else(|| problem.at(&best.x));
+        let fitted_m = model.map_or_else(|| vec![None; unseen.len()], |model| part.positions(&model));
+        add(&mut all, "this model, fitted", problem.numbers.len(), &unseen, Some(fitted_m));
+        let start = problem.at(&vec![0.0; best.x.len()]);
+        add(&mut all, "this model, as given", 0, &unseen, start.map(|model| part.positions(&model)));
+        add_references(&mut all, problem.model, problem.comparison, SightingSplit { fitted: &fitted, unseen: &unseen });
+    }
+    let how = format!("blocked cross-validation: {} parts of the {} {}s", folds.len(), blocks.names.len(), blocks.kind);
+    error(problem.comparison, how, Vec::new(), all)
+}
+
+/// Error on the unseen sightings of `whole`.
+pub(in crate::calibration) fn held_out(
+    problem: &CalibrationProblem,
+    best: &Optimum,
+    whole: &Comparison,
+    split: SightingSplit,
+    (kind, names): (&str, Vec<String>),
+) -> HeldOutError {
+    let unseen = whole.only(split.unseen);
+    let mut all: Vec<Unseen> = Vec::new();
+    let positions = |x: &[f64]| problem.at(x).map(|model| unseen.positions(&model));
+    add(&mut all, "this model, fitted", problem.numbers.len(), split.unseen, positions(&best.x));
+    add(&mut all, "this model, as given", 0, split.unseen, positions(&vec![0.0; best.x.len()]));
+    add_references(&mut all, problem.model, whole, split);
+    error(whole, format!("{} {kind}s held out of the fit", names.len()), names, all)
+}
+
+/// Coordinates of a fit without some sightings.
+pub(in crate::calibration) fn without(problem: &CalibrationProblem, best: &Optimum, left_out: &[usize]) -> Vec<f64> {
+    let (mut normal, mut gradient) = problem.normal(best);
+    for &index in left_out {
+        let (rows, weight) = (best.slopes.rows(3 * index, 3), best.weights[index]);
+        normal -= rows.tr_mul(&rows) * weight;
+        gradient -= rows.tr_mul(&best.residual_m.rows(3 * index, 3)) * weight;
+    }
+    let Some(inverse) = inverse(&normal) else { return best.x.clone() };
+    let step: DVector<f64> = -(inverse.inverse * gradient);
+    let longest =
+        |(number, step): (&crate::calibration::numbers::number::FitNumber, &f64)| step.abs() / number.longest_step();
+    let shorten = problem.numbers.iter().zip(step.iter()).map(longest).fold(1.0, f64::max);
+    let moved = best.x.iter().zip(step.iter()).zip(problem.numbers);
+    moved.map(|((x, step), number)| (x + step / shorten).max(number.low())).collect()
+}
+
+fn add_references(all: &mut Vec<Unseen>, model: &Model, comparison: &Comparison, split: SightingSplit) {
+    for Reference { name, numbers, positions } in references(model, comparison, split) {
+        let positions = positions.map(|all| all.into_iter().map(Some).collect());
+        add(all, name, numbers, split.unseen, positions);
+    }
+}
+
+fn add(all: &mut Vec<Unseen>, name: &'static str, numbers: usize, unseen: &[usize], positions: Option<Positions>) {
+    let place = all.iter().position(|one| one.name == name).unwrap_or_else(|| {
+        all.push(Unseen { name, numbers, positions: Vec::new(), complete: true });
+        all.len() - 1
+    });
+    let one = &mut all[place];
+    one.numbers = one.numbers.max(numbers);
+    match positions {
+        Some(positions) => one.positions.extend(unseen.iter().copied().zip(positions)),
+        None => one.complete = false,
+    }
+}
+
+fn error(comparison: &Comparison, how: String, names: Vec<String>, all: Vec<Unseen>) -> HeldOutError {
+    let rms_m = |one: &Unseen, marker: Option<usize>| {
+        let wanted = |index: usize| marker.is_none_or(|marker| comparison.sightings[index].marker == marker);
+        let squares: Vec<f64> = one
+            .positions
+            .iter()
+            .filter(|(index, _)| wanted(*index))
+            .filter_map(|(index, at)| Some(distance_m(&(*at)?, &comparison.sightings[*index].at_m).powi(2)))
+            .collect();
+        (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+    };
+    let of = |one: &Unseen, marker| if one.complete { rms_m(one, marker) } else { f64::NAN };
+    let by_point = |one: &Unseen| (0..comparison.markers.len()).map(|marker| of(one, Some(marker))).collect();
+    let model = |one: &Unseen| ModelError {
+        name: one.name.to_owned(),
+        numbers: one.numbers,
+        rms_m: of(one, None),
+        by_point_m: by_point(one),
+    };
+    let rows = all.first().map_or(0, |one| one.positions.len());
+    HeldOutError {
+        how,
+        names,
+        positions: rows,
+        points: comparison.markers.clone(),
+        models: all.iter().map(model).collect(),
+    }
+}

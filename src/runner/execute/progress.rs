@@ -1,0 +1,204 @@
+//! What a run tells while it runs: a bar, lines of JSON, or nothing. Always on stderr.
+
+use super::remaining::{RemainingTime, about};
+use crate::runner::graph::timing::Timing;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use serde_json::json;
+use std::collections::BTreeMap;
+use std::io::IsTerminal;
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+/// How to tell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Style {
+    /// A bar when stderr is a terminal, notices otherwise.
+    Human,
+    /// Notices only.
+    Quiet,
+    /// One JSON object a line.
+    Json,
+}
+
+/// One stage, as it is told of.
+#[derive(Clone, Copy, Debug)]
+pub struct StageEvent<'a> {
+    /// Kind of stage.
+    pub stage: &'a str,
+    /// Which of them.
+    pub label: &'a str,
+    /// Its key, shortened.
+    pub key: &'a str,
+    /// Rough cost, milliseconds.
+    pub cost_ms: u64,
+}
+
+/// The teller.
+pub struct Progress {
+    style: Style,
+    bar: ProgressBar,
+    left: Mutex<StageCounts>,
+    remaining: Arc<Mutex<RemainingTime>>,
+}
+
+/// Parts of the length of the bar.
+const BAR_PARTS: u64 = 1000;
+
+#[derive(Default)]
+struct StageCounts {
+    total: usize,
+    done: usize,
+    failed: usize,
+    /// Done and all of each kind.
+    kinds: BTreeMap<String, [usize; 2]>,
+}
+
+impl StageCounts {
+    /// How far everything and the kind of the last stage are.
+    fn words(&self, stage: &str) -> String {
+        let failed = if self.failed > 0 { format!(", {} failed", self.failed) } else { String::new() };
+        let [done, all] = self.kinds.get(stage).copied().unwrap_or_default();
+        format!("{} of {} stages{failed}, {stage} {done}/{all}", self.done, self.total)
+    }
+}
+
+impl Progress {
+    /// A teller in this style; the bar appears when there is something to do.
+    pub fn new(style: Style) -> Progress {
+        let visible = style == Style::Human && std::io::stderr().is_terminal();
+        let target = if visible { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
+        let bar = ProgressBar::with_draw_target(Some(0), target);
+        let remaining = Arc::new(Mutex::new(RemainingTime::none()));
+        Progress { style, bar, left: Mutex::default(), remaining }
+    }
+
+    /// Whether only notes are told.
+    pub fn is_quiet(&self) -> bool {
+        self.style == Style::Quiet
+    }
+
+    /// The work is known: stages to compute on so many threads, each with its kind and rough cost in milliseconds, and
+    /// `cached` that need nothing. `known_s`: what a stage of a kind took in runs before, seconds.
+    pub fn planned<'a>(
+        &self,
+        compute: impl Iterator<Item = (&'a str, u64)> + Clone,
+        cached: usize,
+        threads: usize,
+        known_s: &dyn Fn(&str) -> Option<f64>,
+    ) {
+        let mut left = StageCounts::default();
+        for (kind, _) in compute.clone() {
+            left.kinds.entry(kind.to_owned()).or_default()[1] += 1;
+            left.total += 1;
+        }
+        if let Ok(mut remaining) = self.remaining.lock() {
+            *remaining = RemainingTime::new(compute, threads, known_s);
+        }
+        self.event("planned", json!({ "compute": left.total, "cached": cached }));
+        if let Ok(mut known) = self.left.lock() {
+            *known = left;
+        }
+        self.bar.set_length(BAR_PARTS);
+        self.bar.reset();
+        let remaining = Arc::clone(&self.remaining);
+        let words = move |_: &ProgressState, out: &mut dyn std::fmt::Write| {
+            let left_s = remaining.lock().ok().and_then(|mut remaining| remaining.left_s(Instant::now()));
+            let _ = match left_s {
+                Some(left_s) => write!(out, "{} left", about(left_s)),
+                None => write!(out, "estimating the time left"),
+            };
+        };
+        let style = ProgressStyle::with_template("{bar:32} {percent:>3} %  {msg}  {remaining}");
+        self.bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).with_key("remaining", words));
+        self.bar.enable_steady_tick(Duration::from_millis(250));
+    }
+
+    /// A stage begins.
+    pub fn started(&self, told: StageEvent) {
+        if let Ok(mut remaining) = self.remaining.lock() {
+            remaining.started(told.stage);
+        }
+        self.event("started", json!({ "stage": told.stage, "label": told.label, "key": told.key }));
+    }
+
+    /// A stage ended, with its failure if it failed.
+    pub fn finished(&self, told: StageEvent, timing: Timing, failure: Option<&str>) {
+        let state = json!({ "stage": told.stage, "label": told.label, "key": told.key, "wall_s": timing.wall_s,
+                            "cpu_s": timing.cpu_s, "failure": failure });
+        self.event("finished", state);
+        if let Some(failure) = failure {
+            self.notice(&format!("{} {} failed: {failure}", told.stage, told.label));
+        }
+        let Ok(mut left) = self.left.lock() else { return };
+        left.done += 1;
+        left.failed += usize::from(failure.is_some());
+        if let Some([done, _]) = left.kinds.get_mut(told.stage) {
+            *done += 1;
+        }
+        self.bar.set_message(left.words(told.stage));
+        if let Ok(mut remaining) = self.remaining.lock() {
+            remaining.finished(told.stage, timing.wall_s);
+            let share = remaining.share_done(Instant::now());
+            self.bar.set_position(self.bar.position().max((share * BAR_PARTS as f64) as u64).min(BAR_PARTS));
+        }
+    }
+
+    /// Something that a person should know.
+    pub fn notice(&self, text: &str) {
+        match self.style {
+            Style::Json => self.event("notice", json!({ "text": text })),
+            Style::Human | Style::Quiet => self.bar.suspend(|| eprintln!("note: {text}")),
+        }
+    }
+
+    /// A line for a person that is no warning; quiet runs do without.
+    pub fn say(&self, text: &str) {
+        match self.style {
+            Style::Json => self.event("summary", json!({ "text": text })),
+            Style::Human => self.bar.suspend(|| eprintln!("{text}")),
+            Style::Quiet => {}
+        }
+    }
+
+    /// A step of a command that has no stages of its own begins.
+    pub fn step(&self, text: &str) {
+        self.event("step", json!({ "text": text }));
+        if self.bar.position() == 0 && self.bar.length() == Some(0) {
+            let style = ProgressStyle::with_template("{spinner} {msg}  {elapsed}");
+            self.bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
+            self.bar.enable_steady_tick(Duration::from_millis(250));
+        }
+        self.bar.set_message(text.to_owned());
+    }
+
+    /// How many stages are done, and how many there are to compute.
+    pub fn counts(&self) -> (usize, usize) {
+        self.left.lock().map_or((0, 0), |left| (left.done, left.total))
+    }
+
+    /// Everything is done.
+    pub fn done(&self) {
+        self.bar.finish_and_clear();
+    }
+
+    fn event(&self, name: &str, mut fields: serde_json::Value) {
+        if self.style == Style::Json {
+            fields["event"] = name.into();
+            eprintln!("{fields}");
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_person_reads_how_far_it_is() {
+        let kinds = BTreeMap::from([("reach".to_owned(), [3, 8]), ("train".to_owned(), [2, 2])]);
+        let mut left = StageCounts { total: 10, done: 5, failed: 0, kinds };
+        assert_eq!(left.words("reach"), "5 of 10 stages, reach 3/8");
+        left.failed = 1;
+        assert_eq!(left.words("train"), "5 of 10 stages, 1 failed, train 2/2");
+    }
+}

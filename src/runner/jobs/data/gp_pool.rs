@@ -1,0 +1,26 @@
+//! The predefined points of the Gaussian process.
+
+use crate::base::Seed;
+use crate::runner::graph::stage::{Stage, StageKind};
+use crate::runner::jobs::parts::identified::Identified;
+use crate::tasks::{self, GpPointsOptions, GpPool};
+
+/// The points on model and robot.
+pub(in crate::runner) const GP_POOL: Stage<PoolParams, (), GpPool> = Stage {
+    kind: StageKind { name: "gp_pool", module: module_path!(), cost_ms: 4000 },
+    job: |params, ()| {
+        let (mut model, mut robot) = (params.model.build(&[], params.step_s)?, params.plant.build(&[], params.step_s)?);
+        let pool = tasks::gp_points(model.as_mut(), robot.as_mut(), &params.options, Seed(params.seed));
+        pool.map_err(|error| error.to_string())
+    },
+};
+
+/// Parameters of [`GP_POOL`].
+#[derive(serde::Serialize)]
+pub(in crate::runner) struct PoolParams {
+    pub(in crate::runner) model: Identified,
+    pub(in crate::runner) plant: Identified,
+    pub(in crate::runner) options: GpPointsOptions,
+    pub(in crate::runner) step_s: f64,
+    pub(in crate::runner) seed: u64,
+}

@@ -1,0 +1,23 @@
+//! How good the answer to a blind case is.
+
+use crate::benchmark::{self, CaseAnswer, CaseBatch, ScoredCase, Truth};
+use crate::effects::Model;
+use crate::runner::graph::stage::{Handle, Stage, StageKind};
+
+/// The score of a case.
+pub(in crate::runner) const SCORE: Stage<ScoreParams, (Handle<Truth>, Handle<CaseAnswer>), ScoredCase> = Stage {
+    kind: StageKind { name: "blind_score", module: module_path!(), cost_ms: 1 },
+    job: |params, (truth, answer)| {
+        let ScoreParams { case, batch, correlation, model } = params;
+        Ok(benchmark::score(*case, batch, *correlation, model, truth, answer))
+    },
+};
+
+/// Parameters of [`SCORE`].
+#[derive(serde::Serialize)]
+pub(in crate::runner) struct ScoreParams {
+    pub(in crate::runner) case: u64,
+    pub(in crate::runner) batch: CaseBatch,
+    pub(in crate::runner) correlation: f64,
+    pub(in crate::runner) model: Model,
+}

@@ -1,0 +1,59 @@
+//! The answer to a case: of the model, the recording and the options alone.
+
+use std::path::PathBuf;
+
+use serde::{Serialize, Serializer};
+
+use crate::benchmark::{CaseAnswer, PublicCase};
+use crate::data::Recording;
+use crate::discovery::{Options, discover};
+use crate::effects::Model;
+use crate::runner::graph::stage::{Handle, Stage, StageKind};
+
+/// The answer to a blind case, from the model and the options.
+pub(in crate::runner) const DISCOVER: Stage<(Model, Options), Handle<PublicCase>, CaseAnswer> = Stage {
+    kind: StageKind { name: "discover", module: module_path!(), cost_ms: 15_000 },
+    job: |(model, options), presented| {
+        let mut options = options.clone();
+        options.left_out.extend(presented.left_out.iter().cloned());
+        answer(model, &presented.recording(), None, &options)
+    },
+};
+
+/// The answer to a recording of others.
+pub(in crate::runner) const DISCOVER_RECORDED: Stage<RecordedParams, (), CaseAnswer> = Stage {
+    kind: StageKind { name: "discover_recorded", module: module_path!(), cost_ms: 20_000 },
+    job: |params, ()| {
+        let read = |file: &RecordedFile| Recording::read(&file.0).map_err(|error| error.to_string());
+        let baseline = params.baseline.as_ref().map(read).transpose()?;
+        answer(&params.model, &read(&params.measured)?, baseline.as_ref(), &params.options)
+    },
+};
+
+/// Parameters of [`DISCOVER_RECORDED`].
+#[derive(Serialize)]
+pub(in crate::runner) struct RecordedParams {
+    pub(in crate::runner) model: Model,
+    pub(in crate::runner) options: Options,
+    pub(in crate::runner) measured: RecordedFile,
+    pub(in crate::runner) baseline: Option<RecordedFile>,
+}
+
+/// A file that enters the key of a stage by its content, wherever it lies. One that cannot be read fails the stage.
+pub(in crate::runner) struct RecordedFile(pub(in crate::runner) PathBuf);
+
+impl Serialize for RecordedFile {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_bytes(&std::fs::read(&self.0).unwrap_or_default())
+    }
+}
+
+fn answer(
+    model: &Model,
+    measured: &Recording,
+    baseline: Option<&Recording>,
+    options: &Options,
+) -> Result<CaseAnswer, String> {
+    let found = discover(model, measured, baseline, options).map_err(|error| error.to_string())?;
+    Ok(CaseAnswer::new(&found.findings, found.alternatives.stiffness_only_m, found.alternatives.gp_m))
+}

@@ -1,0 +1,86 @@
+//! A robot at work under a monitor: as it is, and after a change that nobody announced.
+
+use crate::base::{Point3, Seed};
+use crate::learn::gp::Gp;
+use crate::policies::GpError;
+use crate::runner::graph::stage::{Handle, Stage, StageInputs, StageKind};
+use crate::runner::jobs::parts::identified::Identified;
+use crate::runner::jobs::trials::reach_track::{Condition, PartHandles};
+use crate::tasks::{Monitor, MonitorOptions, WatchedRobot, Work};
+use serde::{Deserialize, Serialize};
+
+/// Handles of what the working policy needs, of the points that it works on, and of the error model.
+type WorkInputs = (PartHandles, Handle<Vec<Point3>>, Handle<Gp>);
+
+/// A monitor, calibrated and tried on further work of the unchanged robot.
+pub(in crate::runner) const MONITOR: Stage<WorkParams, WorkInputs, TriedMonitor> = Stage {
+    kind: StageKind { name: "monitor", module: module_path!(), cost_ms: 60_000 },
+    job: |params, inputs| {
+        let (mut work, options, step_s) = (params.begin(inputs)?, &params.options, params.condition.step_s);
+        let trial_s = options.trial_steps as f64 * step_s;
+        let count = (options.calibration_s / trial_s).ceil() as u64;
+        let calibration: Vec<Vec<Point3>> =
+            (0..count).map(|index| work.innovations_m(index).into_iter().flatten().collect()).collect();
+        let monitor = Monitor::calibrate(&calibration, options, step_s, Seed(params.condition.seed));
+        let monitor = monitor.map_err(|error| error.to_string())?;
+        let more = (options.watched_s / trial_s).ceil() as u64;
+        let mut state = monitor.watch();
+        let mut false_alarms = 0;
+        for index in count..count + more {
+            let innovations = work.innovations_m(index);
+            false_alarms += innovations.iter().flatten().filter(|one| state.alarms(one)).count() as u64;
+        }
+        Ok(TriedMonitor { monitor, watched_s: more as f64 * trial_s, false_alarms })
+    },
+};
+
+/// The time of work of the changed robot until the alarm, seconds; nothing where the monitor stays silent.
+pub(in crate::runner) const ALARM: Stage<WorkParams, (WorkInputs, Handle<TriedMonitor>), Option<f64>> = Stage {
+    kind: StageKind { name: "alarm", module: module_path!(), cost_ms: 500 },
+    job: |params, (inputs, tried)| {
+        let (mut work, step_s) = (params.begin(inputs)?, params.condition.step_s);
+        let mut state = tried.monitor.watch();
+        let trial_s = params.options.trial_steps as f64 * step_s;
+        for index in 0..(params.options.patience_s / trial_s).ceil() as u64 {
+            let alarms = |one: &Option<Point3>| one.as_ref().is_some_and(|one| state.alarms(one));
+            if let Some(place) = work.innovations_m(index).iter().position(alarms) {
+                return Ok(Some(index as f64 * trial_s + (place + 1) as f64 * step_s));
+            }
+        }
+        Ok(None)
+    },
+};
+
+/// What work is.
+#[derive(serde::Serialize)]
+pub(in crate::runner) struct WorkParams {
+    /// The policy and its robot.
+    pub(in crate::runner) condition: Condition,
+    /// The model that plays the same commands.
+    pub(in crate::runner) model: Identified,
+    pub(in crate::runner) options: MonitorOptions,
+}
+
+/// A calibrated monitor and its false alarms.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(in crate::runner) struct TriedMonitor {
+    pub(in crate::runner) monitor: Monitor,
+    /// Time of work of the unchanged robot in which alarms were counted, seconds.
+    pub(in crate::runner) watched_s: f64,
+    pub(in crate::runner) false_alarms: u64,
+}
+
+impl WorkParams {
+    fn begin<'a>(&self, (parts, pool_m, gp): <WorkInputs as StageInputs>::Results<'a>) -> Result<Work<'a>, String> {
+        let model = self.model.build(&[], self.condition.step_s)?;
+        let error = GpError::new(gp.clone(), self.model.tendons()).map_err(|error| error.to_string())?;
+        Ok(Work {
+            robot: WatchedRobot { plant: self.condition.plant()?, quiet: Some(model) },
+            policy: self.condition.policy(parts)?,
+            error: Box::new(error),
+            pool_m,
+            steps: self.options.trial_steps,
+            seed: Seed(self.condition.seed),
+        })
+    }
+}

@@ -1,0 +1,95 @@
+//! Trials of fixed duration: responses to targets, and laps of the path in time.
+
+use super::reach_track::{Condition, PartHandles};
+use crate::base::{Point3, Seed};
+use crate::rows::responses::{PaceLap, ResponseTrial};
+use crate::runner::graph::stage::{Handle, Stage, StageKind};
+use crate::runner::jobs::data::targets::Targets;
+use crate::runner::jobs::parts::identified::Identified;
+use crate::tasks::{self, Lap, Response, WatchedRobot};
+
+/// Responses to the targets.
+pub(in crate::runner) const RESPONSE: Stage<ResponseParams, (PartHandles, Handle<Targets>), Vec<ResponseTrial>> =
+    Stage {
+        kind: StageKind { name: "response", module: module_path!(), cost_ms: 3000 },
+        job: |params, (parts, targets)| {
+            let condition = &params.condition;
+            let (mut policy, mut robot) = (condition.policy(parts)?, params.robot()?);
+            let limits = (params.duration_s, condition.options.limits.max_step_m);
+            let mut trials = Vec::with_capacity(targets.len());
+            // The seed of a trial depends on its target's number, never on the policy.
+            for (draw, (_, target_m)) in targets.iter().enumerate() {
+                let seed = Seed(condition.seed).index(draw as u64);
+                let response = tasks::response(&mut robot, policy.as_mut(), target_m, condition.feedback, limits, seed);
+                trials.push(response_trial(draw, response.map_err(|error| error.to_string())?));
+            }
+            Ok(trials)
+        },
+    };
+
+/// A lap at each speed.
+pub(in crate::runner) const PACE: Stage<PaceParams, (PartHandles, Handle<Vec<Point3>>), Vec<PaceLap>> = Stage {
+    kind: StageKind { name: "pace", module: module_path!(), cost_ms: 2000 },
+    job: |params, (parts, path)| {
+        let condition = &params.trial.condition;
+        let (mut policy, mut robot) = (condition.policy(parts)?, params.trial.robot()?);
+        let lap = |&speed: &f64| {
+            let (times_s, seed) = ((params.trial.duration_s, params.lap_s / speed), Seed(condition.seed));
+            let lap = tasks::lap(&mut robot, policy.as_mut(), path, condition.feedback, times_s, seed);
+            Ok(pace_lap(speed, times_s.1, lap.map_err(|error| error.to_string())?))
+        };
+        params.speeds.iter().map(lap).collect()
+    },
+};
+
+/// Parameters of [`RESPONSE`].
+#[derive(serde::Serialize)]
+pub(in crate::runner) struct ResponseParams {
+    pub(in crate::runner) condition: Condition,
+    /// The robot measured without noise; nothing for one on a bench.
+    pub(in crate::runner) quiet: Option<Identified>,
+    /// Duration of a trial, or of the way to the beginning of the path, seconds.
+    pub(in crate::runner) duration_s: f64,
+}
+
+/// Parameters of [`PACE`].
+#[derive(serde::Serialize)]
+pub(in crate::runner) struct PaceParams {
+    pub(in crate::runner) trial: ResponseParams,
+    /// Duration of the lap at speed 1, seconds.
+    pub(in crate::runner) lap_s: f64,
+    pub(in crate::runner) speeds: Vec<f64>,
+}
+
+impl ResponseParams {
+    fn robot(&self) -> Result<WatchedRobot, String> {
+        let build = |quiet: &Identified| quiet.build(&self.condition.effects, self.condition.step_s);
+        Ok(WatchedRobot { plant: self.condition.plant()?, quiet: self.quiet.as_ref().map(build).transpose()? })
+    }
+}
+
+fn response_trial(target: usize, response: Response) -> ResponseTrial {
+    let [within_5mm_s, within_3mm_s, within_2mm_s] = response.within_s;
+    let [error_1s_m, error_2s_m, error_5s_m] = response.error_after_m;
+    ResponseTrial {
+        target: target as u64,
+        distance_m: response.distance_m,
+        limit_s: response.limit_s,
+        within_5mm_s,
+        within_3mm_s,
+        within_2mm_s,
+        error_1s_m,
+        error_2s_m,
+        error_5s_m,
+        error_end_m: response.error_end_m,
+        tracked_end_m: response.tracked_end_m,
+        overshoot_m: response.overshoot_m,
+        tendon_travel_m: response.tendon_travel_m,
+        status: response.status,
+    }
+}
+
+fn pace_lap(speed: f64, lap_s: f64, lap: Lap) -> PaceLap {
+    let Lap { rms_m, largest_m, tracked_rms_m, tendon_travel_m, status } = lap;
+    PaceLap { speed, lap_s, rms_m, largest_m, tracked_rms_m, tendon_travel_m, status }
+}

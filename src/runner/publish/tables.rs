@@ -1,0 +1,181 @@
+//! Stage results to published rows: every label is filled in here, failures become rows, everything is in a fixed order.
+
+use super::metrics::Tables;
+use super::repair_tables;
+use crate::base::Outcome;
+use crate::benchmark::{DrawnEffect, ScoredCase};
+use crate::learn::networks::Trained;
+use crate::policies::{NetworkDescription, TrainingData};
+use crate::report::{Published, track_summary};
+use crate::rows::cell::{CellLabel, CellRow};
+use crate::rows::experiment::{
+    GapRow, GpCoverageRow, GpLeaveOneOutRow, GpRow, NetworkRow, ReachTrial, TrackRow, TrackSample, WaypointRow,
+};
+use crate::rows::population::RobotRow;
+use crate::rows::responses::{PaceLap, ResponseTrial};
+use crate::runner::campaign::{PointStages, TrainedCells};
+use crate::runner::execute::outcomes::Outcomes;
+use crate::runner::graph::stage::StageResult;
+use crate::runner::graph::{Failure, Handle};
+use crate::specs::Experiment;
+
+impl PointStages {
+    /// The tables of this point: rows sorted, failures as rows with a status.
+    pub(in crate::runner) fn tables(&self, outcomes: &Outcomes) -> Tables {
+        let mut tables = Tables::default();
+        let published = &mut tables.published;
+        for one in &self.repetitions {
+            let seed = one.seed;
+            published.robots.extend(one.robot.iter().flat_map(|effect| robot_rows(seed, effect)));
+            let gaps = one.gap.into_iter().flat_map(|stage| all(outcomes, stage));
+            published.gaps.extend(gaps.map(|gap| GapRow { seed, gap }));
+            let waypoints = one.waypoints.into_iter().flat_map(|stage| all(outcomes, stage));
+            published.waypoints.extend(waypoints.enumerate().map(|(waypoint, [x_m, y_m, z_m])| WaypointRow {
+                seed,
+                waypoint: waypoint as u64,
+                x_m,
+                y_m,
+                z_m,
+            }));
+            for (training, stage) in &one.gps {
+                let score = outcomes.get(*stage).ok().cloned();
+                published.gps.extend(score.map(|score| GpRow { seed, training: training.clone(), score }));
+            }
+            for (training, stage) in &one.gp_coverages {
+                let row = |coverage| GpCoverageRow { seed, training: training.clone(), coverage };
+                published.gp_coverages.extend(all(outcomes, *stage).map(row));
+            }
+            for (training, stage) in &one.gp_left_out {
+                let row = |left_out| GpLeaveOneOutRow { seed, training: training.clone(), left_out };
+                published.gp_left_out.extend(all(outcomes, *stage).map(row));
+            }
+            for ScoredCase { row, intervals } in one.blind.iter().map(|case| case.scored(outcomes)) {
+                published.cases.push(row);
+                published.intervals.extend(intervals);
+            }
+            for cells in &one.trained {
+                trained(published, &self.experiment, seed, cells, outcomes);
+            }
+        }
+        tables.runs = track_summary(&tables.published.tracks);
+        tables
+    }
+}
+
+/// The values of a stage; none where it failed.
+fn all<T: Clone>(outcomes: &Outcomes, stage: Handle<Vec<T>>) -> impl Iterator<Item = T>
+where
+    Vec<T>: StageResult,
+{
+    outcomes.get(stage).into_iter().flatten().cloned()
+}
+
+/// The parameters of an effect that the robot of a repetition has.
+fn robot_rows(seed: u64, effect: &DrawnEffect) -> impl Iterator<Item = RobotRow> {
+    effect.card.parameters.iter().zip(&effect.values).map(move |(parameter, &value)| RobotRow {
+        seed,
+        effect: effect.card.name.to_owned(),
+        strength: effect.strength,
+        parameter: parameter.name.to_owned(),
+        value,
+        unit: parameter.unit.to_owned(),
+    })
+}
+
+/// Rows of one seed and training. Seeds ascend, trainings and cells are in the order of their expansion.
+fn trained(published: &mut Published, experiment: &Experiment, seed: u64, cells: &TrainedCells, outcomes: &Outcomes) {
+    let repetition = TrainedRepetition { seed, training: &cells.training, outcomes };
+    let training = &cells.training;
+    for (network, points, stage) in &cells.networks {
+        if let Ok(trained) = outcomes.get(*stage) {
+            published.networks.push(network_row(seed, training, network, *points, trained, experiment));
+        }
+    }
+    let targets = 0..experiment.targets.drawn as u64;
+    let lap = experiment.runs.pace.iter().flat_map(|run| run.speeds.iter().map(|speed| (*speed, run.lap_s / speed)));
+    published.trials.extend(repetition.rows(&cells.reach, |status| {
+        targets.clone().map(|target| ReachTrial::unmeasured(target, status.clone())).collect()
+    }));
+    published.responses.extend(repetition.rows(&cells.response, |status| {
+        targets.clone().map(|target| ResponseTrial::unmeasured(target, status.clone())).collect()
+    }));
+    published.paces.extend(repetition.rows(&cells.pace, |status| {
+        lap.clone().map(|(speed, lap_s)| PaceLap::unmeasured(speed, lap_s, status.clone())).collect()
+    }));
+    for (cell, stage) in &cells.track {
+        let samples = repetition.values(*stage, |status| vec![TrackSample::unmeasured(status)]);
+        let row = |sample| TrackRow { seed, training: training.clone(), policy: cell.policy.clone(), sample };
+        published.tracks.extend(samples.into_iter().map(row));
+    }
+    if let Some(repair) = &cells.repair {
+        repair_tables::add(published, &repetition, repair, experiment.targets.drawn);
+    }
+}
+
+/// One seed and training, and what became of its stages.
+pub(in crate::runner) struct TrainedRepetition<'a> {
+    pub(in crate::runner) seed: u64,
+    pub(in crate::runner) training: &'a str,
+    pub(in crate::runner) outcomes: &'a Outcomes,
+}
+
+impl TrainedRepetition<'_> {
+    /// The values of a stage, or those that stand for its failure.
+    pub(in crate::runner) fn values<T: Clone>(
+        &self,
+        stage: Handle<Vec<T>>,
+        unmeasured: impl FnOnce(Outcome) -> Vec<T>,
+    ) -> Vec<T>
+    where
+        Vec<T>: StageResult,
+    {
+        let failed = |failure: Failure| unmeasured(Outcome::Failed(failure.to_string()));
+        self.outcomes.get(stage).map_or_else(failed, Clone::clone)
+    }
+
+    /// The rows of cells: what was measured, with its label.
+    fn rows<T: Clone>(
+        &self,
+        cells: &[(CellLabel, Handle<Vec<T>>)],
+        unmeasured: impl Fn(Outcome) -> Vec<T>,
+    ) -> Vec<CellRow<T>>
+    where
+        Vec<T>: StageResult,
+    {
+        let row = |cell: &CellLabel, value: T| CellRow {
+            seed: self.seed,
+            training: self.training.to_owned(),
+            cell: cell.clone(),
+            value,
+        };
+        let of_cell = |(cell, stage): &(CellLabel, Handle<Vec<T>>)| {
+            let values = self.values(*stage, &unmeasured).into_iter();
+            values.map(|value| row(cell, value)).collect::<Vec<_>>()
+        };
+        cells.iter().flat_map(of_cell).collect()
+    }
+}
+
+fn network_row(
+    seed: u64,
+    training: &str,
+    network: &NetworkDescription,
+    points: usize,
+    trained: &Trained,
+    experiment: &Experiment,
+) -> NetworkRow {
+    let points = match network.data {
+        TrainingData::Simulated => experiment.explore.points,
+        TrainingData::Randomised => experiment.policies.dagger.samples(),
+        TrainingData::Real | TrainingData::Generated => points,
+    };
+    NetworkRow {
+        seed,
+        training: training.to_owned(),
+        network: network.name.to_owned(),
+        points: points as u64,
+        epochs: trained.epochs as u64,
+        validation_mae_m: trained.validation_mae,
+        paper_mae_m: network.paper_mae_m,
+    }
+}

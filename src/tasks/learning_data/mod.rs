@@ -1,0 +1,6 @@
+//! Samples that networks are trained on.
+
+pub(super) mod corrected_samples;
+pub(super) mod imitation;
+pub(super) mod rollout;
+pub(super) mod transitions;

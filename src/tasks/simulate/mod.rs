@@ -1,0 +1,7 @@
+//! A recording simulated by a model.
+
+pub(super) mod body_lines;
+pub(super) mod robot_recordings;
+pub(super) mod simulate_recording;
+pub(super) mod simulated_columns;
+pub(super) mod simulated_trial;
