@@ -6,11 +6,11 @@ mod monitor;
 mod record;
 mod simulate;
 mod tip_model;
+mod transitions;
 
 pub use learning_data::corrected_samples::correct_samples;
 pub use learning_data::imitation::{ReachedPose, imitate, reached_poses};
 pub use learning_data::rollout::rollout;
-pub use learning_data::transitions::Transitions;
 pub use loops::pace::{Lap, lap};
 pub use loops::reach::{LoopMode, ReachOptions, ReachOutcome, reach};
 pub use loops::response::{Response, response};
@@ -34,6 +34,7 @@ pub use simulate::simulate_recording::{
 };
 pub use simulate::simulated_columns::TOUCHES_ITSELF;
 pub use tip_model::{has_tip_model, tip_model};
+pub use transitions::Transitions;
 
 use crate::base::{BadOption, PlantError, PolicyError};
 

@@ -291,7 +291,7 @@ impl Parser<'_> {
     fn error(&mut self, expected: &str) -> ExpressionError {
         let next = self.peek();
         let what = match next {
-            Some(next) if expected.starts_with("expected") => format!("next `{next}`, {expected}"),
+            Some(next) if expected.starts_with("expected") => format!("found `{next}`, {expected}"),
             None if expected.starts_with("expected") => format!("the expression ends, {expected}"),
             _ => expected.to_owned(),
         };

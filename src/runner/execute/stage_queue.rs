@@ -278,7 +278,7 @@ mod tests {
     fn graph(stages: &[(u64, &[usize])]) -> Graph {
         let mut graph = Graph::default();
         for (number, (cost_ms, inputs)) in stages.iter().enumerate() {
-            let kind = StageKind { name: "test", module: "spinebench::runner::jobs::path", cost_ms: *cost_ms };
+            let kind = StageKind { name: "test", module: "spinebench::runner::jobs::data::path", cost_ms: *cost_ms };
             let inputs: Vec<Handle<u64>> = inputs.iter().map(|&input| Handle::new(input)).collect();
             let stage: Stage<usize, Vec<Handle<u64>>, u64> = Stage { kind, job: |_, _| Ok(1) };
             graph.stage(&stage, "", number, inputs).unwrap();

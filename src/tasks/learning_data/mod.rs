@@ -3,4 +3,3 @@
 pub(super) mod corrected_samples;
 pub(super) mod imitation;
 pub(super) mod rollout;
-pub(super) mod transitions;

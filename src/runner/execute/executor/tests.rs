@@ -4,7 +4,7 @@ use crate::runner::execute::progress::Style;
 use crate::runner::graph::stage::{Handle, Stage, StageInputs, StageKind};
 use std::sync::Arc;
 
-const KIND: StageKind = StageKind { name: "add", module: "spinebench::runner::jobs::path", cost_ms: 1 };
+const KIND: StageKind = StageKind { name: "add", module: "spinebench::runner::jobs::data::path", cost_ms: 1 };
 
 /// A number with a count of how often its stage ran.
 #[derive(serde::Serialize)]

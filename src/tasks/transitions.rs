@@ -19,12 +19,12 @@ pub struct Transitions {
 
 impl Transitions {
     /// An empty trajectory of a robot with this number of tendons.
-    pub(in crate::tasks) fn begin(tendons: usize) -> Self {
+    pub(super) fn begin(tendons: usize) -> Self {
         Transitions { from_m: Rows::new(3), pulls_m: Rows::new(tendons), to_m: Rows::new(3), starts: vec![0] }
     }
 
     /// Appends the step from one observation to the next.
-    pub(in crate::tasks) fn push(&mut self, from_m: &Point3, after: &Observation) {
+    pub(super) fn push(&mut self, from_m: &Point3, after: &Observation) {
         self.from_m.push(from_m);
         self.pulls_m.push(&after.pulls_m);
         self.to_m.push(&after.tip_m);
