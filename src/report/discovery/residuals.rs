@@ -6,9 +6,7 @@ use std::collections::BTreeMap;
 use super::super::style::{BLUE, Colour, DASHED, GREEN, GREY, HAIR, INK, SMALL, VERMILION};
 use super::DiscoveryReport;
 use crate::data::findings::ResidualRow;
-use crate::report::drawing::axes::{Axis, Panel};
-use crate::report::drawing::canvas::{Canvas, Text, TextAlign};
-use crate::report::drawing::legend::{LegendEntry, legend};
+use crate::report::drawing::{Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend};
 
 /// Names of the axes.
 pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
@@ -41,14 +39,13 @@ pub(super) fn draw(report: &DiscoveryReport, width: f64) -> Option<Canvas> {
         let sigma_mm = 1e3 * report.findings.noise.sigma_m[axis];
         let y = millimetres(axis, &shown, sigma_mm);
         for (column, (trial, rows)) in shown.iter().enumerate() {
-            let panel = Panel {
+            let panel = canvas.panel(Panel {
                 corner: [LEFT + column as f64 * (wide + gap), top],
                 size: [wide, HIGH],
                 x: if axis == 2 { seconds.clone() } else { seconds.bare() },
                 y: if column == 0 { y.clone() } else { y.bare() },
                 title: if axis == 0 { format!("trial {trial}") } else { String::new() },
-            };
-            panel.draw(&mut canvas);
+            });
             curves(&mut canvas, &panel, rows, axis, sigma_mm, both);
         }
         top += HIGH + 16.0;
