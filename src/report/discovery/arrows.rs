@@ -28,8 +28,8 @@ struct ArrowSample {
 fn samples(rows: &[ResidualRow]) -> Vec<ArrowSample> {
     let sample = |row: &ResidualRow| ArrowSample {
         tip_m: [row.tip_x_m, row.tip_y_m, row.tip_z_m],
-        before_m: [row.before_x_m, row.before_y_m, row.before_z_m],
-        after_m: [row.after_x_m, row.after_y_m, row.after_z_m],
+        before_m: row.before_m(),
+        after_m: row.after_m(),
     };
     let whole = |sample: &ArrowSample| sample.tip_m.iter().chain(&sample.before_m).all(|part| part.is_finite());
     rows.iter().map(sample).filter(whole).collect()

@@ -4,7 +4,7 @@ use super::DiscoveryReport;
 use super::answer::closed;
 use super::format::{NONE, enumerate, millimetres, number, percent, probability, times};
 use super::html::{captioned, cells, section, table};
-use super::residuals::{AXES, after_m, before_m, held_out};
+use super::residuals::{AXES, held_out};
 use super::scale::SIGNIFICANT;
 use crate::data::findings::{Findings, MissingTest, ResidualRow, Verdict};
 use crate::math::summary::root_mean_square;
@@ -77,7 +77,7 @@ fn trials(report: &DiscoveryReport) -> Markup {
     let floor_m = report.findings.noise_floor_m;
     let changed = report.changed();
     let rows = held_out.iter().map(|(trial, rows)| {
-        let (before, after) = (rms_m(rows, before_m), rms_m(rows, after_m));
+        let (before, after) = (rms_m(rows, ResidualRow::before_m), rms_m(rows, ResidualRow::after_m));
         let mut texts = vec![trial.to_string(), rows.len().to_string(), millimetres(before)];
         if changed {
             let share = closed(before, after, floor_m).map_or_else(|| NONE.to_owned(), percent);

@@ -56,8 +56,7 @@ impl DiscoveryReport<'_> {
     /// Whether the effects changed the model.
     fn changed(&self) -> bool {
         let other = |row: &ResidualRow| {
-            let (before, after) = (residuals::before_m(row), residuals::after_m(row));
-            before.iter().zip(after).any(|(before, after)| after.is_finite() && *before != after)
+            row.before_m().iter().zip(row.after_m()).any(|(before, after)| after.is_finite() && *before != after)
         };
         let moved = |row: &PlaceRow| row.rms_after_m.is_finite() && row.rms_after_m != row.rms_before_m;
         let gap = &self.findings.gap;

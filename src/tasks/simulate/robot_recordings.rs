@@ -76,13 +76,9 @@ pub fn of_tendons(
     if found == expected {
         return Ok(());
     }
-    Err(DataError::Column {
-        file: file.to_owned(),
-        place: "line 1",
-        column: commands.actuation.column(found.min(expected)),
-        found: format!("{found} tendons"),
-        expected: format!("{expected}, the number of the robot's tendons"),
-    })
+    let column = commands.actuation.column(found.min(expected));
+    let (found, expected) = (format!("{found} tendons"), format!("{expected}, the number of the robot's tendons"));
+    Err(DataError::Column { file: file.to_owned(), place: "line 1", column, found, expected })
 }
 
 /// Refuses a gravity that changes from trial to trial where trials go on from one another: the robot is the same in all.
