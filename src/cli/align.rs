@@ -2,7 +2,7 @@
 
 use super::outputs::check_yaml;
 use super::session::read_hardware_plant;
-use super::weigh::{STEP_S, visiting};
+use super::weigh::{STEP_S, star, visiting};
 use super::{CommandError, CommandResult};
 use clap::Args;
 use spinebench::base::{Point3, Seed};
@@ -10,9 +10,7 @@ use spinebench::data::{Recording, write_atomic};
 use spinebench::hardware::tracking::{Alignment, RigidPose, realign};
 use spinebench::plants::hardware::{Hardware, HardwareOptions};
 use spinebench::specs::{PlantSpec, to_yaml};
-use spinebench::tasks::{
-    SimulationOptions, check_tendons, plan_static_poses, record_static_poses, simulate_recording, star_m,
-};
+use spinebench::tasks::{SimulationOptions, of_tendons, plan_static_poses, record_static_poses, simulate_recording};
 use std::path::PathBuf;
 
 /// Steps during which the robot comes to rest in each pose.
@@ -54,8 +52,7 @@ impl AlignCommand {
         let (recording, at_rest) = match &self.measured {
             Some(file) => {
                 let mut recording = Recording::read(file).map_err(CommandError::bad_input)?;
-                recording.convert_drives(file, &options.model.drive_gains(), 4).map_err(CommandError::bad_input)?;
-                check_tendons(file, &recording, 4).map_err(CommandError::bad_input)?;
+                of_tendons(&mut recording, file, &options.model.drive_gains(), 4).map_err(CommandError::bad_input)?;
                 (recording, self.at_rest)
             }
             None => (self.record_poses(&options)?, true),
@@ -75,18 +72,12 @@ impl AlignCommand {
 
     /// Records poses at rest.
     fn record_poses(&self, options: &HardwareOptions) -> Result<Recording, CommandError> {
-        let travel_m = options.safety.travel_m;
-        if !(self.reach_m > 0.0 && self.reach_m <= travel_m) {
-            let found = self.reach_m;
-            return Err(CommandError::BadInput(format!(
-                "--reach-m: found {found}, expected more than 0 and at most {travel_m}"
-            )));
-        }
+        let star_m = star(self.reach_m, options)?;
         // The tip's measured position is what is to be calibrated: it must not hold the robot.
         let mut unaligned = options.clone();
         unaligned.safety.tip_from_model_m = f64::MAX;
         let visiting = visiting(options, REST_STEPS);
-        let planned = plan_static_poses(&star_m(self.reach_m), &[0.0], &visiting, STEP_S);
+        let planned = plan_static_poses(&star_m, &[0.0], &visiting, STEP_S);
         let mut plant = Hardware::open(&unaligned, STEP_S, Seed(1)).map_err(CommandError::Failed)?;
         record_static_poses(&mut plant, &planned, 0..planned.len(), &visiting, Seed(1)).map_err(CommandError::failed)
     }

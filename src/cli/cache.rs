@@ -1,13 +1,12 @@
 //! `spinebench cache`.
 
-use super::shared::CacheArgs;
+use super::shared::{CacheArgs, print_all};
 use super::{CommandError, CommandResult};
 use clap::{Args, Subcommand};
 use spinebench::runner::stages::codes;
 use spinebench::runner::{Digest, EntryState, Store, StoredEntry};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::time::Duration;
 
 /// List, measure, check and prune the stored results of stages.
@@ -61,8 +60,7 @@ impl CacheCommand {
             CacheAction::Verify => verify(&store, &entries, &mut text),
             CacheAction::Prune { older_than, dry_run } => prune(&store, &entries, *older_than, *dry_run, &mut text),
         };
-        // A reader may close the pipe early; that is no error.
-        let _ = std::io::stdout().write_all(text.as_bytes());
+        print_all(text.as_bytes());
         outcome
     }
 }
@@ -120,7 +118,7 @@ fn prune(
     text: &mut String,
 ) -> CommandResult {
     if let Some(found) = older_than.filter(|days| !(days.is_finite() && *days >= 0.0)) {
-        return Err(CommandError::BadInput(format!("--older-than: found {found}, expected a number of days")));
+        refuse!("--older-than: found {found}, expected a number of days");
     }
     let codes = codes();
     let useless = |entry: &&StoredEntry| {

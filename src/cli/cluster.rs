@@ -1,13 +1,12 @@
 //! Runs on a Slurm cluster: `run --executor slurm`, `status`, `cancel`, and `work`, which the cluster starts.
 
-use super::shared::{CacheArgs, ThreadArgs};
+use super::shared::{CacheArgs, ThreadArgs, print_all};
 use super::{CommandError, CommandResult};
 use clap::Args;
 use spinebench::runner::slurm::{self, CampaignEnd, CampaignFolder, CampaignMonitor};
 use spinebench::runner::{Campaign, Progress, Store};
 use spinebench::specs::SlurmOptions;
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::path::PathBuf;
 
 /// What is asked of the cluster; overrides `slurm:` of the specs.
@@ -71,8 +70,7 @@ impl SlurmArgs {
         let Some(first) = specs.next() else { return Ok(SlurmOptions::default()) };
         if let Some(other) = specs.find(|other| other.slurm != first.slurm) {
             let (one, other) = (&first.name, &other.name);
-            let words = format!("slurm: found other settings in `{other}` than in `{one}`, expected the same");
-            return Err(CommandError::BadInput(words));
+            refuse!("slurm: found other settings in `{other}` than in `{one}`, expected the same");
         }
         let given = first.slurm.clone();
         let options = SlurmOptions {
@@ -111,8 +109,7 @@ impl StatusCommand {
         if text.is_empty() {
             text = "no campaigns\n".to_owned();
         }
-        // A reader that has seen enough closes the pipe: no error.
-        let _ = std::io::stdout().write_all(text.as_bytes());
+        print_all(text.as_bytes());
         Ok(())
     }
 }

@@ -10,9 +10,7 @@ use spinebench::data::{Actuation, Recording};
 use spinebench::plants::hardware::{DryRun, HardwareOptions, RefusedRow, dry_run};
 use spinebench::runner::Progress;
 use spinebench::specs::{PlantSpec, SimulatedSpec, read_plant};
-use spinebench::tasks::{
-    SimulationOptions, check_one_gravity, check_tendons, record_trial, simulate_recording, step_s,
-};
+use spinebench::tasks::{SimulationOptions, check_one_gravity, of_tendons, record_trial, simulate_recording, step_s};
 use std::path::{Path, PathBuf};
 
 /// Play commands on a plant and record what its tracker measures.
@@ -43,10 +41,8 @@ impl CollectCommand {
         let plant = read_plant(&self.plant).map_err(CommandError::bad_input)?;
         let read = if self.at_rest { Recording::read_pose_commands } else { Recording::read_commands };
         let mut commands = read(&self.commands).map_err(CommandError::bad_input)?;
-        commands
-            .convert_drives(&self.commands, &plant.drive_gains(), plant.tendons())
+        of_tendons(&mut commands, &self.commands, &plant.drive_gains(), plant.tendons())
             .map_err(CommandError::bad_input)?;
-        check_tendons(&self.commands, &commands, plant.tendons()).map_err(CommandError::bad_input)?;
         match plant {
             PlantSpec::Simulated(plant) if !self.dry_run => self.simulate(&plant, &commands, progress),
             other => self.record(&other, &commands, progress),
@@ -92,22 +88,18 @@ impl CollectCommand {
         let file = self.commands.display();
         if self.at_rest {
             let kind = plant.kind();
-            return Err(CommandError::BadInput(format!("--static: found a {kind} plant, expected a simulated one")));
+            refuse!("--static: found a {kind} plant, expected a simulated one");
         }
         if commands.actuation != Actuation::Lengths {
-            return Err(CommandError::BadInput(format!(
-                "{file}, line 1: found tensions, expected displacements (tendon_1_m…)"
-            )));
+            refuse!("{file}, line 1: found tensions, expected displacements (tendon_1_m…)");
         }
         if commands.gravity_m_s2.is_some() {
-            return Err(CommandError::BadInput(format!(
-                "{file}, line 1: found a gravity (gravity_x_m_s2…), expected none: only a simulated plant has one"
-            )));
+            refuse!("{file}, line 1: found a gravity (gravity_x_m_s2…), expected none: only a simulated plant has one");
         }
         if commands.tip_load.is_some() {
-            return Err(CommandError::BadInput(format!(
+            refuse!(
                 "{file}, line 1: found loads on the tip (tip_force_x_n…), expected none: only a simulated plant has them"
-            )));
+            );
         }
         let step_s = step_s(commands).map_err(|error| CommandError::BadInput(format!("{file}: {error}")))?;
         let summary = match plant {
@@ -117,7 +109,7 @@ impl CollectCommand {
         if self.dry_run {
             let (PlantSpec::Hardware(options), Some(summary)) = (plant, summary) else {
                 let kind = plant.kind();
-                return Err(CommandError::BadInput(format!("--dry-run: found a {kind} plant, expected `hardware`")));
+                refuse!("--dry-run: found a {kind} plant, expected `hardware`");
             };
             print_summary(&summary, options, commands, step_s);
             return Ok(());

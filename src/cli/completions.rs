@@ -1,9 +1,9 @@
 //! `spinebench completions`.
 
+use super::shared::print_all;
 use super::{Arguments, CommandResult};
 use clap::{Args, CommandFactory};
 use clap_complete::{Shell, generate};
-use std::io::Write as _;
 
 /// Print a shell script that completes the commands and options of this program.
 #[derive(Args)]
@@ -18,8 +18,7 @@ impl CompletionsCommand {
     pub(super) fn execute(self) -> CommandResult {
         let mut script = Vec::new();
         generate(self.shell, &mut Arguments::command(), "spinebench", &mut script);
-        // A reader may close the pipe early; that is no error.
-        let _ = std::io::stdout().write_all(&script);
+        print_all(&script);
         Ok(())
     }
 }

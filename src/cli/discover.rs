@@ -138,9 +138,7 @@ impl DiscoverCommand {
         for (k, part) in parts.iter().enumerate() {
             if let Some(first) = parts[..k].iter().position(|earlier| earlier.holds(part) || part.holds(earlier)) {
                 let [again, first] = [k, first].map(|index| self.measured[index].display());
-                return Err(CommandError::BadInput(format!(
-                    "{again}: found the trials of {first} again, expected another recording"
-                )));
+                refuse!("{again}: found the trials of {first} again, expected another recording");
             }
         }
         Ok(())

@@ -1,10 +1,10 @@
 //! `spinebench effects`.
 
+use super::shared::print_all;
 use super::{CommandError, CommandResult};
 use clap::Args;
 use spinebench::effects::{CATALOGUE, Card};
 use std::fmt::Write as _;
-use std::io::Write as _;
 
 /// Print the catalogue: each effect with its parameters and units, equation, source, and the effects it is confused with.
 #[derive(Args)]
@@ -26,8 +26,7 @@ impl EffectsCommand {
                 describe(card, &mut text);
             }
         }
-        // A reader may close the pipe early; that is no error.
-        let _ = std::io::stdout().write_all(text.as_bytes());
+        print_all(text.as_bytes());
         Ok(())
     }
 }

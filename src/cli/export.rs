@@ -1,6 +1,6 @@
 //! `spinebench export`.
 
-use super::outputs::check_file;
+use super::outputs::{check_ending, check_file};
 use super::{CommandError, CommandResult};
 use clap::{Args, Subcommand};
 use spinebench::data::findings::ResidualRow;
@@ -55,11 +55,7 @@ const ROW_BYTES: usize = 8000;
 
 impl McapExport {
     fn execute(self, progress: &Progress) -> CommandResult {
-        let ending = self.out.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-        if let Some(other) = ending.filter(|ending| ending != "mcap") {
-            let words = format!("{}: found the ending `.{other}`, expected `.mcap`", self.out.display());
-            return Err(CommandError::BadInput(words));
-        }
+        check_ending(&self.out, &["mcap"])?;
         let read = if self.at_rest { Recording::read_poses } else { Recording::read };
         let recording = read(&self.recording).map_err(CommandError::bad_input)?;
         let model = self.model.as_deref().map(read_model).transpose().map_err(CommandError::bad_input)?;

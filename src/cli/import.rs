@@ -9,7 +9,7 @@ use spinebench::data::Recording;
 use spinebench::data::import::motive::{Body, Export};
 use spinebench::data::import::{Axes, ImportDoubts, ImportOptions, Imported, ImportedBodies, Log, TipFrame, import};
 use spinebench::runner::Progress;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Import other people's files as a recording: a tracking system's export, any logger's text files, a bag.
 #[derive(Args)]
@@ -95,14 +95,12 @@ impl Motive {
         let tip = body(&export, self.tip.as_deref(), "tip")?;
         if std::ptr::eq(base, tip) {
             let (file, name) = (self.export.display(), &base.name);
-            return Err(CommandError::BadInput(format!(
-                "{file}: found `{name}` as base and as tip, expected two different bodies"
-            )));
+            refuse!("{file}: found `{name}` as base and as tip, expected two different bodies");
         }
         let points = self.points.iter().map(|named| point(&export, named)).collect::<Result<Vec<_>, _>>()?;
         let twice = |(k, (name, _)): (usize, &(String, &Body))| points[..k].iter().any(|(known, _)| known == name);
         if let Some((name, _)) = points.iter().enumerate().find(|own| twice(*own)).map(|(_, point)| point) {
-            return Err(CommandError::BadInput(format!("--points: found `{name}` twice, expected every name once")));
+            refuse!("--points: found `{name}` twice, expected every name once");
         }
         let bodies = ImportedBodies { base, tip, points };
         let log = Log::read(&self.commands, &self.offset_s).map_err(CommandError::bad_input)?;
@@ -126,10 +124,7 @@ impl Motive {
             let file = export.file.display();
             eprintln!("note: {file} has {frames} of the {promised} frames that its header announces");
         }
-        if imported.lost > 0 {
-            let (lost, all, out) = (imported.lost, imported.recording.len(), self.out.display());
-            eprintln!("note: {lost} of {all} rows were not tracked; they have valid = 0 in {out}");
-        }
+        print_lost(imported.lost, imported.recording.len(), &self.out);
         print_doubts(&imported.doubts, &imported.recording, &OPTIONS);
         if !base.has_orientation {
             eprintln!(
@@ -168,6 +163,13 @@ pub(super) struct SettingNames {
 
 const OPTIONS: SettingNames =
     SettingNames { axes: "--axes ", bodies: "--base and --tip", clock: "subtract it from --offset-s or export_time_s" };
+
+/// Prints a note about rows without tracking.
+pub(super) fn print_lost(lost: usize, all: usize, out: &Path) {
+    if lost > 0 {
+        eprintln!("note: {lost} of {all} rows were not tracked; they have valid = 0 in {}", out.display());
+    }
+}
 
 /// Prints notes about what looks like a mistake.
 pub(super) fn print_doubts(doubts: &ImportDoubts, recording: &Recording, names: &SettingNames) {
@@ -217,9 +219,7 @@ fn point<'a>(export: &'a Export, named: &str) -> Result<(String, &'a Body), Comm
     let (name, asset) = named.split_once('=').unwrap_or((named, named));
     let is_plain = |c: char| c.is_ascii_alphanumeric() || c == '_';
     if name.is_empty() || !name.chars().all(is_plain) {
-        return Err(CommandError::BadInput(format!(
-            "--points: found `{name}`, expected a name of letters, digits and _, such as `p1=Marker 1`"
-        )));
+        refuse!("--points: found `{name}`, expected a name of letters, digits and _, such as `p1=Marker 1`");
     }
     let body =
         export.body(asset).map_err(|error| CommandError::BadInput(format!("{error} (--points {name}={asset})")))?;

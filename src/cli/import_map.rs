@@ -1,6 +1,6 @@
 //! `spinebench import csv` and `spinebench import mcap`: files of any logger, by a map.
 
-use super::import::{SettingNames, print_doubts};
+use super::import::{SettingNames, print_doubts, print_lost};
 use super::outputs::check_recording;
 use super::simulate::written;
 use super::{CommandError, CommandResult};
@@ -87,10 +87,7 @@ fn finish(found: &MappedImport, out: &Path, progress: &Progress) -> CommandResul
         );
     }
     if let Some(imported) = &found.imported {
-        if imported.lost > 0 {
-            let (lost, all, out) = (imported.lost, found.recording.len(), out.display());
-            eprintln!("note: {lost} of {all} rows were not tracked; they have valid = 0 in {out}");
-        }
+        print_lost(imported.lost, found.recording.len(), out);
         print_doubts(&imported.doubts, &found.recording, &KEYS);
     }
     progress.say(&written(out, &found.recording));

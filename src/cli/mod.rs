@@ -1,5 +1,12 @@
 //! The commands. Exit status 0: done; 1: ran, and the answer is no; 2: bad input or usage, nothing written.
 
+/// Ends a command with bad input, in words as of `format!`.
+macro_rules! refuse {
+    ($($words:tt)*) => {
+        return Err($crate::cli::CommandError::BadInput(format!($($words)*)))
+    };
+}
+
 mod align;
 mod arm;
 mod cache;

@@ -24,19 +24,23 @@ pub(super) fn check_recording(file: &Path, rows: usize) -> CommandResult {
 
 /// Checks that a YAML file can be written to `file`. Errors as [`check_recording`].
 pub(super) fn check_yaml(file: &Path) -> CommandResult {
-    let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-    if let Some(other) = ending.filter(|ending| !matches!(ending.as_str(), "yaml" | "yml")) {
-        let words = format!("{}: found the ending `.{other}`, expected `.yaml`", file.display());
-        return Err(CommandError::BadInput(words));
-    }
+    check_ending(file, &["yaml", "yml"])?;
     check_file(file, YAML_BYTES)
+}
+
+/// Refuses an ending that is none of these; none is fine.
+pub(super) fn check_ending(file: &Path, endings: &[&str]) -> CommandResult {
+    let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+    if let Some(other) = ending.filter(|ending| !endings.contains(&ending.as_str())) {
+        refuse!("{}: found the ending `.{other}`, expected `.{}`", file.display(), endings[0]);
+    }
+    Ok(())
 }
 
 /// Checks that a file of `bytes` bytes can be written to `file`. Errors as [`check_folder`].
 pub(super) fn check_file(file: &Path, bytes: usize) -> CommandResult {
     if file.is_dir() {
-        let words = format!("{}: found a folder, expected the name of a file", file.display());
-        return Err(CommandError::BadInput(words));
+        refuse!("{}: found a folder, expected the name of a file", file.display());
     }
     let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     probe(folder, bytes).map_err(|error| told(file, &error, "a file in a folder that can be written to"))

@@ -1,12 +1,11 @@
 //! `spinebench plan`.
 
 use super::CommandResult;
-use super::shared::{CacheArgs, SpecArgs};
+use super::shared::{CacheArgs, SpecArgs, print_all};
 use clap::Args;
 use spinebench::runner::{Campaign, CampaignEntry, Need, plan};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::io::Write as _;
 
 /// Print the expanded runs, what is stored and what is left to compute; run nothing.
 #[derive(Args)]
@@ -26,8 +25,7 @@ impl PlanCommand {
             describe(entry, &needs, &mut text);
         }
         stages(&campaign, &needs, &mut text);
-        // A reader may close the pipe early; that is no error.
-        let _ = std::io::stdout().write_all(text.as_bytes());
+        print_all(text.as_bytes());
         // Dropping a hundred thousand stages takes a tenth of the run time, and the process ends here.
         std::mem::forget(campaign);
         Ok(())

@@ -1,9 +1,9 @@
 //! `spinebench schema`.
 
+use super::shared::print_all;
 use super::{CommandError, CommandResult};
 use clap::{Args, ValueEnum};
 use spinebench::specs::{self, SchemaOf};
-use std::io::Write as _;
 
 /// Print the JSON Schema of a kind of file, for editors that complete and check YAML.
 #[derive(Args)]
@@ -34,8 +34,7 @@ impl SchemaCommand {
             SchemaKind::Map => SchemaOf::Map,
         });
         let text = serde_json::to_string_pretty(&schema).map_err(CommandError::failed)?;
-        // A reader may close the pipe early; that is no error.
-        let _ = writeln!(std::io::stdout(), "{text}");
+        print_all((text + "\n").as_bytes());
         Ok(())
     }
 }

@@ -102,10 +102,10 @@ impl<'a> RecordingSession<'a> {
         let mut earlier = Recording::read(&session.part).map_err(CommandError::bad_input)?;
         if !session.begins_with(&earlier) {
             let part = session.part.display();
-            return Err(CommandError::BadInput(format!(
+            refuse!(
                 "{part}: found a recording of other commands, expected the first trials of these; remove it to \
                  start over"
-            )));
+            );
         }
         // A file with commands of drives holds none of tendons.
         earlier.commands = commands.commands.select(&(0..earlier.len()).collect::<Vec<_>>());

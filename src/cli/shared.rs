@@ -6,7 +6,13 @@ use spinebench::effects::{Model, Starts};
 use spinebench::runner::{Campaign, Progress, Store, Style};
 use spinebench::specs::{ExperimentSet, SpecError};
 use std::collections::BTreeSet;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
+
+/// Prints to standard output. A reader may close the pipe early; that is no error.
+pub(super) fn print_all(text: &[u8]) {
+    let _ = std::io::stdout().write_all(text);
+}
 
 /// The experiments to run.
 #[derive(Args)]
@@ -39,8 +45,7 @@ impl SpecArgs {
         for (study, file) in experiments.iter().zip(&self.specs) {
             if !names.insert(&study.experiment.name) {
                 let (name, file) = (&study.experiment.name, file.display());
-                let words = format!("{file}: name: found `{name}`, expected a name that no other given spec has");
-                return Err(CommandError::BadInput(words));
+                refuse!("{file}: name: found `{name}`, expected a name that no other given spec has");
             }
         }
         Campaign::expand(experiments).map_err(|failure| CommandError::BadInput(failure.to_string()))

@@ -8,7 +8,7 @@ use spinebench::base::Seed;
 use spinebench::data::{Actuation, Recording};
 use spinebench::plants::hardware::HardwareOptions;
 use spinebench::runner::Progress;
-use spinebench::tasks::{StaticPoseOptions, check_tendons, plan_static_poses, record_static_poses, star_m};
+use spinebench::tasks::{StaticPoseOptions, of_tendons, plan_static_poses, record_static_poses, star_m};
 use std::path::PathBuf;
 
 /// Control step of the session, s.
@@ -71,24 +71,11 @@ impl WeighCommand {
     }
 
     fn poses_m(&self, options: &HardwareOptions) -> Result<Vec<Vec<f64>>, CommandError> {
-        let travel_m = options.safety.travel_m;
-        let Some(file) = &self.poses else {
-            if !(self.reach_m > 0.0 && self.reach_m <= travel_m) {
-                let found = self.reach_m;
-                return Err(CommandError::BadInput(format!(
-                    "--reach-m: found {found}, expected more than 0 and at most {travel_m}"
-                )));
-            }
-            return Ok(star_m(self.reach_m));
-        };
+        let Some(file) = &self.poses else { return star(self.reach_m, options) };
         let mut commands = Recording::read_commands(file).map_err(CommandError::bad_input)?;
-        commands.convert_drives(file, &options.model.drive_gains(), 4).map_err(CommandError::bad_input)?;
-        check_tendons(file, &commands, 4).map_err(CommandError::bad_input)?;
+        of_tendons(&mut commands, file, &options.model.drive_gains(), 4).map_err(CommandError::bad_input)?;
         if commands.actuation != Actuation::Lengths {
-            return Err(CommandError::BadInput(format!(
-                "{}, line 1: found tensions, expected displacements (tendon_1_m…)",
-                file.display()
-            )));
+            refuse!("{}, line 1: found tensions, expected displacements (tendon_1_m…)", file.display());
         }
         let poses_m: Vec<Vec<f64>> = commands.commands.iter().map(<[f64]>::to_vec).collect();
         for (row, pose) in poses_m.iter().enumerate() {
@@ -104,6 +91,15 @@ impl WeighCommand {
 /// Options for visiting poses within the limits of a robot.
 pub(super) fn visiting(options: &HardwareOptions, rest_steps: usize) -> StaticPoseOptions {
     StaticPoseOptions { max_step_m: options.safety.step_m(STEP_S), rest_steps, ..StaticPoseOptions::default() }
+}
+
+/// Home, and bent by `reach_m` in eight directions, within the travel of a robot.
+pub(super) fn star(reach_m: f64, options: &HardwareOptions) -> Result<Vec<Vec<f64>>, CommandError> {
+    let travel_m = options.safety.travel_m;
+    if !(reach_m > 0.0 && reach_m <= travel_m) {
+        refuse!("--reach-m: found {reach_m}, expected more than 0 and at most {travel_m}");
+    }
+    Ok(star_m(reach_m))
 }
 
 fn minutes(planned: &Recording) -> f64 {

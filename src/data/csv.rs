@@ -38,8 +38,7 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Table, DataError> {
 
 /// The bytes as text, without a byte-order mark.
 pub(super) fn decode<'a>(path: &Path, bytes: &'a [u8]) -> Result<Cow<'a, str>, DataError> {
-    decode_text(bytes)
-        .map_err(|(line, expected)| line_error(path, line, "bytes that are not text", expected.to_owned()))
+    decode_text(bytes).map_err(|(line, expected)| line_error(path, line, "bytes that are not text", expected))
 }
 
 /// Number of columns; each must have a name of its own.
@@ -71,7 +70,7 @@ fn check_line(path: &Path, number: usize, line: &str, width: usize) -> Result<()
     }
     let cells = split(line).ok_or_else(|| unclosed(path, number))?.len();
     if cells != width {
-        return Err(line_error(path, number, &format!("{cells} cells"), format!("{width} as in the header")));
+        return Err(line_error(path, number, format!("{cells} cells"), format!("{width} as in the header")));
     }
     Ok(())
 }
@@ -96,9 +95,16 @@ pub(super) fn split(line: &str) -> Option<Vec<&str>> {
 
 /// The error for a line with an odd number of quotation marks.
 pub(super) fn unclosed(path: &Path, number: usize) -> DataError {
-    line_error(path, number, "a quotation mark that is not closed", "cells that end in their line".to_owned())
+    line_error(path, number, "a quotation mark that is not closed", "cells that end in their line")
 }
 
-fn line_error(path: &Path, number: usize, found: &str, expected: String) -> DataError {
-    DataError::Line { file: path.to_owned(), place: format!("line {number}"), found: found.to_owned(), expected }
+/// The error for a line, counted from 1.
+pub(super) fn line_error(
+    path: &Path,
+    number: usize,
+    found: impl Into<String>,
+    expected: impl Into<String>,
+) -> DataError {
+    let place = format!("line {number}");
+    DataError::Line { file: path.to_owned(), place, found: found.into(), expected: expected.into() }
 }

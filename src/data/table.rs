@@ -108,16 +108,17 @@ impl Table {
         names.join(", ")
     }
 
+    /// The error for a column of the header.
+    pub(crate) fn header_error(&self, column: &str, found: String, expected: &str) -> DataError {
+        let (column, expected) = (column.to_owned(), expected.to_owned());
+        DataError::Column { file: self.file.clone(), place: self.header_place(), column, found, expected }
+    }
+
     /// The error for one cell.
     pub(crate) fn cell_error(&self, row: usize, column: &str, expected: impl Into<String>) -> DataError {
         let found = self.column(column).map_or_else(|| "no such column".to_owned(), |cells| cells.show(row));
-        DataError::Cell {
-            file: self.file.clone(),
-            place: self.place(row),
-            column: column.to_owned(),
-            found,
-            expected: expected.into(),
-        }
+        let (column, place) = (column.to_owned(), self.place(row));
+        DataError::Cell { file: self.file.clone(), place, column, found, expected: expected.into() }
     }
 }
 

@@ -13,21 +13,12 @@ impl Table {
     pub(crate) fn read(path: &Path) -> Result<Table, DataError> {
         let bytes = file::read(path)?;
         if bytes.starts_with(ARCHIVE) {
-            return Err(DataError::Line {
-                file: path.to_owned(),
-                place: "line 1".to_owned(),
-                found: "a spreadsheet or another zip archive".to_owned(),
-                expected: "CSV or Parquet; save the sheet as CSV".to_owned(),
-            });
+            let found = "a spreadsheet or another zip archive";
+            return Err(csv::line_error(path, 1, found, "CSV or Parquet; save the sheet as CSV"));
         }
         let yaml = path.extension().is_some_and(|ending| ending == "yaml" || ending == "yml");
         if yaml {
-            return Err(DataError::Line {
-                file: path.to_owned(),
-                place: "line 1".to_owned(),
-                found: "a YAML file".to_owned(),
-                expected: "a recording, CSV or Parquet".to_owned(),
-            });
+            return Err(csv::line_error(path, 1, "a YAML file", "a recording, CSV or Parquet"));
         }
         if bytes.starts_with(PARQUET) { read_parquet(path, bytes) } else { csv::read(path, &bytes) }
     }

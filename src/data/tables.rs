@@ -120,17 +120,12 @@ pub fn read_csv_beside<R: DeserializeOwned>(
 
 /// Puts a reading error where it belongs.
 fn place(table: &Table, row: usize, error: RowError) -> DataError {
-    let header = |column: String, found: String, expected: &str| DataError::Column {
-        file: table.file.clone(),
-        place: table.header_place(),
-        column,
-        found,
-        expected: expected.to_owned(),
-    };
     match error {
         RowError::Value { column, expected } => table.cell_error(row, &column, expected),
-        RowError::MissingColumn(column) => header(column, format!("only {}", table.header()), "this column"),
-        RowError::UnknownColumn(column) => header(column, "it".to_owned(), "no such column"),
+        RowError::MissingColumn(column) => {
+            table.header_error(&column, format!("only {}", table.header()), "this column")
+        }
+        RowError::UnknownColumn(column) => table.header_error(&column, "it".to_owned(), "no such column"),
         RowError::NotFlat(reason) => DataError::Read { file: table.file.clone(), reason },
     }
 }

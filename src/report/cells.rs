@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use super::order::{distinct, rank};
-use super::style::policy_rank;
+use super::style::{policy_markdown, policy_rank};
 use crate::math::summary::{interval_95, mean};
-use crate::rows::cell::CellLabel;
+use crate::rows::cell::{CellLabel, Outcome};
 
 /// Modes in the order of Table I.
 pub(super) const MODES: [&str; 3] = ["open", "closed", "closed_load"];
@@ -40,6 +40,18 @@ pub(super) struct SeedError {
     pub(super) seed: u64,
     /// Error, metres; none for a row that failed.
     pub(super) error_m: Option<f64>,
+}
+
+impl SeedError {
+    /// The error of what went well.
+    pub(super) fn of(seed: u64, status: &Outcome, error_m: f64) -> SeedError {
+        SeedError { seed, error_m: (status.is_ok() && error_m.is_finite()).then_some(error_m) }
+    }
+}
+
+/// First cells of a line of a table: policy, training and mode.
+pub(super) fn label_cells(training: &str, cell: &CellLabel) -> Vec<String> {
+    vec![policy_markdown(&cell.policy).to_owned(), training.to_owned(), cell.mode.clone()]
 }
 
 /// The rows of one cell and their errors.

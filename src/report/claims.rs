@@ -1,15 +1,12 @@
 //! The verdicts of the paper's claims: a table in Markdown and a figure of our values over the paper's.
 
-use super::drawing::axes::{Axis, Panel, signed};
-use super::drawing::canvas::{Canvas, Text, TextAlign};
-use super::drawing::legend::{LegendEntry, legend};
-use super::drawing::paint::text_width;
+use super::drawing::{Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend, signed, text_width};
 use super::markup::MarkdownTable;
 use super::style::{
     Colour, DASHED, GREEN, GREY, HAIR, INK, MARKER, Marker, PAGE_WIDTH, SMALL, VERMILION, WHITE, claim_label,
     training_short,
 };
-use super::{Artifact, Figure, Published, ReportError, pictures, text};
+use super::{Artifact, Figure, Published, ReportError, text};
 use crate::rows::experiment::ClaimRow;
 
 /// Registry entry.
@@ -24,12 +21,8 @@ const REACH: [f64; 2] = [-1.0, 3.0];
 
 fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     let claims = &published.claims;
-    if claims.is_empty() {
-        return Err(ReportError::NoRows { figure: FIGURE.name, needs: "claims.csv" });
-    }
-    let mut files = vec![text("claims.md", markdown(claims))];
-    files.extend(pictures(FIGURE.name, FIGURE.name, &draw(claims))?);
-    Ok(files)
+    FIGURE.needs("claims.csv", claims.is_empty())?;
+    FIGURE.files(vec![text("claims.md", markdown(claims))], &draw(claims))
 }
 
 /// The numbers of a claim as text, with a common number of decimals (three significant digits of our largest value);
@@ -60,11 +53,9 @@ fn shown(row: &ClaimRow) -> ClaimCells {
 }
 
 fn markdown(claims: &[ClaimRow]) -> String {
-    let header = ["Claim", "Networks", "Paper", "Ours", "95 % interval", "Unit", "Seeds", "Verdict"];
-    let mut grid = MarkdownTable { header: header.map(str::to_owned).to_vec(), rows: Vec::new() };
-    for row in claims {
+    let line = |row: &ClaimRow| {
         let shown = shown(row);
-        grid.rows.push(vec![
+        vec![
             row.statement.clone(),
             training_short(&row.training).to_owned(),
             shown.paper,
@@ -73,13 +64,12 @@ fn markdown(claims: &[ClaimRow]) -> String {
             shown.unit,
             row.seeds.to_string(),
             format!("**{}**", row.verdict),
-        ]);
-    }
-    let mut counts: Vec<String> = Vec::new();
-    for verdict in ["reproduced", "not reproduced", "undecided"] {
-        counts.push(format!("{} {verdict}", claims.iter().filter(|row| row.verdict == verdict).count()));
-    }
-    format!("{}\n{}.\n", grid.markdown(), counts.join(", "))
+        ]
+    };
+    let header = "Claim | Networks | Paper | Ours | 95 % interval | Unit | Seeds | Verdict";
+    let count = |verdict| format!("{} {verdict}", claims.iter().filter(|row| row.verdict == verdict).count());
+    let counts = ["reproduced", "not reproduced", "undecided"].map(count).join(", ");
+    format!("{}\n{counts}.\n", MarkdownTable::new(header, claims.iter().map(line)).markdown())
 }
 
 /// Colour, marker and whether it is hollow.
@@ -101,9 +91,9 @@ fn draw(claims: &[ClaimRow]) -> Canvas {
     });
     legend(&mut canvas, [236.0, 18.0], PAGE_WIDTH, &keys);
     let axis = Axis::exact("ours / paper", REACH[0], REACH[1], 4);
-    let rows = Axis { label: String::new(), low: 0.0, high: claims.len() as f64, ticks: Vec::new() };
-    let panel = Panel { corner: [236.0, top], size: [208.0, high], x: axis, y: rows, title: String::new() };
-    panel.draw(&mut canvas);
+    let rows = Axis::bare_to(claims.len() as f64);
+    let panel =
+        canvas.panel(Panel { corner: [236.0, top], size: [208.0, high], x: axis, y: rows, title: String::new() });
     let columns = [(462.0, "paper"), (510.0, "ours [95 % interval]"), (652.0, "unit")];
     for (x, name) in columns {
         canvas.text(Text::new(name, [x, top - 8.0], SMALL, TextAlign::Left).bold());

@@ -5,12 +5,10 @@ use std::collections::BTreeMap;
 
 use super::cells::modes_in_order;
 use super::controllers_table::{controller_rows, markdown};
-use super::drawing::axes::{Axis, Panel};
-use super::drawing::canvas::{Canvas, Text, TextAlign};
-use super::drawing::legend::{LegendEntry, legend};
-use super::order::{distinct, trainings};
+use super::drawing::{Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend};
+use super::order::{ascending, trainings};
 use super::style::{GREY, PAGE_WIDTH, SMALL, mode_title, policies_in_order, policy_label, policy_look, training_label};
-use super::{Artifact, Figure, Published, ReportError, csv, pictures, text};
+use super::{Artifact, Figure, Published, ReportError, csv, text};
 use crate::math::summary::mean;
 use crate::rows::responses::{ControllerRow, PaceRow};
 
@@ -22,13 +20,12 @@ pub(super) const FIGURE: Figure = Figure {
 };
 
 fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
-    if published.responses.is_empty() {
-        return Err(ReportError::NoRows { figure: FIGURE.name, needs: "responses.csv" });
-    }
+    FIGURE.needs("responses.csv", published.responses.is_empty())?;
     let rows = controller_rows(&published.responses);
-    let mut files = vec![csv("controllers.csv", &rows)?, text("controllers.md", markdown(&rows, &published.paces))];
-    files.extend(pictures(FIGURE.name, FIGURE.name, &draw(&rows, &published.paces))?);
-    Ok(files)
+    FIGURE.files(
+        vec![csv("controllers.csv", &rows)?, text("controllers.md", markdown(&rows, &published.paces))],
+        &draw(&rows, &published.paces),
+    )
 }
 
 /// One panel: a title, its columns, and for each policy the errors over the columns, millimetres.
@@ -70,8 +67,7 @@ fn draw(rows: &[ControllerRow], paces: &[PaceRow]) -> Canvas {
 
 fn panel(canvas: &mut Canvas, curves: &Curves, corner: [f64; 2], size: [f64; 2], y: &Axis) {
     let x = Axis::categories(curves.axis, &curves.columns);
-    let panel = Panel { corner, size, x, y: y.clone(), title: curves.title.clone() };
-    panel.draw(canvas);
+    let panel = canvas.panel(Panel { corner, size, x, y: y.clone(), title: curves.title.clone() });
     for (policy, errors_mm) in &curves.curves {
         let points: Vec<[f64; 3]> = errors_mm
             .iter()
@@ -95,8 +91,7 @@ fn in_time<'a>(rows: &[&'a ControllerRow], mode: &str) -> Option<Curves<'a>> {
 
 fn over_speed<'a>(paces: &[&'a PaceRow], mode: &str) -> Option<Curves<'a>> {
     let rows: Vec<&&PaceRow> = paces.iter().filter(|row| row.cell.mode == mode).collect();
-    let mut speeds: Vec<f64> = distinct(rows.iter().map(|row| row.speed));
-    speeds.sort_by(f64::total_cmp);
+    let speeds = ascending(rows.iter().map(|row| row.speed));
     let mut by_policy: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
     for row in &rows {
         by_policy.entry(row.cell.policy.as_str()).or_insert_with(|| {

@@ -1,9 +1,8 @@
 //! The table behind [`super::controllers`]: responses summarised by policy and mode, and laps beside them.
 
-use super::cells::{CellErrors, SeedError, mode_first, summarise_cells};
+use super::cells::{CellErrors, SeedError, label_cells, mode_first, summarise_cells};
 use super::markup::MarkdownTable;
-use super::order::{rank, trainings};
-use super::style::policy_markdown;
+use super::order::{ascending, rank, trainings};
 use crate::math::summary::{mean, quantile};
 use crate::rows::responses::{ControllerRow, PaceRow, ResponseRow};
 
@@ -69,53 +68,22 @@ pub(super) fn markdown(rows: &[ControllerRow], paces: &[PaceRow]) -> String {
 }
 
 fn responses_table(rows: &[ControllerRow]) -> MarkdownTable {
-    let header = [
-        "policy",
-        "training",
-        "mode",
-        "end",
-        "tracked",
-        "95 %",
-        "1 s",
-        "2 s",
-        "5 s",
-        "to 5 mm",
-        "to 3 mm",
-        "to 2 mm",
-        "limit",
-        "overshoot",
-        "tendons (m)",
-        "failed",
-    ];
-    let row = |row: &ControllerRow| {
+    let line = |row: &ControllerRow| {
         let interval = format!("{} ({}–{})", mm(row.error_end_m), mm(row.low_95_m), mm(row.high_95_m));
-        vec![
-            policy_markdown(&row.cell.policy).to_owned(),
-            row.training.clone(),
-            row.cell.mode.clone(),
-            interval,
-            mm(row.tracked_end_m),
-            mm(row.error_end_p95_m),
-            mm(row.error_1s_m),
-            mm(row.error_2s_m),
-            mm(row.error_5s_m),
-            number(row.within_5mm_s, 1),
-            number(row.within_3mm_s, 1),
-            number(row.within_2mm_s, 1),
-            number(row.within_3mm_per_limit, 2),
-            mm(row.overshoot_m),
-            number(row.tendon_travel_m, 3),
-            row.failed.to_string(),
-        ]
+        let errors_m = [row.tracked_end_m, row.error_end_p95_m, row.error_1s_m, row.error_2s_m, row.error_5s_m];
+        let times_s = [row.within_5mm_s, row.within_3mm_s, row.within_2mm_s].map(|time_s| number(time_s, 1));
+        let travel = [number(row.within_3mm_per_limit, 2), mm(row.overshoot_m), number(row.tendon_travel_m, 3)];
+        let label = label_cells(&row.training, &row.cell);
+        [&label[..], &[interval], &errors_m.map(mm), &times_s, &travel, &[row.failed.to_string()]].concat()
     };
-    MarkdownTable { header: header.map(str::to_owned).to_vec(), rows: rows.iter().map(row).collect() }
+    let header = "policy | training | mode | end | tracked | 95 % | 1 s | 2 s | 5 s | to 5 mm | to 3 mm | to 2 mm | limit | \
+                  overshoot | tendons (m) | failed";
+    MarkdownTable::new(header, rows.iter().map(line))
 }
 
 fn paces_table(paces: &[PaceRow]) -> MarkdownTable {
     let order = trainings(paces.iter().map(|row| row.training.as_str()));
-    let mut speeds: Vec<f64> = paces.iter().map(|row| row.speed).collect();
-    speeds.sort_by(f64::total_cmp);
-    speeds.dedup();
+    let speeds = ascending(paces.iter().map(|row| row.speed));
     let error = |row: &PaceRow| SeedError { seed: row.seed, error_m: row.status.is_ok().then_some(row.rms_m) };
     let cells = summarise_cells(paces, |row| (rank(&order, &row.training), mode_first(&row.cell)), error);
     let line = |cell: &CellErrors<PaceRow>| {
@@ -123,14 +91,11 @@ fn paces_table(paces: &[PaceRow]) -> MarkdownTable {
             let same = cell.good.iter().filter(|row| row.speed == *speed);
             mm(mean(&same.map(|row| row.rms_m).collect::<Vec<_>>()))
         };
-        let PaceRow { training, cell: label, .. } = cell.rows[0];
-        let mut cells = vec![policy_markdown(&label.policy).to_owned(), training.clone(), label.mode.clone()];
-        cells.extend(speeds.iter().map(at));
-        cells
+        label_cells(&cell.rows[0].training, &cell.rows[0].cell).into_iter().chain(speeds.iter().map(at)).collect()
     };
-    let mut header = ["policy", "training", "mode"].map(str::to_owned).to_vec();
-    header.extend(speeds.iter().map(|speed| format!("{speed}×")));
-    MarkdownTable { header, rows: cells.iter().map(line).collect() }
+    let mut table = MarkdownTable::new("policy | training | mode", cells.iter().map(line));
+    table.header.extend(speeds.iter().map(|speed| format!("{speed}×")));
+    table
 }
 
 /// A length in millimetres; a dash for none.

@@ -3,16 +3,14 @@
 
 use super::cells::modes_in_order;
 use super::controllers_table::{controller_rows, mm};
-use super::drawing::axes::{Axis, Panel};
-use super::drawing::canvas::{Canvas, Text, TextAlign};
-use super::drawing::legend::{LegendEntry, legend};
+use super::drawing::{Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend};
 use super::markup::MarkdownTable;
 use super::order::{distinct, trainings};
 use super::style::{
     GREY, PAGE_WIDTH, SMALL, TALL, mode_title, policies_in_order, policy_label, policy_look, policy_markdown,
     training_label,
 };
-use super::{Artifact, Figure, Published, ReportError, csv, pictures, text};
+use super::{Artifact, Figure, Published, ReportError, csv, text};
 use crate::rows::responses::{ControllerRow, PointsNeededRow};
 
 /// Registry entry.
@@ -26,14 +24,13 @@ pub(super) const FIGURE: Figure = Figure {
 const WANTED_M: [f64; 3] = [0.005, 0.003, 0.002];
 
 fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
-    if published.responses.is_empty() {
-        return Err(ReportError::NoRows { figure: FIGURE.name, needs: "responses.csv" });
-    }
+    FIGURE.needs("responses.csv", published.responses.is_empty())?;
     let rows = controller_rows(&published.responses);
     let needed = points_needed(&rows);
-    let mut files = vec![csv("points_needed.csv", &needed)?, text("data_efficiency.md", markdown(&needed, &rows))];
-    files.extend(pictures(FIGURE.name, FIGURE.name, &draw(&rows))?);
-    Ok(files)
+    FIGURE.files(
+        vec![csv("points_needed.csv", &needed)?, text("data_efficiency.md", markdown(&needed, &rows))],
+        &draw(&rows),
+    )
 }
 
 /// Real points behind a cell: those of its process or those of its network.
@@ -130,14 +127,13 @@ fn draw(rows: &[ControllerRow]) -> Canvas {
         let all = rows.iter().map(|row| 1e3 * error_m(row)).filter(|error_mm| error_mm.is_finite() && *error_mm > 0.0);
         let y = Axis::decades("error (mm)", all);
         for (column, mode) in modes.iter().enumerate() {
-            let panel = Panel {
+            let panel = canvas.panel(Panel {
                 corner: [left + column as f64 * (width + gap), base + 46.0 + pitch * line as f64],
                 size: [width, high],
                 x: Axis::categories("real points", &names),
                 y: if column == 0 { y.clone() } else { y.bare() },
                 title: format!("{}, {when}", mode_title(mode)),
-            };
-            panel.draw(&mut canvas);
+            });
             for policy in &shown {
                 let place = |row: &ControllerRow| sizes.iter().position(|size| *size == points(row)).unwrap_or(0);
                 let point = |row: &&ControllerRow| [place(row) as f64, (1e3 * error_m(row)).log10(), f64::NAN];

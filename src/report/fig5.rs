@@ -1,11 +1,10 @@
 //! Fig. 5: tips that the model computes and tips that the robot shows, under the same commands: three projections, and
 //! how the difference is distributed along each axis.
 
-use super::drawing::axes::{Axis, Panel, range, signed};
-use super::drawing::canvas::{Canvas, Text, TextAlign};
-use super::drawing::legend::{LegendEntry, legend};
+use super::drawing::{Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend, range, signed};
+use super::order::distinct;
 use super::style::{BLUE, DASHED, GREY, INK, PAGE_WIDTH, SMALL, VERMILION};
-use super::{Artifact, Figure, Published, ReportError, csv, pictures};
+use super::{Artifact, Figure, Published, ReportError, csv};
 use crate::base::Point3;
 use crate::math::summary::{mean, quantile, root_mean_square};
 use crate::rows::experiment::{GapRow, GapSummaryRow};
@@ -23,12 +22,8 @@ const BINS: usize = 40;
 
 fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     let gaps = &published.gaps;
-    if gaps.is_empty() {
-        return Err(ReportError::NoRows { figure: FIGURE.name, needs: "gap.csv" });
-    }
-    let mut files = vec![csv("summary.csv", &summary(gaps))?];
-    files.extend(pictures(FIGURE.name, FIGURE.name, &draw(gaps))?);
-    Ok(files)
+    FIGURE.needs("gap.csv", gaps.is_empty())?;
+    FIGURE.files(vec![csv("summary.csv", &summary(gaps))?], &draw(gaps))
 }
 
 fn simulated(row: &GapRow) -> Point3 {
@@ -45,9 +40,7 @@ fn differences_m(gaps: &[GapRow], axis: usize) -> Vec<f64> {
 }
 
 fn summary(gaps: &[GapRow]) -> Vec<GapSummaryRow> {
-    let mut seeds: Vec<u64> = gaps.iter().map(|row| row.seed).collect();
-    seeds.sort_unstable();
-    seeds.dedup();
+    let seeds = distinct(gaps.iter().map(|row| row.seed));
     let row = |axis: &str, gaps_m: Vec<f64>| {
         let sizes: Vec<f64> = gaps_m.iter().map(|gap| gap.abs()).collect();
         GapSummaryRow {
@@ -90,14 +83,13 @@ fn draw(gaps: &[GapRow]) -> Canvas {
     canvas.text(Text::new(words, [PAGE_WIDTH - 12.0, 16.0], SMALL, TextAlign::Right).colour(GREY));
     let mut left = 56.0;
     for (index, (across, up)) in PROJECTIONS.into_iter().enumerate() {
-        let panel = Panel {
+        let panel = canvas.panel(Panel {
             corner: [left, top + high - scale * span(up)],
             size: [scale * span(across), scale * span(up)],
             x: axes[across].clone(),
             y: axes[up].clone(),
             title: format!("({}) {}–{}", ["a", "b", "c"][index], AXES[across], AXES[up]),
-        };
-        panel.draw(&mut canvas);
+        });
         for (points, colour) in [(simulated as fn(&GapRow) -> Point3, BLUE), (real, VERMILION)] {
             for point in shown.iter().map(|row| points(row)).filter(|point| point.iter().all(|part| part.is_finite())) {
                 canvas.disc(panel.at(1e3 * point[across], 1e3 * point[up]), 1.15, colour, 0.5);
@@ -128,14 +120,13 @@ fn histograms(canvas: &mut Canvas, gaps: &[GapRow], top: f64) {
     let shares: Vec<Vec<f64>> = gaps_mm.iter().map(|gaps| shares(gaps, x.low, width)).collect();
     let y = Axis::covering("share of samples (%)", shares.iter().flatten().copied().chain([0.0]), 4);
     for axis in 0..3 {
-        let panel = Panel {
+        let panel = canvas.panel(Panel {
             corner: [56.0 + 228.0 * axis as f64, top],
             size: [196.0, 110.0],
             x: Axis { label: format!("simulated − real, {} (mm)", AXES[axis]), ..x.clone() },
             y: if axis == 0 { y.clone() } else { y.bare() },
             title: format!("({}) along {}", ["d", "e", "f"][axis], AXES[axis]),
-        };
-        panel.draw(canvas);
+        });
         for (bin, share) in shares[axis].iter().enumerate().filter(|(_, share)| **share > 0.0) {
             let from = x.low + bin as f64 * width;
             let corners = [panel.at(from, 0.0), panel.at(from + width, *share)];

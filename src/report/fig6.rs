@@ -1,13 +1,11 @@
 //! Fig. 6: error against real data used. (a) π_real against the real points of its network; (b) policy A against the
 //! real points of its Gaussian process. Open and closed loop, bands of one standard deviation.
 
-use super::drawing::axes::{Axis, Panel};
-use super::drawing::canvas::{Canvas, Text, TextAlign};
-use super::drawing::legend::{LegendEntry, legend};
-use super::order::trainings;
+use super::drawing::{Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend};
+use super::order::{distinct, trainings};
 use super::style::{BLUE, GREY, INK, Look, MARKER, Marker, PAGE_WIDTH, SMALL, SOLID, TEXT, VERMILION, heading};
 use super::summarise::reach_summary;
-use super::{Artifact, Figure, Published, ReportError, csv, pictures};
+use super::{Artifact, Figure, Published, ReportError, csv};
 use crate::rows::experiment::ReachSummaryRow;
 
 /// Registry entry.
@@ -45,13 +43,9 @@ const PARTS: [PolicyPanel; 2] = [
 fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     let swept = published.trials.iter().filter(|row| PARTS.iter().any(|part| part.policy == row.cell.policy));
     let swept: Vec<_> = swept.filter(|row| LOOKS.iter().any(|(mode, _, _)| *mode == row.cell.mode)).cloned().collect();
-    if swept.is_empty() {
-        return Err(ReportError::NoRows { figure: FIGURE.name, needs: "trials.csv of pi_real or a" });
-    }
+    FIGURE.needs("trials.csv of pi_real or a", swept.is_empty())?;
     let summary = reach_summary(&swept);
-    let mut files = vec![csv("summary.csv", &summary)?];
-    files.extend(pictures(FIGURE.name, FIGURE.name, &draw(&summary))?);
-    Ok(files)
+    FIGURE.files(vec![csv("summary.csv", &summary)?], &draw(&summary))
 }
 
 fn draw(summary: &[ReachSummaryRow]) -> Canvas {
@@ -78,16 +72,16 @@ fn draw(summary: &[ReachSummaryRow]) -> Canvas {
         for (column, training) in columns.iter().enumerate() {
             let rows: Vec<&ReachSummaryRow> =
                 summary.iter().filter(|row| row.cell.policy == part.policy && row.training == *training).collect();
-            let sizes = sizes(&rows, part);
+            let mut sizes = distinct(rows.iter().map(|row| (part.size)(row)));
+            sizes.sort_unstable();
             let names: Vec<String> = sizes.iter().map(u64::to_string).collect();
-            let panel = Panel {
+            let panel = canvas.panel(Panel {
                 corner: [left + column as f64 * (width + gap), top + pitch * line as f64],
                 size: [width, high],
                 x: Axis::categories(part.axis, &names),
                 y: if column == 0 { y.clone() } else { y.bare() },
                 title: part.title.to_owned(),
-            };
-            panel.draw(&mut canvas);
+            });
             lines(&mut canvas, &panel, &rows, &sizes, part);
         }
     }
@@ -101,13 +95,6 @@ fn errors<'a>(rows: impl Iterator<Item = &'a ReachSummaryRow>) -> Axis {
         [row.mean_m + spread, row.mean_m - spread, row.high_95_m, row.paper_mean_m].map(|value| 1e3 * value)
     });
     Axis::covering("goal-reaching error (mm)", ends.chain([0.0]), 5)
-}
-
-fn sizes(rows: &[&ReachSummaryRow], part: &PolicyPanel) -> Vec<u64> {
-    let mut sizes: Vec<u64> = rows.iter().map(|row| (part.size)(row)).collect();
-    sizes.sort_unstable();
-    sizes.dedup();
-    sizes
 }
 
 /// Open and closed loop in one panel; sizes stand at equal distances, in their order. Bands go below all lines.

@@ -1,9 +1,6 @@
 //! Fig. 8: (a) the target path in the workspace, (b) the paths that the policies track, (c) their error over time.
 
-use super::drawing::axes::{Axis, Panel};
-use super::drawing::canvas::{Canvas, CanvasPoint, Text, TextAlign};
-use super::drawing::isometric::View;
-use super::drawing::legend::{LegendEntry, legend};
+use super::drawing::{Axis, Canvas, CanvasPoint, LegendEntry, Panel, Text, TextAlign, View, legend};
 use super::markup::MarkdownTable;
 use super::order::trainings;
 use super::style::{
@@ -35,9 +32,7 @@ struct Run<'a> {
 
 fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     let tracks = &published.tracks;
-    if tracks.is_empty() {
-        return Err(ReportError::NoRows { figure: FIGURE.name, needs: "tracks.csv" });
-    }
+    FIGURE.needs("tracks.csv", tracks.is_empty())?;
     let summary = track_summary(tracks);
     let mut files = vec![csv("summary.csv", &summary)?, text("fig8.md", markdown(&summary))];
     for (index, training) in trainings(tracks.iter().map(|row| row.training.as_str())).into_iter().enumerate() {
@@ -73,36 +68,28 @@ fn tip(row: &TrackRow) -> Point3 {
 
 /// Mean over repetitions of each policy's figures, with intervals where there are enough.
 fn markdown(summary: &[TrackSummaryRow]) -> String {
-    let header =
-        ["Networks", "Controller", "Error, mean(SD) (m)", "At the start (m)", "Oscillation (mm)", "Completion (s)"];
-    let mut grid = MarkdownTable { header: header.map(str::to_owned).to_vec(), rows: Vec::new() };
-    let mut groups: Vec<Vec<&TrackSummaryRow>> = Vec::new();
-    for row in summary {
-        match groups.last_mut() {
-            Some(group) if group[0].training == row.training && group[0].policy == row.policy => group.push(row),
-            _ => groups.push(vec![row]),
-        }
-    }
-    for group in groups {
-        let of = |value: fn(&TrackSummaryRow) -> f64| group.iter().map(|row| value(row)).collect::<Vec<f64>>();
+    let line = |group: &[TrackSummaryRow]| {
+        let of = |value: fn(&TrackSummaryRow) -> f64| group.iter().map(value).collect::<Vec<f64>>();
         let with = |values: Vec<f64>, digits: usize| match interval_95(&values) {
             Some([low, high]) => format!("{:.digits$} [{low:.digits$}, {high:.digits$}]", mean(&values)),
             None => format!("{:.digits$}", mean(&values)),
         };
         let error = format!("{:.5}({:.5})", mean(&of(|row| row.mean_error_m)), mean(&of(|row| row.sd_error_m)));
-        grid.rows.push(vec![
+        vec![
             training_short(&group[0].training).to_owned(),
             policy_markdown(&group[0].policy).to_owned(),
             error,
             with(of(|row| row.start_error_m), 5),
             with(of(|row| 1e3 * row.oscillation_m), 2),
             with(of(|row| row.completion_time_s), 1),
-        ]);
-    }
+        ]
+    };
+    let groups = summary.chunk_by(|one, next| one.training == next.training && one.policy == next.policy);
+    let header = "Networks | Controller | Error, mean(SD) (m) | At the start (m) | Oscillation (mm) | Completion (s)";
     format!(
         "{}\nIn brackets after a number: 95 % interval of the mean over repetitions (Student’s t). Oscillation: median \
          peak-to-peak of the error about its moving mean, windows of {:.0} s.\n",
-        grid.markdown(),
+        MarkdownTable::new(header, groups.map(line)).markdown(),
         super::summarise::OSCILLATION_WINDOW_S
     )
 }
@@ -205,14 +192,13 @@ fn series(canvas: &mut Canvas, runs: &[Run], summary: &[TrackSummaryRow], top: f
     let y = Axis::covering("", rows().map(|row| 1e3 * row.sample.error_m).chain([0.0]), 2);
     for (index, run) in runs.iter().enumerate() {
         let last = index + 1 == runs.len();
-        let panel = Panel {
+        let panel = canvas.panel(Panel {
             corner: [LEFT, top + 12.0 + (STRIP + 12.0) * index as f64],
             size: [PAGE_WIDTH - LEFT - 96.0, STRIP],
             x: if last { x.clone() } else { x.bare() },
             y: y.clone(),
             title: String::new(),
-        };
-        panel.draw(canvas);
+        });
         strip(canvas, &panel, run, summary);
     }
     let middle = top + 12.0 + (STRIP + 12.0) * runs.len() as f64 / 2.0;

@@ -1,12 +1,10 @@
 //! Do the intervals of the Gaussian process hold what they promise? The covered share of unseen points against the promised
 //! one, by axis.
 
-use super::drawing::axes::{Axis, Panel};
-use super::drawing::canvas::{Canvas, Text, TextAlign};
-use super::drawing::legend::{LegendEntry, legend};
-use super::order::distinct;
+use super::drawing::{Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend};
+use super::order::{ascending, distinct};
 use super::style::{DASHED, GREY, HAIR, LOOKS, Look, PAGE_WIDTH, SMALL, TALL};
-use super::{Artifact, Figure, Published, ReportError, pictures};
+use super::{Artifact, Figure, Published, ReportError};
 use crate::math::summary::mean;
 use crate::rows::experiment::GpCoverageRow;
 
@@ -21,10 +19,8 @@ const LEFT: f64 = 56.0;
 const GAP: f64 = 18.0;
 
 fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
-    if published.gp_coverages.is_empty() {
-        return Err(ReportError::NoRows { figure: FIGURE.name, needs: "gp_coverage.csv" });
-    }
-    Ok(pictures(FIGURE.name, FIGURE.name, &draw(&published.gp_coverages))?.into())
+    FIGURE.needs("gp_coverage.csv", published.gp_coverages.is_empty())?;
+    FIGURE.files(Vec::new(), &draw(&published.gp_coverages))
 }
 
 fn draw(rows: &[GpCoverageRow]) -> Canvas {
@@ -43,19 +39,17 @@ fn draw(rows: &[GpCoverageRow]) -> Canvas {
     let top = below + 44.0;
     let y = Axis::exact("covered (%)", 0.0, 100.0, 5);
     for (column, axis) in axes.iter().enumerate() {
-        let panel = Panel {
+        let panel = canvas.panel(Panel {
             corner: [LEFT + column as f64 * (wide + GAP), top],
             size: [wide, wide],
             x: Axis::exact("promised (%)", 0.0, 100.0, 5),
             y: if column == 0 { y.clone() } else { y.bare() },
             title: format!("gap along {axis}"),
-        };
-        panel.draw(&mut canvas);
+        });
         panel.line(&mut canvas, &[[0.0, 0.0], [100.0, 100.0]], GREY, DASHED, HAIR);
         for (points, look) in sizes.iter().zip(&looks) {
             let own = |row: &&GpCoverageRow| row.coverage.axis == *axis && row.coverage.points == *points;
-            let mut shares: Vec<f64> = distinct(rows.iter().filter(own).map(|row| row.coverage.promised));
-            shares.sort_by(f64::total_cmp);
+            let shares = ascending(rows.iter().filter(own).map(|row| row.coverage.promised));
             let point = |promised: &f64| {
                 let same = rows.iter().filter(own).filter(|row| row.coverage.promised == *promised);
                 let covered = mean(&same.map(|row| row.coverage.covered).collect::<Vec<_>>());

@@ -10,6 +10,11 @@ pub struct MarkdownTable {
 }
 
 impl MarkdownTable {
+    /// A table; ` | ` stands between the names of its columns.
+    pub fn new(header: &str, rows: impl Iterator<Item = Vec<String>>) -> MarkdownTable {
+        MarkdownTable { header: header.split(" | ").map(str::to_owned).collect(), rows: rows.collect() }
+    }
+
     /// The table in GitHub's Markdown: columns of numbers are aligned right, except the first column.
     pub fn markdown(&self) -> String {
         let line = |cells: &[String]| {
@@ -58,11 +63,8 @@ mod tests {
 
     #[test]
     fn markdown_aligns_numbers_and_escapes_bars() {
-        let cells = |cells: &[&str]| cells.iter().map(|&cell| cell.to_owned()).collect::<Vec<_>>();
-        let grid = MarkdownTable {
-            header: cells(&["name", "error (m)", "verdict"]),
-            rows: vec![cells(&["a|b", "0.010(0.004)", "yes"]), cells(&["c", "N/A", "no"])],
-        };
+        let rows = [["a|b", "0.010(0.004)", "yes"], ["c", "N/A", "no"]].map(|row| row.map(str::to_owned).to_vec());
+        let grid = MarkdownTable::new("name | error (m) | verdict", rows.into_iter());
         let lines =
             "| name | error (m) | verdict |\n| --- | ---: | --- |\n| a\\|b | 0.010(0.004) | yes |\n| c | N/A | no |\n";
         assert_eq!(grid.markdown(), lines);

@@ -95,6 +95,19 @@ pub struct Figure {
     pub render: fn(&Published) -> Result<Vec<Artifact>, ReportError>,
 }
 
+impl Figure {
+    /// An error where the rows that it needs are missing.
+    fn needs(&self, rows: &'static str, missing: bool) -> Result<(), ReportError> {
+        if missing { Err(ReportError::NoRows { figure: self.name, needs: rows }) } else { Ok(()) }
+    }
+
+    /// These files, and the PNG and SVG of the drawing.
+    fn files(&self, mut files: Vec<Artifact>, canvas: &drawing::Canvas) -> Result<Vec<Artifact>, ReportError> {
+        files.extend(pictures(self.name, self.name, canvas)?);
+        Ok(files)
+    }
+}
+
 macro_rules! figures {
     ($($module:ident::FIGURE),* $(,)?) => {
         $(mod $module;)*
@@ -143,19 +156,21 @@ pub fn write(artifacts: &[Artifact], results: &Path, plots: &Path) -> Result<(),
 }
 
 /// PNG and SVG of a drawing.
-fn pictures(figure: &'static str, stem: &str, canvas: &drawing::canvas::Canvas) -> Result<[Artifact; 2], ReportError> {
-    let failed = |error: drawing::paint::PaintError| ReportError::Draw { figure, reason: error.to_string() };
+fn pictures(figure: &'static str, stem: &str, canvas: &drawing::Canvas) -> Result<[Artifact; 2], ReportError> {
+    let failed = |error: drawing::PaintError| ReportError::Draw { figure, reason: error.to_string() };
     let file = |end: &str, bytes| Artifact { name: format!("{stem}.{end}"), folder: OutputFolder::Plots, bytes };
-    Ok([
-        file("png", drawing::paint::png(canvas).map_err(failed)?),
-        file("svg", drawing::paint::svg(canvas).map_err(failed)?),
-    ])
+    Ok([file("png", drawing::png(canvas).map_err(failed)?), file("svg", drawing::svg(canvas).map_err(failed)?)])
 }
 
 /// A CSV for `results/<experiment>/`.
 fn csv<R: serde::Serialize>(name: &str, rows: &[R]) -> Result<Artifact, ReportError> {
     let bytes = crate::data::tables::to_csv(Path::new(name), rows)?;
     Ok(Artifact { name: name.to_owned(), folder: OutputFolder::Results, bytes })
+}
+
+/// A CSV of rows, unless there are none.
+fn some_csv<R: serde::Serialize>(name: &str, rows: &[R]) -> Result<Option<Artifact>, ReportError> {
+    if rows.is_empty() { Ok(None) } else { csv(name, rows).map(Some) }
 }
 
 /// A text file for `results/<experiment>/`.

@@ -1,12 +1,10 @@
 //! Work-precision diagram: processor time over the error of the tip, one panel for each robot, one style for each simulator.
 
-use super::drawing::axes::{Axis, Panel};
-use super::drawing::canvas::{Canvas, Text, TextAlign};
-use super::drawing::legend::{LegendEntry, legend};
+use super::drawing::{Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend};
 use super::order::distinct;
-use super::peers_labels::{name, order, rank, title};
-use super::style::{DASHED, GREY, HAIR, LINE, LOOKS, Look, MARKER, PAGE_WIDTH, SMALL};
-use super::{Artifact, Figure, Published, ReportError, pictures, text};
+use super::peers_labels::{PEERS, ROBOTS};
+use super::style::{DASHED, GREY, HAIR, LINE, MARKER, PAGE_WIDTH, SMALL};
+use super::{Artifact, Figure, Published, ReportError, text};
 use crate::rows::experiment::PeerRow;
 
 /// Registry entry.
@@ -18,12 +16,8 @@ const LEFT: f64 = 58.0;
 
 fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     let rows: Vec<&PeerRow> = published.peers.iter().filter(|row| drawable(row)).collect();
-    if rows.is_empty() {
-        return Err(ReportError::NoRows { figure: FIGURE.name, needs: "work_precision.csv with a finished run" });
-    }
-    let mut files = pictures(FIGURE.name, FIGURE.name, &draw(&rows))?.to_vec();
-    files.push(text("peers.md", super::peers_table::markdown(&published.peers)));
-    Ok(files)
+    FIGURE.needs("work_precision.csv with a finished run", rows.is_empty())?;
+    FIGURE.files(vec![text("peers.md", super::peers_table::markdown(&published.peers))], &draw(&rows))
 }
 
 /// Whether a row can be drawn on logarithmic axes.
@@ -34,11 +28,9 @@ fn drawable(row: &PeerRow) -> bool {
 
 fn draw(rows: &[&PeerRow]) -> Canvas {
     let robots = distinct(rows.iter().map(|row| row.robot.as_str()));
-    let seen = distinct(rows.iter().map(|row| row.peer.as_str()));
     let mut canvas = Canvas::new(PAGE_WIDTH, 378.0);
-    let labels: Vec<(Look, String)> = order(&seen).into_iter().map(|peer| (look(peer), name(peer))).collect();
-    let mut keys: Vec<(LegendEntry, &str)> =
-        labels.iter().map(|(look, words)| (LegendEntry::Plain(*look), words.as_str())).collect();
+    let key = |peer| (LegendEntry::Plain(PEERS.look(peer)), PEERS.label(peer));
+    let mut keys: Vec<_> = PEERS.sorted(rows.iter().map(|row| row.peer.as_str())).into_iter().map(key).collect();
     keys.push((LegendEntry::Line(GREY, DASHED), "real time"));
     let below = legend(&mut canvas, [LEFT, 18.0], PAGE_WIDTH - 12.0, &keys);
     let y =
@@ -47,14 +39,13 @@ fn draw(rows: &[&PeerRow]) -> Canvas {
     for (index, robot) in robots.iter().enumerate() {
         let own: Vec<&PeerRow> = rows.iter().copied().filter(|row| row.robot == *robot).collect();
         let x = Axis::decades("rms error of the tip (mm)", own.iter().map(|row| 1e3 * row.rms_error_m));
-        let panel = Panel {
+        let panel = canvas.panel(Panel {
             corner: [LEFT + wide * index as f64, below + 34.0],
             size: [wide - 30.0, PANEL_HIGH],
             x,
             y: if index == 0 { y.clone() } else { y.bare() },
-            title: format!("({}) {}", char::from(b'a' + (index % 26) as u8), title(robot)),
-        };
-        panel.draw(&mut canvas);
+            title: format!("({}) {}", char::from(b'a' + (index % 26) as u8), ROBOTS.label(robot)),
+        });
         panel.line(&mut canvas, &[[panel.x.low, 3.0], [panel.x.high, 3.0]], GREY, DASHED, HAIR);
         curves(&mut canvas, &panel, &own);
     }
@@ -67,10 +58,8 @@ fn draw(rows: &[&PeerRow]) -> Canvas {
 
 /// One line through the time steps of each setting; ours last, on top.
 fn curves(canvas: &mut Canvas, panel: &Panel, rows: &[&PeerRow]) {
-    let seen = distinct(rows.iter().map(|row| row.peer.as_str()));
-    for peer in order(&seen).into_iter().rev() {
+    for peer in PEERS.sorted(rows.iter().map(|row| row.peer.as_str())).into_iter().rev() {
         let own: Vec<&PeerRow> = rows.iter().copied().filter(|row| row.peer == peer).collect();
-        let look = look(peer);
         let kind = |row: &PeerRow| format!("{} {}", row.setting, row.segments_or_nodes);
         let kinds: Vec<String> = own.iter().map(|row| kind(row)).collect();
         for one in distinct(kinds.iter().map(String::as_str)) {
@@ -78,14 +67,7 @@ fn curves(canvas: &mut Canvas, panel: &Panel, rows: &[&PeerRow]) {
             line.sort_by(|a, b| a.dt_s.total_cmp(&b.dt_s));
             let points: Vec<[f64; 2]> =
                 line.iter().map(|row| [(1e3 * row.rms_error_m).log10(), (1e3 * row.cpu_s_per_s).log10()]).collect();
-            panel.line(canvas, &points, look.colour, look.dash, 0.7 * LINE);
-            for [x, y] in points {
-                canvas.marker(panel.at(x, y), look.marker, 0.85 * MARKER, look.colour, false);
-            }
+            panel.marked(canvas, &points, PEERS.look(peer), [0.7 * LINE, 0.85 * MARKER]);
         }
     }
-}
-
-fn look(peer: &str) -> Look {
-    LOOKS[rank(peer).min(LOOKS.len() - 1)]
 }

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::order::distinct;
-use super::peers_labels::{name, order, title};
+use super::peers_labels::{PEERS, ROBOTS};
 use crate::rows::experiment::PeerRow;
 
 /// Error limits of the columns, mm.
@@ -24,14 +24,19 @@ fn moving(text: &mut String, rows: &[PeerRow]) {
     for robot in distinct(rows.iter().filter(|row| row.real_time_factor.is_finite()).map(|row| row.robot.as_str())) {
         let own: Vec<&PeerRow> =
             rows.iter().filter(|row| row.robot == robot && row.real_time_factor.is_finite()).collect();
-        let seen = distinct(own.iter().map(|row| row.peer.as_str()));
-        for (place, peer) in order(&seen).into_iter().enumerate() {
+        for (place, peer) in PEERS.sorted(own.iter().map(|row| row.peer.as_str())).into_iter().enumerate() {
             let its: Vec<&PeerRow> = own.iter().copied().filter(|row| row.peer == peer).collect();
             let cells: Vec<String> = WANTED_MM.iter().map(|mm| fastest(&its, 1e-3 * mm)).collect();
             let best =
                 its.iter().map(|row| row.rms_error_m).filter(|error| error.is_finite()).fold(f64::INFINITY, f64::min);
-            let robot = if place == 0 { title(robot) } else { String::new() };
-            let _ = writeln!(text, "| {robot} | {} | {} | {} mm |", name(peer), cells.join(" | "), short(1e3 * best));
+            let robot = if place == 0 { ROBOTS.label(robot) } else { "" };
+            let _ = writeln!(
+                text,
+                "| {robot} | {} | {} | {} mm |",
+                PEERS.label(peer),
+                cells.join(" | "),
+                short(1e3 * best)
+            );
         }
     }
     let _ = writeln!(
@@ -60,7 +65,7 @@ fn still(text: &mut String, rows: &[PeerRow]) {
     let _ = writeln!(text, "| --- | --- | ---: | ---: | ---: |");
     for row in solves {
         let [nodes, time, error] = [row.segments_or_nodes, 1e6 * row.cpu_s_per_s, 1e6 * row.static_error_m].map(short);
-        let _ = writeln!(text, "| {} | {} | {nodes} | {time} µs | {error} µm |", name(&row.peer), row.setting);
+        let _ = writeln!(text, "| {} | {} | {nodes} | {time} µs | {error} µm |", PEERS.label(&row.peer), row.setting);
     }
 }
 

@@ -1,15 +1,14 @@
 //! A population of robots: the error of each policy over robots, and the share of robots on which each claim holds.
 
 use super::cells::modes_in_order;
-use super::drawing::axes::{Axis, Panel};
-use super::drawing::canvas::{Canvas, Text, TextAlign};
+use super::drawing::{Axis, Canvas, Panel, Text, TextAlign};
 use super::order::trainings;
 use super::population_table::{attribution_rows, markdown, population_rows};
 use super::style::{
     GREY, HAIR, INK, MARKER, Marker, PAGE_WIDTH, SMALL, TALL, TEXT, claim_label, mode_title, policies_in_order,
     policy_label, policy_look, training_label,
 };
-use super::{Artifact, Figure, Published, ReportError, csv, pictures, text};
+use super::{Artifact, Figure, Published, ReportError, csv, text};
 use crate::rows::population::{PopulationRow, RobotClaimRow};
 
 /// Registry entry.
@@ -28,9 +27,7 @@ const LEFT: f64 = 56.0;
 const CLAIMS_LEFT: f64 = 410.0;
 
 fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
-    if published.robots.is_empty() || published.trials.is_empty() {
-        return Err(ReportError::NoRows { figure: FIGURE.name, needs: "robots.csv and trials.csv" });
-    }
+    FIGURE.needs("robots.csv and trials.csv", published.robots.is_empty() || published.trials.is_empty())?;
     let rows = population_rows(&published.trials);
     let effects = attribution_rows(&published.trials, &published.robots);
     let claims = &published.robot_claims;
@@ -39,8 +36,7 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     if !effects.is_empty() {
         files.push(csv("attribution.csv", &effects)?);
     }
-    files.extend(pictures(FIGURE.name, FIGURE.name, &draw(&rows, claims))?);
-    Ok(files)
+    FIGURE.files(files, &draw(&rows, claims))
 }
 
 /// Panels of the last kind of training: networks are at their best there.
@@ -63,14 +59,13 @@ fn draw(rows: &[PopulationRow], claims: &[RobotClaimRow]) -> Canvas {
     let mut top = 46.0;
     for mode in &modes {
         let names: Vec<String> = policies.iter().map(|policy| policy_label(policy).to_owned()).collect();
-        let panel = Panel {
+        let panel = canvas.panel(Panel {
             corner: [LEFT, top],
             size: [width, HIGH],
             x: Axis::categories("", &names),
             y: y.clone(),
             title: mode_title(mode),
-        };
-        panel.draw(&mut canvas);
+        });
         for (place, policy) in policies.iter().enumerate() {
             if let Some(row) = rows.iter().find(|row| row.cell.policy == *policy && row.cell.mode == *mode) {
                 spread(&mut canvas, &panel, place as f64, row);
@@ -104,11 +99,10 @@ fn spread(canvas: &mut Canvas, panel: &Panel, x: f64, row: &PopulationRow) {
 /// The share of robots on which each claim holds, below `top`; returns where it ends.
 fn shares(canvas: &mut Canvas, claims: &[&RobotClaimRow], top: f64) -> f64 {
     let high = LINE * claims.len() as f64;
-    let rows = Axis { label: String::new(), low: 0.0, high: claims.len() as f64, ticks: Vec::new() };
+    let rows = Axis::bare_to(claims.len() as f64);
     let axis = Axis::exact("share of robots on which the claim holds (%)", 0.0, 100.0, 4);
     let size = [PAGE_WIDTH - CLAIMS_LEFT - 60.0, high];
-    let panel = Panel { corner: [CLAIMS_LEFT, top], size, x: axis, y: rows, title: String::new() };
-    panel.draw(canvas);
+    let panel = canvas.panel(Panel { corner: [CLAIMS_LEFT, top], size, x: axis, y: rows, title: String::new() });
     canvas.text(Text::new("Claims of the paper", [12.0, top - 8.0], TEXT, TextAlign::Left).bold());
     for (index, row) in claims.iter().enumerate() {
         let y = claims.len() as f64 - index as f64 - 0.5;

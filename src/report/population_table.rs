@@ -2,11 +2,10 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::cells::{CellErrors, mode_first, summarise_cells};
+use super::cells::{CellErrors, label_cells, mode_first, summarise_cells};
 use super::controllers_table::mm;
 use super::markup::MarkdownTable;
 use super::order::{rank, trainings};
-use super::style::policy_markdown;
 use super::summarise::trial_error;
 use crate::math::distribution::{holm, student_95, student_beyond};
 use crate::math::summary::{mean, quantile, rank_correlation, standard_deviation};
@@ -113,74 +112,32 @@ pub(super) fn markdown(rows: &[PopulationRow], claims: &[RobotClaimRow], effects
     text
 }
 
-fn header(cells: &[&str]) -> Vec<String> {
-    cells.iter().map(|cell| (*cell).to_owned()).collect()
-}
-
 fn error_table(rows: &[PopulationRow]) -> MarkdownTable {
-    MarkdownTable {
-        header: header(&["policy", "training", "mode", "robots", "median", "5 %", "95 %", "largest", "failed trials"]),
-        rows: rows
-            .iter()
-            .map(|row| {
-                let head = [
-                    policy_markdown(&row.cell.policy).to_owned(),
-                    row.training.clone(),
-                    row.cell.mode.clone(),
-                    row.robots.to_string(),
-                ];
-                let numbers = [row.median_m, row.p05_m, row.p95_m, row.largest_m].map(mm);
-                [&head[..], &numbers[..], &[row.failed.to_string()]].concat()
-            })
-            .collect(),
-    }
+    let line = |row: &PopulationRow| {
+        let numbers = [row.median_m, row.p05_m, row.p95_m, row.largest_m].map(mm);
+        let [robots, failed] = [row.robots, row.failed].map(|count| [count.to_string()]);
+        [&label_cells(&row.training, &row.cell)[..], &robots, &numbers, &failed].concat()
+    };
+    let header = "policy | training | mode | robots | median | 5 % | 95 % | largest | failed trials";
+    MarkdownTable::new(header, rows.iter().map(line))
 }
 
 fn claim_table(claims: &[RobotClaimRow]) -> MarkdownTable {
-    MarkdownTable {
-        header: header(&["claim", "training", "robots", "holds on", "95 % interval"]),
-        rows: claims
-            .iter()
-            .map(|row| {
-                let percent = |share: f64| format!("{:.0} %", 100.0 * share);
-                let interval = format!("{} to {}", percent(row.low_95), percent(row.high_95));
-                let statement = row.statement.clone();
-                vec![statement, row.training.clone(), row.robots.to_string(), percent(row.share), interval]
-            })
-            .collect(),
-    }
+    let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+    let line = |row: &RobotClaimRow| {
+        let interval = format!("{} to {}", percent(row.low_95), percent(row.high_95));
+        vec![row.statement.clone(), row.training.clone(), row.robots.to_string(), percent(row.share), interval]
+    };
+    MarkdownTable::new("claim | training | robots | holds on | 95 % interval", claims.iter().map(line))
 }
 
 fn effect_table(decided: &[&AttributionRow]) -> MarkdownTable {
-    MarkdownTable {
-        header: header(&[
-            "policy",
-            "training",
-            "mode",
-            "effect",
-            "robots with it",
-            "adds",
-            "95 % interval",
-            "rank correlation",
-        ]),
-        rows: decided
-            .iter()
-            .map(|row| {
-                let head = [
-                    policy_markdown(&row.cell.policy).to_owned(),
-                    row.training.clone(),
-                    row.cell.mode.clone(),
-                    row.effect.clone(),
-                ];
-                let interval = format!("{} to {}", mm(row.low_95_m), mm(row.high_95_m));
-                let tail = [
-                    row.robots_with.to_string(),
-                    mm(row.difference_m),
-                    interval,
-                    format!("{:.2}", row.rank_correlation),
-                ];
-                [head, tail].concat()
-            })
-            .collect(),
-    }
+    let line = |row: &&AttributionRow| {
+        let interval = format!("{} to {}", mm(row.low_95_m), mm(row.high_95_m));
+        let correlation = format!("{:.2}", row.rank_correlation);
+        let cells = [row.effect.clone(), row.robots_with.to_string(), mm(row.difference_m), interval, correlation];
+        [&label_cells(&row.training, &row.cell)[..], &cells].concat()
+    };
+    let header = "policy | training | mode | effect | robots with it | adds | 95 % interval | rank correlation";
+    MarkdownTable::new(header, decided.iter().map(line))
 }

@@ -1,16 +1,14 @@
 //! A changed robot and its repair: the error of goal reaching before, after, and mended in several ways, one panel a change.
 
 use super::cells::modes_in_order;
-use super::drawing::axes::{Axis, Panel};
-use super::drawing::canvas::{Canvas, Text, TextAlign};
-use super::drawing::legend::{LegendEntry, legend};
+use super::drawing::{Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend};
 use super::order::{distinct, trainings};
 use super::repair_table::{VARIANTS, markdown, summary_rows};
 use super::style::{
     DOTTED, GREY, LINE, PAGE_WIDTH, SMALL, TEXT, capitalised, mode_title, policies_in_order, policy_label, policy_look,
     training_label,
 };
-use super::{Artifact, Figure, Published, ReportError, csv, pictures, text};
+use super::{Artifact, Figure, Published, ReportError, csv, text};
 use crate::math::summary::mean;
 use crate::rows::repairs::{RepairRow, RepairSummaryRow};
 
@@ -25,13 +23,12 @@ pub(super) const FIGURE: Figure = Figure {
 const COLUMNS: usize = 3;
 
 fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
-    if published.repair_trials.is_empty() {
-        return Err(ReportError::NoRows { figure: FIGURE.name, needs: "repair_trials.csv" });
-    }
+    FIGURE.needs("repair_trials.csv", published.repair_trials.is_empty())?;
     let rows = summary_rows(&published.repair_trials, &published.repairs);
-    let mut files = vec![csv("repair_summary.csv", &rows)?, text("repair.md", markdown(&rows, published))];
-    files.extend(pictures(FIGURE.name, FIGURE.name, &draw(&rows, &published.repairs))?);
-    Ok(files)
+    FIGURE.files(
+        vec![csv("repair_summary.csv", &rows)?, text("repair.md", markdown(&rows, published))],
+        &draw(&rows, &published.repairs),
+    )
 }
 
 /// The panels of the last kind of training: networks are at their best there.
@@ -75,7 +72,7 @@ fn draw(rows: &[RepairSummaryRow], repairs: &[RepairRow]) -> Canvas {
             let panel = panel(&mut canvas, &own, (corner, [width, high]), change, y);
             let nearest_mm = nearest_mm(repairs, change);
             if nearest_mm.is_finite() {
-                let ends = [0.6, VARIANTS.len() as f64 - 0.6].map(|x| [x, nearest_mm]);
+                let ends = [0.6, VARIANTS.0.len() as f64 - 0.6].map(|x| [x, nearest_mm]);
                 panel.line(&mut canvas, &ends, GREY, DOTTED, LINE);
             }
         }
@@ -91,16 +88,15 @@ fn nearest_mm(repairs: &[RepairRow], change: &str) -> f64 {
 
 /// Draws the errors in one mode after one change.
 fn panel(canvas: &mut Canvas, rows: &[&RepairSummaryRow], place: ([f64; 2], [f64; 2]), change: &str, y: Axis) -> Panel {
-    let names: Vec<String> = VARIANTS.iter().map(|(_, short)| (*short).to_owned()).collect();
+    let names: Vec<String> = VARIANTS.0.iter().map(|(_, short)| (*short).to_owned()).collect();
     let x = Axis::categories("", &names);
-    let panel = Panel { corner: place.0, size: place.1, x, y, title: change.replace('_', " ") };
-    panel.draw(canvas);
+    let panel = canvas.panel(Panel { corner: place.0, size: place.1, x, y, title: change.replace('_', " ") });
     for policy in policies_in_order(rows.iter().map(|row| row.cell.policy.as_str())) {
         let at = |(place, (variant, _)): (usize, &(&str, &str))| {
             let row = rows.iter().find(|row| row.cell.policy == policy && row.variant == *variant)?;
             row.mean_m.is_finite().then_some([place as f64, 1e3 * row.mean_m, f64::NAN])
         };
-        let points: Vec<[f64; 3]> = VARIANTS.iter().enumerate().filter_map(at).collect();
+        let points: Vec<[f64; 3]> = VARIANTS.0.iter().enumerate().filter_map(at).collect();
         panel.series(canvas, &points, policy_look(policy));
     }
     panel

@@ -6,46 +6,39 @@ use super::Published;
 use super::cells::{CellErrors, SeedError, mode_first, summarise_cells};
 use super::controllers_table::mm;
 use super::markup::MarkdownTable;
-use super::order::{distinct, rank, trainings};
+use super::order::{Labels, distinct, rank, trainings};
 use super::style::{policy_markdown, policy_rank};
 use crate::math::summary::{mean, quantile, standard_deviation};
 use crate::rows::repairs::{RepairRow, RepairSummaryRow, RepairTrialRow};
 
 /// The variants in their order, and how a narrow axis calls them.
-pub(super) const VARIANTS: [(&str, &str); 6] = [
+pub(super) const VARIANTS: Labels = Labels(&[
     ("before", "before"),
     ("changed", "after"),
     ("repaired", "repair"),
     ("moved_points", "moved"),
     ("new_points", "points"),
     ("new_real", "data"),
-];
-
-fn variant_rank(variant: &str) -> usize {
-    VARIANTS.iter().position(|(known, _)| *known == variant).unwrap_or(VARIANTS.len())
-}
+]);
 
 /// Trials, summarised by training, mode, change, policy and variant.
 pub(super) fn summary_rows(trials: &[RepairTrialRow], repairs: &[RepairRow]) -> Vec<RepairSummaryRow> {
     let order = trainings(trials.iter().map(|row| row.training.as_str()));
     let changes = distinct(trials.iter().map(|row| row.change.as_str()));
     let key = |row: &RepairTrialRow| (rank(&order, &row.training), rank(&changes, &row.change));
-    let error = |row: &RepairTrialRow| {
-        let good = row.status.is_ok() && row.error_m.is_finite();
-        SeedError { seed: row.seed, error_m: good.then_some(row.error_m) }
-    };
+    let error = |row: &RepairTrialRow| SeedError::of(row.seed, &row.status, row.error_m);
     let cells = summarise_cells(
         trials,
         |row| {
             let ((training, change), (mode, policy, sizes)) = (key(row), mode_first(&row.cell));
-            (training, mode, change, policy, sizes, variant_rank(&row.variant))
+            (training, mode, change, policy, sizes, VARIANTS.rank(&row.variant))
         },
         error,
     );
     let before_m = |row: &RepairTrialRow| {
         let before = cells.iter().find(|cell| {
             let other = cell.rows[0];
-            key(other) == key(row) && other.cell == row.cell && variant_rank(&other.variant) == 0
+            key(other) == key(row) && other.cell == row.cell && VARIANTS.rank(&other.variant) == 0
         });
         before.map_or(f64::NAN, CellErrors::mean_m)
     };
@@ -144,11 +137,8 @@ fn named_table(repairs: &[RepairRow]) -> MarkdownTable {
             mean_mm(|row| row.nearest_m),
         ]
     };
-    let header = ["change", "what changed", "alarm", "samples", "named", "held-out error (mm)", "nearest (mm)"];
-    MarkdownTable {
-        header: header.map(str::to_owned).to_vec(),
-        rows: distinct(of_last.iter().map(|row| row.change.as_str())).into_iter().map(line).collect(),
-    }
+    let header = "change | what changed | alarm | samples | named | held-out error (mm) | nearest (mm)";
+    MarkdownTable::new(header, distinct(of_last.iter().map(|row| row.change.as_str())).into_iter().map(line))
 }
 
 /// The names of the effects that were named, each with its count; the most frequent first.
@@ -178,11 +168,11 @@ fn errors_table(rows: &[&RepairSummaryRow]) -> MarkdownTable {
             own.map_or_else(|| "–".to_owned(), |row| with_interval(row))
         };
         let mut line = vec![rows[0].change.clone(), policy_markdown(&rows[0].cell.policy).to_owned()];
-        line.extend(VARIANTS.iter().map(cell));
+        line.extend(VARIANTS.0.iter().map(cell));
         line
     };
-    let header = ["change", "policy", "before", "after", "repaired", "moved points", "new points", "new data"];
-    MarkdownTable { header: header.map(str::to_owned).to_vec(), rows: cells.values().map(line).collect() }
+    let header = "change | policy | before | after | repaired | moved points | new points | new data";
+    MarkdownTable::new(header, cells.values().map(line))
 }
 
 fn with_interval(row: &RepairSummaryRow) -> String {

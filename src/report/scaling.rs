@@ -1,10 +1,8 @@
 //! Scaling of campaigns: efficiency and time over the number of nodes, simulated from recorded stage times.
 
-use super::drawing::axes::{Axis, Panel};
-use super::drawing::canvas::{Canvas, Text, TextAlign};
-use super::drawing::legend::{LegendEntry, legend};
+use super::drawing::{Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend};
 use super::style::{DASHED, GREY, HAIR, LINE, LOOKS, MARKER, PAGE_WIDTH, SMALL};
-use super::{Artifact, Figure, Published, ReportError, pictures, text};
+use super::{Artifact, Figure, Published, ReportError, text};
 use crate::rows::experiment::ScalingRow;
 use std::fmt::Write as _;
 
@@ -21,12 +19,8 @@ const LEFT: f64 = 58.0;
 fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     let drawn = |row: &&ScalingRow| SYSTEMS.iter().any(|(name, _)| *name == row.system) && row.wall_s > 0.0;
     let rows: Vec<&ScalingRow> = published.scaling.iter().filter(drawn).collect();
-    if rows.is_empty() {
-        return Err(ReportError::NoRows { figure: FIGURE.name, needs: "scaling.csv with a replayed cluster" });
-    }
-    let mut files = pictures(FIGURE.name, FIGURE.name, &draw(&rows))?.to_vec();
-    files.push(text("scaling.md", markdown(&published.scaling)));
-    Ok(files)
+    FIGURE.needs("scaling.csv with a replayed cluster", rows.is_empty())?;
+    FIGURE.files(vec![text("scaling.md", markdown(&published.scaling))], &draw(&rows))
 }
 
 fn draw(rows: &[&ScalingRow]) -> Canvas {
@@ -39,16 +33,14 @@ fn draw(rows: &[&ScalingRow]) -> Canvas {
     let time = Axis::decades("time from begin to end (h)", rows.iter().map(|row| row.wall_s / 3600.0));
     let share = Axis::exact("share of the nodes’ time in stages (%)", 0.0, 100.0, 5);
     let wide = (PAGE_WIDTH - LEFT - 14.0) / 2.0;
-    let panels =
-        [("(a) time", time), ("(b) efficiency", share)].into_iter().enumerate().map(|(index, (title, y))| Panel {
+    for (index, (title, y)) in [("(a) time", time), ("(b) efficiency", share)].into_iter().enumerate() {
+        let panel = canvas.panel(Panel {
             corner: [LEFT + (wide + 14.0) * index as f64, below + 34.0],
             size: [wide - 44.0, PANEL_HIGH],
             x: nodes.clone(),
             y,
             title: title.to_owned(),
         });
-    for (index, panel) in panels.enumerate() {
-        panel.draw(&mut canvas);
         if index == 1 {
             panel.line(&mut canvas, &[[panel.x.low, 90.0], [panel.x.high, 90.0]], GREY, DASHED, HAIR);
         }
@@ -57,10 +49,7 @@ fn draw(rows: &[&ScalingRow]) -> Canvas {
                 |row: &ScalingRow| if index == 0 { (row.wall_s / 3600.0).log10() } else { 100.0 * row.efficiency };
             let own = rows.iter().filter(|row| row.system == system);
             let points: Vec<[f64; 2]> = own.map(|row| [(row.workers as f64).log10(), value(row)]).collect();
-            panel.line(&mut canvas, &points, look.colour, look.dash, LINE);
-            for &[x, y] in &points {
-                canvas.marker(panel.at(x, y), look.marker, MARKER, look.colour, false);
-            }
+            panel.marked(&mut canvas, &points, *look, [LINE, MARKER]);
         }
     }
     let stages = rows.iter().map(|row| row.stages).max().unwrap_or(0);

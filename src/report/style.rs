@@ -16,8 +16,6 @@ pub const BLUE: Colour = PALETTE[0];
 pub const VERMILION: Colour = PALETTE[1];
 /// Okabe & Ito's bluish green.
 pub const GREEN: Colour = PALETTE[2];
-/// Okabe & Ito's reddish purple.
-pub const PURPLE: Colour = PALETTE[3];
 /// Okabe & Ito's orange.
 pub const ORANGE: Colour = PALETTE[4];
 /// Okabe & Ito's sky blue.

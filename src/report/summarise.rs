@@ -15,8 +15,7 @@ pub const OSCILLATION_WINDOW_S: f64 = 5.0;
 
 /// The error of a trial that ended without failure.
 pub(super) fn trial_error(row: &TrialRow) -> SeedError {
-    let good = row.status.is_ok() && row.error_m.is_finite();
-    SeedError { seed: row.seed, error_m: good.then_some(row.error_m) }
+    SeedError::of(row.seed, &row.status, row.error_m)
 }
 
 /// Goal-reaching trials, summarised by training, policy, mode and data sizes; in the order of Table I, sizes increasing.

@@ -44,13 +44,13 @@ pub fn reach_sweep(trials: &[TrialRow]) -> Vec<SweepCell> {
 
 /// Trials of fixed duration at one point: the error of the true tip at their end.
 pub fn response_sweep(responses: &[ResponseRow]) -> Vec<SweepCell> {
-    let error = |row: &ResponseRow| good(row.seed, &row.status, row.error_end_m);
+    let error = |row: &ResponseRow| SeedError::of(row.seed, &row.status, row.error_end_m);
     summarised("response", responses.iter().map(|row| swept(&row.training, row.cell.clone(), error(row))).collect())
 }
 
 /// Path tracking at one point; `cell` gives mode and data sizes of a policy.
 pub fn track_sweep(runs: &[TrackSummaryRow], cell: impl Fn(&str) -> CellLabel) -> Vec<SweepCell> {
-    let error = |row: &TrackSummaryRow| good(row.seed, &row.status, row.mean_error_m);
+    let error = |row: &TrackSummaryRow| SeedError::of(row.seed, &row.status, row.mean_error_m);
     summarised("track", runs.iter().map(|row| swept(&row.training, cell(&row.policy), error(row))).collect())
 }
 
@@ -58,18 +58,13 @@ pub fn track_sweep(runs: &[TrackSummaryRow], cell: impl Fn(&str) -> CellLabel) -
 pub fn gp_sweep(gps: &[GpRow]) -> Vec<SweepCell> {
     let errors = gps.iter().map(|row| {
         let cell = CellLabel { gp_points: row.score.points, ..CellLabel::default() };
-        swept(&row.training, cell, good(row.seed, &Outcome::Ok, row.score.cross_validation_mae_m))
+        swept(&row.training, cell, SeedError::of(row.seed, &Outcome::Ok, row.score.cross_validation_mae_m))
     });
     summarised("gp", errors.collect())
 }
 
 fn swept(training: &str, cell: CellLabel, error: SeedError) -> SweptError<'_> {
     SweptError { training, cell, error }
-}
-
-/// The error of what went well.
-fn good(seed: u64, status: &Outcome, error_m: f64) -> SeedError {
-    SeedError { seed, error_m: (status.is_ok() && error_m.is_finite()).then_some(error_m) }
 }
 
 fn summarised(task: &str, errors: Vec<SweptError>) -> Vec<SweepCell> {

@@ -2,10 +2,7 @@
 //! numbers; as Markdown, LaTeX, CSV and a picture.
 
 use super::cells::MODES;
-use super::drawing::axes::{Axis, Panel};
-use super::drawing::canvas::{Canvas, Text, TextAlign};
-use super::drawing::legend::{LegendEntry, legend};
-use super::drawing::paint::text_width;
+use super::drawing::{Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend, text_width};
 use super::markup::{MarkdownTable, latex};
 use super::order::trainings;
 use super::style::{
@@ -13,7 +10,7 @@ use super::style::{
     policy_latex, policy_markdown, training_label,
 };
 use super::summarise::reach_summary;
-use super::{Artifact, Figure, Published, ReportError, csv, paper, pictures, text};
+use super::{Artifact, Figure, Published, ReportError, csv, paper, text};
 use crate::policies;
 use crate::rows::experiment::ReachSummaryRow;
 
@@ -41,21 +38,20 @@ struct TableEntry {
 
 fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     let trials = &published.trials;
-    if trials.is_empty() {
-        return Err(ReportError::NoRows { figure: FIGURE.name, needs: "trials.csv" });
-    }
+    FIGURE.needs("trials.csv", trials.is_empty())?;
     let summary = reach_summary(trials);
     one_size(&summary)?;
     let names = trainings(trials.iter().map(|row| row.training.as_str()));
     let sources = sources(&names);
     let shown = policies_in_order(summary.iter().map(|row| row.cell.policy.as_str()));
-    let mut files = vec![
-        csv("summary.csv", &summary)?,
-        text("table1.md", markdown(&summary, &sources, &shown)),
-        text("table1.tex", tex(&summary, &sources, &shown)),
-    ];
-    files.extend(pictures(FIGURE.name, FIGURE.name, &draw(&summary, &sources, &shown))?);
-    Ok(files)
+    FIGURE.files(
+        vec![
+            csv("summary.csv", &summary)?,
+            text("table1.md", markdown(&summary, &sources, &shown)),
+            text("table1.tex", tex(&summary, &sources, &shown)),
+        ],
+        &draw(&summary, &sources, &shown),
+    )
 }
 
 /// A cell of the table averages over one size of data only.
@@ -193,14 +189,13 @@ fn draw(summary: &[ReachSummaryRow], sources: &[Source], shown: &[&str]) -> Canv
     for (place, (mode, heading)) in MODES.iter().zip(HEADINGS).enumerate() {
         let names: Vec<String> = shown.iter().rev().map(|policy| policy_label(policy).to_owned()).collect();
         let named = Axis { low: -0.5, high: shown.len() as f64 - 0.5, ..Axis::categories("", &names) };
-        let panel = Panel {
+        let panel = canvas.panel(Panel {
             corner: [left + (wide + BETWEEN) * place as f64, 54.0],
             size: [wide, high],
             x: x.clone(),
             y: if place == 0 { named } else { named.bare() },
             title: heading.to_owned(),
-        };
-        panel.draw(&mut canvas);
+        });
         facet(&mut canvas, &panel, summary, sources, shown, mode);
     }
     let note = "thin: ± 1 standard deviation over targets; thick: 95 % interval of the mean over repetitions";

@@ -10,10 +10,13 @@ use std::path::Path;
 /// # Errors
 /// The serialiser's message for a type that YAML cannot represent.
 pub fn to_yaml<T: Serialize>(value: &T) -> Result<String, String> {
+    written(value).map_err(|error| error.to_string())
+}
+
+fn written<T: Serialize>(value: &T) -> Result<String, serde_yaml::Error> {
     let mut text = Vec::new();
-    let mut serializer = serde_yaml::Serializer::new(&mut text);
-    serde_yaml::with::singleton_map_recursive::serialize(value, &mut serializer).map_err(|error| error.to_string())?;
-    String::from_utf8(text).map_err(|error| error.to_string())
+    serde_yaml::with::singleton_map_recursive::serialize(value, &mut serde_yaml::Serializer::new(&mut text))?;
+    Ok(String::from_utf8_lossy(&text).into_owned())
 }
 
 /// The text of a model file, with effects as `- name: {…}`.
@@ -21,10 +24,7 @@ pub fn to_yaml<T: Serialize>(value: &T) -> Result<String, String> {
 /// # Errors
 /// When a number cannot be written as YAML.
 pub fn model_text(model: &Model) -> Result<String, serde_yaml::Error> {
-    let mut text = Vec::new();
-    let mut serializer = serde_yaml::Serializer::new(&mut text);
-    serde_yaml::with::singleton_map_recursive::serialize(model, &mut serializer)?;
-    Ok(String::from_utf8_lossy(&text).into_owned())
+    written(model)
 }
 
 /// The text of `file` with the last `added` effects of `model` appended to its own, which keeps comments and layout. When

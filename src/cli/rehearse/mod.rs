@@ -47,9 +47,7 @@ impl RehearseCommand {
         let options = read_hardware_plant(&self.plant)?;
         if options.rehearsal.is_none() {
             let file = self.plant.display();
-            return Err(CommandError::BadInput(format!(
-                "{file}: hardware: found no `rehearsal`, expected the model to simulate"
-            )));
+            refuse!("{file}: hardware: found no `rehearsal`, expected the model to simulate");
         }
         let interrupt = Interrupt::of_process().map_err(CommandError::failed)?;
         let mut served = ServedSimulator::open(&options, Seed(self.seed)).map_err(CommandError::Failed)?;

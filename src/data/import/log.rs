@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::data::recording::{cell_error, header_place};
+use crate::data::recording::{cell_error, column_error};
 use crate::data::{DataError, Recording};
 
 /// Time of a row in the export, seconds.
@@ -96,11 +96,5 @@ fn export_times(path: &Path, commands: &Recording, offsets_s: &[f64]) -> Result<
 }
 
 fn unplaced(path: &Path, found: String, expected: &str) -> DataError {
-    DataError::Column {
-        file: path.to_owned(),
-        place: header_place(path),
-        column: EXPORT_TIME.to_owned(),
-        found,
-        expected: expected.to_owned(),
-    }
+    column_error(path, EXPORT_TIME.to_owned(), found, expected.to_owned())
 }

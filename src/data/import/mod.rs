@@ -155,21 +155,15 @@ fn check_overlap(frames_s: &[f64], (file, at_s): (&Path, &[f64])) -> Result<(), 
     if begin_s <= last_s && end_s >= first_s {
         return Ok(());
     }
-    Err(DataError::Line {
-        file: file.to_owned(),
-        place: "all rows".to_owned(),
-        found: format!("commands from {begin_s} s to {end_s} s in the export"),
-        expected: format!("some within the export, which goes from {first_s} s to {last_s} s"),
-    })
+    let found = format!("commands from {begin_s} s to {end_s} s in the export");
+    let expected = format!("some within the export, which goes from {first_s} s to {last_s} s");
+    Err(DataError::Line { file: file.to_owned(), place: "all rows".to_owned(), found, expected })
 }
 
 fn never_seen(export: &Export, options: &ImportOptions) -> DataError {
     let frames = export.time_s.windows(2).map(|pair| pair[1] - pair[0]);
     let step_s = frames.fold(0.0, f64::max);
-    DataError::Line {
-        file: export.file.clone(),
-        place: "all frames".to_owned(),
-        found: format!("no command with both bodies tracked around it (frames are up to {step_s:.6} s apart)"),
-        expected: format!("tracked frames at most {} s apart ({})", options.max_gap_s, options.gap_key),
-    }
+    let found = format!("no command with both bodies tracked around it (frames are up to {step_s:.6} s apart)");
+    let expected = format!("tracked frames at most {} s apart ({})", options.max_gap_s, options.gap_key);
+    DataError::Line { file: export.file.clone(), place: "all frames".to_owned(), found, expected }
 }

@@ -94,8 +94,7 @@ fn add_residuals(shown: &Shown, times_ns: &[u64], writer: &mut BagWriter, messag
         let Some(row) = rows.clone().min_by(|a, b| apart(a).total_cmp(&apart(b))) else { continue };
         let time_ns = times_ns[row];
         let tip = [sample.tip_x_m, sample.tip_y_m, sample.tip_z_m];
-        let before = [sample.before_x_m, sample.before_y_m, sample.before_z_m];
-        let after = [sample.after_x_m, sample.after_y_m, sample.after_z_m];
+        let (before, after) = (sample.before_m(), sample.after_m());
         if tip.iter().chain(&before).chain(&after).any(|x| !x.is_finite()) {
             continue;
         }

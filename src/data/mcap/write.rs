@@ -8,6 +8,7 @@ use super::{MAGIC, opcode};
 const CHUNK_BYTES: usize = 1 << 20;
 
 /// Messages on their way into a file. Times must not decrease.
+#[derive(Default)]
 pub(crate) struct BagWriter {
     bytes: Vec<u8>,
     /// Schema and channel records, which the summary repeats.
@@ -52,17 +53,7 @@ impl BagWriter {
         text(&mut header, "");
         text(&mut header, concat!("spinebench ", env!("CARGO_PKG_VERSION")));
         record(&mut bytes, opcode::HEADER, &header);
-        BagWriter {
-            bytes,
-            schemas: Vec::new(),
-            channels: Vec::new(),
-            counts: BTreeMap::new(),
-            schema_count: 0,
-            chunk: OpenChunk::default(),
-            chunk_indices: Vec::new(),
-            chunk_count: 0,
-            span_ns: None,
-        }
+        BagWriter { bytes, ..BagWriter::default() }
     }
 
     /// Declares a topic of JSON messages with the schema of their type; returns its channel.

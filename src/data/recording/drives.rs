@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
 
-use super::{Actuation, Recording, header_place, optional};
+use super::{Actuation, Recording, column_error, optional};
 use crate::base::Rows;
 use crate::data::DataError;
 use crate::data::table::Table;
@@ -64,13 +64,8 @@ pub(super) fn read(table: &Table) -> Result<Vec<DriveTrack>, DataError> {
     for (column, cells) in &table.columns {
         let Some((name, unit)) = drive_of(column) else { continue };
         if drives.iter().any(|drive| drive.name == name) {
-            return Err(DataError::Column {
-                file: table.file.clone(),
-                place: table.header_place(),
-                column: column.clone(),
-                found: format!("the drive `{name}` in radians and in metres"),
-                expected: "one of the two".to_owned(),
-            });
+            let found = format!("the drive `{name}` in radians and in metres");
+            return Err(table.header_error(column, found, "one of the two"));
         }
         let expected = match unit {
             DriveUnit::Radians => "radians, a number",
@@ -101,21 +96,19 @@ impl Recording {
         if self.drives.is_empty() {
             return Ok(());
         }
-        let refuse = |column: String, found: String, expected: String| {
-            Err(DataError::Column { file: path.to_owned(), place: header_place(path), column, found, expected })
-        };
         let names: Vec<&str> = gains.keys().map(String::as_str).collect();
         if let Some(drive) = self.drives.iter().find(|drive| !gains.contains_key(&drive.name)) {
             let expected = match names.as_slice() {
                 [] => "displacements of tendons (tendon_1_m…): the model has no `drives`".to_owned(),
                 known => format!("a drive of the model: {}", known.join(", ")),
             };
-            return refuse(drive.column(), format!("the drive `{}`", drive.name), expected);
+            return Err(column_error(path, drive.column(), format!("the drive `{}`", drive.name), expected));
         }
         let lacking = names.iter().find(|name| self.drives.iter().all(|drive| drive.name != **name));
         if let Some(name) = lacking {
             let expected = format!("a column `drive_{name}_rad` or `drive_{name}_m`");
-            return refuse(format!("drive_{name}_rad"), format!("no commands of the drive `{name}`"), expected);
+            let found = format!("no commands of the drive `{name}`");
+            return Err(column_error(path, format!("drive_{name}_rad"), found, expected));
         }
         if let Some(commands) = self.tendon_commands(gains, tendons) {
             self.commands = commands;

@@ -34,7 +34,8 @@ pub(crate) fn cell_error(path: &Path, row: usize, column: &str, found: String, e
     DataError::Cell { file: path.to_owned(), place, column: column.to_owned(), found, expected }
 }
 
-/// Location of the header in the recording's file.
-pub(crate) fn header_place(path: &Path) -> &'static str {
-    table::header_place(table::has_lines(path))
+/// The error for a column of a recording that came from `path`.
+pub(crate) fn column_error(path: &Path, column: String, found: String, expected: String) -> DataError {
+    let place = table::header_place(table::has_lines(path));
+    DataError::Column { file: path.to_owned(), place, column, found, expected }
 }

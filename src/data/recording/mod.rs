@@ -21,7 +21,7 @@ use crate::base::{Point3, Rows};
 use read::Expected;
 
 pub use drives::{DriveTrack, DriveUnit};
-pub(crate) use extra::{cell_error, header_place};
+pub(crate) use extra::{cell_error, column_error};
 pub use join::RecordingMismatch;
 pub(super) use optional::unit_length;
 pub use points::PointTrack;
@@ -179,32 +179,6 @@ impl Recording {
     /// As [`Recording::read`].
     pub fn read_commands(path: &Path) -> Result<Recording, DataError> {
         read::recording(path, &Expected { measured: false, in_time: true })
-    }
-
-    /// Checks that a recording can have this name: it ends in `.csv` or `.parquet`, or has no ending (CSV).
-    ///
-    /// # Errors
-    /// [`DataError::Write`] for another ending.
-    pub fn check_name(path: &Path) -> Result<(), DataError> {
-        write::check_name(path)
-    }
-
-    /// Writes a recording atomically, as Parquet when the name ends in `.parquet`, otherwise as CSV, with enough digits
-    /// to read back the same numbers.
-    ///
-    /// # Errors
-    /// [`DataError::Write`] for another ending than `.csv` and `.parquet`, when columns differ in length, or when the file
-    /// cannot be written.
-    pub fn write(&self, path: &Path) -> Result<(), DataError> {
-        write::recording(self, path)
-    }
-
-    /// The bytes of a file of this name, which is not written.
-    ///
-    /// # Errors
-    /// As [`Recording::write`].
-    pub fn to_bytes(&self, path: &Path) -> Result<Vec<u8>, DataError> {
-        write::bytes(self, path)
     }
 
     /// Number of rows.

@@ -120,21 +120,13 @@ pub(super) fn labels(table: &Table, name: &str) -> Option<Vec<String>> {
     let cells = table.column(name)?;
     let label = |row: usize| match cells {
         Cells::Text(cells) => cells[row].clone(),
-        Cells::Integers(cells) => cells[row].to_string(),
-        Cells::Unsigned(cells) => cells[row].to_string(),
-        Cells::Numbers(cells) => cells[row].to_string(),
         Cells::Flags(cells) => i64::from(cells[row]).to_string(),
+        numbers => numbers.show(row),
     };
     Some((0..table.rows).map(label).collect())
 }
 
 /// The error for a missing column.
 pub(super) fn missing(table: &Table, name: &str) -> DataError {
-    DataError::Column {
-        file: table.file.clone(),
-        place: table.header_place(),
-        column: name.to_owned(),
-        found: format!("only {}", table.header()),
-        expected: format!("a column `{name}`"),
-    }
+    table.header_error(name, format!("only {}", table.header()), &format!("a column `{name}`"))
 }

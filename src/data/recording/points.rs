@@ -6,7 +6,7 @@ use std::path::Path;
 
 use super::optional::ColumnGroup;
 
-use super::{Recording, header_place};
+use super::{Recording, column_error};
 use crate::base::Point3;
 use crate::data::DataError;
 use crate::data::table::Table;
@@ -96,12 +96,7 @@ impl Recording {
             [] => "no tracked point: the model has no `tracking.points`".to_owned(),
             names => format!("a point of the model's `tracking.points`: {}", names.join(", ")),
         };
-        Err(DataError::Column {
-            file: path.to_owned(),
-            place: header_place(path),
-            column: point.position_columns()[0].clone(),
-            found: format!("the point `{}`", point.name),
-            expected,
-        })
+        let [column, ..] = point.position_columns();
+        Err(column_error(path, column, format!("the point `{}`", point.name), expected))
     }
 }

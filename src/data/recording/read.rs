@@ -66,7 +66,7 @@ pub(super) fn recording(path: &Path, expected: &Expected) -> Result<Recording, D
     same_in_trial(&table, &trial, gravity_m_s2.as_deref())?;
     let pattern = optional::labels(&table, "pattern");
     let extra = extra(&table, actuation, commands.width());
-    let file = Recording {
+    Ok(Recording {
         actuation,
         trial,
         time_s,
@@ -82,8 +82,7 @@ pub(super) fn recording(path: &Path, expected: &Expected) -> Result<Recording, D
         points,
         pattern,
         extra,
-    };
-    Ok(file)
+    })
 }
 
 /// Refuses a gravity that changes within a trial.
@@ -163,13 +162,8 @@ fn commands(table: &Table, drives: &[DriveTrack]) -> Result<(Actuation, Rows), D
     let lengths = highest_tendon(table, Actuation::Lengths);
     let tensions = highest_tendon(table, Actuation::Tensions);
     if let (Some(drive), true) = (drives.first(), lengths + tensions > 0) {
-        return Err(DataError::Column {
-            file: table.file.clone(),
-            place: table.header_place(),
-            column: drive.column(),
-            found: "commands of drives and of tendons".to_owned(),
-            expected: "one of the two".to_owned(),
-        });
+        let found = "commands of drives and of tendons".to_owned();
+        return Err(table.header_error(&drive.column(), found, "one of the two"));
     }
     let (actuation, tendons) = match (lengths, tensions) {
         (0, 0) if !drives.is_empty() => return Ok((Actuation::Lengths, Rows::new(0))),
@@ -177,13 +171,9 @@ fn commands(table: &Table, drives: &[DriveTrack]) -> Result<(Actuation, Rows), D
         (tendons, 0) => (Actuation::Lengths, tendons),
         (0, tendons) => (Actuation::Tensions, tendons),
         _ => {
-            return Err(DataError::Column {
-                file: table.file.clone(),
-                place: table.header_place(),
-                column: Actuation::Tensions.column(tensions - 1),
-                found: "commands as lengths and as tensions".to_owned(),
-                expected: "one of the two (measured tensions are named tension_1_n…)".to_owned(),
-            });
+            let found = "commands as lengths and as tensions".to_owned();
+            let expected = "one of the two (measured tensions are named tension_1_n…)";
+            return Err(table.header_error(&Actuation::Tensions.column(tensions - 1), found, expected));
         }
     };
     // Stops at the first gap: the file may claim a tendon number of 10¹².

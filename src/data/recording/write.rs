@@ -7,31 +7,33 @@ use super::{Extra, Recording};
 use crate::data::table::{Cells, csv_bytes, parquet_bytes};
 use crate::data::{DataError, write_atomic};
 
-/// Refuses the endings of other formats: the bytes would belie the name.
-pub(super) fn check_name(path: &Path) -> Result<(), DataError> {
-    let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-    match ending {
-        Some(other) if !matches!(other.as_str(), "csv" | "parquet") => Err(DataError::Write {
-            file: path.to_owned(),
-            reason: format!("found the ending `.{other}`, expected `.csv` or `.parquet`"),
-        }),
-        _ => Ok(()),
+impl Recording {
+    /// Checks that a recording can have this name: it ends in `.csv` or `.parquet`, or has no ending (CSV). The bytes would
+    /// belie another name.
+    ///
+    /// # Errors
+    /// [`DataError::Write`] for another ending.
+    pub fn check_name(path: &Path) -> Result<(), DataError> {
+        let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+        let Some(other) = ending.filter(|ending| !matches!(ending.as_str(), "csv" | "parquet")) else { return Ok(()) };
+        let reason = format!("found the ending `.{other}`, expected `.csv` or `.parquet`");
+        Err(DataError::Write { file: path.to_owned(), reason })
     }
-}
 
-/// Writes the file atomically.
-pub(super) fn recording(recording: &Recording, path: &Path) -> Result<(), DataError> {
-    write_atomic(path, &bytes(recording, path)?)
-}
-
-/// The bytes of the file.
-pub(super) fn bytes(recording: &Recording, path: &Path) -> Result<Vec<u8>, DataError> {
-    check_name(path)?;
-    let refused = |reason| DataError::Write { file: path.to_owned(), reason };
-    let parquet = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("parquet"));
-    let columns = columns(recording).map_err(refused)?;
-    let bytes = if parquet { parquet_bytes(columns) } else { csv_bytes(columns) };
-    bytes.map_err(refused)
+    /// Writes a recording atomically, as Parquet when the name ends in `.parquet`, otherwise as CSV, with enough digits
+    /// to read back the same numbers.
+    ///
+    /// # Errors
+    /// [`DataError::Write`] for another ending than `.csv` and `.parquet`, when columns differ in length, or when the file
+    /// cannot be written.
+    pub fn write(&self, path: &Path) -> Result<(), DataError> {
+        Recording::check_name(path)?;
+        let refused = |reason| DataError::Write { file: path.to_owned(), reason };
+        let parquet = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("parquet"));
+        let columns = columns(self).map_err(refused)?;
+        let bytes = if parquet { parquet_bytes(columns) } else { csv_bytes(columns) };
+        write_atomic(path, &bytes.map_err(refused)?)
+    }
 }
 
 /// The columns in the order of the format, then the carried ones; each of the recording's length.

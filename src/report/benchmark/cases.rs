@@ -80,11 +80,3 @@ pub(crate) fn in_catalogue(case: &CaseRow) -> bool {
 pub(crate) fn gap_closed(case: &CaseRow) -> Option<f64> {
     closed(case.before_m, case.after_m, case.floor_m)
 }
-
-/// Distinct finite values, ascending.
-pub(crate) fn ascending(values: impl Iterator<Item = f64>) -> Vec<f64> {
-    let mut values: Vec<f64> = values.filter(|value| value.is_finite()).collect();
-    values.sort_by(f64::total_cmp);
-    values.dedup();
-    values
-}

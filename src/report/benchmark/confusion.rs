@@ -7,8 +7,7 @@ use serde::Serialize;
 use super::cases::AnswerClass;
 use crate::data::findings::CaseRow;
 use crate::report::discovery::format::fitted;
-use crate::report::drawing::canvas::{Canvas, CanvasPoint, Text, TextAlign};
-use crate::report::drawing::paint::text_width;
+use crate::report::drawing::{Canvas, CanvasPoint, Text, TextAlign, text_width};
 use crate::report::order::distinct;
 use crate::report::style::{BLUE, Colour, GREY, HAIR, INK, PAGE_WIDTH, SKY, SMALL, TEXT, VERMILION, WHITE};
 

@@ -2,9 +2,11 @@
 
 use serde::Serialize;
 
-use super::cases::{alarmed, ascending, gap_closed, in_catalogue};
+use super::cases::{alarmed, gap_closed, in_catalogue};
 use super::share::{IntervalEstimate, median, wilson};
 use crate::data::findings::{CaseRow, OR};
+use crate::report::order::ascending;
+use MeasureKind::{Counts, Median, Share};
 
 /// One figure over one part of the cases (`summary.csv`).
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -119,111 +121,56 @@ const fn measure(
 
 /// Every figure, in the order of the table.
 const MEASURES: &[Measure] = &[
-    measure(
-        "single effects of 2 mm and more named right",
-        |c| single(c) && plain(c),
-        MeasureKind::Share(right),
-        Some([0.95, 1.0]),
-    ),
-    measure("… or in the answer’s group", |c| single(c) && plain(c), MeasureKind::Share(in_group), Some([0.98, 1.0])),
-    measure(
-        "single effects of 5 mm and more: named right",
-        |c| shifted(c, 0.005, ANY),
-        MeasureKind::Share(right),
-        None,
-    ),
-    measure(
-        "single effects of 5 mm and more: in the group",
-        |c| shifted(c, 0.005, ANY),
-        MeasureKind::Share(in_group),
-        None,
-    ),
-    measure("single effects of 2 to 5 mm: named right", |c| shifted(c, 0.002, 0.005), MeasureKind::Share(right), None),
-    measure(
-        "single effects of 2 to 5 mm: in the group",
-        |c| shifted(c, 0.002, 0.005),
-        MeasureKind::Share(in_group),
-        None,
-    ),
-    measure("single effects of 1 to 2 mm: named right", |c| shifted(c, 0.001, 0.002), MeasureKind::Share(right), None),
-    measure(
-        "single effects of 1 to 2 mm: in the group",
-        |c| shifted(c, 0.001, 0.002),
-        MeasureKind::Share(in_group),
-        None,
-    ),
-    measure("single effects under 1 mm: named right", |c| shifted(c, 0.0, 0.001), MeasureKind::Share(right), None),
-    measure("single effects under 1 mm: in the group", |c| shifted(c, 0.0, 0.001), MeasureKind::Share(in_group), None),
-    measure("pairs named exactly", |c| c.group == "pair", MeasureKind::Share(right), Some([0.85, 1.0])),
-    measure("pairs in the answer’s group", |c| c.group == "pair", MeasureKind::Share(in_group), None),
-    measure("false alarms", nothing, MeasureKind::Share(alarmed), Some([0.0, 0.01])),
-    measure("false alarms in white noise", |c| nothing(c) && c.correlation == 0.0, MeasureKind::Share(alarmed), None),
-    measure(
-        "false alarms in coloured noise",
-        |c| nothing(c) && c.correlation != 0.0,
-        MeasureKind::Share(alarmed),
-        None,
-    ),
-    measure(
-        "unknown and outside the span: unexplained",
-        |c| c.group == "outside",
-        MeasureKind::Share(right),
-        Some([0.95, 1.0]),
-    ),
-    measure(
-        "unknown and inside the span: a group",
-        |c| c.group == "inside",
-        MeasureKind::Share(in_group),
-        Some([0.90, 1.0]),
-    ),
-    measure("… or unexplained", |c| c.group == "inside", MeasureKind::Share(right), None),
-    measure("unknown and inside: one set alone imitates it", has_imitations, MeasureKind::Share(one_imitation), None),
+    measure("single effects of 2 mm and more named right", |c| single(c) && plain(c), Share(right), Some([0.95, 1.0])),
+    measure("… or in the answer’s group", |c| single(c) && plain(c), Share(in_group), Some([0.98, 1.0])),
+    measure("single effects of 5 mm and more: named right", |c| shifted(c, 0.005, ANY), Share(right), None),
+    measure("single effects of 5 mm and more: in the group", |c| shifted(c, 0.005, ANY), Share(in_group), None),
+    measure("single effects of 2 to 5 mm: named right", |c| shifted(c, 0.002, 0.005), Share(right), None),
+    measure("single effects of 2 to 5 mm: in the group", |c| shifted(c, 0.002, 0.005), Share(in_group), None),
+    measure("single effects of 1 to 2 mm: named right", |c| shifted(c, 0.001, 0.002), Share(right), None),
+    measure("single effects of 1 to 2 mm: in the group", |c| shifted(c, 0.001, 0.002), Share(in_group), None),
+    measure("single effects under 1 mm: named right", |c| shifted(c, 0.0, 0.001), Share(right), None),
+    measure("single effects under 1 mm: in the group", |c| shifted(c, 0.0, 0.001), Share(in_group), None),
+    measure("pairs named exactly", |c| c.group == "pair", Share(right), Some([0.85, 1.0])),
+    measure("pairs in the answer’s group", |c| c.group == "pair", Share(in_group), None),
+    measure("false alarms", nothing, Share(alarmed), Some([0.0, 0.01])),
+    measure("false alarms in white noise", |c| nothing(c) && c.correlation == 0.0, Share(alarmed), None),
+    measure("false alarms in coloured noise", |c| nothing(c) && c.correlation != 0.0, Share(alarmed), None),
+    measure("unknown and outside the span: unexplained", |c| c.group == "outside", Share(right), Some([0.95, 1.0])),
+    measure("unknown and inside the span: a group", |c| c.group == "inside", Share(in_group), Some([0.90, 1.0])),
+    measure("… or unexplained", |c| c.group == "inside", Share(right), None),
+    measure("unknown and inside: one set alone imitates it", has_imitations, Share(one_imitation), None),
     measure(
         "unknown and imitated by several sets: a group",
         |c| has_imitations(c) && !one_imitation(c),
-        MeasureKind::Share(in_group),
+        Share(in_group),
         None,
     ),
-    measure("error of the strength", single, MeasureKind::Median(|c| c.strength_error), Some([0.0, 0.05])),
-    measure(
-        "95 % intervals that hold the truth",
-        |_| true,
-        MeasureKind::Counts(|c| [c.covered, c.intervals]),
-        Some([0.93, 0.97]),
-    ),
+    measure("error of the strength", single, Median(|c| c.strength_error), Some([0.0, 0.05])),
+    measure("95 % intervals that hold the truth", |_| true, Counts(|c| [c.covered, c.intervals]), Some([0.93, 0.97])),
     measure(
         "held-out error over the noise floor",
         in_catalogue,
-        MeasureKind::Median(|c| c.after_m / c.floor_m),
+        Median(|c| c.after_m / c.floor_m),
         Some([0.0, AT_FLOOR]),
     ),
     measure(
         "held-out error of at most 1.10 times the floor",
         in_catalogue,
-        MeasureKind::Share(|c| c.after_m <= AT_FLOOR * c.floor_m),
+        Share(|c| c.after_m <= AT_FLOOR * c.floor_m),
         None,
     ),
-    measure("gap closed", in_catalogue, MeasureKind::Median(|c| gap_closed(c).unwrap_or(f64::NAN)), None),
+    measure("gap closed", in_catalogue, Median(|c| gap_closed(c).unwrap_or(f64::NAN)), None),
     measure(
         "better than stiffness refitted (2 mm and more)",
         |c| beats_stiffness_about(c) && plain(c),
-        MeasureKind::Share(beats_stiffness),
+        Share(beats_stiffness),
         Some([1.0, 1.0]),
     ),
-    measure(
-        "better than stiffness refitted (any size)",
-        beats_stiffness_about,
-        MeasureKind::Share(beats_stiffness),
-        None,
-    ),
-    measure(
-        "better than a GP (2 mm and more)",
-        |c| has_gp(c) && plain(c),
-        MeasureKind::Share(beats_gp),
-        Some([1.0, 1.0]),
-    ),
-    measure("better than a GP (any size)", has_gp, MeasureKind::Share(beats_gp), None),
-    measure("cases without an answer", |_| true, MeasureKind::Share(|c| c.verdict.starts_with("failed")), None),
+    measure("better than stiffness refitted (any size)", beats_stiffness_about, Share(beats_stiffness), None),
+    measure("better than a GP (2 mm and more)", |c| has_gp(c) && plain(c), Share(beats_gp), Some([1.0, 1.0])),
+    measure("better than a GP (any size)", has_gp, Share(beats_gp), None),
+    measure("cases without an answer", |_| true, Share(|c| c.verdict.starts_with("failed")), None),
 ];
 
 /// Every figure over all cases, then over each number of samples and each level of noise where there are several.
@@ -261,16 +208,16 @@ fn part<'a>(name: &str, cases: impl Iterator<Item = &'a CaseRow>) -> Vec<Summary
 fn row(part: &str, measure: &Measure, cases: &[&CaseRow]) -> Option<SummaryRow> {
     let about: Vec<&CaseRow> = cases.iter().copied().filter(|case| (measure.about)(case)).collect();
     let (found, count, kind) = match measure.kind {
-        MeasureKind::Share(holds) => {
+        Share(holds) => {
             let hits = about.iter().filter(|case| holds(case)).count() as u64;
             (wilson(hits, about.len() as u64)?, about.len() as u64, "share")
         }
-        MeasureKind::Counts(counts) => {
+        Counts(counts) => {
             let [hits, of] =
                 about.iter().map(|case| counts(case)).fold([0, 0], |sum, one| [sum[0] + one[0], sum[1] + one[1]]);
             (wilson(hits, of)?, of, "share")
         }
-        MeasureKind::Median(number) => {
+        Median(number) => {
             let values: Vec<f64> = about.iter().map(|case| number(case)).filter(|value| value.is_finite()).collect();
             (median(&values)?, values.len() as u64, "median")
         }

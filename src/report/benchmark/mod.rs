@@ -17,9 +17,7 @@ pub(in crate::report) const FIGURE: Figure =
 
 fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     let cases = &published.cases;
-    if cases.is_empty() {
-        return Err(ReportError::NoRows { figure: FIGURE.name, needs: "discovery.csv" });
-    }
+    FIGURE.needs("discovery.csv", cases.is_empty())?;
     let summary = measures::summary(cases);
     let mut files = vec![
         csv("summary.csv", &summary)?,

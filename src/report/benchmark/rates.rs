@@ -3,9 +3,7 @@
 use super::measures::{SummaryRow, is_ratio};
 use super::table::{interval, plain};
 use crate::report::discovery::format::fitted;
-use crate::report::drawing::axes::{Axis, Panel};
-use crate::report::drawing::canvas::{Canvas, CanvasPoint, Text, TextAlign};
-use crate::report::drawing::legend::{LegendEntry, legend};
+use crate::report::drawing::{Axis, Canvas, CanvasPoint, LegendEntry, Panel, Text, TextAlign, legend};
 use crate::report::order::distinct;
 use crate::report::style::{GREEN, GREY, INK, LOOKS, Look, MARKER, PAGE_WIDTH, SMALL};
 
@@ -28,14 +26,13 @@ pub(crate) fn draw(rows: &[SummaryRow]) -> Canvas {
     canvas.line(&[[goal[0], goal[1] - 9.0], [goal[0], goal[1] + 2.0]], 1.4, GREEN, &[]);
     canvas.text(Text::new("to be reached", [goal[0] + 27.0, goal[1]], SMALL, TextAlign::Left));
     canvas.text(Text::new("[95 % interval]", [PAGE_WIDTH - 10.0, TOP - 8.0], SMALL, TextAlign::Right).colour(GREY));
-    let panel = Panel {
+    let panel = canvas.panel(Panel {
         corner: [LEFT, TOP],
         size: [PAGE_WIDTH - LEFT - RIGHT, high],
         x: Axis::exact("share (%)", 0.0, 100.0, 5),
-        y: Axis { label: String::new(), low: 0.0, high: 1.0, ticks: Vec::new() },
+        y: Axis::bare_to(1.0),
         title: String::new(),
-    };
-    panel.draw(&mut canvas);
+    });
     for (index, measure) in measures.iter().enumerate() {
         let y = TOP + pitch * index as f64;
         let name = fitted(measure, SMALL, LEFT - 24.0);

@@ -1,14 +1,13 @@
 //! What is left with fewer samples: the gap that is closed, by what was found and by what a lab would try instead, and
 //! the share of single effects that are named right, against the samples of the recording.
 
-use super::cases::{ascending, in_catalogue};
+use super::cases::in_catalogue;
 use super::measures::noise_name;
 use super::share::{IntervalEstimate, median, wilson};
 use crate::data::findings::CaseRow;
 use crate::report::discovery::answer::closed;
-use crate::report::drawing::axes::{Axis, Panel};
-use crate::report::drawing::canvas::{Canvas, Text, TextAlign};
-use crate::report::drawing::legend::{LegendEntry, legend};
+use crate::report::drawing::{Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend};
+use crate::report::order::ascending;
 use crate::report::style::{GREY, LINE, LOOKS, Look, MARKER, PAGE_WIDTH, SMALL};
 
 const LEFT: f64 = 58.0;
@@ -61,17 +60,16 @@ fn panel(canvas: &mut Canvas, index: usize, (title, axis): (&str, &str), cases: 
     let counts = ascending(cases.iter().map(|case| case.samples as f64));
     let names: Vec<String> = counts.iter().map(f64::to_string).collect();
     let left = LEFT + (WIDE + LEFT + 12.0) * index as f64;
-    let panel = Panel {
+    let keys: Vec<(LegendEntry, &str)> =
+        LOOKS.into_iter().zip(all).map(|(look, (name, _))| (LegendEntry::Plain(look), name.as_str())).collect();
+    legend(canvas, [left, 18.0], left + WIDE, &keys);
+    let panel = canvas.panel(Panel {
         corner: [left, TOP],
         size: [WIDE, HIGH],
         x: Axis::categories("samples in the recording", &names),
         y: Axis::exact(axis, 0.0, 100.0, 5),
         title: title.to_owned(),
-    };
-    let keys: Vec<(LegendEntry, &str)> =
-        LOOKS.into_iter().zip(all).map(|(look, (name, _))| (LegendEntry::Plain(look), name.as_str())).collect();
-    legend(canvas, [left, 18.0], left + WIDE, &keys);
-    panel.draw(canvas);
+    });
     for (turn, ((_, estimate), look)) in all.iter().zip(LOOKS).enumerate() {
         let aside = 0.06 * (turn as f64 - 0.5 * (all.len() - 1) as f64);
         let at = |count: f64| {

@@ -50,5 +50,5 @@ pub(crate) fn interval(row: &SummaryRow) -> String {
 fn hundredth(share: f64) -> String {
     let percent = 100.0 * share;
     let near = (percent > 0.0 && percent < 9.95) || (percent > 90.05 && percent < 100.0);
-    crate::report::drawing::axes::signed(percent, usize::from(near))
+    crate::report::drawing::signed(percent, usize::from(near))
 }

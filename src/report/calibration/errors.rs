@@ -2,8 +2,7 @@
 
 use super::CalibrationReport;
 use crate::report::discovery::format::millimetres;
-use crate::report::drawing::axes::{Axis, Panel};
-use crate::report::drawing::canvas::{Canvas, Text, TextAlign};
+use crate::report::drawing::{Axis, Canvas, Panel, Text, TextAlign};
 use crate::report::style::{BLUE, Colour, DASHED, INK, SMALL};
 
 const ROW: f64 = 21.0;
@@ -17,15 +16,14 @@ pub(super) fn draw(report: &CalibrationReport, width: f64) -> Option<Canvas> {
     let models: Vec<_> = held_out.models.iter().filter(|model| model.rms_m.is_finite()).collect();
     let label = if width > 500.0 { 190.0 } else { 130.0 };
     let high = ROW * models.len() as f64 + 8.0;
-    let panel = Panel {
+    let mut canvas = Canvas::new(width, (high + 56.0).ceil());
+    let panel = canvas.panel(Panel {
         corner: [label, 14.0],
         size: [width - label - 78.0, high],
         x: Axis::covering("rms error on unseen positions (mm)", scale_mm(&models), 5),
-        y: Axis { label: String::new(), low: 0.0, high: 1.0, ticks: Vec::new() },
+        y: Axis::bare_to(1.0),
         title: String::new(),
-    };
-    let mut canvas = Canvas::new(width, (high + 56.0).ceil());
-    panel.draw(&mut canvas);
+    });
     let zero = panel.at(0.0, 0.0)[0];
     for (index, model) in models.iter().enumerate() {
         let y = panel.corner[1] + 6.0 + ROW * index as f64;

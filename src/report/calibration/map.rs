@@ -2,8 +2,7 @@
 //! along the robot.
 
 use super::CalibrationReport;
-use crate::report::drawing::axes::{Axis, Panel};
-use crate::report::drawing::canvas::Canvas;
+use crate::report::drawing::{Axis, Canvas, Panel};
 use crate::report::style::{BLUE, GREY, VERMILION};
 
 /// Arrows: more would cover each other.
@@ -43,14 +42,13 @@ pub(super) fn draw(report: &CalibrationReport, width: f64) -> Option<Canvas> {
             let middle = 0.5 * (spans[which][0] + spans[which][1]);
             Axis::exact(AXES[name], middle - half, middle + half, 4)
         };
-        let panel = Panel {
+        let panel = canvas.panel(Panel {
             corner: [52.0 + (index % in_row) as f64 * (room + 62.0), 8.0 + (index / in_row) as f64 * (room + 60.0)],
             size: [room, room],
             x: axis(0, across),
             y: axis(1, up),
             title: String::new(),
-        };
-        panel.draw(&mut canvas);
+        });
         for arrow in &arrows {
             let [from, to] = [arrow.from, arrow.to].map(|at| panel.at(at[across], at[up]));
             canvas.line(&[from, to], 0.9, VERMILION, &[]);

@@ -6,7 +6,7 @@ mod map;
 mod page;
 
 use super::style::PAGE_WIDTH;
-use super::{Artifact, ReportError, csv, pictures, text};
+use super::{Artifact, ReportError, csv, pictures, some_csv, text};
 use crate::data::calibration::{CalibrationFindings, SightingRow};
 
 /// Input of the report.
@@ -19,7 +19,7 @@ pub struct CalibrationReport<'a> {
 }
 
 /// A figure of the page: name, and drawing function of the width.
-type CalibrationFigure = (&'static str, fn(&CalibrationReport, f64) -> Option<super::drawing::canvas::Canvas>);
+type CalibrationFigure = (&'static str, fn(&CalibrationReport, f64) -> Option<super::drawing::Canvas>);
 
 /// The figures in page order.
 const DRAWINGS: [CalibrationFigure; 2] = [("errors", errors::draw), ("map", map::draw)];
@@ -42,11 +42,7 @@ pub fn calibration_artifacts(report: &CalibrationReport) -> Result<Vec<Artifact>
     files.push(csv("numbers.csv", &findings.numbers)?);
     files.push(csv("residual_groups.csv", &findings.residual_groups)?);
     files.push(csv("residuals.csv", report.sightings)?);
-    if !findings.trade_offs.is_empty() {
-        files.push(csv("trade_offs.csv", &findings.trade_offs)?);
-    }
-    if !findings.stages.is_empty() {
-        files.push(csv("stages.csv", &findings.stages)?);
-    }
+    files.extend(some_csv("trade_offs.csv", &findings.trade_offs)?);
+    files.extend(some_csv("stages.csv", &findings.stages)?);
     Ok(files)
 }

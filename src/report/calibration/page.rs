@@ -6,7 +6,7 @@ use super::{CalibrationReport, DRAWINGS};
 use crate::data::calibration::{CalibratedNumber, CalibrationFindings, HeldOutError, ResidualGroup};
 use crate::report::ReportError;
 use crate::report::discovery::format::{millimetres, number};
-use crate::report::discovery::html::{captioned, document, figure, list, section, table};
+use crate::report::discovery::html::{captioned, cells, document, figure, list, section, table};
 
 /// Groups of a kind in the table.
 const MAX_GROUPS: usize = 12;
@@ -58,11 +58,11 @@ fn unseen(held_out: Option<&HeldOutError>, errors: &Markup) -> Markup {
     }
     let row = |model: &crate::data::calibration::ModelError| {
         let count = if model.numbers > 0 { model.numbers.to_string() } else { "–".to_owned() };
-        let mut cells = vec![html! { (model.name) }, html! { (count) }, html! { (millimetres(model.rms_m)) }];
+        let mut texts = vec![model.name.clone(), count, millimetres(model.rms_m)];
         if several {
-            cells.extend(model.by_point_m.iter().map(|&size| html! { (millimetres(size)) }));
+            texts.extend(model.by_point_m.iter().map(|&size| millimetres(size)));
         }
-        cells
+        cells(texts)
     };
     let rows: Vec<Vec<Markup>> = held_out.models.iter().map(row).collect();
     let names = held_out.names.join(", ");
@@ -82,10 +82,8 @@ fn numbers(findings: &CalibrationFindings) -> Markup {
             "not determined".to_owned()
         };
         let unit = if own.unit == "1" { "" } else { &own.unit };
-        [html! { code { (own.name) } }, html! { (unit) }, html! { (size(own.start)) }, html! { (size(own.value)) }]
-            .into_iter()
-            .chain([html! { (interval) }, html! { (prior) }])
-            .collect::<Vec<Markup>>()
+        let numbers = cells([unit, &size(own.start), &size(own.value), &interval, &prior]);
+        [vec![html! { code { (own.name) } }], numbers].concat()
     };
     let rows: Vec<Vec<Markup>> = findings.numbers.iter().map(row).collect();
     let pairs: Vec<Vec<Markup>> = findings
@@ -114,12 +112,7 @@ fn size(value: f64) -> String {
 fn stages(findings: &CalibrationFindings) -> Markup {
     let row = |stage: &crate::data::calibration::FitStage| {
         let kept = if stage.kept { "kept" } else { "left out" };
-        vec![
-            html! { (stage.name) },
-            html! { (stage.numbers) },
-            html! { (millimetres(stage.cross_validated_m)) },
-            html! { (kept) },
-        ]
+        cells([&stage.name, &stage.numbers.to_string(), &millimetres(stage.cross_validated_m), kept])
     };
     let rows: Vec<Vec<Markup>> = findings.stages.iter().map(row).collect();
     html! {
@@ -135,12 +128,7 @@ fn places(findings: &CalibrationFindings, map: &Markup) -> Markup {
     kinds.dedup();
     let row = |group: &&ResidualGroup| {
         let mean = [group.mean_x_m, group.mean_y_m, group.mean_z_m].map(|mean| number(1e3 * mean, 3)).join(", ");
-        vec![
-            html! { (group.name) },
-            html! { (group.positions) },
-            html! { (millimetres(group.rms_m)) },
-            html! { (mean) },
-        ]
+        cells([&group.name, &group.positions.to_string(), &millimetres(group.rms_m), &mean])
     };
     html! {
         (captioned(map, "Grey: measured. Blue: simulated with the calibrated model. Some positions, evenly chosen."))

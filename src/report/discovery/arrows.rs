@@ -8,8 +8,7 @@ use super::scale;
 use crate::base::Point3;
 use crate::data::findings::ResidualRow;
 use crate::math::summary::quantile;
-use crate::report::drawing::axes::{Axis, Panel, range};
-use crate::report::drawing::canvas::{Canvas, CanvasPoint, Text, TextAlign};
+use crate::report::drawing::{Axis, Canvas, CanvasPoint, Panel, Text, TextAlign, range};
 
 /// Arrows in a panel: more would cover each other.
 const ARROWS: usize = 160;
@@ -29,8 +28,8 @@ struct ArrowSample {
 fn samples(rows: &[ResidualRow]) -> Vec<ArrowSample> {
     let sample = |row: &ResidualRow| ArrowSample {
         tip_m: [row.tip_x_m, row.tip_y_m, row.tip_z_m],
-        before_m: [row.before_x_m, row.before_y_m, row.before_z_m],
-        after_m: [row.after_x_m, row.after_y_m, row.after_z_m],
+        before_m: row.before_m(),
+        after_m: row.after_m(),
     };
     let whole = |sample: &ArrowSample| sample.tip_m.iter().chain(&sample.before_m).all(|part| part.is_finite());
     rows.iter().map(sample).filter(whole).collect()
@@ -62,14 +61,13 @@ pub(super) fn draw(canvas: &mut Canvas, rows: &[ResidualRow], floor_m: f64, both
     let mut y = top + 34.0;
     for (view, (across, up)) in VIEWS.into_iter().enumerate() {
         for (turn, moment) in moments.iter().enumerate() {
-            let panel = Panel {
+            let panel = canvas.panel(Panel {
                 corner: [left, y],
                 size: [scale * length(across), high],
                 x: axis(across, &spans, scale),
                 y: axis(up, &spans, scale),
                 title: format!("{} over {}, {moment}", AXES[up], AXES[across]),
-            };
-            panel.draw(canvas);
+            });
             let residual = |sample: &ArrowSample| if turn == 0 { sample.before_m } else { sample.after_m };
             arrows(canvas, &panel, &samples, residual, [across, up], magnified, floor_m);
             left += room + gap;

@@ -3,8 +3,8 @@
 use super::DiscoveryReport;
 use super::answer::closed;
 use super::format::{NONE, enumerate, millimetres, number, percent, probability, times};
-use super::html::{captioned, section, table};
-use super::residuals::{AXES, after_m, before_m, held_out};
+use super::html::{captioned, cells, section, table};
+use super::residuals::{AXES, held_out};
 use super::scale::SIGNIFICANT;
 use crate::data::findings::{Findings, MissingTest, ResidualRow, Verdict};
 use crate::math::summary::root_mean_square;
@@ -77,13 +77,13 @@ fn trials(report: &DiscoveryReport) -> Markup {
     let floor_m = report.findings.noise_floor_m;
     let changed = report.changed();
     let rows = held_out.iter().map(|(trial, rows)| {
-        let (before, after) = (rms_m(rows, before_m), rms_m(rows, after_m));
-        let mut cells = vec![trial.to_string(), rows.len().to_string(), millimetres(before)];
+        let (before, after) = (rms_m(rows, ResidualRow::before_m), rms_m(rows, ResidualRow::after_m));
+        let mut texts = vec![trial.to_string(), rows.len().to_string(), millimetres(before)];
         if changed {
             let share = closed(before, after, floor_m).map_or_else(|| NONE.to_owned(), percent);
-            cells.extend([millimetres(after), times(after, floor_m), share]);
+            texts.extend([millimetres(after), times(after, floor_m), share]);
         }
-        cells.iter().map(|cell| html! { (cell) }).collect()
+        cells(texts)
     });
     let header = ["held-out trial", "samples", "before", "after", "after over the floor", "gap closed"];
     table(&header[..if changed { 6 } else { 3 }], &rows.collect::<Vec<_>>())
@@ -104,8 +104,8 @@ fn missing(report: &DiscoveryReport) -> Markup {
             _ => "no evidence",
         };
         let sizes = [millimetres(test.rms_m), millimetres(test.foretold_m), probability(test.p_value)];
-        let cells = std::iter::once(name.to_owned()).chain(sizes).map(|cell| html! { (cell) });
-        cells.chain([html! { strong { (verdict) } }]).collect::<Vec<Markup>>()
+        let cells = cells(std::iter::once(name.to_owned()).chain(sizes));
+        [cells, vec![html! { strong { (verdict) } }]].concat()
     };
     // More tests than this one decide, and how much it would be: the verdict has them all.
     let verdict = report.findings.verdict;

@@ -1,7 +1,6 @@
 //! Numbers as people read them.
 
-use crate::report::drawing::axes::signed;
-use crate::report::drawing::paint::text_width;
+use crate::report::drawing::{signed, text_width};
 
 /// What stands for a number that is not there.
 pub(crate) const NONE: &str = "–";

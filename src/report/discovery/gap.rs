@@ -4,9 +4,7 @@ use super::super::style::{BLUE, Colour, DASHED, INK, SMALL, VERMILION, WHITE};
 use super::DiscoveryReport;
 use super::format::{fitted, millimetres, times};
 use crate::data::findings::Candidate;
-use crate::report::drawing::axes::{Axis, Panel};
-use crate::report::drawing::canvas::{Canvas, Text, TextAlign};
-use crate::report::drawing::paint::text_width;
+use crate::report::drawing::{Axis, Canvas, Panel, Text, TextAlign, text_width};
 
 const BAR: f64 = 13.0;
 const ROW: f64 = 19.0;
@@ -37,16 +35,14 @@ pub(super) fn draw(report: &DiscoveryReport, width: f64) -> Option<Canvas> {
     let title = 4.0;
     let between = if others.is_empty() { 0.0 } else { 26.0 };
     let high = ROW * (proof.len() + others.len()) as f64 + between + 6.0;
-    let rows = Axis { label: String::new(), low: 0.0, high: 1.0, ticks: Vec::new() };
-    let panel = Panel {
+    canvas.text(Text::new("On held-out trials", [12.0, title + 14.0], SMALL, TextAlign::Left).bold());
+    let panel = canvas.panel(Panel {
         corner: [label, title + 22.0],
         size: [width - label - value, high],
         x: Axis::covering("rms tip error (mm)", sizes().chain([floor_m, 0.0]).map(|size| 1e3 * size), 4),
-        y: rows,
+        y: Axis::bare_to(1.0),
         title: String::new(),
-    };
-    canvas.text(Text::new("On held-out trials", [12.0, title + 14.0], SMALL, TextAlign::Left).bold());
-    panel.draw(&mut canvas);
+    });
     let mut y = panel.corner[1] + 6.0;
     for bar in &proof {
         y = draw_bar(&mut canvas, &panel, bar, y, floor_m);

@@ -1,11 +1,11 @@
 //! Where they disagree, as a table in colours: a row for each place, and for each axis the residual over the noise
 //! floor without and with the effects.
 
-use super::super::style::{GREY, HAIR, INK, SMALL, TEXT};
+use super::super::style::{GREY, HAIR, INK, SMALL, TEXT, capitalised};
 use super::format::{fitted, ratio_text};
 use super::scale::{SIGNIFICANT, cell};
 use crate::data::findings::PlaceRow;
-use crate::report::drawing::canvas::{Canvas, CanvasPoint, Text, TextAlign};
+use crate::report::drawing::{Canvas, CanvasPoint, Text, TextAlign};
 
 const ROW: f64 = 17.0;
 /// Axes in the order of their columns, and their headings.
@@ -40,7 +40,7 @@ pub(super) fn draw(canvas: &mut Canvas, rows: &[PlaceRow], both: bool, top: f64)
             group = Some(place.by.as_str());
             y += 15.0;
             // Bold letters are up to a sixth wider.
-            let name = fitted(&capital(&place.by), SMALL, 0.8 * (right - left));
+            let name = fitted(&capitalised(&place.by), SMALL, 0.8 * (right - left));
             canvas.text(Text::new(name, [left, y], SMALL, TextAlign::Left).bold());
             y += 5.0;
         }
@@ -118,9 +118,4 @@ fn places(rows: &[PlaceRow]) -> Vec<&PlaceRow> {
     }
     found.sort_by_key(|row| groups.iter().position(|group| *group == row.by));
     found
-}
-
-fn capital(name: &str) -> String {
-    let mut letters = name.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }

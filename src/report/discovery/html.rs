@@ -3,8 +3,7 @@
 use maud::{DOCTYPE, Markup, PreEscaped, Render, html};
 
 use crate::report::ReportError;
-use crate::report::drawing::canvas::Canvas;
-use crate::report::drawing::paint;
+use crate::report::drawing::{Canvas, PaintError, svg};
 use crate::report::style::PAGE_WIDTH;
 
 /// Width of the figures on a telephone, hundredths of an inch.
@@ -41,11 +40,11 @@ pub(in crate::report) fn figure(
     name: &'static str,
     draw: impl Fn(f64) -> Option<Canvas>,
 ) -> Result<Markup, ReportError> {
-    let failed = |error: paint::PaintError| ReportError::Draw { figure: name, reason: error.to_string() };
+    let failed = |error: PaintError| ReportError::Draw { figure: name, reason: error.to_string() };
     let mut both = Markup::default();
     for (class, width) in [("wide", PAGE_WIDTH), ("narrow", TELEPHONE_WIDTH)] {
         if let Some(canvas) = draw(width) {
-            both.0 += &drawing(&paint::svg(&canvas).map_err(failed)?, class, name).0;
+            both.0 += &drawing(&svg(&canvas).map_err(failed)?, class, name).0;
         }
     }
     Ok(both)
@@ -89,6 +88,11 @@ pub(in crate::report) fn table(header: &[&str], rows: &[Vec<Markup>]) -> Markup 
             }
         }
     }
+}
+
+/// Cells of a row.
+pub(in crate::report) fn cells(texts: impl IntoIterator<Item = impl Render>) -> Vec<Markup> {
+    texts.into_iter().map(|text| html! { (text) }).collect()
 }
 
 /// A list; nothing for no items.

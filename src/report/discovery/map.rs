@@ -3,7 +3,7 @@
 
 use super::super::style::{GREY, SMALL};
 use super::{DiscoveryReport, arrows, heat, scale};
-use crate::report::drawing::canvas::{Canvas, Text, TextAlign};
+use crate::report::drawing::{Canvas, Text, TextAlign};
 
 /// The picture at a width in hundredths of an inch; none where there is neither a place nor a sample.
 pub(super) fn draw(report: &DiscoveryReport, width: f64) -> Option<Canvas> {

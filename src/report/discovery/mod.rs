@@ -17,7 +17,7 @@ mod residuals;
 mod scale;
 
 use super::style::PAGE_WIDTH;
-use super::{Artifact, OutputFolder, ReportError, csv, pictures};
+use super::{Artifact, ReportError, pictures, some_csv, text};
 use crate::data::findings::{Findings, PlaceRow, ResidualRow};
 
 /// Catalogue texts of an effect, as plain text.
@@ -56,9 +56,7 @@ impl DiscoveryReport<'_> {
     /// Whether the effects changed the model.
     fn changed(&self) -> bool {
         let other = |row: &ResidualRow| {
-            let pairs =
-                [(row.before_x_m, row.after_x_m), (row.before_y_m, row.after_y_m), (row.before_z_m, row.after_z_m)];
-            pairs.iter().any(|(before, after)| after.is_finite() && before != after)
+            row.before_m().iter().zip(row.after_m()).any(|(before, after)| after.is_finite() && *before != after)
         };
         let moved = |row: &PlaceRow| row.rms_after_m.is_finite() && row.rms_after_m != row.rms_before_m;
         let gap = &self.findings.gap;
@@ -79,7 +77,7 @@ impl DiscoveryReport<'_> {
 }
 
 /// A figure of the page: name, and drawing function of the width.
-type PageFigure = (&'static str, fn(&DiscoveryReport, f64) -> Option<super::drawing::canvas::Canvas>);
+type PageFigure = (&'static str, fn(&DiscoveryReport, f64) -> Option<super::drawing::Canvas>);
 
 /// The figures in page order.
 const DRAWINGS: [PageFigure; 3] = [("map", map::draw), ("gap", gap::draw), ("residuals", residuals::draw)];
@@ -90,22 +88,14 @@ const DRAWINGS: [PageFigure; 3] = [("map", map::draw), ("gap", gap::draw), ("res
 /// # Errors
 /// [`ReportError::Draw`] when a figure cannot be painted, [`ReportError::Data`] when a table cannot be written.
 pub fn artifacts(report: &DiscoveryReport) -> Result<Vec<Artifact>, ReportError> {
-    let page = page::page(report)?;
-    let mut files =
-        vec![Artifact { name: "report.html".to_owned(), folder: OutputFolder::Results, bytes: page.into_bytes() }];
+    let mut files = vec![text("report.html", page::page(report)?)];
     for (name, draw) in DRAWINGS {
         if let Some(canvas) = draw(report, PAGE_WIDTH) {
             files.extend(pictures(name, name, &canvas)?);
         }
     }
-    if !report.places.is_empty() {
-        files.push(csv("disagreement.csv", report.places)?);
-    }
-    if !report.residuals.is_empty() {
-        files.push(csv("residuals.csv", report.residuals)?);
-    }
-    if !report.findings.candidates.is_empty() {
-        files.push(csv("candidates.csv", &report.findings.candidates)?);
-    }
+    files.extend(some_csv("disagreement.csv", report.places)?);
+    files.extend(some_csv("residuals.csv", report.residuals)?);
+    files.extend(some_csv("candidates.csv", &report.findings.candidates)?);
     Ok(files)
 }

@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::format::{NONE, decimals, number};
 use crate::data::findings::FoundEffect;
-use crate::report::drawing::axes::signed;
+use crate::report::drawing::signed;
 
 /// A parameter, ready to print.
 #[derive(Clone, Debug, PartialEq)]

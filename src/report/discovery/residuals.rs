@@ -6,9 +6,7 @@ use std::collections::BTreeMap;
 use super::super::style::{BLUE, Colour, DASHED, GREEN, GREY, HAIR, INK, SMALL, VERMILION};
 use super::DiscoveryReport;
 use crate::data::findings::ResidualRow;
-use crate::report::drawing::axes::{Axis, Panel};
-use crate::report::drawing::canvas::{Canvas, Text, TextAlign};
-use crate::report::drawing::legend::{LegendEntry, legend};
+use crate::report::drawing::{Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend};
 
 /// Names of the axes.
 pub(super) const AXES: [&str; 3] = ["x", "y", "z"];
@@ -41,14 +39,13 @@ pub(super) fn draw(report: &DiscoveryReport, width: f64) -> Option<Canvas> {
         let sigma_mm = 1e3 * report.findings.noise.sigma_m[axis];
         let y = millimetres(axis, &shown, sigma_mm);
         for (column, (trial, rows)) in shown.iter().enumerate() {
-            let panel = Panel {
+            let panel = canvas.panel(Panel {
                 corner: [LEFT + column as f64 * (wide + gap), top],
                 size: [wide, HIGH],
                 x: if axis == 2 { seconds.clone() } else { seconds.bare() },
                 y: if column == 0 { y.clone() } else { y.bare() },
                 title: if axis == 0 { format!("trial {trial}") } else { String::new() },
-            };
-            panel.draw(&mut canvas);
+            });
             curves(&mut canvas, &panel, rows, axis, sigma_mm, both);
         }
         top += HIGH + 16.0;
@@ -83,18 +80,10 @@ pub(super) fn held_out(rows: &[ResidualRow]) -> BTreeMap<u64, Vec<&ResidualRow>>
     trials
 }
 
-pub(super) fn before_m(row: &ResidualRow) -> [f64; 3] {
-    [row.before_x_m, row.before_y_m, row.before_z_m]
-}
-
-pub(super) fn after_m(row: &ResidualRow) -> [f64; 3] {
-    [row.after_x_m, row.after_y_m, row.after_z_m]
-}
-
 /// The axis of residuals along one direction: both curves, nothing and the band.
 fn millimetres(axis: usize, trials: &[(&u64, &Vec<&ResidualRow>)], sigma_mm: f64) -> Axis {
     let values = trials.iter().flat_map(|(_, rows)| rows.iter());
-    let values = values.flat_map(|row| [1e3 * before_m(row)[axis], 1e3 * after_m(row)[axis]]);
+    let values = values.flat_map(|row| [1e3 * row.before_m()[axis], 1e3 * row.after_m()[axis]]);
     let band = [BAND_SIGMAS * sigma_mm, -BAND_SIGMAS * sigma_mm, 0.0];
     Axis::covering(&format!("{} (mm)", AXES[axis]), values.chain(band), 4)
 }
@@ -113,8 +102,8 @@ fn curves(canvas: &mut Canvas, panel: &Panel, rows: &[&ResidualRow], axis: usize
             panel.line(canvas, piece, colour, dash, width);
         }
     };
-    curve(before_m, VERMILION, 1.2, DASHED);
+    curve(ResidualRow::before_m, VERMILION, 1.2, DASHED);
     if both {
-        curve(after_m, BLUE, 1.3, &[]);
+        curve(ResidualRow::after_m, BLUE, 1.3, &[]);
     }
 }

@@ -2,8 +2,7 @@
 //! turns the same six round for dark screens.
 
 use super::super::style::{Colour, GREY, INK, SMALL, WHITE};
-use crate::report::drawing::canvas::{Canvas, CanvasPoint, Text, TextAlign};
-use crate::report::drawing::paint::text_width;
+use crate::report::drawing::{Canvas, CanvasPoint, Text, TextAlign, text_width};
 
 /// Upper end of each step, as a multiple of the noise floor, its colour, and the colour of a number on it.
 const STEPS: [(f64, Colour, Colour); 6] = [

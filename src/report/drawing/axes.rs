@@ -59,6 +59,11 @@ impl Axis {
         Axis { label: label.to_owned(), low, high, ticks: ticks.collect() }
     }
 
+    /// An axis from zero without label and ticks.
+    pub(crate) fn bare_to(high: f64) -> Axis {
+        Axis { label: String::new(), low: 0.0, high, ticks: Vec::new() }
+    }
+
     /// The axis without label and tick labels, for a panel whose neighbour shows them.
     pub(crate) fn bare(&self) -> Axis {
         let ticks = self.ticks.iter().map(|(value, _)| (*value, String::new())).collect();
@@ -110,6 +115,14 @@ fn nice_step(low: f64, high: f64, wanted: usize) -> f64 {
     steps.into_iter().map(|step| step * power).find(|step| *step >= raw * 0.999).unwrap_or(10.0 * power)
 }
 
+impl Canvas {
+    /// Draws a panel, on which the data come.
+    pub(crate) fn panel(&mut self, panel: Panel) -> Panel {
+        panel.draw(self);
+        panel
+    }
+}
+
 /// A frame with two axes.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Panel {
@@ -130,7 +143,7 @@ impl Panel {
     }
 
     /// Draws grid, axes, ticks, labels and title, below the data.
-    pub(crate) fn draw(&self, canvas: &mut Canvas) {
+    fn draw(&self, canvas: &mut Canvas) {
         let [left, top] = self.corner;
         let [right, bottom] = [left + self.size[0], top + self.size[1]];
         for (value, label) in &self.x.ticks {
@@ -173,9 +186,14 @@ impl Panel {
     /// A line through means (x, mean, standard deviation) with markers on them.
     pub(crate) fn series(&self, canvas: &mut Canvas, points: &[[f64; 3]], look: Look) {
         let line: Vec<[f64; 2]> = points.iter().map(|[x, mean, _]| [*x, *mean]).collect();
-        self.line(canvas, &line, look.colour, look.dash, LINE);
-        for [x, mean] in line {
-            canvas.marker(self.at(x, mean), look.marker, MARKER, look.colour, false);
+        self.marked(canvas, &line, look, [LINE, MARKER]);
+    }
+
+    /// A line through data points with markers on them; `width` of the line and of the markers.
+    pub(crate) fn marked(&self, canvas: &mut Canvas, points: &[[f64; 2]], look: Look, width: [f64; 2]) {
+        self.line(canvas, points, look.colour, look.dash, width[0]);
+        for &[x, y] in points {
+            canvas.marker(self.at(x, y), look.marker, width[1], look.colour, false);
         }
     }
 

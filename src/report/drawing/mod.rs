@@ -1,7 +1,13 @@
 //! Drawing: a figure as a list of primitives, axes and legends on it, and its PNG and SVG.
 
-pub(super) mod axes;
-pub(super) mod canvas;
-pub(super) mod isometric;
-pub(super) mod legend;
-pub(super) mod paint;
+mod axes;
+mod canvas;
+mod isometric;
+mod legend;
+mod paint;
+
+pub(super) use axes::{Axis, Panel, range, signed};
+pub(super) use canvas::{Canvas, CanvasPoint, Text, TextAlign};
+pub(super) use isometric::View;
+pub(super) use legend::{LegendEntry, legend};
+pub(super) use paint::{PaintError, png, svg, text_width};

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::labels::{name, title};
+use super::labels::{PACKAGES, title};
 use super::ratios::{Averaged, OURS, TaskRows};
 use super::table::{time, with_interval};
 
@@ -41,7 +41,7 @@ impl Goal {
     /// What is compared, the wanted and the found figure, whether it is reached.
     fn cells(&self, task: &TaskRows) -> [String; 4] {
         let (who, found, least) = match *self {
-            Goal::Over(peer, least) => (name(peer), task.ratio(peer), least),
+            Goal::Over(peer, least) => (PACKAGES.label(peer), task.ratio(peer), least),
             Goal::OverBest(least) => ("the fastest other", task.ratio_of_best(), least),
             Goal::Within(most_s) => {
                 let (found, most) = (task.cpu_s(OURS), format!("≤ {} µs", 1e6 * most_s));

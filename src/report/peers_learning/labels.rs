@@ -1,33 +1,17 @@
 //! Names of packages and tasks, and their order.
 
 use super::ratios::{OURS, TaskRows};
+use crate::report::order::Labels;
 
 /// Packages in their order, and their names.
-const PACKAGES: [(&str, &str); 6] = [
+pub(super) const PACKAGES: Labels = Labels(&[
     (OURS, "spinebench"),
     ("scipy", "NumPy/SciPy by hand"),
     ("scikit_learn", "scikit-learn"),
     ("gpy", "GPy"),
     ("gpytorch", "GPyTorch"),
     ("pytorch", "PyTorch"),
-];
-
-/// The packages among these in their order, unknown ones last.
-pub(super) fn order<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
-    let mut found = crate::report::order::distinct(names);
-    found.sort_by_key(|name| rank(name));
-    found
-}
-
-/// Position of a package in its order; an unknown one follows the last.
-pub(super) fn rank(peer: &str) -> usize {
-    PACKAGES.iter().position(|(known, _)| *known == peer).unwrap_or(PACKAGES.len())
-}
-
-/// Name of a package.
-pub(super) fn name(peer: &str) -> &str {
-    PACKAGES.iter().find(|(known, _)| *known == peer).map_or(peer, |(_, name)| name)
-}
+]);
 
 /// What is done, with its size.
 pub(super) fn title(task: &TaskRows) -> String {

@@ -5,12 +5,10 @@ mod labels;
 mod ratios;
 mod table;
 
-use super::drawing::axes::{Axis, Panel};
-use super::drawing::canvas::{Canvas, Text, TextAlign};
-use super::drawing::legend::{LegendEntry, legend};
-use super::style::{DASHED, GREY, HAIR, LINE, LOOKS, Look, MARKER, PAGE_WIDTH, SMALL};
-use super::{Artifact, Figure, Published, ReportError, pictures, text};
-use labels::{name, order, rank, title};
+use super::drawing::{Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend};
+use super::style::{DASHED, GREY, HAIR, LINE, MARKER, PAGE_WIDTH, SMALL};
+use super::{Artifact, Figure, Published, ReportError, text};
+use labels::{PACKAGES, title};
 use ratios::{OURS, TaskRows};
 
 /// Registry entry.
@@ -35,17 +33,9 @@ const CURVES_HIGH: f64 = 150.0;
 
 fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     let tasks = TaskRows::all(&published.learning_peers);
-    if !tasks.iter().any(|task| task.cpu_s(OURS).is_some()) {
-        return Err(ReportError::NoRows { figure: FIGURE.name, needs: "learning.csv with a time of ours" });
-    }
-    let peers = order(published.learning_peers.iter().map(|row| row.peer.as_str()));
-    let mut files = pictures(FIGURE.name, FIGURE.name, &draw(&tasks, &peers))?.to_vec();
-    files.push(text("learning.md", table::markdown(&tasks, &peers)));
-    Ok(files)
-}
-
-fn look(peer: &str) -> Look {
-    LOOKS[rank(peer).min(LOOKS.len() - 1)]
+    FIGURE.needs("learning.csv with a time of ours", !tasks.iter().any(|task| task.cpu_s(OURS).is_some()))?;
+    let peers = PACKAGES.sorted(published.learning_peers.iter().map(|row| row.peer.as_str()));
+    FIGURE.files(vec![text("learning.md", table::markdown(&tasks, &peers))], &draw(&tasks, &peers))
 }
 
 /// Whether the task is one that somebody wants done, not one that explains times.
@@ -57,7 +47,7 @@ fn draw(tasks: &[TaskRows], peers: &[&str]) -> Canvas {
     let shown: Vec<TaskRows> = tasks.iter().copied().filter(wanted).collect();
     let high = TASK_HIGH * shown.len().max(1) as f64;
     let keys: Vec<(LegendEntry, &str)> =
-        peers.iter().map(|peer| (LegendEntry::Plain(look(peer)), name(peer))).collect();
+        peers.iter().map(|peer| (LegendEntry::Plain(PACKAGES.look(peer)), PACKAGES.label(peer))).collect();
     let mut canvas = Canvas::new(PAGE_WIDTH, high + CURVES_HIGH + 190.0);
     let below = legend(&mut canvas, [LEFT, 18.0], PAGE_WIDTH - 12.0, &keys);
     ratio_panel(&mut canvas, &shown, peers, [NAMES, below + 34.0], high);
@@ -80,7 +70,7 @@ fn ratio_panel(canvas: &mut Canvas, tasks: &[TaskRows], peers: &[&str], corner: 
     let names: Vec<String> = tasks.iter().rev().map(title).collect();
     let values =
         tasks.iter().flat_map(ratios).flat_map(|ratio| ratio.interval.into_iter().flatten().chain([ratio.mean]));
-    let panel = Panel {
+    let panel = canvas.panel(Panel {
         corner,
         size: [PAGE_WIDTH - 18.0 - corner[0], high],
         x: Axis::decades(
@@ -89,8 +79,7 @@ fn ratio_panel(canvas: &mut Canvas, tasks: &[TaskRows], peers: &[&str], corner: 
         ),
         y: Axis::categories("", &names),
         title: "(a) times over ours".to_owned(),
-    };
-    panel.draw(canvas);
+    });
     panel.line(canvas, &[[0.0, panel.y.low], [0.0, panel.y.high]], GREY, DASHED, HAIR);
     for (place, task) in tasks.iter().rev().enumerate() {
         let seen: Vec<&&str> = others.iter().filter(|peer| task.ratio(peer).is_some()).collect();
@@ -98,7 +87,7 @@ fn ratio_panel(canvas: &mut Canvas, tasks: &[TaskRows], peers: &[&str], corner: 
             let Some(ratio) = task.ratio(peer) else { continue };
             // Lanes are spread evenly within the task.
             let y = place as f64 + 0.68 * (0.5 - (lane as f64 + 0.5) / seen.len() as f64);
-            let colour = look(peer).colour;
+            let colour = PACKAGES.look(peer).colour;
             if let Some(ends) = ratio.interval {
                 let [low, high] = ends.map(|end| panel.at(end.log10(), y));
                 canvas.line(&[low, high], 1.1, colour, &[]);
@@ -106,7 +95,7 @@ fn ratio_panel(canvas: &mut Canvas, tasks: &[TaskRows], peers: &[&str], corner: 
                     canvas.line(&[[x, y - 2.0], [x, y + 2.0]], 1.1, colour, &[]);
                 }
             }
-            canvas.marker(panel.at(ratio.mean.log10(), y), look(peer).marker, 0.85 * MARKER, colour, false);
+            canvas.marker(panel.at(ratio.mean.log10(), y), PACKAGES.look(peer).marker, 0.85 * MARKER, colour, false);
         }
     }
 }
@@ -125,14 +114,10 @@ fn curve_panel(
         own.iter().filter_map(point).collect()
     };
     let times = peers.iter().flat_map(|peer| line(peer)).map(|[_, time]| time);
-    let panel = Panel { corner, size, x, y: Axis::decades("", times), title: words.to_owned() };
-    panel.draw(canvas);
+    let panel = canvas.panel(Panel { corner, size, x, y: Axis::decades("", times), title: words.to_owned() });
     for peer in peers.iter().rev() {
         let points: Vec<[f64; 2]> = line(peer).into_iter().map(|point| point.map(f64::log10)).collect();
-        panel.line(canvas, &points, look(peer).colour, look(peer).dash, 0.8 * LINE);
-        for [x, y] in points {
-            canvas.marker(panel.at(x, y), look(peer).marker, 0.85 * MARKER, look(peer).colour, false);
-        }
+        panel.marked(canvas, &points, PACKAGES.look(peer), [0.8 * LINE, 0.85 * MARKER]);
     }
     if own.is_empty() {
         let middle = [corner[0] + size[0] / 2.0, corner[1] + size[1] / 2.0];

@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
-use super::labels::{name, title};
+use super::labels::{PACKAGES, title};
 use super::ratios::{Averaged, OURS, TaskRows};
 use super::{goals, wanted};
-use crate::report::drawing::axes::signed;
+use crate::report::drawing::signed;
 
 /// Tables in Markdown.
 pub(super) fn markdown(tasks: &[TaskRows], peers: &[&str]) -> String {
@@ -24,7 +24,7 @@ fn head(text: &mut String, first: &str, cells: impl Iterator<Item = String>) {
 
 fn ratios(text: &mut String, tasks: &[TaskRows], peers: &[&str]) {
     let others: Vec<&str> = peers.iter().copied().filter(|peer| *peer != OURS).collect();
-    let names = others.iter().map(|peer| name(peer).to_owned());
+    let names = others.iter().map(|peer| PACKAGES.label(peer).to_owned());
     head(text, "Task", ["spinebench".to_owned()].into_iter().chain(names));
     for task in tasks.iter().filter(|task| wanted(task)) {
         let ours = task.cpu_s(OURS).map_or("–".to_owned(), |one| time(one.mean));
@@ -42,7 +42,7 @@ fn ratios(text: &mut String, tasks: &[TaskRows], peers: &[&str]) {
 /// Likelihoods, evaluations and errors of the fits; epochs and errors of the networks.
 fn reached(text: &mut String, tasks: &[TaskRows], peers: &[&str]) {
     let _ = writeln!(text);
-    head(text, "Reached", peers.iter().map(|peer| name(peer).to_owned()));
+    head(text, "Reached", peers.iter().map(|peer| PACKAGES.label(peer).to_owned()));
     for task in tasks.iter().filter(|task| task.task == "fit") {
         let cell = |peer: &&str| {
             let likelihood = task.mean(peer, |row| row.likelihood)?;
@@ -77,7 +77,7 @@ fn peak(text: &mut String, tasks: &[TaskRows], peers: &[&str]) {
     };
     let (double, single) = (best("product_f64"), best("product_f32"));
     let _ = writeln!(text);
-    head(text, "GFLOP/s (share of the peak)", peers.iter().map(|peer| name(peer).to_owned()));
+    head(text, "GFLOP/s (share of the peak)", peers.iter().map(|peer| PACKAGES.label(peer).to_owned()));
     for task in tasks.iter().filter(|task| task.operations().is_some()) {
         let top = if matches!(task.task, "epoch" | "product_f32") { single } else { double };
         let cell = |peer: &&str| rate(task, peer).map(|rate| format!("{} ({:.0} %)", number(rate), 100.0 * rate / top));

@@ -1,8 +1,7 @@
 //! A swept field as an axis: linear or logarithmic for numbers, equidistant for names.
 
 use crate::data::tables::{SIGNIFICANT_DIGITS, round_significant};
-use crate::report::drawing::axes::{Axis, signed};
-use crate::report::drawing::paint::text_width;
+use crate::report::drawing::{Axis, signed, text_width};
 use crate::report::style::{SMALL, TEXT};
 use std::collections::{HashMap, HashSet};
 
@@ -115,7 +114,7 @@ impl SweptAxis {
             return Axis::categories(&label, &names);
         }
         let places: Vec<f64> = self.values.iter().map(|value| self.place(value)).collect();
-        let (low, high) = crate::report::drawing::axes::range(places.iter().copied());
+        let (low, high) = crate::report::drawing::range(places.iter().copied());
         let room = 0.05 * (high - low);
         let axis = Axis::exact(&label, low - room, high + room, (long / 45.0).clamp(3.0, 7.0) as usize);
         let axis = if self.millimetres { self.in_millimetres(axis) } else { axis };

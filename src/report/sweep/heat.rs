@@ -3,8 +3,7 @@
 
 use super::field::SweptAxis;
 use super::{SweepEntry, series_label, sized, training_heading};
-use crate::report::drawing::canvas::{Canvas, CanvasPoint, Text, TextAlign};
-use crate::report::drawing::paint::text_width;
+use crate::report::drawing::{Canvas, CanvasPoint, Text, TextAlign, text_width};
 use crate::report::order::{distinct, trainings};
 use crate::report::style::{
     Colour, GREY, HAIR, INK, PAGE_WIDTH, SMALL, TALL, TEXT, WHITE, capitalised, heading, mode_title,

@@ -2,9 +2,7 @@
 
 use super::field::SweptAxis;
 use super::{SweepEntry, series_label, sized, training_heading};
-use crate::report::drawing::axes::{Axis, Panel};
-use crate::report::drawing::canvas::{Canvas, Text, TextAlign};
-use crate::report::drawing::legend::{LegendEntry, legend};
+use crate::report::drawing::{Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend};
 use crate::report::order::{distinct, trainings};
 use crate::report::style::{GREY, LOOKS, Look, PAGE_WIDTH, SMALL, TALL, TEXT, heading, mode_title, policy_look};
 
@@ -45,14 +43,13 @@ pub(super) fn draw(entries: &[&SweepEntry], field: &SweptAxis, measure: &str) ->
         for (column, training) in kinds.iter().enumerate() {
             let own = entries.iter().filter(|entry| entry.row.cell.mode == *mode && entry.row.training == *training);
             let own: Vec<&&SweepEntry> = own.collect();
-            let panel = Panel {
+            let panel = canvas.panel(Panel {
                 corner: [LEFT + column as f64 * (wide + GAP), top + PITCH * line as f64],
                 size: [wide, HIGH],
                 x: field.axis(wide),
                 y: errors(&own, if column == 0 { measure } else { "" }),
                 title: mode_title(mode),
-            };
-            panel.draw(&mut canvas);
+            });
             let lines = series.iter().zip(&looks).enumerate().map(|(index, (name, look))| {
                 let aside = if banded { 0.0 } else { index as f64 - (series.len() - 1) as f64 / 2.0 };
                 (

@@ -5,7 +5,7 @@ mod field;
 mod heat;
 mod lines;
 
-use super::drawing::canvas::Canvas;
+use super::drawing::Canvas;
 use super::style::{PAGE_WIDTH, policy_label, training_label};
 use super::{Artifact, Figure, Published, ReportError, pictures};
 use crate::rows::experiment::SweepRow;
@@ -33,9 +33,7 @@ struct SweepEntry<'a> {
 
 fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     let swept = &published.sweep;
-    if swept.rows.is_empty() || swept.fields.is_empty() {
-        return Err(ReportError::NoRows { figure: FIGURE.name, needs: "sweep.csv" });
-    }
+    FIGURE.needs("sweep.csv", swept.rows.is_empty() || swept.fields.is_empty())?;
     if swept.fields.len() > 3 {
         let found = format!("{} swept fields", swept.fields.len());
         return Err(ReportError::Mixed { figure: FIGURE.name, found, expected: "to three of them" });
@@ -59,9 +57,7 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
         let stem = if files.is_empty() { FIGURE.name.to_owned() } else { format!("{}_{task}", FIGURE.name) };
         files.extend(pictures(FIGURE.name, &stem, &canvas)?);
     }
-    if files.is_empty() {
-        return Err(ReportError::NoRows { figure: FIGURE.name, needs: "sweep.csv of a known task" });
-    }
+    FIGURE.needs("sweep.csv of a known task", files.is_empty())?;
     Ok(files)
 }
 

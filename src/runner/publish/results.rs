@@ -71,11 +71,11 @@ impl CampaignEntry {
             tables.published.robot_claims = self.robot_claims(point, &tables);
         }
         let mut files = Files::new();
-        files.insert(folder.join("spec.yaml"), self.spec_yaml()?);
+        files.insert(folder.join("spec.yaml"), self.spec_yaml());
         for (name, bytes) in Published::csv_files(&[&tables.published], |_| Vec::new())? {
             files.insert(folder.join(name), bytes);
         }
-        let notices = self.figures_to(&tables, &folder, &mut files);
+        let notices = self.draw(&self.experiment.figures, &tables.published, &folder, &mut files);
         let failed = tables.published.failed();
         // Those of many robots are not about the paper's setting.
         let claims = if self.experiment.population.is_some() { Vec::new() } else { claims };
@@ -97,20 +97,11 @@ impl CampaignEntry {
     }
 
     /// The resolved spec: what it extends, includes and leaves to defaults filled in. It runs as it is.
-    ///
-    /// # Errors
-    /// [`PublishError::Spec`] for what YAML cannot hold.
-    pub fn spec_yaml(&self) -> Result<Vec<u8>, PublishError> {
-        let head = "# The spec as it was run, with everything filled in.\n";
-        Ok((head.to_owned() + &self.spec_yaml).into_bytes())
+    pub fn spec_yaml(&self) -> Vec<u8> {
+        format!("# The spec as it was run, with everything filled in.\n{}", self.spec_yaml).into_bytes()
     }
 
-    /// Figures that carry the experiment's name lie in `plots/`, others in a folder of the experiment there.
-    fn figures_to(&self, tables: &Tables, folder: &Path, files: &mut Files) -> Vec<String> {
-        self.draw(&self.experiment.figures, &tables.published, folder, files)
-    }
-
-    /// Draws the figures of these names.
+    /// Draws the figures of these names: that of the experiment's name to `plots/`, others to a folder there.
     pub(in crate::runner) fn draw(
         &self,
         figures: &[String],

@@ -31,7 +31,7 @@ impl CampaignEntry {
         let swept: Vec<SweptPoint> = self.points.iter().zip(&all).map(|(point, one)| summary(point, one)).collect();
         let folder = Path::new("results").join(&self.experiment.name);
         let mut files = Files::new();
-        files.insert(folder.join("spec.yaml"), self.spec_yaml()?);
+        files.insert(folder.join("spec.yaml"), self.spec_yaml());
         let parts: Vec<&Published> = all.iter().map(|one| &one.published).collect();
         for (name, bytes) in Published::csv_files(&parts, |counts| self.beside(counts))? {
             files.insert(folder.join(name), bytes);

@@ -3,7 +3,7 @@
 use super::campaign_folder::{CANCELLED, CampaignContents, CampaignFolder, FINISHED, REFUSED};
 use super::queue;
 use crate::hardware::interrupt::Interrupt;
-use crate::runner::campaign::Campaign;
+use crate::runner::campaign::{Campaign, CampaignEntry};
 use crate::runner::execute::executor::RunRecord as _;
 use crate::runner::execute::plan::{Need, plan};
 use crate::runner::execute::progress::{Progress, StageEvent};
@@ -68,8 +68,8 @@ impl CampaignMonitor<'_> {
         if missing.is_empty() {
             return Ok(CampaignEnd::Complete(folder));
         }
-        let specs = self.campaign.entries.iter().map(|entry| entry.spec_yaml().map_err(|error| error.to_string()));
-        folder.create(&specs.collect::<Result<Vec<_>, _>>()?, &self.contents(&missing))?;
+        let specs: Vec<_> = self.campaign.entries.iter().map(CampaignEntry::spec_yaml).collect();
+        folder.create(&specs, &self.contents(&missing))?;
         let Some(_lock) = folder.lock() else {
             return Err(format!("campaign {id} is watched by another process; `spinebench status` shows its state"));
         };

@@ -14,11 +14,9 @@ use crate::tasks::{GpPool, SimulatedBy, Transitions};
 impl Stages<'_> {
     /// The random exploration on the model.
     pub(crate) fn explore(&mut self) -> Added<Transitions> {
-        self.once((EXPLORE.kind.name, None, 0), Self::add_explore)
-    }
-
-    fn add_explore(&mut self) -> Added<Transitions> {
-        self.graph.stage(&EXPLORE, self.label("exploration"), self.explore_params(), ())
+        self.once((EXPLORE.kind.name, None, 0), |stages| {
+            stages.graph.stage(&EXPLORE, stages.label("exploration"), stages.explore_params(), ())
+        })
     }
 
     /// The exploration as the spec describes it.
@@ -29,14 +27,12 @@ impl Stages<'_> {
 
     /// The same commands on the robot.
     pub(crate) fn replay(&mut self) -> Added<Transitions> {
-        self.once((REPLAY.kind.name, None, 0), Self::add_replay)
-    }
-
-    fn add_replay(&mut self) -> Added<Transitions> {
-        let explored = self.explore()?;
-        let (step_s, seed) = (self.step_s(), self.seed.child("replay").0);
-        let params = ReplayParams { plant: self.parts.plant.clone(), step_s, seed };
-        self.graph.stage(&REPLAY, self.label("replay"), params, explored)
+        self.once((REPLAY.kind.name, None, 0), |stages| {
+            let explored = stages.explore()?;
+            let (step_s, seed) = (stages.step_s(), stages.seed.child("replay").0);
+            let params = ReplayParams { plant: stages.parts.plant.clone(), step_s, seed };
+            stages.graph.stage(&REPLAY, stages.label("replay"), params, explored)
+        })
     }
 
     /// Model and robot side by side, `rows` samples spread over the exploration.
@@ -47,11 +43,9 @@ impl Stages<'_> {
 
     /// The predefined points of the Gaussian process, on model and robot.
     pub(crate) fn gp_pool(&mut self) -> Added<GpPool> {
-        self.once((GP_POOL.kind.name, None, 0), Self::add_gp_pool)
-    }
-
-    fn add_gp_pool(&mut self) -> Added<GpPool> {
-        self.pool_of(self.parts.plant.clone(), "predefined points")
+        self.once((GP_POOL.kind.name, None, 0), |stages| {
+            stages.pool_of(stages.parts.plant.clone(), "predefined points")
+        })
     }
 
     /// The predefined points on model and a robot.
@@ -73,13 +67,11 @@ impl Stages<'_> {
 
     /// The targets of this repetition: the same for every policy.
     pub(crate) fn targets(&mut self) -> Added<Targets> {
-        self.once((TARGETS.kind.name, None, 0), Self::add_targets)
-    }
-
-    fn add_targets(&mut self) -> Added<Targets> {
-        let pool = self.target_pool()?;
-        let params = (self.spec.targets.drawn, self.seed.child("targets").0);
-        self.graph.stage(&TARGETS, self.label("targets"), params, pool)
+        self.once((TARGETS.kind.name, None, 0), |stages| {
+            let pool = stages.target_pool()?;
+            let params = (stages.spec.targets.drawn, stages.seed.child("targets").0);
+            stages.graph.stage(&TARGETS, stages.label("targets"), params, pool)
+        })
     }
 
     /// The points through which the path goes: of the robot without measurement noise, the same for every seed.
@@ -90,11 +82,9 @@ impl Stages<'_> {
 
     /// The path that is tracked.
     pub(crate) fn path(&mut self) -> Added<Vec<Point3>> {
-        self.once((PATH.kind.name, None, 0), Self::add_path)
-    }
-
-    fn add_path(&mut self) -> Added<Vec<Point3>> {
-        let waypoints = self.waypoints()?;
-        self.graph.stage(&PATH, "path", self.spec.path, waypoints)
+        self.once((PATH.kind.name, None, 0), |stages| {
+            let waypoints = stages.waypoints()?;
+            stages.graph.stage(&PATH, "path", stages.spec.path, waypoints)
+        })
     }
 }

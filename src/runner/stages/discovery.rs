@@ -1,10 +1,9 @@
 //! Blind cases of discovery. The truth is drawn and sealed in a stage of its own: beside the recording, which is made
 //! from it, only the score reads it. What looks into the recording has the recording alone.
 
-use super::{Added, Stages};
+use super::Stages;
 use crate::benchmark::{
-    self, CaseAnswer, CaseBatch, CaseDesign, CatalogueSpan, Commands, Prior, PublicCase, RecordedCase, RecordedCases,
-    ScoredCase, Truth,
+    self, CaseBatch, CaseDesign, CatalogueSpan, Commands, Prior, RecordedCase, RecordedCases, ScoredCase, Truth,
 };
 use crate::data::DataError;
 use crate::discovery::Options;
@@ -150,9 +149,15 @@ impl Stages<'_> {
             seed: self.seed.child("blind").index(case).0,
         };
         let correlation = batch.correlations[robot.number % batch.correlations.len()];
-        let truth = self.blind_truth(&robot, commands, span, case)?;
-        let recording = self.blind_recording(robot, truth, commands, correlation, case)?;
-        let answer = self.discover(benchmark.model, &run.options, recording, case)?;
+        // What is hidden: the sealed label.
+        let label = self.label(&format!("truth of case {case}"));
+        let truth = self.graph.stage(&TRUTH, label, robot.clone(), (commands, span))?;
+        let label = self.label(&format!("recording of case {case}"));
+        let recording = self.graph.stage(&RECORDING, label, (robot, correlation), (truth, commands))?;
+        // The answer depends on the model, the recording and the options alone.
+        let label = self.label(&format!("discovery in case {case}"));
+        let params = (benchmark.model.clone(), run.options.clone());
+        let answer = self.graph.stage(&DISCOVER, label, params, recording)?;
         let label = self.label(&format!("score of case {case}"));
         let params = ScoreParams { case, batch: batch.clone(), correlation, model: benchmark.model.clone() };
         let score = self.graph.stage(&SCORE, label, params, (truth, answer))?;
@@ -184,42 +189,6 @@ impl Stages<'_> {
         let params = SpanParams { model, priors, noise_m };
         let span = self.graph.stage(&SPAN, self.label("span of the catalogue"), params, commands)?;
         Ok((commands, Some(span)))
-    }
-
-    /// What is hidden: the sealed label.
-    fn blind_truth(
-        &mut self,
-        robot: &CaseDesign,
-        commands: Handle<Commands>,
-        span: Option<Handle<CatalogueSpan>>,
-        case: u64,
-    ) -> Added<Truth> {
-        let label = self.label(&format!("truth of case {case}"));
-        self.graph.stage(&TRUTH, label, robot.clone(), (commands, span))
-    }
-
-    fn blind_recording(
-        &mut self,
-        robot: CaseDesign,
-        truth: Handle<Truth>,
-        commands: Handle<Commands>,
-        correlation: f64,
-        case: u64,
-    ) -> Added<PublicCase> {
-        let label = self.label(&format!("recording of case {case}"));
-        self.graph.stage(&RECORDING, label, (robot, correlation), (truth, commands))
-    }
-
-    /// The answer to a recording: of the model, the recording and the options alone.
-    fn discover(
-        &mut self,
-        model: &Model,
-        options: &Options,
-        recording: Handle<PublicCase>,
-        case: u64,
-    ) -> Added<CaseAnswer> {
-        let label = self.label(&format!("discovery in case {case}"));
-        self.graph.stage(&DISCOVER, label, (model.clone(), options.clone()), recording)
     }
 }
 

@@ -4,7 +4,7 @@ use super::discovery::check_entries;
 use super::named_values::with_values;
 use super::outside_policies::outside_policies;
 use crate::base::BadOption;
-use crate::effects::{check_effect_units, check_effects};
+use crate::effects::{EffectSpec, check_effect_units, check_effects};
 use crate::learn::LearnError;
 use crate::plants::PlantSpec;
 use crate::policies::{self, ModelAccess, PolicyEntry};
@@ -38,6 +38,11 @@ const POSITION_INPUTS: usize = 3;
 /// Tracking noise above this indicates a wrong unit, metres.
 const MOST_NOISE_M: f64 = 0.05;
 
+/// Whether a name is of letters, digits, `_` and `-`.
+pub(super) fn is_name(name: &str) -> bool {
+    !name.is_empty() && name.chars().all(|letter| letter.is_ascii_alphanumeric() || "_-".contains(letter))
+}
+
 pub(super) struct Checker<'a> {
     pub(super) experiment: &'a Experiment,
     pub(super) document: &'a Document,
@@ -54,11 +59,8 @@ impl Checker<'_> {
 
     fn header(&self) -> Result<(), SpecError> {
         let (root, spec) = (KeyPath::default(), self.experiment);
-        let named = |name: &str| {
-            !name.is_empty() && name.chars().all(|letter| letter.is_ascii_alphanumeric() || "_-".contains(letter))
-        };
         let null = self.document.is_null(&root.key("name"));
-        self.unless(named(&spec.name) && !null, &root.key("name"), "a name of letters, digits, `_` and `-`")?;
+        self.unless(is_name(&spec.name) && !null, &root.key("name"), "a name of letters, digits, `_` and `-`")?;
         let hz = spec.control_hz;
         self.unless(hz > 0.0 && hz <= 1000.0, &root.key("control_hz"), "a rate above 0 and up to 1000 Hz")?;
         self.unless((1..=MOST_SEEDS).contains(&spec.seeds), &root.key("seeds"), "1 to 1000")?;
@@ -67,7 +69,7 @@ impl Checker<'_> {
         self.unless(!spec.training.is_empty(), &root.key("training"), "at least one kind of training")?;
         for (name, training) in &spec.training {
             let path = root.key("training").key(name);
-            self.unless(named(name), &path, "a name of letters, digits, `_` and `-`")?;
+            self.unless(is_name(name), &path, "a name of letters, digits, `_` and `-`")?;
             let stops = [
                 ("forward_mae_m", training.forward_mae_m),
                 ("inverse_mae_m", training.inverse_mae_m),
@@ -81,7 +83,7 @@ impl Checker<'_> {
         }
         for name in spec.modes.keys() {
             let path = root.key("modes").key(name);
-            self.unless(named(name), &path, "a name of letters, digits, `_` and `-`")?;
+            self.unless(is_name(name), &path, "a name of letters, digits, `_` and `-`")?;
         }
         Ok(())
     }
@@ -89,9 +91,7 @@ impl Checker<'_> {
     /// The checks of each module's options.
     fn options(&self) -> Result<(), SpecError> {
         let spec = self.experiment;
-        let option = |name: &str, found: Result<(), BadOption>| {
-            found.map_err(|bad| self.option(name, bad.key, &bad.found, bad.expected))
-        };
+        let option = |name: &str, found: Result<(), BadOption>| self.checked(&KeyPath::default().key(name), found);
         option("explore", spec.explore.check())?;
         option("gp_points", spec.gp_points.check())?;
         option("policies", spec.policies.check())?;
@@ -143,11 +143,7 @@ impl Checker<'_> {
             let path = root.key("modes").key(name).key("effects");
             let allowed = mode.effects.is_empty() || spec.plant.takes_effects();
             self.unless(allowed, &path, "no effects, because the plant is neither `simulated` nor `hardware`")?;
-            let checked = check_effects(&mode.effects, spec.plant.tendons());
-            checked.and_then(|()| check_effect_units(&mode.effects)).map_err(|(index, effect, bad)| {
-                let path = path.item(index).key(effect).key(bad.key);
-                self.document.refuse(&path, PathEnd::Value, bad.found, bad.expected)
-            })?;
+            self.effects(&mode.effects, &path)?;
         }
         Ok(())
     }
@@ -174,6 +170,20 @@ impl Checker<'_> {
             other => {
                 self.document.refuse(&KeyPath::default().key(name), PathEnd::Value, other.to_string(), "a valid value")
             }
+        })
+    }
+
+    /// A check of the options below `path`.
+    pub(super) fn checked(&self, path: &KeyPath, found: Result<(), BadOption>) -> Result<(), SpecError> {
+        found.map_err(|bad| self.option(&path.to_string(), bad.key, &bad.found, bad.expected))
+    }
+
+    /// Effects and their units; `path` is that of their list.
+    pub(super) fn effects(&self, effects: &[EffectSpec], path: &KeyPath) -> Result<(), SpecError> {
+        let checked = check_effects(effects, self.experiment.plant.tendons());
+        checked.and_then(|()| check_effect_units(effects)).map_err(|(index, effect, bad)| {
+            let path = path.item(index).key(effect).key(bad.key);
+            self.document.refuse(&path, PathEnd::Value, bad.found, bad.expected)
         })
     }
 
@@ -266,21 +276,17 @@ impl Checker<'_> {
     fn discovery(&self, discovery: &DiscoveryRun, path: &KeyPath) -> Result<(), SpecError> {
         let rod = matches!(self.experiment.model, PlantSpec::Simulated(_));
         self.unless(rod, &KeyPath::default().key("model"), "a simulated rod, as `runs.discovery` needs")?;
-        let option = |path: &KeyPath, found: Result<(), BadOption>| {
-            found.map_err(|bad| self.option(&path.to_string(), bad.key, &bad.found, bad.expected))
-        };
         check_entries(self.document, &discovery.options, &path.key("options"))?;
-        option(&path.key("options"), discovery.options.check())?;
-        option(&path.key("truth"), discovery.truth.check())?;
-        option(&path.key("oracle"), discovery.oracle.check())?;
+        self.checked(&path.key("options"), discovery.options.check())?;
+        self.checked(&path.key("truth"), discovery.truth.check())?;
+        self.checked(&path.key("oracle"), discovery.oracle.check())?;
         let batches = path.key("batches");
         let some = !discovery.batches.is_empty() || !discovery.recordings.is_empty();
         self.unless(some, &batches, "at least one batch here or one table of `recordings`")?;
-        let each = discovery.batches.iter().enumerate();
-        each.into_iter().try_for_each(|(index, batch)| option(&batches.item(index), batch.check()))?;
-        let each = discovery.recordings.iter().enumerate();
-        each.into_iter()
-            .try_for_each(|(index, recordings)| option(&path.key("recordings").item(index), recordings.check()))
+        let mut each = discovery.batches.iter().enumerate();
+        each.try_for_each(|(index, batch)| self.checked(&batches.item(index), batch.check()))?;
+        let mut each = discovery.recordings.iter().enumerate();
+        each.try_for_each(|(index, cases)| self.checked(&path.key("recordings").item(index), cases.check()))
     }
 
     fn track(&self, track: &TrackRun, path: &KeyPath) -> Result<(), SpecError> {
@@ -352,9 +358,11 @@ impl Checker<'_> {
         let tip = if gp.approximation.is_exact() { "; `gp.approximation: sgpr` takes more" } else { "" };
         let kind = if gp.approximation.is_exact() { "an exact" } else { "a sparse" };
         for (index, size) in sizes.iter().enumerate() {
-            let item = path.item(index);
-            let path = if self.document.has(&item) { &item } else { path };
-            self.unless(*size <= most, path, &format!("at most {most} points for {kind} process{tip}"))?;
+            self.unless(
+                *size <= most,
+                &self.item(path, index),
+                &format!("at most {most} points for {kind} process{tip}"),
+            )?;
         }
         Ok(())
     }
@@ -363,10 +371,8 @@ impl Checker<'_> {
         self.fits(sizes, path, 10, self.experiment.explore.points, "collected points")?;
         let samples = |size: &usize| self.experiment.explore.starts(*size);
         for (index, size) in sizes.iter().enumerate() {
-            let item = path.item(index);
-            let path = if self.document.has(&item) { &item } else { path };
             let enough = self.experiment.network.check_rows(*size, &samples(size));
-            self.enough(enough, path)?;
+            self.enough(enough, &self.item(path, index))?;
         }
         Ok(())
     }
@@ -384,11 +390,14 @@ impl Checker<'_> {
 
     fn fits(&self, sizes: &[usize], path: &KeyPath, least: usize, most: usize, of: &str) -> Result<(), SpecError> {
         for (index, size) in sizes.iter().enumerate() {
-            // A single size is the value of its key, several are a list.
-            let item = path.item(index);
-            let path = if self.document.has(&item) { &item } else { path };
-            self.unless((least..=most).contains(size), path, &format!("{least} to {most}, the number of {of}"))?;
+            let expected = format!("{least} to {most}, the number of {of}");
+            self.unless((least..=most).contains(size), &self.item(path, index), &expected)?;
         }
         Ok(())
+    }
+
+    /// The path of a size: a single size is the value of its key, several are a list.
+    fn item(&self, path: &KeyPath, index: usize) -> KeyPath {
+        Some(path.item(index)).filter(|item| self.document.has(item)).unwrap_or_else(|| path.clone())
     }
 }

@@ -1,5 +1,6 @@
 //! Checks of policies from outside: their names, and the files that hold them.
 
+use super::experiment::is_name;
 use crate::policies;
 use crate::specs::document::error::SpecError;
 use crate::specs::document::locate::PathEnd;
@@ -13,8 +14,7 @@ pub(super) fn outside_policies(document: &Document, spec: &Experiment) -> Result
     for (name, policy) in &spec.policies.outside {
         let path = root.key(name);
         let refuse = |found: String, expected: String| document.refuse(&path, PathEnd::Key, found, expected);
-        let plain = |letter: char| letter.is_ascii_alphanumeric() || "_-".contains(letter);
-        if name.is_empty() || !name.chars().all(plain) || policies::find(name).is_some() {
+        if !is_name(name) || policies::find(name).is_some() {
             let expected = "a name of letters, digits, `_` and `-` that no policy of the program has";
             return Err(refuse(format!("`{name}`"), expected.to_owned()));
         }

@@ -1,12 +1,10 @@
 //! Checks of `runs.repair`.
 
 use super::discovery::check_entries;
-use super::experiment::Checker;
-use crate::effects::{check_effect_units, check_effects};
+use super::experiment::{Checker, is_name};
 use crate::plants::PlantSpec;
 use crate::policies::{self, ModelAccess};
 use crate::specs::document::error::SpecError;
-use crate::specs::document::locate::PathEnd;
 use crate::specs::document::path::KeyPath;
 use crate::specs::experiment::claims::Size;
 use crate::specs::experiment::repair::RepairRun;
@@ -35,19 +33,13 @@ impl Checker<'_> {
         self.unless((2..=10_000).contains(&found.rows), &recordings.key("rows"), "2 to 10000 rows")?;
         for (key, trials) in [("trials_before", found.trials_before), ("trials_after", found.trials_after)] {
             let enough = (2..=1000).contains(&trials) && trials * found.rows >= LEAST_ROWS;
-            self.unless(
-                enough,
-                &recordings.key(key),
-                "2 to 1000 trials with 30 rows or more, which a discovery needs",
-            )?;
+            let expected = "2 to 1000 trials with 30 rows or more, which a discovery needs";
+            self.unless(enough, &recordings.key(key), expected)?;
         }
-        let option = |path: &KeyPath, found: Result<(), crate::base::BadOption>| {
-            found.map_err(|bad| self.option(&path.to_string(), bad.key, &bad.found, bad.expected))
-        };
-        option(&path.key("monitor"), run.monitor.check())?;
+        self.checked(&path.key("monitor"), run.monitor.check())?;
         check_entries(self.document, &run.discovery, &path.key("discovery"))?;
-        option(&path.key("discovery"), run.discovery.check())?;
-        option(&path.key("identification"), run.identification_options().check())?;
+        self.checked(&path.key("discovery"), run.discovery.check())?;
+        self.checked(&path.key("identification"), run.identification_options().check())?;
         self.unless(!run.cells.is_empty(), &path.key("cells"), "at least one product of policies and modes")?;
         self.cells(&run.cells, &path.key("cells"))?;
         self.asks_no_model(run, &path.key("cells"))
@@ -69,15 +61,9 @@ impl Checker<'_> {
         self.unless(!run.changes.is_empty(), path, "at least one change")?;
         for (name, effects) in &run.changes {
             let path = path.key(name);
-            let plain = |letter: char| letter.is_ascii_alphanumeric() || "_-".contains(letter);
-            let named = !name.is_empty() && name.chars().all(plain);
-            self.unless(named, &path, "a name of letters, digits, `_` and `-`")?;
+            self.unless(is_name(name), &path, "a name of letters, digits, `_` and `-`")?;
             self.unless(!effects.is_empty(), &path, "at least one effect")?;
-            let checked = check_effects(effects, self.experiment.plant.tendons());
-            checked.and_then(|()| check_effect_units(effects)).map_err(|(index, effect, bad)| {
-                let path = path.item(index).key(effect).key(bad.key);
-                self.document.refuse(&path, PathEnd::Value, bad.found, bad.expected)
-            })?;
+            self.effects(effects, &path)?;
         }
         Ok(())
     }

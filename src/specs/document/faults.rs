@@ -2,7 +2,7 @@
 
 use super::error::SpecError;
 use super::merged::Document;
-use super::mismatch::{Mismatch, deserialize};
+use super::mismatch::deserialize;
 use super::path::{KeyPath, Step};
 use super::tree::{get, remove};
 use serde::de::DeserializeOwned;
@@ -47,7 +47,7 @@ impl Document {
                 continue;
             }
             let one_of_a_list = matches!(key.0.last(), Some(Step::Item(_)) | None);
-            faults.push(self.fault(wrong));
+            faults.push(self.refuse(&wrong.key, wrong.end, wrong.found, wrong.expected));
             if one_of_a_list || absent || faults.len() == MOST_FAULTS {
                 break;
             }
@@ -68,10 +68,6 @@ impl Document {
             Value::Null if self.layers.iter().any(|layer| is_mapping(layer.get(path))) => vec![path.clone()],
             _ => Vec::new(),
         }
-    }
-
-    fn fault(&self, wrong: Mismatch) -> SpecError {
-        self.refuse(&wrong.key, wrong.end, wrong.found, wrong.expected)
     }
 
     /// The entry at or above `path` that is `null` in the tree and something else in a weaker source.

@@ -67,12 +67,7 @@ impl Layer {
 
     pub(super) fn option(set: &str) -> Result<Layer, SpecError> {
         let name = format!("{SET}{set}");
-        let refuse = |found: String| SpecError::Key {
-            place: SourceLocation::Option(name.clone()),
-            key: KeyPath::default(),
-            found,
-            expected: "path.to.key=value".to_owned(),
-        };
+        let refuse = |found: String| malformed(&name, found, "path.to.key=value".to_owned());
         let (path, text) = set.split_once('=').ok_or_else(|| refuse(format!("`{set}`")))?;
         let (root, renamed) = unaliased(KeyPath::parse(path.trim()).map_err(refuse)?);
         let value = yaml(text, &name)?;
@@ -110,23 +105,11 @@ impl Layer {
     /// A `--sweep` option, as the equivalent entry of `sweep:`.
     pub(super) fn sweep(option: &str) -> Result<Layer, SpecError> {
         let name = format!("{SWEEP}{option}");
-        let (path, values) = sweep_option::parse(option).map_err(|found| SpecError::Key {
-            place: SourceLocation::Option(name.clone()),
-            key: KeyPath::default(),
-            found,
-            expected: format!("path.to.key= and {}", sweep_option::EXPECTED),
-        })?;
+        let (path, values) = sweep_option::parse(option)
+            .map_err(|found| malformed(&name, found, format!("path.to.key= and {}", sweep_option::EXPECTED)))?;
         let value = Value::Mapping(Mapping::from_iter([(Value::from(path.to_string()), values)]));
-        let root = KeyPath::default().key("sweep");
-        Ok(Layer {
-            name,
-            text: option.to_owned(),
-            value,
-            folder: PathBuf::new(),
-            root,
-            replaces: false,
-            renamed: Vec::new(),
-        })
+        let (root, text) = (KeyPath::default().key("sweep"), option.to_owned());
+        Ok(Layer { name, text, value, folder: PathBuf::new(), root, replaces: false, renamed: Vec::new() })
     }
 
     pub(super) fn is_option(&self) -> bool {
@@ -171,12 +154,8 @@ impl Layer {
     }
 
     pub(super) fn refuse(&self, path: &KeyPath, found: String, expected: &str) -> SpecError {
-        SpecError::Key {
-            place: self.place(path, PathEnd::Value),
-            key: path.clone(),
-            found,
-            expected: expected.to_owned(),
-        }
+        let (place, expected) = (self.place(path, PathEnd::Value), expected.to_owned());
+        SpecError::Key { place, key: path.clone(), found, expected }
     }
 
     pub(super) fn place(&self, path: &KeyPath, end: PathEnd) -> SourceLocation {
@@ -225,6 +204,11 @@ impl Layer {
             Step::Item(_) => value,
         })
     }
+}
+
+/// The error for a malformed option.
+fn malformed(option: &str, found: String, expected: String) -> SpecError {
+    SpecError::Key { place: SourceLocation::Option(option.to_owned()), key: KeyPath::default(), found, expected }
 }
 
 fn yaml(text: &str, name: &str) -> Result<Value, SpecError> {

@@ -17,13 +17,13 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub struct Document {
     pub(super) layers: Vec<Layer>,
-    pub(super) merged: Value,
+    pub(in crate::specs) merged: Value,
     /// Keys of the root that are no part of the typed value.
     pub(super) root_keys: &'static [&'static str],
     /// The file as the user named it.
     pub file: String,
     /// Sources of the swept values in the tree.
-    pub(super) origins: Vec<Origin>,
+    pub(in crate::specs) origins: Vec<Origin>,
     /// What the user should know of it: keys under former names.
     pub(in crate::specs) notes: Vec<String>,
 }

@@ -4,10 +4,9 @@ use super::alias::canonical as unaliased;
 use super::error::{SourceLocation, SpecError};
 use super::layer::{Layer, SET};
 use super::locate::PathEnd;
-use super::merged::{Document, Origin, SweptEntry};
+use super::merged::{Document, SweptEntry};
 use super::mismatch::describe;
 use super::path::{KeyPath, Step};
-use super::tree::{get, put, remove};
 use serde_yaml::Value;
 
 impl Document {
@@ -80,29 +79,6 @@ impl Document {
     ) -> SpecError {
         let place = self.place_swept(written, below, PathEnd::Value);
         SpecError::Key { place, key: written.field.clone(), found, expected: expected.to_owned() }
-    }
-
-    /// Sets the value of a field.
-    ///
-    /// # Errors
-    /// The value on the path that cannot hold fields.
-    pub(in crate::specs) fn put(&mut self, field: &KeyPath, value: Value) -> Result<(), String> {
-        put(&mut self.merged, &field.0, value)
-    }
-
-    /// The value at `path`.
-    pub(in crate::specs) fn value(&self, path: &KeyPath) -> Option<&Value> {
-        get(&self.merged, path)
-    }
-
-    /// Removes a key of the root.
-    pub(in crate::specs) fn drop_key(&mut self, key: &str) {
-        remove(&mut self.merged, &KeyPath::default().key(key));
-    }
-
-    /// Records the sources of the swept values in the tree, so that errors point there.
-    pub(in crate::specs) fn note(&mut self, origins: Vec<Origin>) {
-        self.origins = origins;
     }
 
     /// Reads the file that a swept value names at `below` its field: its content, its name and its text.

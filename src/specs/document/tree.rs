@@ -31,7 +31,7 @@ fn other_choice(key: &Value, under: &Value, over: &Value) -> bool {
 }
 
 /// Removes the value at `path`, if there is one.
-pub(super) fn remove(value: &mut Value, path: &KeyPath) {
+pub(in crate::specs) fn remove(value: &mut Value, path: &KeyPath) {
     let Some((Step::Key(last), above)) = path.0.split_last() else { return };
     let holder = above.iter().try_fold(value, |value, step| match step {
         Step::Key(key) => value.get_mut(key.as_str()),

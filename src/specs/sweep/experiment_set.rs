@@ -6,7 +6,7 @@ use crate::specs::check::experiment::check;
 use crate::specs::document::error::SpecError;
 use crate::specs::document::merged::{Document, Origin, SweptEntry};
 use crate::specs::document::path::{KeyPath, Step};
-use crate::specs::document::tree::{get, put};
+use crate::specs::document::tree::{get, put, remove};
 use crate::specs::experiment::spec::Experiment;
 use crate::specs::read::model_paths;
 use crate::specs::write::to_yaml;
@@ -74,7 +74,7 @@ impl ExperimentSet {
             let notes = std::mem::take(&mut document.notes);
             return checked(&document).map(|experiment| ExperimentSet { notes, ..ExperimentSet::from(experiment) });
         }
-        let seed = document.value(&KeyPath::default().key("seed")).and_then(Value::as_u64).unwrap_or_default();
+        let seed = get(&document.merged, &KeyPath::default().key("seed")).and_then(Value::as_u64).unwrap_or_default();
         let fields = written.into_iter().map(|written| ResolvedField::read(&document, written, &includes, Seed(seed)));
         let fields = fields.collect::<Result<Vec<ResolvedField>, SpecError>>()?;
         let count = count(&document, &fields)?;
@@ -85,7 +85,7 @@ impl ExperimentSet {
             notes: std::mem::take(&mut document.notes),
             written: fields.iter().map(|field| field.resolved(seed)).collect(),
         };
-        document.drop_key("claims");
+        remove(&mut document.merged, &KeyPath::default().key("claims"));
         for number in 0..count {
             let experiment = Arc::new(at_point(&mut document, &fields, [number, count])?);
             set.points.push(SweepPoint { values: digits(&fields, number), experiment });
@@ -238,16 +238,10 @@ fn count(document: &Document, fields: &[ResolvedField]) -> Result<usize, SpecErr
 /// Index of the value of each field at point `number`; the last field varies fastest.
 fn digits(fields: &[ResolvedField], number: usize) -> Vec<usize> {
     let mut rest = number;
-    let mut digits: Vec<usize> = fields
-        .iter()
-        .rev()
-        .map(|field| {
-            let digit = rest % field.values.len();
-            rest /= field.values.len();
-            digit
-        })
-        .collect();
-    digits.reverse();
+    let mut digits = vec![0; fields.len()];
+    for (digit, field) in digits.iter_mut().zip(fields).rev() {
+        (*digit, rest) = (rest % field.values.len(), rest / field.values.len());
+    }
     digits
 }
 
@@ -258,21 +252,21 @@ fn at_point(
     [number, count]: [usize; 2],
 ) -> Result<Experiment, SpecError> {
     let digits = digits(fields, number);
-    let mut put: Vec<(&ResolvedField, &SweepValue, &IncludedFiles)> = fields
+    let mut chosen: Vec<(&ResolvedField, &SweepValue, &IncludedFiles)> = fields
         .iter()
         .zip(&digits)
         .map(|(field, &digit)| (field, &field.values[digit].0, &field.values[digit].1))
         .collect();
     // A field inside another swept field (a number of a swept model) is set after it.
-    put.sort_by_key(|(field, _, _)| field.written.field.0.len());
+    chosen.sort_by_key(|(field, _, _)| field.written.field.0.len());
     let origin = |&(field, one, files): &(&ResolvedField, &SweepValue, &IncludedFiles)| Origin {
         written: field.written.clone(),
         below: one.below.clone(),
         files: files.clone(),
     };
-    document.note(put.iter().map(origin).collect());
-    for (field, one, _) in &put {
-        document.put(&field.written.field, one.value.clone()).map_err(|found| {
+    document.origins = chosen.iter().map(origin).collect();
+    for (field, one, _) in &chosen {
+        put(&mut document.merged, &field.written.field.0, one.value.clone()).map_err(|found| {
             document.refuse_swept(&field.written, &[], format!("{found} on the way there"), "a field of this spec")
         })?;
     }

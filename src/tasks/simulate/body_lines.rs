@@ -6,7 +6,7 @@ use super::simulate_recording::simulate_recording;
 use crate::base::Point3;
 use crate::data::{DataError, Recording};
 use crate::effects::{BodyPoint, Model};
-use crate::tasks::{SimulationOptions, check_tendons};
+use crate::tasks::{SimulationOptions, of_tendons};
 
 /// Points of the line.
 const POINTS: usize = 41;
@@ -24,9 +24,7 @@ pub fn body_lines_m(
 ) -> Result<Vec<Vec<Point3>>, DataError> {
     let mut model = model.clone();
     let mut commands = recording.clone();
-    let tendons = model.robot.tendons.angles_deg.len();
-    commands.convert_drives(file, &model.drive_gains(), tendons)?;
-    check_tendons(file, &commands, tendons)?;
+    of_tendons(&mut commands, file, &model.drive_gains(), model.robot.tendons.angles_deg.len())?;
     let length_m = model.robot.backbone.length_m;
     // Points that the simulation tracks; their names sort in the order of their places.
     let place = |k: usize| {

@@ -1,5 +1,6 @@
 //! Recordings of one robot, read from files and checked against its model.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use crate::data::{DataError, Recording};
@@ -13,8 +14,7 @@ use crate::effects::{Model, Starts};
 pub fn read_commands(file: &Path, model: &Model, at_rest: bool) -> Result<Recording, DataError> {
     let mut commands = if at_rest { Recording::read_pose_commands(file) } else { Recording::read_commands(file) }?;
     let expected = model.robot.tendons.angles_deg.len();
-    commands.convert_drives(file, &model.drive_gains(), expected)?;
-    check_tendons(file, &commands, expected)?;
+    of_tendons(&mut commands, file, &model.drive_gains(), expected)?;
     commands.check_points(file, &model.tracking.names())?;
     check_one_gravity(file, &commands, model)?;
     Ok(commands)
@@ -52,8 +52,7 @@ fn check_duration(file: &Path, measured: &Recording, at_rest: bool) -> Result<()
 fn read_measured(file: &Path, model: &Model, at_rest: bool) -> Result<Recording, DataError> {
     let mut measured = if at_rest { Recording::read_poses(file) } else { Recording::read(file) }?;
     let tendons = model.robot.tendons.angles_deg.len();
-    measured.convert_drives(file, &model.drive_gains(), tendons)?;
-    check_tendons(file, &measured, tendons)?;
+    of_tendons(&mut measured, file, &model.drive_gains(), tendons)?;
     measured.check_points(file, &model.tracking.names())?;
     let length_m = model.robot.backbone.length_m;
     measured.check_reach(file, model.robot.base_m, length_m)?;
@@ -61,22 +60,25 @@ fn read_measured(file: &Path, model: &Model, at_rest: bool) -> Result<Recording,
     Ok(measured)
 }
 
-/// Checks that a recording has the robot's number of tendons.
+/// Gives a recording the commands of tendons that its drives give with these `gains`, and checks that it has the robot's number
+/// of tendons.
 ///
 /// # Errors
-/// [`DataError::Column`] for another number.
-pub fn check_tendons(file: &Path, commands: &Recording, expected: usize) -> Result<(), DataError> {
+/// [`DataError::Column`] for another number, and as [`Recording::convert_drives`].
+pub fn of_tendons(
+    commands: &mut Recording,
+    file: &Path,
+    gains: &BTreeMap<String, Vec<(usize, f64)>>,
+    expected: usize,
+) -> Result<(), DataError> {
+    commands.convert_drives(file, gains, expected)?;
     let found = commands.tendons();
     if found == expected {
         return Ok(());
     }
-    Err(DataError::Column {
-        file: file.to_owned(),
-        place: "line 1",
-        column: commands.actuation.column(found.min(expected)),
-        found: format!("{found} tendons"),
-        expected: format!("{expected}, the number of the robot's tendons"),
-    })
+    let column = commands.actuation.column(found.min(expected));
+    let (found, expected) = (format!("{found} tendons"), format!("{expected}, the number of the robot's tendons"));
+    Err(DataError::Column { file: file.to_owned(), place: "line 1", column, found, expected })
 }
 
 /// Refuses a gravity that changes from trial to trial where trials go on from one another: the robot is the same in all.

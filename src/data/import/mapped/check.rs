@@ -51,27 +51,17 @@ impl ImportMap {
         let own_rows = tracking.file_of(source) == self.commands.file;
         if matches!(source, SourceKind::Text { .. }) && tracking.time.is_none() {
             if !own_rows {
-                return Err(fault(
-                    "tracking",
-                    "time",
-                    "no such key",
-                    "the column of times, as the commands are in another file",
-                ));
+                let expected = "the column of times, as the commands are in another file";
+                return Err(fault("tracking", "time", "no such key", expected));
             }
             if tracking.clock != ClockMap::Same {
-                return Err(fault(
-                    "tracking",
-                    "clock",
-                    "an offset",
-                    "`time` beside it, or the same clock for rows that hold both",
-                ));
+                let expected = "`time` beside it, or the same clock for rows that hold both";
+                return Err(fault("tracking", "clock", "an offset", expected));
             }
         }
         Ok(())
     }
-}
 
-impl ImportMap {
     /// Checks the names of files of one trial; returns the source of each trial.
     fn check_trial_files(&self, source: SourceKind) -> Result<SourceKind, Fault> {
         const PATH: &str = "trial_files";

@@ -5,7 +5,7 @@ use std::fmt;
 use std::path::PathBuf;
 
 use serde::de::{self, Deserializer, Visitor};
-use serde::{Deserialize, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
 use super::iso8601::IsoTime;
 use super::units::TimeUnit;
@@ -13,7 +13,8 @@ use crate::data::DataError;
 use crate::data::error::shown;
 
 /// A column of a table: its name, or its number counted from 1.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[serde(untagged)]
 pub enum ColumnName {
     /// By the header, or the field of a message.
     Name(String),
@@ -26,15 +27,6 @@ impl fmt::Display for ColumnName {
         match self {
             ColumnName::Name(name) => write!(f, "`{name}`"),
             ColumnName::Number(number) => write!(f, "number {number}"),
-        }
-    }
-}
-
-impl Serialize for ColumnName {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self {
-            ColumnName::Name(name) => serializer.serialize_str(name),
-            ColumnName::Number(number) => serializer.serialize_u64(*number as u64),
         }
     }
 }
@@ -248,12 +240,7 @@ impl LogTable {
     /// The error for a cell.
     pub(crate) fn wrong(&self, column: usize, row: usize, expected: impl Into<String>) -> DataError {
         let found = shown(&self.text(column, row));
-        DataError::Cell {
-            file: self.file.clone(),
-            place: self.place(row),
-            column: self.columns[column].0.clone(),
-            found,
-            expected: expected.into(),
-        }
+        let (place, column) = (self.place(row), self.columns[column].0.clone());
+        DataError::Cell { file: self.file.clone(), place, column, found, expected: expected.into() }
     }
 }

@@ -41,12 +41,8 @@ fn parse(path: &Path, bytes: &[u8], format: &TextFormat) -> Result<LogTable, Dat
         let filled = cells.iter().rposition(|cell| !cell.is_empty()).map_or(0, |last| last + 1);
         if cells.len() < names.len() || filled > names.len() {
             let hint = if format.decimal == format.delimiter { "" } else { " (see `text.delimiter` of the map)" };
-            return Err(DataError::Line {
-                file: path.to_owned(),
-                place: format!("line {number}"),
-                found: format!("{} cells", cells.len()),
-                expected: format!("{} as in line {header}{hint}", names.len()),
-            });
+            let expected = format!("{} as in line {header}{hint}", names.len());
+            return Err(csv::line_error(path, number, format!("{} cells", cells.len()), expected));
         }
         rows.push(number);
         columns.iter_mut().zip(cells).for_each(|(column, cell)| column.push(cell));

@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
+use super::ExportLine;
 use super::meta::Rotation;
-use super::{ExportLine, wrong_line};
 use crate::data::DataError;
+use crate::data::csv::line_error;
 
 /// Layout of the columns.
 #[derive(Debug)]
@@ -55,7 +56,7 @@ pub(crate) fn layout(
 ) -> Result<ExportLayout, DataError> {
     let time = (0..parts.cells.len()).find(|&index| is_time(parts.cell(index)));
     let time = time.ok_or_else(|| {
-        wrong_line(path, parts.number, "no column `Time (Seconds)`", "`Frame,Time (Seconds),X,Y,Z,…`")
+        line_error(path, parts.number, "no column `Time (Seconds)`", "`Frame,Time (Seconds),X,Y,Z,…`")
     })?;
     let header_rows = header_rows(path, rows, parts)?;
     let bodies = bodies(path, &header_rows, rotation)?;
@@ -64,7 +65,7 @@ pub(crate) fn layout(
         let kinds = kinds(header_rows.kinds);
         let found = format!("no column of a `Rigid Body` or a `Marker`, only {kinds}");
         let expected = "rigid bodies or markers: export with them switched on";
-        return Err(wrong_line(path, header_rows.kinds.number, found, expected));
+        return Err(line_error(path, header_rows.kinds.number, found, expected));
     }
     let width = rows.iter().chain([parts]).map(|line| line.cells.len()).max().unwrap_or(0);
     Ok(ExportLayout { width, time, bodies, markers, names_line: header_rows.names.number })
@@ -90,7 +91,7 @@ fn header_rows<'a>(
         |label: &str| rows.iter().find(|row| leading.iter().any(|&index| row.cell(index).eq_ignore_ascii_case(label)));
     let [first, second, middle @ .., quantities] = rows else {
         let found = format!("{} rows between the first line and this one", rows.len());
-        return Err(wrong_line(path, parts.number, found, "rows of types, names and `Rotation` or `Position`"));
+        return Err(line_error(path, parts.number, found, "rows of types, names and `Rotation` or `Position`"));
     };
     let any_label = ["Type", "Name", "ID"].iter().any(|label| labelled(label).is_some());
     if !any_label {
@@ -98,7 +99,7 @@ fn header_rows<'a>(
     }
     let needed = |label: &str| {
         labelled(label)
-            .ok_or_else(|| wrong_line(path, first.number, format!("no row `{label}`"), "rows `Type`, `Name`"))
+            .ok_or_else(|| line_error(path, first.number, format!("no row `{label}`"), "rows `Type`, `Name`"))
     };
     Ok(HeaderRows { kinds: needed("Type")?, names: needed("Name")?, ids: labelled("ID"), quantities, parts })
 }

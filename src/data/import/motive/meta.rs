@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use super::{ExportLine, wrong_line};
+use super::ExportLine;
 use crate::data::DataError;
+use crate::data::csv::line_error;
 use crate::data::error::shown;
 
 /// Representation of orientations.
@@ -45,10 +46,10 @@ pub(crate) fn meta(path: &Path, line: &ExportLine) -> Result<Meta, DataError> {
     let first = line.cell(0);
     if first.starts_with("Format Version;") {
         let found = "cells between semicolons (saved again by a spreadsheet?)";
-        return Err(wrong_line(path, line.number, found, "Motive's own file: commas between cells, points in numbers"));
+        return Err(line_error(path, line.number, found, "Motive's own file: commas between cells, points in numbers"));
     }
     if !first.eq_ignore_ascii_case("Format Version") {
-        return Err(wrong_line(path, line.number, shown(&clipped(first)), FIRST));
+        return Err(line_error(path, line.number, shown(&clipped(first)), FIRST));
     }
     let version = line.cell(1);
     // Later minor versions have so far only added keys and rows, which are found by name.
@@ -57,12 +58,8 @@ pub(crate) fn meta(path: &Path, line: &ExportLine) -> Result<Meta, DataError> {
     }
     let space = value(line, "Coordinate Space");
     if let Some(space) = space.filter(|space| !space.eq_ignore_ascii_case("Global")) {
-        return Err(bad_value(
-            path,
-            "Coordinate Space",
-            space,
-            "`Global`: poses in one frame for all bodies".to_owned(),
-        ));
+        let expected = "`Global`: poses in one frame for all bodies".to_owned();
+        return Err(bad_value(path, "Coordinate Space", space, expected));
     }
     let frames = value(line, "Total Exported Frames").and_then(|frames| frames.parse().ok());
     Ok(Meta { unit_m: unit(path, line)?, rotation: rotation(path, line)?, frames })
@@ -92,13 +89,8 @@ fn value<'a>(line: &'a ExportLine, key: &str) -> Option<&'a str> {
 }
 
 fn bad_value(path: &Path, key: &str, found: &str, expected: String) -> DataError {
-    DataError::Cell {
-        file: path.to_owned(),
-        place: "line 1".to_owned(),
-        column: key.to_owned(),
-        found: shown(&clipped(found)),
-        expected,
-    }
+    let (place, column, found) = ("line 1".to_owned(), key.to_owned(), shown(&clipped(found)));
+    DataError::Cell { file: path.to_owned(), place, column, found, expected }
 }
 
 /// A text shortened for messages.

@@ -7,6 +7,7 @@ mod read;
 
 use std::path::{Path, PathBuf};
 
+use crate::data::csv::line_error;
 use crate::data::recording::Pose;
 use crate::data::{DataError, file};
 
@@ -94,12 +95,8 @@ impl Export {
             (!names.is_empty()).then(|| format!("the {what} {}", names.join(", ")))
         };
         let both = [listed(&self.bodies, "rigid bodies"), listed(&self.markers, "markers")];
-        DataError::Line {
-            file: self.file.clone(),
-            place: format!("line {}", self.names_line),
-            found: both.into_iter().flatten().collect::<Vec<String>>().join(" and "),
-            expected,
-        }
+        let found = both.into_iter().flatten().collect::<Vec<String>>().join(" and ");
+        line_error(&self.file, self.names_line, found, expected)
     }
 }
 
@@ -128,10 +125,4 @@ impl ExportLine<'_> {
     fn filled(&self) -> usize {
         self.cells.iter().rposition(|cell| !cell.trim().is_empty()).map_or(0, |last| last + 1)
     }
-}
-
-/// The error for a line.
-fn wrong_line(path: &Path, number: usize, found: impl Into<String>, expected: impl Into<String>) -> DataError {
-    let place = format!("line {number}");
-    DataError::Line { file: path.to_owned(), place, found: found.into(), expected: expected.into() }
 }

@@ -7,7 +7,8 @@ use super::header;
 use super::header::{BodyColumns, ExportLayout};
 use super::meta;
 use super::meta::{Meta, Rotation};
-use super::{Body, Export, ExportLine, wrong_line};
+use super::{Body, Export, ExportLine};
+use crate::data::csv::line_error;
 use crate::data::error::shown;
 use crate::data::recording::{Pose, unit_length};
 use crate::data::{DataError, csv};
@@ -34,7 +35,7 @@ pub(crate) fn export(path: &Path, bytes: &[u8]) -> Result<Export, DataError> {
     // Spreadsheets drop trailing empty cells; a last line without a line end was cut off.
     if let Some((number, cells)) = short.filter(|_| !whole) {
         let expected = format!("{} as in the header: the file was cut off", frames.layout.width);
-        return Err(wrong_line(path, number, format!("{cells} cells"), expected));
+        return Err(line_error(path, number, format!("{cells} cells"), expected));
     }
     frames.finish()
 }
@@ -69,13 +70,13 @@ fn layout<'a>(
             return header::layout(path, &rows, &line, meta.rotation);
         }
         if line.cell(0).parse::<f64>().is_ok() {
-            return Err(wrong_line(path, line.number, "a row of numbers", LAST));
+            return Err(line_error(path, line.number, "a row of numbers", LAST));
         }
         if line.filled() > 0 {
             rows.push(line);
         }
     }
-    Err(wrong_line(path, last, "the end of the file", LAST))
+    Err(line_error(path, last, "the end of the file", LAST))
 }
 
 /// The frames read so far.
@@ -93,7 +94,7 @@ impl Frames<'_> {
         if line.filled() > self.layout.width {
             let found = format!("{} cells", line.filled());
             let expected = format!("{} as in the header (decimal commas split numbers in two)", self.layout.width);
-            return Err(wrong_line(self.path, line.number, found, expected));
+            return Err(line_error(self.path, line.number, found, expected));
         }
         let time_s = self.time(line)?;
         self.time_s.push(time_s);
