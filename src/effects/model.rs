@@ -79,6 +79,15 @@ impl Model {
         check_effect_units(&self.effects).map_err(|(index, name, error)| (format!("effects[{index}].{name}"), error))
     }
 
+    /// Both checks; the path of the key begins with `at`.
+    ///
+    /// # Errors
+    /// As [`Model::check`].
+    pub fn check_written(&self, at: &str) -> Result<(), (String, BadOption)> {
+        let checked = self.check_units().and_then(|()| self.check());
+        checked.map_err(|(path, error)| (format!("{at}.{path}"), error))
+    }
+
     /// The rod with all effects, then `extra` ones; payloads are applied last.
     pub fn rod(&self, extra: &[EffectSpec]) -> RodParams {
         let mut rod = self.robot.rod();
@@ -136,11 +145,11 @@ pub fn check_effect_units(effects: &[EffectSpec]) -> Result<(), (usize, &'static
 pub fn check_effects(effects: &[EffectSpec], tendons: usize) -> Result<(), (usize, &'static str, BadOption)> {
     for (index, spec) in effects.iter().enumerate() {
         let effect = spec.build();
-        effect.check().map_err(|error| (index, spec.card().name, error))?;
-        if let Some(tendon) = effect.tendon().filter(|&tendon| tendon > tendons) {
-            let error = BadOption { key: "tendon", found: tendon.to_string(), expected: "a tendon of this robot" };
-            return Err((index, spec.card().name, error));
-        }
+        let tendon = effect.tendon().unwrap_or_default();
+        effect
+            .check()
+            .and_then(|()| BadOption::unless(tendon <= tendons, "tendon", tendon, "a tendon of this robot"))
+            .map_err(|error| (index, spec.card().name, error))?;
     }
     Ok(())
 }

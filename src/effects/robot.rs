@@ -16,7 +16,6 @@ pub use loads::{Frame, Load, OnePlace, Spread};
 pub use per_tendon::PerTendon;
 pub use tendons::{OffsetPoint, RadiusPoint, Tendons};
 
-use super::{finite, non_negative};
 use crate::base::{BadOption, TendonLayout};
 use crate::rod::{ContactSurface, Resolution, RodParams, TipWrench};
 
@@ -93,30 +92,18 @@ impl Default for Robot {
             backbone: Backbone {
                 length_m: 0.22,
                 radius_m: 0.002,
-                inner_radius_m: 0.0,
                 youngs_modulus_pa: 2.33e9,
                 poisson_ratio: 0.3897,
                 density_kg_m3: 1200.0,
-                axial_stiffness_n: None,
-                shear_stiffness_n: None,
-                bending_stiffness_n_m2: None,
-                torsion_stiffness_n_m2: None,
-                pieces: Vec::new(),
+                ..Backbone::default()
             },
             sections: Sections { count: 11, length_m: 0.01, compliance_m_per_n: 2e-4, saturation_n: 20.0 },
             disks: Disks { count: 12, mass_kg: 0.004, ..Disks::default() },
             tendons: Tendons {
                 radius_m: 0.02,
                 angles_deg: vec![0.0, 90.0, 180.0, 270.0],
-                radii_m: None,
-                profile: Vec::new(),
-                twists_rad_m: None,
-                paths: None,
                 pretension_m: PerTendon::Same(5e-4),
-                compliance_m_per_n: PerTendon::default(),
-                elastic_length_m: None,
-                starts_m: None,
-                ends_m: None,
+                ..Tendons::default()
             },
             gravity_m_s2: earth(),
             damping_time_s: damping(),
@@ -142,13 +129,17 @@ impl Robot {
         self.sections.check(length_m)?;
         self.disks.check(length_m)?;
         self.tendons.check(length_m)?;
-        at("", self.gravity_m_s2.iter().try_for_each(|&g| finite("gravity_m_s2", g)))?;
-        at("", non_negative("damping_time_s", self.damping_time_s))?;
+        at("", self.gravity_m_s2.iter().try_for_each(|&g| BadOption::unless_finite("gravity_m_s2", g)))?;
+        at("", BadOption::unless_not_negative("damping_time_s", self.damping_time_s))?;
         at("", BadOption::unless_positive("drive_time_s", self.drive_time_s))?;
-        at("", non_negative("drag_n_s2_m3", self.drag_n_s2_m3))?;
-        at("", self.base_m.iter().try_for_each(|&x| finite("base_m", x)))?;
-        at("", self.base_rotation_rad.iter().try_for_each(|&x| finite("base_rotation_rad", x)))?;
-        at("", self.contact_radius_m.map_or(Ok(()), |radius_m| non_negative("contact_radius_m", radius_m)))?;
+        at("", BadOption::unless_not_negative("drag_n_s2_m3", self.drag_n_s2_m3))?;
+        at("", self.base_m.iter().try_for_each(|&x| BadOption::unless_finite("base_m", x)))?;
+        at("", self.base_rotation_rad.iter().try_for_each(|&x| BadOption::unless_finite("base_rotation_rad", x)))?;
+        at(
+            "",
+            self.contact_radius_m
+                .map_or(Ok(()), |radius_m| BadOption::unless_not_negative("contact_radius_m", radius_m)),
+        )?;
         let thin = self.contact_radius_m.is_none_or(|radius_m| radius_m < length_m);
         at(
             "",
@@ -236,5 +227,5 @@ fn within(key: &'static str, value: f64, above: f64, up_to: f64, expected: &'sta
 }
 
 fn refuse(good: bool, key: &'static str, found: &dyn std::fmt::Debug, expected: &'static str) -> Result<(), BadOption> {
-    if good { Ok(()) } else { Err(BadOption { key, found: format!("{found:?}"), expected }) }
+    BadOption::unless(good, key, format!("{found:?}"), expected)
 }

@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::finite;
 use crate::base::{BadOption, SeenPoint};
 use crate::math::rotation;
 use crate::rod::Rod;
@@ -113,11 +112,9 @@ pub(super) fn is_name(name: &str) -> bool {
 
 impl BodyPoint {
     fn check(&self, length_m: f64) -> Result<(), BadOption> {
-        if !(self.s_m >= 0.0 && self.s_m <= length_m) {
-            let expected = "a place on the backbone: 0 to its `length_m`";
-            return Err(BadOption { key: "s_m", found: self.s_m.to_string(), expected });
-        }
-        self.offset_m.iter().try_for_each(|&x| finite("offset_m", x))
+        let on_backbone = self.s_m >= 0.0 && self.s_m <= length_m;
+        BadOption::unless(on_backbone, "s_m", self.s_m, "a place on the backbone: 0 to its `length_m`")?;
+        self.offset_m.iter().try_for_each(|&x| BadOption::unless_finite("offset_m", x))
     }
 
     /// Position in metres and orientation on the rod, world frame.

@@ -68,3 +68,20 @@ pub enum LearnError {
         epoch: usize,
     },
 }
+
+impl LearnError {
+    /// Error unless as many as expected were counted.
+    pub fn unless_shape(what: &'static str, found: usize, expected: usize) -> Result<(), LearnError> {
+        if found == expected { Ok(()) } else { Err(LearnError::Shape { what, found, expected }) }
+    }
+
+    /// Error unless `good`.
+    pub(crate) fn unless_setting(
+        good: bool,
+        key: &'static str,
+        found: impl ToString,
+        expected: &'static str,
+    ) -> Result<(), LearnError> {
+        if good { Ok(()) } else { Err(LearnError::Setting { key, found: found.to_string(), expected }) }
+    }
+}

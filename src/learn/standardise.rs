@@ -59,9 +59,7 @@ impl Standardiser {
 
 /// Checks that inputs and outputs have equal length and hold only finite numbers.
 pub(crate) fn check_samples(inputs: &Rows, outputs: &Rows) -> Result<(), LearnError> {
-    if inputs.len() != outputs.len() {
-        return Err(LearnError::Shape { what: "rows of outputs", found: outputs.len(), expected: inputs.len() });
-    }
+    LearnError::unless_shape("rows of outputs", outputs.len(), inputs.len())?;
     for (what, rows) in [("columns of inputs", inputs), ("columns of outputs", outputs)] {
         if rows.width() == 0 {
             return Err(LearnError::Shape { what, found: 0, expected: 1 });

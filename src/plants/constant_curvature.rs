@@ -86,11 +86,8 @@ impl ConstantCurvature {
         BadOption::unless_positive("tendon_radius_m", options.tendon_radius_m)?;
         BadOption::unless_positive("step_s", options.step_s)?;
         BadOption::unless_positive("travel_m", options.travel_m)?;
-        for (key, value) in [("lag_s", options.lag_s), ("noise_m", options.noise_m)] {
-            if !(value.is_finite() && value >= 0.0) {
-                return Err(BadOption { key, found: value.to_string(), expected: "a finite number of at least 0" });
-            }
-        }
+        BadOption::unless_not_negative("lag_s", options.lag_s)?;
+        BadOption::unless_not_negative("noise_m", options.noise_m)?;
         Ok(Self::from_valid(options))
     }
 

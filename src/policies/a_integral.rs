@@ -5,7 +5,6 @@ use serde::{Deserialize, Serialize};
 
 use super::a::AlgorithmTwo;
 use super::actuator_limits::ActuatorLimits;
-use super::option_ranges::unless_share;
 use super::single_controller::{ControlLaw, Demand, SingleController};
 use super::tip_tracker::TipReading;
 use super::{INVERSE, ModelAccess, ModelNeed, PolicyEntry};
@@ -55,7 +54,7 @@ impl Default for AIntegralOptions {
 
 impl AIntegralOptions {
     pub(super) fn check(&self) -> Result<(), BadOption> {
-        unless_share("gain", self.gain)?;
+        BadOption::unless_share("gain", self.gain)?;
         BadOption::unless_positive("most_m", self.most_m)?;
         BadOption::unless_positive("settled_m", self.settled_m)
     }

@@ -74,10 +74,8 @@ impl CHysteresisOptions {
     pub(super) fn check(&self) -> Result<(), BadOption> {
         BadOption::unless_positive("switch_above_m", self.switch_above_m)?;
         BadOption::unless_positive("stay_below_m", self.stay_below_m)?;
-        if self.stay_below_m > self.switch_above_m {
-            let found = self.stay_below_m.to_string();
-            return Err(BadOption { key: "stay_below_m", found, expected: "at most `switch_above_m`" });
-        }
+        let ordered = self.stay_below_m <= self.switch_above_m;
+        BadOption::unless(ordered, "stay_below_m", self.stay_below_m, "at most `switch_above_m`")?;
         BadOption::unless_counted("dwell_ticks", self.dwell_ticks)?;
         BadOption::unless_positive("rest_m", self.rest_m)?;
         BadOption::unless_positive("region_m", self.region_m)

@@ -6,7 +6,6 @@
 use serde::{Deserialize, Serialize};
 
 use super::inverse_network::InverseNetworkController;
-use super::option_ranges::unless_count_to;
 use super::single_controller::SingleController;
 use super::{DAGGER, ModelAccess, ModelNeed, PolicyEntry};
 use crate::base::BadOption;
@@ -54,16 +53,24 @@ impl Default for DaggerOptions {
 
 impl DaggerOptions {
     pub(super) fn check(&self) -> Result<(), BadOption> {
-        unless_count_to("rounds", self.rounds, 20, "a whole number from 1 to 20")?;
-        unless_count_to("robots", self.robots, 1000, "a whole number from 1 to 1000")?;
-        unless_count_to("targets", self.targets, 1000, "a whole number from 1 to 1000")?;
-        unless_count_to("ticks", self.ticks, 1000, "a whole number from 1 to 1000")?;
-        unless_count_to("most_effects", self.most_effects, 10, "a whole number from 1 to 10")?;
-        if !(self.strength > 0.0 && self.strength <= 5.0) {
-            let found = self.strength.to_string();
-            return Err(BadOption { key: "strength", found, expected: "a number above 0 and up to 5" });
-        }
-        super::option_ranges::unless_not_negative("noise_m", self.noise_m)
+        BadOption::unless((1..=20).contains(&self.rounds), "rounds", self.rounds, "a whole number from 1 to 20")?;
+        BadOption::unless((1..=1000).contains(&self.robots), "robots", self.robots, "a whole number from 1 to 1000")?;
+        BadOption::unless(
+            (1..=1000).contains(&self.targets),
+            "targets",
+            self.targets,
+            "a whole number from 1 to 1000",
+        )?;
+        BadOption::unless((1..=1000).contains(&self.ticks), "ticks", self.ticks, "a whole number from 1 to 1000")?;
+        BadOption::unless(
+            (1..=10).contains(&self.most_effects),
+            "most_effects",
+            self.most_effects,
+            "a whole number from 1 to 10",
+        )?;
+        let within = self.strength > 0.0 && self.strength <= 5.0;
+        BadOption::unless(within, "strength", self.strength, "a number above 0 and up to 5")?;
+        BadOption::unless_not_negative("noise_m", self.noise_m)
     }
 
     /// Samples of all rounds, where no robot fails.

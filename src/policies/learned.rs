@@ -24,10 +24,7 @@ impl NetworkInverse {
     /// # Errors
     /// [`LearnError::Shape`] for a network that does not take two positions.
     pub fn new(network: Arc<Network>) -> Result<Self, LearnError> {
-        if network.inputs() != 6 {
-            let what = "inputs of an inverse mapping (two positions)";
-            return Err(LearnError::Shape { what, found: network.inputs(), expected: 6 });
-        }
+        LearnError::unless_shape("inputs of an inverse mapping (two positions)", network.inputs(), 6)?;
         let state = network.state();
         Ok(NetworkInverse { network, memory: state.clone(), next: state })
     }
@@ -68,14 +65,9 @@ impl NetworkForward {
     /// # Errors
     /// [`LearnError::Shape`] for a network that does not go from displacements and a position to a position.
     pub fn new(network: Arc<Network>, tendons: usize) -> Result<Self, LearnError> {
-        for (what, found, expected) in [
-            ("inputs of a forward model (displacements and a position)", network.inputs(), tendons + 3),
-            ("outputs of a forward model", network.outputs(), 3),
-        ] {
-            if found != expected {
-                return Err(LearnError::Shape { what, found, expected });
-            }
-        }
+        let what = "inputs of a forward model (displacements and a position)";
+        LearnError::unless_shape(what, network.inputs(), tendons + 3)?;
+        LearnError::unless_shape("outputs of a forward model", network.outputs(), 3)?;
         Ok(NetworkForward { memory: network.state(), network, tip_m: [0.0; 3] })
     }
 }
@@ -109,14 +101,9 @@ impl GpError {
     /// # Errors
     /// [`LearnError::Shape`] for a process that does not go from displacements and a position to a position.
     pub fn new(gp: Gp, tendons: usize) -> Result<Self, LearnError> {
-        for (what, found, expected) in [
-            ("inputs of an error model (displacements and a position)", gp.inputs(), tendons + 3),
-            ("outputs of an error model", gp.outputs(), 3),
-        ] {
-            if found != expected {
-                return Err(LearnError::Shape { what, found, expected });
-            }
-        }
+        let what = "inputs of an error model (displacements and a position)";
+        LearnError::unless_shape(what, gp.inputs(), tendons + 3)?;
+        LearnError::unless_shape("outputs of an error model", gp.outputs(), 3)?;
         Ok(GpError(gp))
     }
 }

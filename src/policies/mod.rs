@@ -12,7 +12,6 @@ mod learned;
 mod model_traits;
 mod models;
 mod network;
-mod option_ranges;
 mod outside;
 mod parts;
 mod rest_model;

@@ -5,7 +5,6 @@ use serde::{Deserialize, Serialize};
 
 use super::disturbance::DisturbanceOptions;
 use super::mpc::{MpcOptions, RecedingHorizon};
-use super::option_ranges::unless_not_negative;
 use super::rest_model::RestModel;
 use super::single_controller::SingleController;
 use super::{ModelAccess, PolicyEntry};
@@ -49,7 +48,7 @@ impl Default for ModelIntegralOptions {
 
 impl ModelIntegralOptions {
     pub(super) fn check(&self) -> Result<(), BadOption> {
-        unless_not_negative("slack_m", self.slack_m)?;
+        BadOption::unless_not_negative("slack_m", self.slack_m)?;
         self.disturbance.check()
     }
 

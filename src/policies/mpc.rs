@@ -9,7 +9,6 @@ use serde::{Deserialize, Serialize};
 use super::actuator_limits::{LimitOptions, largest_change_m};
 use super::disturbance::{DisturbanceFilter, DisturbanceOptions};
 use super::horizon::first_move_m;
-use super::option_ranges::{unless_count_to, unless_not_negative};
 use super::rest_model::{ExpectedPose, RestModel};
 use super::single_controller::{ControlLaw, Demand, SingleController};
 use super::tip_tracker::TipReading;
@@ -69,10 +68,15 @@ impl Default for MpcOptions {
 
 impl MpcOptions {
     pub(super) fn check(&self) -> Result<(), BadOption> {
-        unless_count_to("horizon", self.horizon, 50, "a whole number from 1 to 50")?;
-        unless_not_negative("move_weight", self.move_weight)?;
-        unless_count_to("inverse_steps", self.inverse_steps, 50, "a whole number from 1 to 50")?;
-        unless_not_negative("slack_m", self.slack_m)?;
+        BadOption::unless((1..=50).contains(&self.horizon), "horizon", self.horizon, "a whole number from 1 to 50")?;
+        BadOption::unless_not_negative("move_weight", self.move_weight)?;
+        BadOption::unless(
+            (1..=50).contains(&self.inverse_steps),
+            "inverse_steps",
+            self.inverse_steps,
+            "a whole number from 1 to 50",
+        )?;
+        BadOption::unless_not_negative("slack_m", self.slack_m)?;
         self.disturbance.check()?;
         BadOption::unless_positive("settled_pull_m", self.settled_pull_m)?;
         BadOption::unless_positive("settled_sd_m", self.settled_sd_m)

@@ -5,7 +5,6 @@ use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
 use super::bends::BendDirections;
-use super::option_ranges::unless_share;
 use super::single_controller::{ControlLaw, Demand, SingleController};
 use super::tip_tracker::TipReading;
 use super::{ModelAccess, PolicyEntry};
@@ -60,7 +59,7 @@ impl Default for OnlineJacobianOptions {
 
 impl OnlineJacobianOptions {
     pub(super) fn check(&self) -> Result<(), BadOption> {
-        unless_share("gain", self.gain)?;
+        BadOption::unless_share("gain", self.gain)?;
         BadOption::unless_positive("first_gain", self.first_gain)?;
         BadOption::unless_positive("first_sd", self.first_sd)?;
         BadOption::unless_positive("drift_per_m", self.drift_per_m)?;

@@ -5,11 +5,10 @@ use serde::{Deserialize, Serialize};
 
 use super::{Checked, MAX_PARTS, at, refuse, within};
 use crate::base::BadOption;
-use crate::effects::{finite, non_negative};
 use crate::rod::{Span, Taper};
 
 /// A round backbone, of one material and one cross-section unless `pieces` says otherwise.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Backbone {
     /// Length, metres.
@@ -117,7 +116,7 @@ impl Backbone {
         at(bore("inner_radius_m", self.inner_radius_m, self.radius_m))?;
         at(BadOption::unless_positive("youngs_modulus_pa", self.youngs_modulus_pa))?;
         at(poisson(self.poisson_ratio))?;
-        at(non_negative("density_kg_m3", self.density_kg_m3))?;
+        at(BadOption::unless_not_negative("density_kg_m3", self.density_kg_m3))?;
         at(BadOption::unless_positive_or_null("axial_stiffness_n", self.axial_stiffness_n))?;
         at(BadOption::unless_positive_or_null("shear_stiffness_n", self.shear_stiffness_n))?;
         at(BadOption::unless_positive_or_null("bending_stiffness_n_m2", self.bending_stiffness_n_m2))?;
@@ -226,15 +225,17 @@ impl Piece {
         }
         BadOption::unless_positive_or_null("youngs_modulus_pa", self.youngs_modulus_pa)?;
         self.poisson_ratio.map_or(Ok(()), poisson)?;
-        self.density_kg_m3.map_or(Ok(()), |density| non_negative("density_kg_m3", density))?;
+        self.density_kg_m3.map_or(Ok(()), |density| BadOption::unless_not_negative("density_kg_m3", density))?;
         BadOption::unless_positive_or_null("axial_stiffness_n", self.axial_stiffness_n)?;
         BadOption::unless_positive_or_null("shear_stiffness_n", self.shear_stiffness_n)?;
         BadOption::unless_positive_or_null("bending_stiffness_n_m2", self.bending_stiffness_n_m2)?;
         BadOption::unless_positive_or_null("torsion_stiffness_n_m2", self.torsion_stiffness_n_m2)?;
         let both_bend = self.anisotropy > -1.0 && self.anisotropy < 1.0;
         refuse(both_bend, "anisotropy", &self.anisotropy, "a number between -1 and 1")?;
-        finite("principal_angle_deg", self.principal_angle_deg)?;
-        self.rest_curvature_rad_m.iter().try_for_each(|&curvature| finite("rest_curvature_rad_m", curvature))
+        BadOption::unless_finite("principal_angle_deg", self.principal_angle_deg)?;
+        self.rest_curvature_rad_m
+            .iter()
+            .try_for_each(|&curvature| BadOption::unless_finite("rest_curvature_rad_m", curvature))
     }
 }
 

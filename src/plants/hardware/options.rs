@@ -98,13 +98,10 @@ impl HardwareOptions {
     /// Refuses an answer time after which the guard has stopped the robot already.
     fn check_reply_timeout(&self) -> Result<(), BadOption> {
         let (reply_s, stop_s) = (self.motion.reply_timeout_s, self.motion.late_s + self.safety.hold_stop_s);
-        if reply_s <= stop_s {
-            return Ok(());
-        }
         let found =
             format!("{reply_s} s with late_s {} and hold_stop_s {}", self.motion.late_s, self.safety.hold_stop_s);
         let expected = "at most motion.late_s + safety.hold_stop_s, when a held robot is stopped";
-        Err(BadOption { key: "reply_timeout_s", found, expected })
+        BadOption::unless(reply_s <= stop_s, "reply_timeout_s", found, expected)
     }
 }
 
@@ -126,10 +123,7 @@ impl PlantOptions for HardwareOptions {
         self.axes.check(self.safety.travel_m, self.motion.travel_m).map_err(at("axes"))?;
         self.tracking.check().map_err(at("tracking"))?;
         BadOption::unless_positive("settle_s", self.settle_s).map_err(at(""))?;
-        self.model
-            .check_units()
-            .and_then(|()| self.model.check())
-            .map_err(|(path, error)| (format!("model.{path}"), error))?;
+        self.model.check_written("model")?;
         self.rehearsal.as_ref().map_or(Ok(()), RehearsalOptions::check)
     }
 
@@ -161,25 +155,15 @@ impl PlantOptions for HardwareOptions {
 
 impl RehearsalOptions {
     fn check(&self) -> Result<(), (String, BadOption)> {
-        let bad =
-            |key, found: f64, expected| ("rehearsal".to_owned(), BadOption { key, found: found.to_string(), expected });
-        if !(0.0..=0.05).contains(&self.noise_m) {
-            return Err(bad("noise_m", self.noise_m, "0 to 0.05 m"));
-        }
-        if !(0.0..1.0).contains(&self.loss) {
-            return Err(bad("loss", self.loss, "0 to less than 1"));
-        }
-        if !(0.0..=1.0).contains(&self.jitter_s) {
-            return Err(bad("jitter_s", self.jitter_s, "0 to 1 s"));
-        }
-        if !(0.0..=1.0).contains(&self.gap_s) {
-            return Err(bad("gap_s", self.gap_s, "0 to 1 s"));
-        }
-        let alignment = self.alignment.map_or(Ok(()), |alignment| alignment.check("alignment"));
-        alignment.map_err(|error| ("rehearsal".to_owned(), error))?;
-        self.model
-            .check_units()
-            .and_then(|()| self.model.check())
-            .map_err(|(path, error)| (format!("rehearsal.model.{path}"), error))
+        self.check_numbers().map_err(|error| ("rehearsal".to_owned(), error))?;
+        self.model.check_written("rehearsal.model")
+    }
+
+    fn check_numbers(&self) -> Result<(), BadOption> {
+        BadOption::unless((0.0..=0.05).contains(&self.noise_m), "noise_m", self.noise_m, "0 to 0.05 m")?;
+        BadOption::unless((0.0..1.0).contains(&self.loss), "loss", self.loss, "0 to less than 1")?;
+        BadOption::unless((0.0..=1.0).contains(&self.jitter_s), "jitter_s", self.jitter_s, "0 to 1 s")?;
+        BadOption::unless((0.0..=1.0).contains(&self.gap_s), "gap_s", self.gap_s, "0 to 1 s")?;
+        self.alignment.map_or(Ok(()), |alignment| alignment.check("alignment"))
     }
 }
