@@ -1,5 +1,7 @@
 //! Range checks of settings.
 
+use std::ops::RangeBounds;
+
 /// A setting out of range; the specs add file and line.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{key}: found {found}, expected {expected}")]
@@ -21,6 +23,21 @@ impl BadOption {
         expected: &'static str,
     ) -> Result<(), BadOption> {
         if good { Ok(()) } else { Err(BadOption { key, found: found.to_string(), expected }) }
+    }
+
+    /// Error unless `value` lies in `range`.
+    pub fn unless_within<T: PartialOrd + ToString>(
+        key: &'static str,
+        value: T,
+        range: impl RangeBounds<T>,
+        expected: &'static str,
+    ) -> Result<(), BadOption> {
+        Self::unless(range.contains(&value), key, value, expected)
+    }
+
+    /// Error unless all `values` are finite.
+    pub fn unless_all_finite(key: &'static str, values: &[f64]) -> Result<(), BadOption> {
+        values.iter().try_for_each(|&value| Self::unless_finite(key, value))
     }
 
     /// Error unless `value` is finite.

@@ -13,6 +13,13 @@ pub enum TendonCommand {
     Follow,
 }
 
+impl TendonCommand {
+    /// Its displacement, metres, or `following_m` where it follows.
+    pub fn pull_m_or(self, following_m: f64) -> f64 {
+        if let TendonCommand::Pull(pull_m) = self { pull_m } else { following_m }
+    }
+}
+
 /// Why a plant could not execute a step.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PlantError {

@@ -30,7 +30,7 @@ pub(super) const CARD: Card = Card {
 impl Effect for Creep {
     fn check(&self) -> Result<(), BadOption> {
         BadOption::unless_positive("time_s", self.time_s)?;
-        BadOption::unless((0.0..1.0).contains(&self.share), "share", self.share, "a number from 0 to below 1")
+        BadOption::unless_within("share", self.share, 0.0..1.0, "a number from 0 to below 1")
     }
 
     fn modify_rod(&self, rod: &mut RodParams) {

@@ -25,7 +25,7 @@ pub(super) const CARD: Card = Card {
 
 impl Effect for FrameShift {
     fn check(&self) -> Result<(), BadOption> {
-        self.shift_m.iter().try_for_each(|&shift| BadOption::unless_finite("shift_m", shift))
+        BadOption::unless_all_finite("shift_m", &self.shift_m)
     }
 
     fn observe(&self, seen: &mut Observation) {

@@ -155,14 +155,14 @@ impl Plane {
 
 impl Sphere {
     fn check(&self) -> Result<(), BadOption> {
-        place("center_m", &self.center_m)?;
+        BadOption::unless_all_finite("center_m", &self.center_m)?;
         BadOption::unless_positive("radius_m", self.radius_m)
     }
 }
 
 impl Cylinder {
     fn check(&self) -> Result<(), BadOption> {
-        place("center_m", &self.center_m)?;
+        BadOption::unless_all_finite("center_m", &self.center_m)?;
         direction("axis", &self.axis)?;
         BadOption::unless_positive("radius_m", self.radius_m)?;
         BadOption::unless_positive_or_null("length_m", self.length_m)
@@ -171,19 +171,15 @@ impl Cylinder {
 
 impl Capsule {
     fn check(&self) -> Result<(), BadOption> {
-        place("start_m", &self.start_m)?;
-        place("end_m", &self.end_m)?;
+        BadOption::unless_all_finite("start_m", &self.start_m)?;
+        BadOption::unless_all_finite("end_m", &self.end_m)?;
         BadOption::unless_positive("radius_m", self.radius_m)
     }
 }
 
-fn place(key: &'static str, place_m: &[f64; 3]) -> Result<(), BadOption> {
-    place_m.iter().try_for_each(|&x| BadOption::unless_finite(key, x))
-}
-
 /// Refuses a vector that has no direction.
 pub(super) fn direction(key: &'static str, direction: &[f64; 3]) -> Result<(), BadOption> {
-    place(key, direction)?;
+    BadOption::unless_all_finite(key, direction)?;
     let has_length = Vector3::from(*direction).norm() > SHORTEST_DIRECTION;
     BadOption::unless(has_length, key, format!("{direction:?}"), "a vector that is not zero")
 }

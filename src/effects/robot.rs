@@ -129,27 +129,21 @@ impl Robot {
         self.sections.check(length_m)?;
         self.disks.check(length_m)?;
         self.tendons.check(length_m)?;
-        at("", self.gravity_m_s2.iter().try_for_each(|&g| BadOption::unless_finite("gravity_m_s2", g)))?;
+        at("", BadOption::unless_all_finite("gravity_m_s2", &self.gravity_m_s2))?;
         at("", BadOption::unless_not_negative("damping_time_s", self.damping_time_s))?;
         at("", BadOption::unless_positive("drive_time_s", self.drive_time_s))?;
         at("", BadOption::unless_not_negative("drag_n_s2_m3", self.drag_n_s2_m3))?;
-        at("", self.base_m.iter().try_for_each(|&x| BadOption::unless_finite("base_m", x)))?;
-        at("", self.base_rotation_rad.iter().try_for_each(|&x| BadOption::unless_finite("base_rotation_rad", x)))?;
+        at("", BadOption::unless_all_finite("base_m", &self.base_m))?;
+        at("", BadOption::unless_all_finite("base_rotation_rad", &self.base_rotation_rad))?;
         at(
             "",
             self.contact_radius_m
                 .map_or(Ok(()), |radius_m| BadOption::unless_not_negative("contact_radius_m", radius_m)),
         )?;
         let thin = self.contact_radius_m.is_none_or(|radius_m| radius_m < length_m);
-        at(
-            "",
-            refuse(
-                thin,
-                "contact_radius_m",
-                &self.contact_radius_m.unwrap_or_default(),
-                "a radius less than the backbone's length",
-            ),
-        )?;
+        let (radius_m, expected) =
+            (self.contact_radius_m.unwrap_or_default(), "a radius less than the backbone's length");
+        at("", refuse(thin, "contact_radius_m", &radius_m, expected))?;
         for (index, load) in self.loads.iter().enumerate() {
             at(&format!("loads[{index}].{}", load.name()), load.check(length_m))?;
         }
@@ -165,13 +159,8 @@ impl Robot {
         at(BadOption::unless_positive("time_step_s", r.time_step_s))?;
         let judged = r.static_tolerance_m > 0.0;
         at(refuse(judged, "static_tolerance_m", &r.static_tolerance_m, "a number above 0, or infinity"))?;
-        let tolerance_m = r.motion_tolerance_m;
-        at(refuse(
-            tolerance_m > 0.0,
-            "motion_tolerance_m",
-            &tolerance_m,
-            "a positive number, or .inf for equal steps",
-        ))?;
+        let (tolerance_m, expected) = (r.motion_tolerance_m, "a positive number, or .inf for equal steps");
+        at(refuse(tolerance_m > 0.0, "motion_tolerance_m", &tolerance_m, expected))?;
         let counts = [
             ("bending_modes", r.bending_modes),
             ("torsion_modes", r.torsion_modes),

@@ -25,7 +25,7 @@ pub(super) const CARD: Card = Card {
 
 impl Effect for TipForce {
     fn check(&self) -> Result<(), BadOption> {
-        self.force_n.iter().try_for_each(|&force| BadOption::unless_finite("force_n", force))
+        BadOption::unless_all_finite("force_n", &self.force_n)
     }
 
     fn modify_rod(&self, rod: &mut RodParams) {

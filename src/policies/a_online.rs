@@ -60,7 +60,7 @@ impl Default for AOnlineOptions {
 
 impl AOnlineOptions {
     pub(super) fn check(&self) -> Result<(), BadOption> {
-        BadOption::unless((1..=1000).contains(&self.points), "points", self.points, "a whole number from 1 to 1000")?;
+        BadOption::unless_within("points", self.points, 1..=1000, "a whole number from 1 to 1000")?;
         BadOption::unless_positive("most_m", self.most_m)
     }
 }

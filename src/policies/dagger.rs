@@ -53,21 +53,11 @@ impl Default for DaggerOptions {
 
 impl DaggerOptions {
     pub(super) fn check(&self) -> Result<(), BadOption> {
-        BadOption::unless((1..=20).contains(&self.rounds), "rounds", self.rounds, "a whole number from 1 to 20")?;
-        BadOption::unless((1..=1000).contains(&self.robots), "robots", self.robots, "a whole number from 1 to 1000")?;
-        BadOption::unless(
-            (1..=1000).contains(&self.targets),
-            "targets",
-            self.targets,
-            "a whole number from 1 to 1000",
-        )?;
-        BadOption::unless((1..=1000).contains(&self.ticks), "ticks", self.ticks, "a whole number from 1 to 1000")?;
-        BadOption::unless(
-            (1..=10).contains(&self.most_effects),
-            "most_effects",
-            self.most_effects,
-            "a whole number from 1 to 10",
-        )?;
+        BadOption::unless_within("rounds", self.rounds, 1..=20, "a whole number from 1 to 20")?;
+        BadOption::unless_within("robots", self.robots, 1..=1000, "a whole number from 1 to 1000")?;
+        BadOption::unless_within("targets", self.targets, 1..=1000, "a whole number from 1 to 1000")?;
+        BadOption::unless_within("ticks", self.ticks, 1..=1000, "a whole number from 1 to 1000")?;
+        BadOption::unless_within("most_effects", self.most_effects, 1..=10, "a whole number from 1 to 10")?;
         let within = self.strength > 0.0 && self.strength <= 5.0;
         BadOption::unless(within, "strength", self.strength, "a number above 0 and up to 5")?;
         BadOption::unless_not_negative("noise_m", self.noise_m)

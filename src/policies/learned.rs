@@ -112,15 +112,16 @@ impl ErrorModel for GpError {
     /// The predicted mean (section IV-B); not a number for another number of tendons than it was made for.
     fn error_m(&self, pulls_m: &[f64], p_sim_m: &Point3) -> Point3 {
         let input = [pulls_m, p_sim_m.as_slice()].concat();
-        match self.0.mean(&input).as_deref() {
-            Ok(&[x, y, z]) => [x, y, z],
-            _ => [f64::NAN; 3],
-        }
+        point(self.0.mean(&input))
     }
 
     fn learning(&self, points: usize, leaves: Leaving) -> Option<Arc<dyn LearningErrorModel>> {
         Some(Arc::new(LearningGpError(Mutex::new(OnlineGp::new(&self.0, points, leaves).ok()?))))
     }
+}
+
+fn point(mean: Result<Vec<f64>, LearnError>) -> Point3 {
+    mean.ok().and_then(|mean| mean.try_into().ok()).unwrap_or([f64::NAN; 3])
 }
 
 /// The same with the points of a trial. A lock, because policies share error models between threads.
@@ -129,11 +130,7 @@ struct LearningGpError(Mutex<OnlineGp>);
 impl ErrorModel for LearningGpError {
     fn error_m(&self, pulls_m: &[f64], p_sim_m: &Point3) -> Point3 {
         let input = [pulls_m, p_sim_m.as_slice()].concat();
-        let gp = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        match gp.mean(&input).as_deref() {
-            Ok(&[x, y, z]) => [x, y, z],
-            _ => [f64::NAN; 3],
-        }
+        point(self.0.lock().unwrap_or_else(PoisonError::into_inner).mean(&input))
     }
 }
 

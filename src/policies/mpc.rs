@@ -68,14 +68,9 @@ impl Default for MpcOptions {
 
 impl MpcOptions {
     pub(super) fn check(&self) -> Result<(), BadOption> {
-        BadOption::unless((1..=50).contains(&self.horizon), "horizon", self.horizon, "a whole number from 1 to 50")?;
+        BadOption::unless_within("horizon", self.horizon, 1..=50, "a whole number from 1 to 50")?;
         BadOption::unless_not_negative("move_weight", self.move_weight)?;
-        BadOption::unless(
-            (1..=50).contains(&self.inverse_steps),
-            "inverse_steps",
-            self.inverse_steps,
-            "a whole number from 1 to 50",
-        )?;
+        BadOption::unless_within("inverse_steps", self.inverse_steps, 1..=50, "a whole number from 1 to 50")?;
         BadOption::unless_not_negative("slack_m", self.slack_m)?;
         self.disturbance.check()?;
         BadOption::unless_positive("settled_pull_m", self.settled_pull_m)?;

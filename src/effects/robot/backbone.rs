@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::{Checked, MAX_PARTS, at, refuse, within};
-use crate::base::BadOption;
+use crate::base::{BadOption, is_default};
 use crate::rod::{Span, Taper};
 
 /// A round backbone, of one material and one cross-section unless `pieces` says otherwise.
@@ -16,7 +16,7 @@ pub struct Backbone {
     /// Radius of the cross-section, metres.
     pub radius_m: f64,
     /// Radius of the bore of a tube, metres; 0 is solid.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub inner_radius_m: f64,
     /// Young's modulus E, Pa.
     pub youngs_modulus_pa: f64,
@@ -83,22 +83,14 @@ pub struct Piece {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub torsion_stiffness_n_m2: Option<f64>,
     /// (k₁ − k₂)/(k₁ + k₂) of the bending stiffnesses about the two principal axes.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub anisotropy: f64,
     /// Angle of the first (stiffer, where `anisotropy` is positive) principal axis from x towards y, degrees.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub principal_angle_deg: f64,
     /// Curvature about x and y and twist when nothing acts on it, rad/m. Tendons are set to zero on this shape.
-    #[serde(default, skip_serializing_if = "is_straight")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub rest_curvature_rad_m: [f64; 3],
-}
-
-fn is_zero(value: &f64) -> bool {
-    *value == 0.0
-}
-
-fn is_straight(curvature: &[f64; 3]) -> bool {
-    *curvature == [0.0; 3]
 }
 
 /// Radii at the two ends of a piece.
@@ -233,9 +225,7 @@ impl Piece {
         let both_bend = self.anisotropy > -1.0 && self.anisotropy < 1.0;
         refuse(both_bend, "anisotropy", &self.anisotropy, "a number between -1 and 1")?;
         BadOption::unless_finite("principal_angle_deg", self.principal_angle_deg)?;
-        self.rest_curvature_rad_m
-            .iter()
-            .try_for_each(|&curvature| BadOption::unless_finite("rest_curvature_rad_m", curvature))
+        BadOption::unless_all_finite("rest_curvature_rad_m", &self.rest_curvature_rad_m)
     }
 }
 

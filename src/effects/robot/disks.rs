@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::{Checked, MAX_PARTS, Robot, at, refuse};
-use crate::base::BadOption;
+use crate::base::{BadOption, is_default};
 use crate::rod::{CompressibleSection, DiskSurface, PointMass, RodParams};
 
 /// Compressible sections, with the disks between them filling the rest of the backbone evenly (paper, Fig. 1b).
@@ -40,12 +40,8 @@ pub struct Disks {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub contact_radius_m: Option<f64>,
     /// Moments of inertia of each lumped disk about its own x, y and z, kg m².
-    #[serde(default, skip_serializing_if = "is_nothing")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub inertia_kg_m2: [f64; 3],
-}
-
-fn is_nothing(values: &[f64; 3]) -> bool {
-    *values == [0.0; 3]
 }
 
 impl Sections {

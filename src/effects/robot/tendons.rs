@@ -74,7 +74,7 @@ impl Tendons {
         let count = self.angles_deg.len();
         at(BadOption::unless_positive("radius_m", self.radius_m))?;
         at(refuse(!self.angles_deg.is_empty(), "angles_deg", &self.angles_deg, "at least one angle"))?;
-        at(self.angles_deg.iter().try_for_each(|&angle| BadOption::unless_finite("angles_deg", angle)))?;
+        at(BadOption::unless_all_finite("angles_deg", &self.angles_deg))?;
         at(each("radii_m", self.radii_m.as_ref(), count, &|r| r > 0.0, "one number above 0 per tendon"))?;
         at(each("twists_rad_m", self.twists_rad_m.as_ref(), count, &f64::is_finite, "one number per tendon"))?;
         at(each_of("pretension_m", &self.pretension_m, count, &BadOption::unless_finite))?;

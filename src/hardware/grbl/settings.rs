@@ -65,8 +65,7 @@ impl MotionSettings {
         BadOption::unless_positive("homing_timeout_s", self.homing_timeout_s)?;
         BadOption::unless_positive("travel_m", self.travel_m)?;
         BadOption::unless_positive("max_speed_mm_min", self.max_speed_mm_min)?;
-        let axes = self.homing_directions;
-        BadOption::unless(axes <= 15, "homing_directions", axes, "0 to 15")
+        BadOption::unless_within("homing_directions", self.homing_directions, 0..=15, "0 to 15")
     }
 
     /// Lowest and highest machine position of an axis, millimetres: the switch is at 0.

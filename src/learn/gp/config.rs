@@ -5,6 +5,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 use super::expression::KernelExpression;
 use super::kernels;
 use super::mean::MeanFunction;
+use crate::base::is_default;
 use crate::learn::LearnError;
 use crate::learn::selection::Selection;
 
@@ -89,7 +90,7 @@ pub struct GpConfig {
     pub inducing_points: usize,
     /// How an experiment chooses the rows that it fits from the predefined points. [`Gp::fit`](super::Gp::fit) takes all that
     /// it is given.
-    #[serde(skip_serializing_if = "Selection::is_paper")]
+    #[serde(skip_serializing_if = "is_default")]
     pub selection: Selection,
     /// Reading of the paper's λ.
     pub lambda: Lambda,

@@ -45,11 +45,6 @@ selections! {
 }
 
 impl Selection {
-    /// Whether this is the paper's.
-    pub fn is_paper(&self) -> bool {
-        *self == Selection::default()
-    }
-
     /// Numbers (from 0, rising) of `count` of the rows of `inputs`. Distances count in standard deviations of each column.
     ///
     /// # Errors

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::Hardware;
-use crate::base::{BadOption, Plant, Seed};
+use crate::base::{BadOption, Plant, Seed, is_default};
 use crate::effects::{DriveGains, EffectSpec, Model};
 use crate::hardware::axes::{AXES, AxesOptions};
 use crate::hardware::grbl::MotionSettings;
@@ -45,10 +45,6 @@ pub struct HardwareOptions {
     pub attached: Vec<EffectSpec>,
 }
 
-fn is_zero(value: &f64) -> bool {
-    *value == 0.0
-}
-
 fn settle_s() -> f64 {
     2.0
 }
@@ -66,10 +62,10 @@ pub struct RehearsalOptions {
     #[serde(default)]
     pub loss: f64,
     /// Frames are delayed by random times up to this one, s.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub jitter_s: f64,
     /// Gaps without frames of this length, s, one every three seconds.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub gap_s: f64,
     /// True pose of the robot's base frame in the base body's frame; null: the pose in `tracking.alignment`. For
     /// testing `spinebench align`.
@@ -92,9 +88,7 @@ impl HardwareOptions {
             attached: Vec::new(),
         }
     }
-}
 
-impl HardwareOptions {
     /// Refuses an answer time after which the guard has stopped the robot already.
     fn check_reply_timeout(&self) -> Result<(), BadOption> {
         let (reply_s, stop_s) = (self.motion.reply_timeout_s, self.motion.late_s + self.safety.hold_stop_s);
@@ -160,10 +154,10 @@ impl RehearsalOptions {
     }
 
     fn check_numbers(&self) -> Result<(), BadOption> {
-        BadOption::unless((0.0..=0.05).contains(&self.noise_m), "noise_m", self.noise_m, "0 to 0.05 m")?;
-        BadOption::unless((0.0..1.0).contains(&self.loss), "loss", self.loss, "0 to less than 1")?;
-        BadOption::unless((0.0..=1.0).contains(&self.jitter_s), "jitter_s", self.jitter_s, "0 to 1 s")?;
-        BadOption::unless((0.0..=1.0).contains(&self.gap_s), "gap_s", self.gap_s, "0 to 1 s")?;
+        BadOption::unless_within("noise_m", self.noise_m, 0.0..=0.05, "0 to 0.05 m")?;
+        BadOption::unless_within("loss", self.loss, 0.0..1.0, "0 to less than 1")?;
+        BadOption::unless_within("jitter_s", self.jitter_s, 0.0..=1.0, "0 to 1 s")?;
+        BadOption::unless_within("gap_s", self.gap_s, 0.0..=1.0, "0 to 1 s")?;
         self.alignment.map_or(Ok(()), |alignment| alignment.check("alignment"))
     }
 }

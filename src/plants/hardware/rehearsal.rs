@@ -47,13 +47,13 @@ impl Rehearsal {
         rehearsal: &RehearsalOptions,
         seed: Seed,
     ) -> Result<(Rehearsal, Box<dyn SerialLine>, TrackingSettings), String> {
-        let clock: Arc<dyn Clock> = Arc::new(RehearsalClock::new());
+        let clock: Arc<dyn Clock> = Arc::new(RehearsalClock::default());
         // A pseudo-terminal delivers with a delay, which is late on a clock that does not wait for it.
         let (theirs, ours) = pipe();
         let (simulator, tracking) = build_simulator(options, rehearsal, Box::new(theirs), seed)?;
         clock.join();
         let running = RunningSimulator::start(simulator, Arc::clone(&clock)).map_err(|error| error.to_string())?;
-        Ok((Rehearsal { running, clock, interrupt: Interrupt::new() }, Box::new(ours), tracking))
+        Ok((Rehearsal { running, clock, interrupt: Interrupt::default() }, Box::new(ours), tracking))
     }
 
     /// The clock of the simulators.
