@@ -101,6 +101,13 @@ pub enum PolicyError {
     Outside(String),
 }
 
+impl PolicyError {
+    /// Error unless all `values` are finite.
+    pub fn unless_finite<'a>(what: &'static str, values: impl IntoIterator<Item = &'a f64>) -> Result<(), PolicyError> {
+        if values.into_iter().all(|value| value.is_finite()) { Ok(()) } else { Err(PolicyError::NotFinite(what)) }
+    }
+}
+
 /// A controller: maps observation and target to tendon displacements. It has no access to a plant.
 pub trait Policy: Send {
     /// Clears all state (a new trial begins).

@@ -75,6 +75,14 @@ impl LearnError {
         if found == expected { Ok(()) } else { Err(LearnError::Shape { what, found, expected }) }
     }
 
+    /// Error unless all `values` of a row are finite.
+    pub(crate) fn unless_finite(table: &'static str, row: usize, values: &[f64]) -> Result<(), LearnError> {
+        match values.iter().position(|value| !value.is_finite()) {
+            None => Ok(()),
+            Some(column) => Err(LearnError::NotFinite { table, row, column, value: values[column] }),
+        }
+    }
+
     /// Error unless `good`.
     pub(crate) fn unless_setting(
         good: bool,

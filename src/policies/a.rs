@@ -124,9 +124,7 @@ impl AlgorithmTwo {
         let pulls_m = self.network.pulls(&self.position_m, &aim_m)?;
         self.aim_m = aim_m;
         self.error_m = self.error.error_m(&pulls_m, &aim_m);
-        if self.error_m.iter().any(|value| !value.is_finite()) {
-            return Err(PolicyError::NotFinite("error model"));
-        }
+        PolicyError::unless_finite("error model", &self.error_m)?;
         let next_m = sum(target_m, &self.error_m);
         self.iterations += 1;
         let settled = self.iterations >= self.options.min_iterations

@@ -84,9 +84,7 @@ impl ForwardModel for NetworkForward {
         self.network
             .step(&mut self.memory, &input, &mut next_m)
             .map_err(|_| PolicyError::NotFinite("input of the forward network"))?;
-        if next_m.iter().any(|value| !value.is_finite()) {
-            return Err(PolicyError::NotFinite("output of the forward network"));
-        }
+        PolicyError::unless_finite("output of the forward network", &next_m)?;
         self.tip_m = next_m;
         Ok(next_m)
     }

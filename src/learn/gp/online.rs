@@ -151,11 +151,8 @@ impl OnlineGp {
     pub fn add(&mut self, input: &[f64], output: &[f64]) -> Result<(), LearnError> {
         self.gp.check_width(input.len())?;
         LearnError::unless_shape("columns of a sample's outputs", output.len(), self.gp.outputs())?;
-        for (table, values) in [("inputs", input), ("outputs", output)] {
-            if let Some(column) = values.iter().position(|value| !value.is_finite()) {
-                return Err(LearnError::NotFinite { table, row: self.added(), column, value: values[column] });
-            }
-        }
+        LearnError::unless_finite("inputs", self.added(), input)?;
+        LearnError::unless_finite("outputs", self.added(), output)?;
         let x = self.gp.standardised(input);
         if self.added() == self.capacity {
             let leaves = match self.leaving {

@@ -88,9 +88,7 @@ impl Network {
         LearnError::unless_shape("columns of an answer", out.len(), self.outputs())?;
         LearnError::unless_shape("members of a state", state.members.len(), self.members())?;
         LearnError::unless_shape("sums of a state", sums, self.sizes.row_len())?;
-        if let Some(column) = input.iter().position(|x| !x.is_finite()) {
-            return Err(LearnError::NotFinite { table: "inputs", row: 0, column, value: input[column] });
-        }
+        LearnError::unless_finite("inputs", 0, input)?;
         self.advance(state, input, out);
         Ok(())
     }

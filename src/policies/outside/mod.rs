@@ -56,7 +56,7 @@ impl OutsidePolicy {
     /// Its entry; the name in it is not its own.
     pub fn entry(&self) -> &'static PolicyEntry {
         let closed_only = match self {
-            OutsidePolicy::Onnx(options) => options.is_closed_loop_only(),
+            OutsidePolicy::Onnx(options) => options.output == OnnxOutput::Changes,
             OutsidePolicy::Python(options) => options.closed_loop_only,
         };
         if closed_only { &CLOSED_ONLY } else { &OPEN_OR_CLOSED }
