@@ -11,23 +11,20 @@ use serde::{Deserialize, Serialize};
 use super::network::RecurrentInverse;
 use super::single_controller::{ControlLaw, Demand, SingleController};
 use super::tip_tracker::TipReading;
-use super::{ErrorModel, INVERSE, InverseModel, ModelAccess, ModelNeed, NetworkOptions, PolicyEntry, PolicyOptions};
+use super::{ErrorModel, INVERSE, InverseModel, ModelNeed, NetworkOptions, PolicyEntry, PolicyOptions};
 use crate::base::series::SeriesLabel;
 use crate::base::{BadOption, Displacements, Point3, PolicyError, distance_m};
 
 pub(super) const ENTRY: PolicyEntry = PolicyEntry {
     name: "a",
     label: SeriesLabel::text("A"),
-    look: None,
-    footnote: "",
     needs: &[ModelNeed::Network(&INVERSE), ModelNeed::ErrorModel],
-    model: ModelAccess::None,
-    closed_loop_only: false,
     make: |mut parts, options| {
         let model = parts.inverse("a", &INVERSE)?;
         let error = parts.error("a")?;
         Ok(Box::new(SingleController::new(AlgorithmTwo::new(model, error, options), "a", options)))
     },
+    ..PolicyEntry::PLAIN
 };
 
 /// What Algorithm 2 leaves open.

@@ -7,17 +7,15 @@ use super::a::AlgorithmTwo;
 use super::actuator_limits::ActuatorLimits;
 use super::single_controller::{ControlLaw, Demand, SingleController};
 use super::tip_tracker::TipReading;
-use super::{INVERSE, ModelAccess, ModelNeed, PolicyEntry};
+use super::{INVERSE, ModelNeed, PolicyEntry};
 use crate::base::series::SeriesLabel;
 use crate::base::{BadOption, Point3, PolicyError, distance_m};
 
 pub(super) const ENTRY: PolicyEntry = PolicyEntry {
     name: "a_integral",
     label: SeriesLabel::text("A + integral"),
-    look: None,
     footnote: "A whose target is moved by the integral of the error.",
     needs: &[ModelNeed::Network(&INVERSE), ModelNeed::ErrorModel],
-    model: ModelAccess::None,
     closed_loop_only: true,
     make: |mut parts, options| {
         let model = parts.inverse("a_integral", &INVERSE)?;
@@ -32,6 +30,7 @@ pub(super) const ENTRY: PolicyEntry = PolicyEntry {
         };
         Ok(Box::new(SingleController::new(controller, "", options)))
     },
+    ..PolicyEntry::PLAIN
 };
 
 /// Options of A with integral action.

@@ -9,7 +9,7 @@ use super::a::AlgorithmTwo;
 use super::actuator_limits::ActuatorLimits;
 use super::single_controller::{ControlLaw, Demand, SingleController};
 use super::tip_tracker::TipReading;
-use super::{BuildError, ErrorModel, INVERSE, LearningErrorModel, ModelAccess, ModelNeed, PolicyEntry};
+use super::{BuildError, ErrorModel, INVERSE, LearningErrorModel, ModelNeed, PolicyEntry};
 use crate::base::series::SeriesLabel;
 use crate::base::{BadOption, Displacements, Point3, PolicyError, distance_m};
 use crate::learn::gp::Leaving;
@@ -17,11 +17,8 @@ use crate::learn::gp::Leaving;
 pub(super) const ENTRY: PolicyEntry = PolicyEntry {
     name: "a_online",
     label: SeriesLabel::text("A, learning on"),
-    look: None,
     footnote: "A whose Gaussian process takes each measured point of the trial.",
     needs: &[ModelNeed::Network(&INVERSE), ModelNeed::ErrorModel],
-    model: ModelAccess::None,
-    closed_loop_only: false,
     make: |mut parts, options| {
         let model = parts.inverse("a_online", &INVERSE)?;
         let AOnlineOptions { points, leaves, most_m } = options.a_online;
@@ -37,6 +34,7 @@ pub(super) const ENTRY: PolicyEntry = PolicyEntry {
         };
         Ok(Box::new(SingleController::new(controller, "", options)))
     },
+    ..PolicyEntry::PLAIN
 };
 
 /// Options of A that learns on.

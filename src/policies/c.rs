@@ -13,17 +13,14 @@ use super::actuator_limits::{ActuatorLimits, largest_change_m};
 use super::inverse_network::InverseNetworkController;
 use super::single_controller::{ControlLaw, Demand};
 use super::tip_tracker::TipTracker;
-use super::{INVERSE, INVERSE_B, ModelAccess, ModelNeed, PolicyEntry};
+use super::{INVERSE, INVERSE_B, ModelNeed, PolicyEntry};
 use crate::base::series::SeriesLabel;
 use crate::base::{Action, BadOption, Observation, Point3, Policy, PolicyError, distance_m};
 
 pub(super) const ENTRY: PolicyEntry = PolicyEntry {
     name: "c",
     label: SeriesLabel::text("C"),
-    look: None,
-    footnote: "",
     needs: &[ModelNeed::Network(&INVERSE), ModelNeed::ErrorModel, ModelNeed::Network(&INVERSE_B)],
-    model: ModelAccess::None,
     closed_loop_only: true,
     make: |mut parts, options| {
         let model = parts.inverse("c", &INVERSE)?;
@@ -40,6 +37,7 @@ pub(super) const ENTRY: PolicyEntry = PolicyEntry {
             leg: ControllerLeg::default(),
         }))
     },
+    ..PolicyEntry::PLAIN
 };
 
 /// When C compares the error with e_c.

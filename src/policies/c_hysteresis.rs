@@ -10,17 +10,15 @@ use super::c::Branch;
 use super::inverse_network::InverseNetworkController;
 use super::single_controller::ControlLaw;
 use super::tip_tracker::TipTracker;
-use super::{INVERSE, INVERSE_B, ModelAccess, ModelNeed, PolicyEntry};
+use super::{INVERSE, INVERSE_B, ModelNeed, PolicyEntry};
 use crate::base::series::SeriesLabel;
 use crate::base::{Action, BadOption, Observation, Point3, Policy, PolicyError, distance_m};
 
 pub(super) const ENTRY: PolicyEntry = PolicyEntry {
     name: "c_hysteresis",
     label: SeriesLabel::text("C + hysteresis"),
-    look: None,
     footnote: "C with dwell time, hysteresis and a memory of regions.",
     needs: &[ModelNeed::Network(&INVERSE), ModelNeed::ErrorModel, ModelNeed::Network(&INVERSE_B)],
-    model: ModelAccess::None,
     closed_loop_only: true,
     make: |mut parts, options| {
         let model = parts.inverse("c_hysteresis", &INVERSE)?;
@@ -40,6 +38,7 @@ pub(super) const ENTRY: PolicyEntry = PolicyEntry {
             memory: Vec::new(),
         }))
     },
+    ..PolicyEntry::PLAIN
 };
 
 /// Options of C with hysteresis.

@@ -7,22 +7,20 @@ use serde::{Deserialize, Serialize};
 
 use super::inverse_network::InverseNetworkController;
 use super::single_controller::SingleController;
-use super::{DAGGER, ModelAccess, ModelNeed, PolicyEntry};
+use super::{DAGGER, ModelNeed, PolicyEntry};
 use crate::base::BadOption;
 use crate::base::series::SeriesLabel;
 
 pub(super) const ENTRY: PolicyEntry = PolicyEntry {
     name: "dagger",
     label: SeriesLabel::text("DAgger"),
-    look: None,
     footnote: "trained in simulation on robots that differ, without real data.",
     needs: &[ModelNeed::Network(&DAGGER)],
-    model: ModelAccess::None,
-    closed_loop_only: false,
     make: |mut parts, options| {
         let model = parts.inverse("dagger", &DAGGER)?;
         Ok(Box::new(SingleController::new(InverseNetworkController::new(model, options), "", options)))
     },
+    ..PolicyEntry::PLAIN
 };
 
 /// What the network is trained on. The robots are drawn anew in every round.

@@ -13,9 +13,7 @@ use crate::base::{BadOption, Point3, PolicyError};
 pub(super) const ENTRY: PolicyEntry = PolicyEntry {
     name: "integral",
     label: SeriesLabel::text("integral"),
-    look: None,
     footnote: "integral feedback without model and data.",
-    needs: &[],
     model: ModelAccess::Tendons,
     closed_loop_only: true,
     make: |parts, options| {
@@ -23,6 +21,7 @@ pub(super) const ENTRY: PolicyEntry = PolicyEntry {
         let controller = IntegralController { bend_m: vec![0.0; bends.len()], bends, options: options.integral };
         Ok(Box::new(SingleController::new(controller, "", options)))
     },
+    ..PolicyEntry::PLAIN
 };
 
 /// Options of the integral controller.

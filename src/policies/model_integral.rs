@@ -14,11 +14,8 @@ use crate::base::series::SeriesLabel;
 pub(super) const ENTRY: PolicyEntry = PolicyEntry {
     name: "model_integral",
     label: SeriesLabel::text("model + integral"),
-    look: None,
     footnote: "inverse of the nominal rod with integral action, without data.",
-    needs: &[],
     model: ModelAccess::AtRest,
-    closed_loop_only: false,
     make: |mut parts, options| {
         let (travel_m, slack_m) = (options.limits.travel_m, options.model_integral.slack_m);
         let layout = parts.layout("model_integral")?;
@@ -26,6 +23,7 @@ pub(super) const ENTRY: PolicyEntry = PolicyEntry {
         let controller = RecedingHorizon::new(model, options.model_integral.as_horizon(), options);
         Ok(Box::new(SingleController::new(controller, "", options)))
     },
+    ..PolicyEntry::PLAIN
 };
 
 /// Options of the inverse model with integral action.

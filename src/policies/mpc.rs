@@ -19,17 +19,16 @@ use crate::base::{BadOption, Point3, PolicyError, distance_m};
 pub(super) const ENTRY: PolicyEntry = PolicyEntry {
     name: "mpc",
     label: SeriesLabel::text("MPC"),
-    look: None,
     footnote: "receding horizon on the nominal rod with the Gaussian process.",
     needs: &[ModelNeed::ErrorModel],
     model: ModelAccess::AtRest,
-    closed_loop_only: false,
     make: |mut parts, options| {
         let error = Some(parts.error("mpc")?);
         let (travel_m, slack_m) = (options.limits.travel_m, options.mpc.slack_m);
         let model = RestModel::new((parts.tip_model("mpc")?, error), parts.layout("mpc")?, travel_m, slack_m);
         Ok(Box::new(SingleController::new(RecedingHorizon::new(model, options.mpc, options), "", options)))
     },
+    ..PolicyEntry::PLAIN
 };
 
 /// Options of the receding horizon.

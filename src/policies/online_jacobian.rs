@@ -14,9 +14,7 @@ use crate::base::{BadOption, Point3, PolicyError};
 pub(super) const ENTRY: PolicyEntry = PolicyEntry {
     name: "online_jacobian",
     label: SeriesLabel::text("online Jacobian"),
-    look: None,
     footnote: "Jacobian estimated in motion, without model and data.",
-    needs: &[],
     model: ModelAccess::Tendons,
     closed_loop_only: true,
     make: |parts, options| {
@@ -24,6 +22,7 @@ pub(super) const ENTRY: PolicyEntry = PolicyEntry {
         let controller = JacobianController::new(bends, options.online_jacobian);
         Ok(Box::new(SingleController::new(controller, "", options)))
     },
+    ..PolicyEntry::PLAIN
 };
 
 /// Options of the control by an estimated Jacobian.

@@ -16,17 +16,8 @@ use crate::simulators::{
 
 use super::options::{HardwareOptions, RehearsalOptions};
 
-/// Speeds (mm/min) and accelerations (mm/s²) of the simulated axes, sufficient for steps of 3 mm at 5 Hz.
-const FAST: [(u16, &str); 8] = [
-    (110, "3000"),
-    (111, "3000"),
-    (112, "3000"),
-    (113, "3000"),
-    (120, "500"),
-    (121, "500"),
-    (122, "500"),
-    (123, "500"),
-];
+/// Speed (mm/min) and acceleration (mm/s²) of the simulated axes, sufficient for steps of 3 mm at 5 Hz.
+const FAST: [(u16, &str); 2] = [(110, "3000"), (120, "500")];
 
 /// Interval of gaps of the simulated tracker, s.
 const GAP_EVERY_S: f64 = 3.0;
@@ -81,8 +72,8 @@ pub(super) fn build_simulator(
     seed: Seed,
 ) -> Result<(Simulator, TrackingSettings), String> {
     let mut controller_options = ControllerOptions { seed: seed.0, ..ControllerOptions::default() };
-    for (number, value) in FAST {
-        controller_options.settings.insert(number, value.to_owned());
+    for (first, value) in FAST {
+        controller_options.settings.extend((first..first + 4).map(|number| (number, value.to_owned())));
     }
     controller_options.settings.insert(23, options.motion.homing_directions.to_string());
     let controller = SimulatedController::new(serial, controller_options);

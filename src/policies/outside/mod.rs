@@ -15,7 +15,6 @@ pub use onnx_policy::{OnnxInput, OnnxOptions, OnnxOutput};
 pub use python::{PythonOptions, provide_python};
 
 use super::{PolicyEntry, PolicyOptions};
-use crate::base::series::SeriesLabel;
 use crate::base::{BadOption, Policy};
 use controller::OutsideController;
 
@@ -36,21 +35,8 @@ pub type OutsidePolicies = BTreeMap<String, OutsidePolicy>;
 pub const OUTSIDE_KINDS: [&str; 2] = ["onnx", "python"];
 
 /// What the registry would say of a policy from outside.
-static OPEN_OR_CLOSED: PolicyEntry = entry(false);
-static CLOSED_ONLY: PolicyEntry = entry(true);
-
-const fn entry(closed_loop_only: bool) -> PolicyEntry {
-    PolicyEntry {
-        name: "outside",
-        label: SeriesLabel::text("outside"),
-        look: None,
-        footnote: "",
-        needs: &[],
-        model: super::ModelAccess::None,
-        closed_loop_only,
-        make: |_, _| Err(super::BuildError::Missing { policy: "outside", model: "its file" }),
-    }
-}
+static OPEN_OR_CLOSED: PolicyEntry = PolicyEntry::PLAIN;
+static CLOSED_ONLY: PolicyEntry = PolicyEntry { closed_loop_only: true, ..PolicyEntry::PLAIN };
 
 impl OutsidePolicy {
     /// Its entry; the name in it is not its own.
