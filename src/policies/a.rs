@@ -6,13 +6,13 @@
 
 use std::sync::Arc;
 
-use serde::{Deserialize, Serialize};
-
 use super::network::RecurrentInverse;
 use super::single_controller::{ControlLaw, Demand, SingleController};
 use super::tip_tracker::TipReading;
-use super::{ErrorModel, INVERSE, InverseModel, ModelNeed, NetworkOptions, PolicyEntry, PolicyOptions};
-use crate::base::series::SeriesLabel;
+use super::{
+    Deserialize, ErrorModel, INVERSE, InverseModel, ModelNeed, NetworkOptions, PolicyEntry, PolicyOptions, Serialize,
+    SeriesLabel,
+};
 use crate::base::{BadOption, Displacements, Point3, PolicyError, distance_m};
 
 pub(super) const ENTRY: PolicyEntry = PolicyEntry {

@@ -1,14 +1,11 @@
 //! Policy A with integral action: what remains between target and tip, once the command has been reached, is added to the
 //! target that Algorithm 2 is given.
 
-use serde::{Deserialize, Serialize};
-
 use super::a::AlgorithmTwo;
 use super::actuator_limits::ActuatorLimits;
 use super::single_controller::{ControlLaw, Demand, SingleController};
 use super::tip_tracker::TipReading;
-use super::{INVERSE, ModelNeed, PolicyEntry};
-use crate::base::series::SeriesLabel;
+use super::{Deserialize, INVERSE, ModelNeed, PolicyEntry, Serialize, SeriesLabel};
 use crate::base::{BadOption, Point3, PolicyError, distance_m};
 
 pub(super) const ENTRY: PolicyEntry = PolicyEntry {

@@ -3,14 +3,13 @@
 
 use std::sync::Arc;
 
-use serde::{Deserialize, Serialize};
-
 use super::a::AlgorithmTwo;
 use super::actuator_limits::ActuatorLimits;
 use super::single_controller::{ControlLaw, Demand, SingleController};
 use super::tip_tracker::TipReading;
-use super::{BuildError, ErrorModel, INVERSE, LearningErrorModel, ModelNeed, PolicyEntry};
-use crate::base::series::SeriesLabel;
+use super::{
+    BuildError, Deserialize, ErrorModel, INVERSE, LearningErrorModel, ModelNeed, PolicyEntry, Serialize, SeriesLabel,
+};
 use crate::base::{BadOption, Displacements, Point3, PolicyError, distance_m};
 use crate::learn::gp::Leaving;
 

@@ -3,8 +3,7 @@
 
 use super::inverse_network::InverseNetworkController;
 use super::single_controller::SingleController;
-use super::{INVERSE_B, ModelNeed, PolicyEntry};
-use crate::base::series::SeriesLabel;
+use super::{INVERSE_B, ModelNeed, PolicyEntry, SeriesLabel};
 
 pub(super) const ENTRY: PolicyEntry = PolicyEntry {
     name: "b",

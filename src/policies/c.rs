@@ -6,15 +6,12 @@
 //! It cannot go on for ever: each target allows a bounded number of changes, and a change that would not alter the
 //! command (L_A ≈ L_B) is not made.
 
-use serde::{Deserialize, Serialize};
-
 use super::a::AlgorithmTwo;
 use super::actuator_limits::{ActuatorLimits, largest_change_m};
 use super::inverse_network::InverseNetworkController;
 use super::single_controller::{ControlLaw, Demand};
 use super::tip_tracker::TipTracker;
-use super::{INVERSE, INVERSE_B, ModelNeed, PolicyEntry};
-use crate::base::series::SeriesLabel;
+use super::{Deserialize, INVERSE, INVERSE_B, ModelNeed, PolicyEntry, Serialize, SeriesLabel};
 use crate::base::{Action, BadOption, Observation, Point3, Policy, PolicyError, distance_m};
 
 pub(super) const ENTRY: PolicyEntry = PolicyEntry {

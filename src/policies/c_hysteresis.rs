@@ -2,16 +2,13 @@
 //! threshold below which nothing is changed back, and a memory of which controller did better where. The paper names
 //! chatter as C's weakness and proposes such a memory.
 
-use serde::{Deserialize, Serialize};
-
 use super::a::AlgorithmTwo;
 use super::actuator_limits::ActuatorLimits;
 use super::c::Branch;
 use super::inverse_network::InverseNetworkController;
 use super::single_controller::ControlLaw;
 use super::tip_tracker::TipTracker;
-use super::{INVERSE, INVERSE_B, ModelNeed, PolicyEntry};
-use crate::base::series::SeriesLabel;
+use super::{Deserialize, INVERSE, INVERSE_B, ModelNeed, PolicyEntry, Serialize, SeriesLabel};
 use crate::base::{Action, BadOption, Observation, Point3, Policy, PolicyError, distance_m};
 
 pub(super) const ENTRY: PolicyEntry = PolicyEntry {

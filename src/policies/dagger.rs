@@ -3,13 +3,9 @@
 //! labelled with the command that has this robot's tip at the target (DAgger, Ross, Gordon & Bagnell 2011). It needs no real
 //! point; what a robot is like it has to gather from the tips that it is shown.
 
-use serde::{Deserialize, Serialize};
-
 use super::inverse_network::InverseNetworkController;
 use super::single_controller::SingleController;
-use super::{DAGGER, ModelNeed, PolicyEntry};
-use crate::base::BadOption;
-use crate::base::series::SeriesLabel;
+use super::{BadOption, DAGGER, Deserialize, ModelNeed, PolicyEntry, Serialize, SeriesLabel};
 
 pub(super) const ENTRY: PolicyEntry = PolicyEntry {
     name: "dagger",

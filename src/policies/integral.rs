@@ -1,13 +1,10 @@
 //! Integral feedback without a model and without data: in each tick the tip's error in x and y is integrated by a fixed gain
 //! into pulls on the tendons that lie in its direction.
 
-use serde::{Deserialize, Serialize};
-
 use super::bends::BendDirections;
 use super::single_controller::{ControlLaw, Demand, SingleController};
 use super::tip_tracker::TipReading;
-use super::{ModelAccess, PolicyEntry};
-use crate::base::series::SeriesLabel;
+use super::{Deserialize, ModelAccess, PolicyEntry, Serialize, SeriesLabel};
 use crate::base::{BadOption, Point3, PolicyError};
 
 pub(super) const ENTRY: PolicyEntry = PolicyEntry {

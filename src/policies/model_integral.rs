@@ -1,15 +1,11 @@
 //! The inverse of the nominal model with integral action: the cheap baseline that needs a model and no data. It is [`super::mpc`]
 //! without the Gaussian process, a single tick ahead.
 
-use serde::{Deserialize, Serialize};
-
 use super::disturbance::DisturbanceOptions;
 use super::mpc::{MpcOptions, RecedingHorizon};
 use super::rest_model::RestModel;
 use super::single_controller::SingleController;
-use super::{ModelAccess, PolicyEntry};
-use crate::base::BadOption;
-use crate::base::series::SeriesLabel;
+use super::{BadOption, Deserialize, ModelAccess, PolicyEntry, Serialize, SeriesLabel};
 
 pub(super) const ENTRY: PolicyEntry = PolicyEntry {
     name: "model_integral",

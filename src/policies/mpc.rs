@@ -4,16 +4,13 @@
 //! The rod is taken at rest: it is damped within a few hundredths of a second, a tick lasts a fifth of one. What it has not
 //! settled of a move counts as noise of the measurement ([`DisturbanceOptions::lag_per_motion`]).
 
-use serde::{Deserialize, Serialize};
-
 use super::actuator_limits::{LimitOptions, largest_change_m};
 use super::disturbance::{DisturbanceFilter, DisturbanceOptions};
 use super::horizon::first_move_m;
 use super::rest_model::{ExpectedPose, RestModel};
 use super::single_controller::{ControlLaw, Demand, SingleController};
 use super::tip_tracker::TipReading;
-use super::{ModelAccess, ModelNeed, PolicyEntry, PolicyOptions};
-use crate::base::series::SeriesLabel;
+use super::{Deserialize, ModelAccess, ModelNeed, PolicyEntry, PolicyOptions, Serialize, SeriesLabel};
 use crate::base::{BadOption, Point3, PolicyError, distance_m};
 
 pub(super) const ENTRY: PolicyEntry = PolicyEntry {

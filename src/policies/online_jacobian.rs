@@ -2,13 +2,11 @@
 //! of the Jacobian is a random walk, and each motion measures it along its own direction. No data are collected before.
 
 use nalgebra::{DMatrix, DVector};
-use serde::{Deserialize, Serialize};
 
 use super::bends::BendDirections;
 use super::single_controller::{ControlLaw, Demand, SingleController};
 use super::tip_tracker::TipReading;
-use super::{ModelAccess, PolicyEntry};
-use crate::base::series::SeriesLabel;
+use super::{Deserialize, ModelAccess, PolicyEntry, Serialize, SeriesLabel};
 use crate::base::{BadOption, Point3, PolicyError};
 
 pub(super) const ENTRY: PolicyEntry = PolicyEntry {

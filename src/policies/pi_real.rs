@@ -2,8 +2,7 @@
 
 use super::inverse_network::InverseNetworkController;
 use super::single_controller::SingleController;
-use super::{ModelNeed, PI_REAL, PolicyEntry};
-use crate::base::series::SeriesLabel;
+use super::{ModelNeed, PI_REAL, PolicyEntry, SeriesLabel};
 
 pub(super) const ENTRY: PolicyEntry = PolicyEntry {
     name: "pi_real",
