@@ -13,6 +13,13 @@ pub enum TendonCommand {
     Follow,
 }
 
+impl TendonCommand {
+    /// Its displacement, metres, or `following_m` where it follows.
+    pub fn pull_m_or(self, following_m: f64) -> f64 {
+        if let TendonCommand::Pull(pull_m) = self { pull_m } else { following_m }
+    }
+}
+
 /// Why a plant could not execute a step.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PlantError {
@@ -92,6 +99,13 @@ pub enum PolicyError {
     /// A policy from outside failed; its own words.
     #[error("{0}")]
     Outside(String),
+}
+
+impl PolicyError {
+    /// Error unless all `values` are finite.
+    pub fn unless_finite<'a>(what: &'static str, values: impl IntoIterator<Item = &'a f64>) -> Result<(), PolicyError> {
+        if values.into_iter().all(|value| value.is_finite()) { Ok(()) } else { Err(PolicyError::NotFinite(what)) }
+    }
 }
 
 /// A controller: maps observation and target to tendon displacements. It has no access to a plant.

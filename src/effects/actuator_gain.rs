@@ -1,9 +1,6 @@
 //! Scale error of one lead screw.
 
-use serde::{Deserialize, Serialize};
-
-use super::{Card, Effect, Parameter, Seek};
-use crate::base::BadOption;
+use super::{BadOption, Card, Deserialize, Effect, Parameter, Seek, Serialize};
 
 /// One drive moves a multiple of its command.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]

@@ -1,10 +1,6 @@
 //! Zero error of one tendon.
 
-use serde::{Deserialize, Serialize};
-
-use super::{Card, Effect, Parameter, Seek};
-use crate::base::BadOption;
-use crate::rod::RodParams;
+use super::{BadOption, Card, Deserialize, Effect, Parameter, RodParams, Seek, Serialize};
 
 /// A constant offset of one drive.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -31,7 +27,7 @@ pub(super) const CARD: Card = Card {
 impl Effect for ActuatorOffset {
     fn check(&self) -> Result<(), BadOption> {
         BadOption::unless_counted("tendon", self.tendon)?;
-        super::finite("offset_m", self.offset_m)
+        BadOption::unless_finite("offset_m", self.offset_m)
     }
 
     fn modify_rod(&self, rod: &mut RodParams) {

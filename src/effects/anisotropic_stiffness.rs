@@ -1,10 +1,6 @@
 //! Two principal bending axes of unequal stiffness.
 
-use serde::{Deserialize, Serialize};
-
-use super::{Card, Effect, Parameter, Seek};
-use crate::base::BadOption;
-use crate::rod::RodParams;
+use super::{BadOption, Card, Deserialize, Effect, Parameter, RodParams, Seek, Serialize};
 
 /// Bending stiffnesses k₁, k₂ about two principal axes, with the mean unchanged. On a rod that is already anisotropic,
 /// the two anisotropies add.
@@ -31,11 +27,9 @@ pub(super) const CARD: Card = Card {
 
 impl Effect for AnisotropicStiffness {
     fn check(&self) -> Result<(), BadOption> {
-        super::finite("angle_rad", self.angle_rad)?;
-        if self.ratio > -1.0 && self.ratio < 1.0 {
-            return Ok(());
-        }
-        Err(BadOption { key: "ratio", found: self.ratio.to_string(), expected: "a number between -1 and 1" })
+        BadOption::unless_finite("angle_rad", self.angle_rad)?;
+        let inside = self.ratio > -1.0 && self.ratio < 1.0;
+        BadOption::unless(inside, "ratio", self.ratio, "a number between -1 and 1")
     }
 
     fn modify_rod(&self, rod: &mut RodParams) {

@@ -1,9 +1,6 @@
 //! Dead zone on reversal.
 
-use serde::{Deserialize, Serialize};
-
-use super::{Card, Effect, Parameter, Seek};
-use crate::base::BadOption;
+use super::{BadOption, Card, Deserialize, Effect, Parameter, Seek, Serialize};
 
 /// Play between each drive and its tendon.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -27,7 +24,7 @@ pub(super) const CARD: Card = Card {
 
 impl Effect for Backlash {
     fn check(&self) -> Result<(), BadOption> {
-        super::non_negative("width_m", self.width_m)
+        BadOption::unless_not_negative("width_m", self.width_m)
     }
 
     fn reset(&mut self) {

@@ -1,11 +1,8 @@
 //! The base is tilted with respect to the assumed direction of gravity.
 
 use nalgebra::{UnitQuaternion, Vector3};
-use serde::{Deserialize, Serialize};
 
-use super::{Card, Effect, Parameter, Seek};
-use crate::base::BadOption;
-use crate::rod::RodParams;
+use super::{BadOption, Card, Deserialize, Effect, Parameter, RodParams, Seek, Serialize};
 
 /// The base is tilted about x and y; measurements are in the frame of the untilted base.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -31,8 +28,8 @@ pub(super) const CARD: Card = Card {
 
 impl Effect for BaseTilt {
     fn check(&self) -> Result<(), BadOption> {
-        super::finite("tilt_x_rad", self.tilt_x_rad)?;
-        super::finite("tilt_y_rad", self.tilt_y_rad)
+        BadOption::unless_finite("tilt_x_rad", self.tilt_x_rad)?;
+        BadOption::unless_finite("tilt_y_rad", self.tilt_y_rad)
     }
 
     fn modify_rod(&self, rod: &mut RodParams) {

@@ -1,12 +1,10 @@
 //! A wall or a ball that the robot touches.
 
 use nalgebra::{Matrix3, Vector3};
-use serde::{Deserialize, Serialize};
 
-use super::{Card, Effect, Parameter, Seek};
-use crate::base::BadOption;
+use super::{BadOption, Card, Deserialize, Effect, Parameter, RodParams, Seek, Serialize};
 use crate::math::rotation;
-use crate::rod::{Obstacle, ObstacleShape, RodParams};
+use crate::rod::{Obstacle, ObstacleShape};
 
 /// A rigid, smooth obstacle beside the robot: a wall along the axis of the straight robot, or a ball. Its place is that of
 /// the point of its surface that is nearest to this axis.
@@ -59,9 +57,9 @@ impl Contact {
 impl Effect for Contact {
     fn check(&self) -> Result<(), BadOption> {
         BadOption::unless_positive("distance_m", self.distance_m)?;
-        super::finite("azimuth_rad", self.azimuth_rad)?;
-        super::finite("position_m", self.position_m)?;
-        super::non_negative("curvature_1_m", self.curvature_1_m)
+        BadOption::unless_finite("azimuth_rad", self.azimuth_rad)?;
+        BadOption::unless_finite("position_m", self.position_m)?;
+        BadOption::unless_not_negative("curvature_1_m", self.curvature_1_m)
     }
 
     fn modify_rod(&self, rod: &mut RodParams) {

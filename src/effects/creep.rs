@@ -2,11 +2,8 @@
 
 use std::sync::Arc;
 
-use serde::{Deserialize, Serialize};
-
-use super::{Card, Effect, Parameter, Seek};
-use crate::base::BadOption;
-use crate::rod::{HistoryMoment, HistoryState, MomentLaw, RodParams};
+use super::{BadOption, Card, Deserialize, Effect, Parameter, RodParams, Seek, Serialize};
+use crate::rod::{HistoryMoment, HistoryState, MomentLaw};
 
 /// Part of the bending stiffness relaxes: a standard linear solid.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -33,10 +30,7 @@ pub(super) const CARD: Card = Card {
 impl Effect for Creep {
     fn check(&self) -> Result<(), BadOption> {
         BadOption::unless_positive("time_s", self.time_s)?;
-        if (0.0..1.0).contains(&self.share) {
-            return Ok(());
-        }
-        Err(BadOption { key: "share", found: self.share.to_string(), expected: "a number from 0 to below 1" })
+        BadOption::unless_within("share", self.share, 0.0..1.0, "a number from 0 to below 1")
     }
 
     fn modify_rod(&self, rod: &mut RodParams) {

@@ -1,10 +1,6 @@
 //! Error of the damping.
 
-use serde::{Deserialize, Serialize};
-
-use super::{Card, Effect, Parameter, Seek};
-use crate::base::BadOption;
-use crate::rod::RodParams;
+use super::{BadOption, Card, Deserialize, Effect, Parameter, RodParams, Seek, Serialize};
 
 /// Viscous damping of the spine.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -30,7 +26,7 @@ pub(super) const CARD: Card = Card {
 
 impl Effect for Damping {
     fn check(&self) -> Result<(), BadOption> {
-        super::non_negative("time_s", self.time_s)
+        BadOption::unless_not_negative("time_s", self.time_s)
     }
 
     fn modify_rod(&self, rod: &mut RodParams) {

@@ -2,10 +2,7 @@
 
 use std::collections::VecDeque;
 
-use serde::{Deserialize, Serialize};
-
-use super::{Card, Effect, Parameter, Seek};
-use crate::base::BadOption;
+use super::{BadOption, Card, Deserialize, Effect, Parameter, Seek, Serialize};
 
 /// A transport delay between command and drive.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -36,7 +33,7 @@ pub(super) const CARD: Card = Card {
 
 impl Effect for Delay {
     fn check(&self) -> Result<(), BadOption> {
-        super::non_negative("time_s", self.time_s)
+        BadOption::unless_not_negative("time_s", self.time_s)
     }
 
     fn reset(&mut self) {

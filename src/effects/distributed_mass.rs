@@ -1,10 +1,6 @@
 //! Error of the mass along the body.
 
-use serde::{Deserialize, Serialize};
-
-use super::{Card, Effect, Parameter, Seek};
-use crate::base::BadOption;
-use crate::rod::RodParams;
+use super::{BadOption, Card, Deserialize, Effect, Parameter, RodParams, Seek, Serialize};
 
 /// Mass along the body, disks included, times `scale`; payloads are not scaled.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]

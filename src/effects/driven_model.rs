@@ -223,11 +223,7 @@ impl DrivenModel {
     /// The observation at `time_s`, without noise; for a following tendon it reports the drive position.
     pub fn observation(&self, commands: &[TendonCommand], time_s: f64) -> Observation {
         let following = self.rod().following_pulls_m();
-        let pull = |(command, following): (&TendonCommand, f64)| match *command {
-            TendonCommand::Pull(pull) => pull,
-            TendonCommand::Follow => following,
-        };
-        let pulls_m = commands.iter().zip(following).map(pull).collect();
+        let pulls_m = commands.iter().zip(following).map(|(command, following)| command.pull_m_or(following)).collect();
         let mut seen = Observation { time_s, pulls_m, ..posture(self.rod(), &self.places[0]) };
         self.effects[0].iter().for_each(|effect| effect.observe(&mut seen));
         seen

@@ -1,10 +1,6 @@
 //! The tracking frame is shifted.
 
-use serde::{Deserialize, Serialize};
-
-use super::{Card, Effect, Parameter, Seek};
-use crate::base::BadOption;
-use crate::base::Observation;
+use super::{BadOption, Card, Deserialize, Effect, Observation, Parameter, Seek, Serialize};
 
 /// A constant offset between the tracked and the true tip.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -29,7 +25,7 @@ pub(super) const CARD: Card = Card {
 
 impl Effect for FrameShift {
     fn check(&self) -> Result<(), BadOption> {
-        self.shift_m.iter().try_for_each(|&shift| super::finite("shift_m", shift))
+        BadOption::unless_all_finite("shift_m", &self.shift_m)
     }
 
     fn observe(&self, seen: &mut Observation) {

@@ -2,11 +2,8 @@
 
 use std::sync::Arc;
 
-use serde::{Deserialize, Serialize};
-
-use super::{Card, Effect, Parameter, Seek};
-use crate::base::BadOption;
-use crate::rod::{HistoryMoment, HistoryState, MomentLaw, RodParams};
+use super::{BadOption, Card, Deserialize, Effect, Parameter, RodParams, Seek, Serialize};
+use crate::rod::{HistoryMoment, HistoryState, MomentLaw};
 
 /// An elastoplastic moment in every cross-section.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -42,7 +39,7 @@ pub(super) const CARD: Card = Card {
 
 impl Effect for Friction {
     fn check(&self) -> Result<(), BadOption> {
-        super::non_negative("moment_nm", self.moment_nm)?;
+        BadOption::unless_not_negative("moment_nm", self.moment_nm)?;
         BadOption::unless_positive("yield_rad_m", self.yield_rad_m)
     }
 

@@ -2,12 +2,9 @@
 
 use std::sync::Arc;
 
-use serde::{Deserialize, Serialize};
-
 use super::friction::Prandtl;
-use super::{Card, Effect, Parameter, Seek};
-use crate::base::BadOption;
-use crate::rod::{HistoryMoment, HistoryState, MomentLaw, RodParams};
+use super::{BadOption, Card, Deserialize, Effect, Parameter, RodParams, Seek, Serialize};
+use crate::rod::{HistoryMoment, HistoryState, MomentLaw};
 
 /// Elastoplastic elements of equal stiffness that yield in sequence: a Prandtl–Ishlinskii stress model.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -36,7 +33,7 @@ pub(super) const CARD: Card = Card {
 
 impl Effect for Hysteresis {
     fn check(&self) -> Result<(), BadOption> {
-        super::non_negative("share", self.share)?;
+        BadOption::unless_not_negative("share", self.share)?;
         BadOption::unless_positive("range_rad_m", self.range_rad_m)
     }
 

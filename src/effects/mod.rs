@@ -241,20 +241,3 @@ impl EffectSpec {
         EffectSpec::TipLoad(tip_load::TipLoad { mass_kg })
     }
 }
-
-/// Refuses a value that is not a finite number.
-fn finite(key: &'static str, value: f64) -> Result<(), BadOption> {
-    if value.is_finite() {
-        Ok(())
-    } else {
-        Err(BadOption { key, found: value.to_string(), expected: "a finite number" })
-    }
-}
-
-/// Refuses a value that is negative or not finite.
-fn non_negative(key: &'static str, value: f64) -> Result<(), BadOption> {
-    if value.is_finite() && value >= 0.0 {
-        return Ok(());
-    }
-    Err(BadOption { key, found: value.to_string(), expected: "a finite number of at least 0" })
-}

@@ -37,10 +37,7 @@ impl Model {
     /// # Errors
     /// The path of the key (such as `robot.backbone` or `effects[0].tip_load`) and the expected range.
     pub fn check(&self) -> Result<(), (String, BadOption)> {
-        self.robot.check().map_err(|(path, error)| {
-            let dot = if path.is_empty() { "" } else { "." };
-            (format!("robot{dot}{path}"), error)
-        })?;
+        self.robot.check().map_err(|(path, error)| (below("robot", &path), error))?;
         self.tracking.check(self.robot.backbone.length_m)?;
         check_drives(&self.drives, self.robot.tendons.angles_deg.len())?;
         check_effects(&self.effects, self.robot.tendons.angles_deg.len())
@@ -50,10 +47,7 @@ impl Model {
 
     fn check_obstacles(&self) -> Result<(), (String, BadOption)> {
         for (index, obstacle) in self.obstacles.iter().enumerate() {
-            obstacle.check().map_err(|(shape, error)| {
-                let dot = if shape.is_empty() { "" } else { "." };
-                (format!("obstacles[{index}]{dot}{shape}"), error)
-            })?;
+            obstacle.check().map_err(|(shape, error)| (below(&format!("obstacles[{index}]"), shape), error))?;
         }
         // A found obstacle may reach a little into the robot: only one that somebody has written is held to this.
         let mut rod = self.rod(&[]);
@@ -72,11 +66,17 @@ impl Model {
     /// # Errors
     /// As [`Model::check`].
     pub fn check_units(&self) -> Result<(), (String, BadOption)> {
-        self.robot.check_units().map_err(|(path, error)| {
-            let dot = if path.is_empty() { "" } else { "." };
-            (format!("robot{dot}{path}"), error)
-        })?;
+        self.robot.check_units().map_err(|(path, error)| (below("robot", &path), error))?;
         check_effect_units(&self.effects).map_err(|(index, name, error)| (format!("effects[{index}].{name}"), error))
+    }
+
+    /// Both checks; the path of the key begins with `at`.
+    ///
+    /// # Errors
+    /// As [`Model::check`].
+    pub fn check_written(&self, at: &str) -> Result<(), (String, BadOption)> {
+        let checked = self.check_units().and_then(|()| self.check());
+        checked.map_err(|(path, error)| (format!("{at}.{path}"), error))
     }
 
     /// The rod with all effects, then `extra` ones; payloads are applied last.
@@ -92,6 +92,11 @@ impl Model {
     pub fn effects(&self, extra: &[EffectSpec]) -> Vec<Box<dyn Effect>> {
         self.effects.iter().chain(extra).map(EffectSpec::build).collect()
     }
+}
+
+/// The key `path` below `top`.
+fn below(top: &str, path: &str) -> String {
+    if path.is_empty() { top.to_owned() } else { format!("{top}.{path}") }
 }
 
 /// Refuses parameters that no robot has, as a wrong unit makes them.
@@ -136,11 +141,11 @@ pub fn check_effect_units(effects: &[EffectSpec]) -> Result<(), (usize, &'static
 pub fn check_effects(effects: &[EffectSpec], tendons: usize) -> Result<(), (usize, &'static str, BadOption)> {
     for (index, spec) in effects.iter().enumerate() {
         let effect = spec.build();
-        effect.check().map_err(|error| (index, spec.card().name, error))?;
-        if let Some(tendon) = effect.tendon().filter(|&tendon| tendon > tendons) {
-            let error = BadOption { key: "tendon", found: tendon.to_string(), expected: "a tendon of this robot" };
-            return Err((index, spec.card().name, error));
-        }
+        let tendon = effect.tendon().unwrap_or_default();
+        effect
+            .check()
+            .and_then(|()| BadOption::unless(tendon <= tendons, "tendon", tendon, "a tendon of this robot"))
+            .map_err(|error| (index, spec.card().name, error))?;
     }
     Ok(())
 }

@@ -3,7 +3,6 @@
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-use super::{finite, non_negative};
 use crate::base::BadOption;
 use crate::rod::{self, ObstacleShape};
 
@@ -98,7 +97,7 @@ impl ObstacleSpec {
         self.sphere.map_or(Ok(()), |sphere| sphere.check()).map_err(at("sphere"))?;
         self.cylinder.map_or(Ok(()), |cylinder| cylinder.check()).map_err(at("cylinder"))?;
         self.capsule.map_or(Ok(()), |capsule| capsule.check()).map_err(at("capsule"))?;
-        non_negative("friction_coefficient", self.friction_coefficient).map_err(at(""))?;
+        BadOption::unless_not_negative("friction_coefficient", self.friction_coefficient).map_err(at(""))?;
         BadOption::unless_positive_or_null("stiffness_n_m", self.stiffness_n_m).map_err(at(""))
     }
 
@@ -150,20 +149,20 @@ pub(super) fn half_space(normal: [f64; 3], distance_m: f64) -> ObstacleShape {
 impl Plane {
     fn check(&self) -> Result<(), BadOption> {
         direction("normal", &self.normal)?;
-        finite("distance_m", self.distance_m)
+        BadOption::unless_finite("distance_m", self.distance_m)
     }
 }
 
 impl Sphere {
     fn check(&self) -> Result<(), BadOption> {
-        place("center_m", &self.center_m)?;
+        BadOption::unless_all_finite("center_m", &self.center_m)?;
         BadOption::unless_positive("radius_m", self.radius_m)
     }
 }
 
 impl Cylinder {
     fn check(&self) -> Result<(), BadOption> {
-        place("center_m", &self.center_m)?;
+        BadOption::unless_all_finite("center_m", &self.center_m)?;
         direction("axis", &self.axis)?;
         BadOption::unless_positive("radius_m", self.radius_m)?;
         BadOption::unless_positive_or_null("length_m", self.length_m)
@@ -172,21 +171,15 @@ impl Cylinder {
 
 impl Capsule {
     fn check(&self) -> Result<(), BadOption> {
-        place("start_m", &self.start_m)?;
-        place("end_m", &self.end_m)?;
+        BadOption::unless_all_finite("start_m", &self.start_m)?;
+        BadOption::unless_all_finite("end_m", &self.end_m)?;
         BadOption::unless_positive("radius_m", self.radius_m)
     }
 }
 
-fn place(key: &'static str, place_m: &[f64; 3]) -> Result<(), BadOption> {
-    place_m.iter().try_for_each(|&x| finite(key, x))
-}
-
 /// Refuses a vector that has no direction.
 pub(super) fn direction(key: &'static str, direction: &[f64; 3]) -> Result<(), BadOption> {
-    place(key, direction)?;
-    if Vector3::from(*direction).norm() > SHORTEST_DIRECTION {
-        return Ok(());
-    }
-    Err(BadOption { key, found: format!("{direction:?}"), expected: "a vector that is not zero" })
+    BadOption::unless_all_finite(key, direction)?;
+    let has_length = Vector3::from(*direction).norm() > SHORTEST_DIRECTION;
+    BadOption::unless(has_length, key, format!("{direction:?}"), "a vector that is not zero")
 }

@@ -1,10 +1,6 @@
 //! Not straight when unloaded.
 
-use serde::{Deserialize, Serialize};
-
-use super::{Card, Effect, Parameter, Seek};
-use crate::base::BadOption;
-use crate::rod::RodParams;
+use super::{BadOption, Card, Deserialize, Effect, Parameter, RodParams, Seek, Serialize};
 
 /// A constant curvature of the unloaded rod.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -30,8 +26,8 @@ pub(super) const CARD: Card = Card {
 
 impl Effect for Precurvature {
     fn check(&self) -> Result<(), BadOption> {
-        super::finite("kappa_x_rad_m", self.kappa_x_rad_m)?;
-        super::finite("kappa_y_rad_m", self.kappa_y_rad_m)
+        BadOption::unless_finite("kappa_x_rad_m", self.kappa_x_rad_m)?;
+        BadOption::unless_finite("kappa_y_rad_m", self.kappa_y_rad_m)
     }
 
     fn modify_rod(&self, rod: &mut RodParams) {

@@ -118,9 +118,7 @@ impl Trial<'_> {
         }
         Ok(replayed)
     }
-}
 
-impl Trial<'_> {
     /// Settles under the first command.
     fn begin_away(&self, driven: &mut DrivenModel) -> Result<(), PlantError> {
         driven.restart_away();

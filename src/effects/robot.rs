@@ -16,7 +16,6 @@ pub use loads::{Frame, Load, OnePlace, Spread};
 pub use per_tendon::PerTendon;
 pub use tendons::{OffsetPoint, RadiusPoint, Tendons};
 
-use super::{finite, non_negative};
 use crate::base::{BadOption, TendonLayout};
 use crate::rod::{ContactSurface, Resolution, RodParams, TipWrench};
 
@@ -93,30 +92,18 @@ impl Default for Robot {
             backbone: Backbone {
                 length_m: 0.22,
                 radius_m: 0.002,
-                inner_radius_m: 0.0,
                 youngs_modulus_pa: 2.33e9,
                 poisson_ratio: 0.3897,
                 density_kg_m3: 1200.0,
-                axial_stiffness_n: None,
-                shear_stiffness_n: None,
-                bending_stiffness_n_m2: None,
-                torsion_stiffness_n_m2: None,
-                pieces: Vec::new(),
+                ..Backbone::default()
             },
             sections: Sections { count: 11, length_m: 0.01, compliance_m_per_n: 2e-4, saturation_n: 20.0 },
             disks: Disks { count: 12, mass_kg: 0.004, ..Disks::default() },
             tendons: Tendons {
                 radius_m: 0.02,
                 angles_deg: vec![0.0, 90.0, 180.0, 270.0],
-                radii_m: None,
-                profile: Vec::new(),
-                twists_rad_m: None,
-                paths: None,
                 pretension_m: PerTendon::Same(5e-4),
-                compliance_m_per_n: PerTendon::default(),
-                elastic_length_m: None,
-                starts_m: None,
-                ends_m: None,
+                ..Tendons::default()
             },
             gravity_m_s2: earth(),
             damping_time_s: damping(),
@@ -142,23 +129,21 @@ impl Robot {
         self.sections.check(length_m)?;
         self.disks.check(length_m)?;
         self.tendons.check(length_m)?;
-        at("", self.gravity_m_s2.iter().try_for_each(|&g| finite("gravity_m_s2", g)))?;
-        at("", non_negative("damping_time_s", self.damping_time_s))?;
+        at("", BadOption::unless_all_finite("gravity_m_s2", &self.gravity_m_s2))?;
+        at("", BadOption::unless_not_negative("damping_time_s", self.damping_time_s))?;
         at("", BadOption::unless_positive("drive_time_s", self.drive_time_s))?;
-        at("", non_negative("drag_n_s2_m3", self.drag_n_s2_m3))?;
-        at("", self.base_m.iter().try_for_each(|&x| finite("base_m", x)))?;
-        at("", self.base_rotation_rad.iter().try_for_each(|&x| finite("base_rotation_rad", x)))?;
-        at("", self.contact_radius_m.map_or(Ok(()), |radius_m| non_negative("contact_radius_m", radius_m)))?;
-        let thin = self.contact_radius_m.is_none_or(|radius_m| radius_m < length_m);
+        at("", BadOption::unless_not_negative("drag_n_s2_m3", self.drag_n_s2_m3))?;
+        at("", BadOption::unless_all_finite("base_m", &self.base_m))?;
+        at("", BadOption::unless_all_finite("base_rotation_rad", &self.base_rotation_rad))?;
         at(
             "",
-            refuse(
-                thin,
-                "contact_radius_m",
-                &self.contact_radius_m.unwrap_or_default(),
-                "a radius less than the backbone's length",
-            ),
+            self.contact_radius_m
+                .map_or(Ok(()), |radius_m| BadOption::unless_not_negative("contact_radius_m", radius_m)),
         )?;
+        let thin = self.contact_radius_m.is_none_or(|radius_m| radius_m < length_m);
+        let (radius_m, expected) =
+            (self.contact_radius_m.unwrap_or_default(), "a radius less than the backbone's length");
+        at("", refuse(thin, "contact_radius_m", &radius_m, expected))?;
         for (index, load) in self.loads.iter().enumerate() {
             at(&format!("loads[{index}].{}", load.name()), load.check(length_m))?;
         }
@@ -174,13 +159,8 @@ impl Robot {
         at(BadOption::unless_positive("time_step_s", r.time_step_s))?;
         let judged = r.static_tolerance_m > 0.0;
         at(refuse(judged, "static_tolerance_m", &r.static_tolerance_m, "a number above 0, or infinity"))?;
-        let tolerance_m = r.motion_tolerance_m;
-        at(refuse(
-            tolerance_m > 0.0,
-            "motion_tolerance_m",
-            &tolerance_m,
-            "a positive number, or .inf for equal steps",
-        ))?;
+        let (tolerance_m, expected) = (r.motion_tolerance_m, "a positive number, or .inf for equal steps");
+        at(refuse(tolerance_m > 0.0, "motion_tolerance_m", &tolerance_m, expected))?;
         let counts = [
             ("bending_modes", r.bending_modes),
             ("torsion_modes", r.torsion_modes),
@@ -236,5 +216,5 @@ fn within(key: &'static str, value: f64, above: f64, up_to: f64, expected: &'sta
 }
 
 fn refuse(good: bool, key: &'static str, found: &dyn std::fmt::Debug, expected: &'static str) -> Result<(), BadOption> {
-    if good { Ok(()) } else { Err(BadOption { key, found: format!("{found:?}"), expected }) }
+    BadOption::unless(good, key, format!("{found:?}"), expected)
 }

@@ -1,9 +1,6 @@
 //! Drives that follow their commands with a lag.
 
-use serde::{Deserialize, Serialize};
-
-use super::{Card, Effect, Parameter, Seek};
-use crate::base::BadOption;
+use super::{BadOption, Card, Deserialize, Effect, Parameter, Seek, Serialize};
 
 /// A first-order lag between command and drive, as of a servo with proportional position control.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -27,7 +24,7 @@ pub(super) const CARD: Card = Card {
 
 impl Effect for ServoLag {
     fn check(&self) -> Result<(), BadOption> {
-        super::non_negative("time_s", self.time_s)
+        BadOption::unless_not_negative("time_s", self.time_s)
     }
 
     fn reset(&mut self) {

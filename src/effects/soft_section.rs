@@ -1,10 +1,7 @@
 //! One section of reduced bending stiffness, as after damage.
 
-use serde::{Deserialize, Serialize};
-
-use super::{Card, Effect, Parameter, Seek};
-use crate::base::BadOption;
-use crate::rod::{CompressibleSection, RodParams};
+use super::{BadOption, Card, Deserialize, Effect, Parameter, RodParams, Seek, Serialize};
+use crate::rod::CompressibleSection;
 
 /// Reduced bending stiffness of the compressible section nearest to a position.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -30,7 +27,7 @@ pub(super) const CARD: Card = Card {
 
 impl Effect for SoftSection {
     fn check(&self) -> Result<(), BadOption> {
-        super::non_negative("position_m", self.position_m)?;
+        BadOption::unless_not_negative("position_m", self.position_m)?;
         BadOption::unless_positive("scale", self.scale)
     }
 

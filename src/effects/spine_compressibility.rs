@@ -1,10 +1,6 @@
 //! Error of the compliance of the sections.
 
-use serde::{Deserialize, Serialize};
-
-use super::{Card, Effect, Parameter, Seek};
-use crate::base::BadOption;
-use crate::rod::RodParams;
+use super::{BadOption, Card, Deserialize, Effect, Parameter, RodParams, Seek, Serialize};
 
 /// Compliance of every compressible section times `scale`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -25,7 +21,7 @@ pub(super) const CARD: Card = Card {
 
 impl Effect for SpineCompressibility {
     fn check(&self) -> Result<(), BadOption> {
-        super::non_negative("scale", self.scale)
+        BadOption::unless_not_negative("scale", self.scale)
     }
 
     fn modify_rod(&self, rod: &mut RodParams) {

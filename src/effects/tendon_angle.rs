@@ -1,10 +1,6 @@
 //! Guide holes rotated about the backbone.
 
-use serde::{Deserialize, Serialize};
-
-use super::{Card, Effect, Parameter, Seek};
-use crate::base::BadOption;
-use crate::rod::RodParams;
+use super::{BadOption, Card, Deserialize, Effect, Parameter, RodParams, Seek, Serialize};
 
 /// All tendons turned about the backbone by one angle.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -25,7 +21,7 @@ pub(super) const CARD: Card = Card {
 
 impl Effect for TendonAngle {
     fn check(&self) -> Result<(), BadOption> {
-        super::finite("angle_rad", self.angle_rad)
+        BadOption::unless_finite("angle_rad", self.angle_rad)
     }
 
     fn modify_rod(&self, rod: &mut RodParams) {

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::Model;
 use super::tracking::is_name;
-use super::{Model, finite};
 use crate::base::BadOption;
 
 /// A drive and the tendons that it moves.
@@ -58,7 +58,11 @@ pub fn check_drives(drives: &BTreeMap<String, TendonDrive>, count: usize) -> Res
         if drive.gains.len() != drive.tendons.len() {
             return refuse("gains", format!("{:?}", drive.gains), "one number per tendon of the drive");
         }
-        drive.gains.iter().try_for_each(|&gain| finite("gains", gain)).map_err(|error| (path.clone(), error))?;
+        drive
+            .gains
+            .iter()
+            .try_for_each(|&gain| BadOption::unless_finite("gains", gain))
+            .map_err(|error| (path.clone(), error))?;
     }
     Ok(())
 }

@@ -1,10 +1,7 @@
 //! Friction of the tendons in their guides.
 
-use serde::{Deserialize, Serialize};
-
-use super::{Card, Effect, Parameter, Seek};
-use crate::base::BadOption;
-use crate::rod::{PRESLIDING_M, RodParams};
+use super::{BadOption, Card, Deserialize, Effect, Parameter, RodParams, Seek, Serialize};
+use crate::rod::PRESLIDING_M;
 
 /// Every tendon rubs in its guides: its tension falls along the path, in the direction in which it slides.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -35,7 +32,7 @@ pub(super) const CARD: Card = Card {
 
 impl Effect for TendonFriction {
     fn check(&self) -> Result<(), BadOption> {
-        super::non_negative("coefficient", self.coefficient)?;
+        BadOption::unless_not_negative("coefficient", self.coefficient)?;
         BadOption::unless_positive("presliding_m", self.presliding_m)
     }
 

@@ -1,10 +1,6 @@
 //! Tendons are elastic.
 
-use serde::{Deserialize, Serialize};
-
-use super::{Card, Effect, Parameter, Seek};
-use crate::base::BadOption;
-use crate::rod::RodParams;
+use super::{BadOption, Card, Deserialize, Effect, Parameter, RodParams, Seek, Serialize};
 
 /// Every tendon stretches with its tension.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -25,7 +21,7 @@ pub(super) const CARD: Card = Card {
 
 impl Effect for TendonStretch {
     fn check(&self) -> Result<(), BadOption> {
-        super::non_negative("compliance_m_per_n", self.compliance_m_per_n)
+        BadOption::unless_not_negative("compliance_m_per_n", self.compliance_m_per_n)
     }
 
     fn modify_rod(&self, rod: &mut RodParams) {

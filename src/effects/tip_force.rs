@@ -1,10 +1,6 @@
 //! A constant force at the tip.
 
-use serde::{Deserialize, Serialize};
-
-use super::{Card, Effect, Parameter, Seek};
-use crate::base::BadOption;
-use crate::rod::RodParams;
+use super::{BadOption, Card, Deserialize, Effect, Parameter, RodParams, Seek, Serialize};
 
 /// A constant force at the tip, world frame.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -29,7 +25,7 @@ pub(super) const CARD: Card = Card {
 
 impl Effect for TipForce {
     fn check(&self) -> Result<(), BadOption> {
-        self.force_n.iter().try_for_each(|&force| super::finite("force_n", force))
+        BadOption::unless_all_finite("force_n", &self.force_n)
     }
 
     fn modify_rod(&self, rod: &mut RodParams) {

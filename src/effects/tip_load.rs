@@ -1,11 +1,9 @@
 //! A mass fixed to the tip.
 
 use nalgebra::Vector3;
-use serde::{Deserialize, Serialize};
 
-use super::{Card, Effect, Parameter, Seek};
-use crate::base::BadOption;
-use crate::rod::{PointMass, RodParams};
+use super::{BadOption, Card, Deserialize, Effect, Parameter, RodParams, Seek, Serialize};
+use crate::rod::PointMass;
 
 /// A mass at the tip: its weight and its inertia.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -26,7 +24,7 @@ pub(super) const CARD: Card = Card {
 
 impl Effect for TipLoad {
     fn check(&self) -> Result<(), BadOption> {
-        super::non_negative("mass_kg", self.mass_kg)
+        BadOption::unless_not_negative("mass_kg", self.mass_kg)
     }
 
     fn modify_rod(&self, rod: &mut RodParams) {

@@ -5,8 +5,7 @@ use std::collections::BTreeMap;
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::finite;
-use crate::base::{BadOption, SeenPoint};
+use crate::base::{BadOption, SeenPoint, is_default};
 use crate::math::rotation;
 use crate::rod::Rod;
 
@@ -24,7 +23,7 @@ pub struct Tracking {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tip: Option<BodyPoint>,
     /// State at the start of a trial.
-    #[serde(default, skip_serializing_if = "Starts::is_default")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub starts: Starts,
 }
 
@@ -42,10 +41,6 @@ pub enum Starts {
 }
 
 impl Starts {
-    fn is_default(&self) -> bool {
-        *self == Starts::default()
-    }
-
     /// What it means, as a sentence for the user; none for the default.
     pub fn told(self) -> Option<&'static str> {
         match self {
@@ -113,11 +108,8 @@ pub(super) fn is_name(name: &str) -> bool {
 
 impl BodyPoint {
     fn check(&self, length_m: f64) -> Result<(), BadOption> {
-        if !(self.s_m >= 0.0 && self.s_m <= length_m) {
-            let expected = "a place on the backbone: 0 to its `length_m`";
-            return Err(BadOption { key: "s_m", found: self.s_m.to_string(), expected });
-        }
-        self.offset_m.iter().try_for_each(|&x| finite("offset_m", x))
+        BadOption::unless_within("s_m", self.s_m, 0.0..=length_m, "a place on the backbone: 0 to its `length_m`")?;
+        BadOption::unless_all_finite("offset_m", &self.offset_m)
     }
 
     /// Position in metres and orientation on the rod, world frame.

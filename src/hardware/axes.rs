@@ -31,14 +31,8 @@ impl AxesOptions {
     /// [`BadOption`] for the first such axis.
     pub fn check(&self, travel_m: f64, screw_m: f64) -> Result<(), BadOption> {
         let reaches = |&home_mm: &f64| home_mm - travel_m * 1e3 >= 0.0 && home_mm + travel_m * 1e3 <= screw_m * 1e3;
-        match self.home_mm.iter().find(|home_mm| !reaches(home_mm)) {
-            None => Ok(()),
-            Some(home_mm) => Err(BadOption {
-                key: "home_mm",
-                found: home_mm.to_string(),
-                expected: "a range of ±safety.travel_m within 0 to motion.travel_m",
-            }),
-        }
+        let expected = "a range of ±safety.travel_m within 0 to motion.travel_m";
+        self.home_mm.iter().try_for_each(|mm| BadOption::unless(reaches(mm), "home_mm", mm, expected))
     }
 
     /// Distances from the switches in millimetres for displacements in metres.

@@ -8,15 +8,10 @@ use signal_hook::consts::{SIGINT, SIGTERM, SIGUSR2};
 use signal_hook::flag;
 
 /// A request to end the program.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
-    /// A request that only [`Interrupt::raise`] sets.
-    pub fn new() -> Interrupt {
-        Interrupt(Arc::new(AtomicBool::new(false)))
-    }
-
     /// The request of this process: the first signal sets it, the second ends the program at once.
     ///
     /// # Errors
@@ -26,7 +21,7 @@ impl Interrupt {
         if let Some(own) = OWN.get() {
             return Ok(own.clone());
         }
-        let interrupt = Interrupt::new();
+        let interrupt = Interrupt::default();
         for signal in [SIGINT, SIGTERM] {
             flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(&interrupt.0))?;
             flag::register(signal, Arc::clone(&interrupt.0))?;
@@ -39,7 +34,7 @@ impl Interrupt {
     /// # Errors
     /// When the system refuses the handler.
     pub fn of_batch() -> io::Result<Interrupt> {
-        let interrupt = Interrupt::new();
+        let interrupt = Interrupt::default();
         flag::register(SIGUSR2, Arc::clone(&interrupt.0))?;
         Ok(interrupt)
     }
@@ -57,11 +52,5 @@ impl Interrupt {
     /// Whether the end has been requested.
     pub fn raised(&self) -> bool {
         self.0.load(Ordering::SeqCst)
-    }
-}
-
-impl Default for Interrupt {
-    fn default() -> Self {
-        Interrupt::new()
     }
 }

@@ -68,3 +68,28 @@ pub enum LearnError {
         epoch: usize,
     },
 }
+
+impl LearnError {
+    /// Error unless as many as expected were counted.
+    pub fn unless_shape(what: &'static str, found: usize, expected: usize) -> Result<(), LearnError> {
+        if found == expected { Ok(()) } else { Err(LearnError::Shape { what, found, expected }) }
+    }
+
+    /// Error unless all `values` of a row are finite.
+    pub(crate) fn unless_finite(table: &'static str, row: usize, values: &[f64]) -> Result<(), LearnError> {
+        match values.iter().position(|value| !value.is_finite()) {
+            None => Ok(()),
+            Some(column) => Err(LearnError::NotFinite { table, row, column, value: values[column] }),
+        }
+    }
+
+    /// Error unless `good`.
+    pub(crate) fn unless_setting(
+        good: bool,
+        key: &'static str,
+        found: impl ToString,
+        expected: &'static str,
+    ) -> Result<(), LearnError> {
+        if good { Ok(()) } else { Err(LearnError::Setting { key, found: found.to_string(), expected }) }
+    }
+}

@@ -25,53 +25,35 @@ pub(crate) trait Real:
     fn of(value: f64) -> Self;
 }
 
-impl Real for f32 {
-    #[inline(always)]
-    fn fma(self, a: Self, b: Self) -> Self {
-        self.mul_add(a, b)
-    }
-    #[inline(always)]
-    fn tanh_fast(self) -> Self {
-        let x = self.clamp(-9.0, 9.0);
-        1.0 - 2.0 / (exp_f32(2.0 * x) + 1.0)
-    }
-    #[inline(always)]
-    fn over(self, divisor: Self) -> Self {
-        self / divisor
-    }
-    #[inline(always)]
-    fn root(self) -> Self {
-        self.sqrt()
-    }
-    #[inline(always)]
-    fn of(value: f64) -> Self {
-        value as f32
-    }
+macro_rules! real {
+    ($float:ty, $largest:literal, $exp:ident) => {
+        impl Real for $float {
+            #[inline(always)]
+            fn fma(self, a: Self, b: Self) -> Self {
+                self.mul_add(a, b)
+            }
+            #[inline(always)]
+            fn tanh_fast(self) -> Self {
+                let x = self.clamp(-$largest, $largest);
+                1.0 - 2.0 / ($exp(2.0 * x) + 1.0)
+            }
+            #[inline(always)]
+            fn over(self, divisor: Self) -> Self {
+                self / divisor
+            }
+            #[inline(always)]
+            fn root(self) -> Self {
+                self.sqrt()
+            }
+            #[inline(always)]
+            fn of(value: f64) -> Self {
+                value as Self
+            }
+        }
+    };
 }
-
-impl Real for f64 {
-    #[inline(always)]
-    fn fma(self, a: Self, b: Self) -> Self {
-        self.mul_add(a, b)
-    }
-    #[inline(always)]
-    fn tanh_fast(self) -> Self {
-        let x = self.clamp(-19.0, 19.0);
-        1.0 - 2.0 / (exp_f64(2.0 * x) + 1.0)
-    }
-    #[inline(always)]
-    fn over(self, divisor: Self) -> Self {
-        self / divisor
-    }
-    #[inline(always)]
-    fn root(self) -> Self {
-        self.sqrt()
-    }
-    #[inline(always)]
-    fn of(value: f64) -> Self {
-        value
-    }
-}
+real!(f32, 9.0, exp_f32);
+real!(f64, 19.0, exp_f64);
 
 /// `e^x` for −700 ≤ x ≤ 700 (clamped), relative error below 3e-16: x = n ln 2 + r with |r| ≤ ln 2 / 2, Taylor's
 /// polynomial of degree 13 for `e^r`, and n added to the exponent bits.

@@ -59,13 +59,9 @@ impl Standardiser {
 
 /// Checks that inputs and outputs have equal length and hold only finite numbers.
 pub(crate) fn check_samples(inputs: &Rows, outputs: &Rows) -> Result<(), LearnError> {
-    if inputs.len() != outputs.len() {
-        return Err(LearnError::Shape { what: "rows of outputs", found: outputs.len(), expected: inputs.len() });
-    }
+    LearnError::unless_shape("rows of outputs", outputs.len(), inputs.len())?;
     for (what, rows) in [("columns of inputs", inputs), ("columns of outputs", outputs)] {
-        if rows.width() == 0 {
-            return Err(LearnError::Shape { what, found: 0, expected: 1 });
-        }
+        LearnError::unless_shape(what, rows.width().min(1), 1)?;
     }
     check_finite("inputs", inputs)?;
     check_finite("outputs", outputs)
@@ -73,13 +69,5 @@ pub(crate) fn check_samples(inputs: &Rows, outputs: &Rows) -> Result<(), LearnEr
 
 /// Names the first number of a table that is not finite.
 pub(crate) fn check_finite(table: &'static str, rows: &Rows) -> Result<(), LearnError> {
-    match rows.values().iter().position(|v| !v.is_finite()) {
-        None => Ok(()),
-        Some(place) => Err(LearnError::NotFinite {
-            table,
-            row: place / rows.width(),
-            column: place % rows.width(),
-            value: rows.values()[place],
-        }),
-    }
+    rows.iter().enumerate().try_for_each(|(row, values)| LearnError::unless_finite(table, row, values))
 }

@@ -86,16 +86,9 @@ impl ConstantCurvature {
         BadOption::unless_positive("tendon_radius_m", options.tendon_radius_m)?;
         BadOption::unless_positive("step_s", options.step_s)?;
         BadOption::unless_positive("travel_m", options.travel_m)?;
-        for (key, value) in [("lag_s", options.lag_s), ("noise_m", options.noise_m)] {
-            if !(value.is_finite() && value >= 0.0) {
-                return Err(BadOption { key, found: value.to_string(), expected: "a finite number of at least 0" });
-            }
-        }
-        Ok(Self::from_valid(options))
-    }
-
-    fn from_valid(options: ConstantCurvatureOptions) -> Self {
-        ConstantCurvature { options, bend_rad: [0.0; 2], time_s: 0.0, noise: Seed(0).rng() }
+        BadOption::unless_not_negative("lag_s", options.lag_s)?;
+        BadOption::unless_not_negative("noise_m", options.noise_m)?;
+        Ok(ConstantCurvature { options, bend_rad: [0.0; 2], time_s: 0.0, noise: Seed(0).rng() })
     }
 
     /// Tip without gap and noise for a bending vector, metres.
@@ -196,11 +189,7 @@ impl Plant for ConstantCurvature {
         let radius = self.options.tendon_radius_m;
         let [bend_x, bend_y] = self.bend_rad;
         let shape = [radius * bend_x, radius * bend_y, -radius * bend_x, -radius * bend_y];
-        let pulls_m = commands.iter().zip(shape).map(|(command, followed)| match command {
-            TendonCommand::Pull(pull_m) => *pull_m,
-            TendonCommand::Follow => followed,
-        });
-        let pulls_m = pulls_m.collect();
-        Ok(self.observe(pulls_m))
+        let pulls_m = commands.iter().zip(shape).map(|(command, followed_m)| command.pull_m_or(followed_m));
+        Ok(self.observe(pulls_m.collect()))
     }
 }

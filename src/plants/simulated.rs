@@ -36,11 +36,7 @@ impl SimulatedOptions {
     pub fn check(&self) -> Result<(), BadOption> {
         BadOption::unless_positive("step_s", self.step_s)?;
         BadOption::unless_positive("travel_m", self.travel_m)?;
-        if self.noise_m.is_finite() && self.noise_m >= 0.0 {
-            return Ok(());
-        }
-        let found = self.noise_m.to_string();
-        Err(BadOption { key: "noise_m", found, expected: "a finite number of at least 0" })
+        BadOption::unless_not_negative("noise_m", self.noise_m)
     }
 }
 
@@ -82,10 +78,7 @@ impl PlantOptions for SimulatedSpec {
             let expected = "0 to 0.05, in metres of tracking noise";
             return Err((String::new(), BadOption { key: "noise_m", found, expected }));
         }
-        self.model
-            .check_units()
-            .and_then(|()| self.model.check())
-            .map_err(|(path, error)| (format!("model.{path}"), error))
+        self.model.check_written("model")
     }
 
     fn tendons(&self) -> usize {

@@ -6,28 +6,25 @@
 
 use std::sync::Arc;
 
-use serde::{Deserialize, Serialize};
-
 use super::network::RecurrentInverse;
 use super::single_controller::{ControlLaw, Demand, SingleController};
 use super::tip_tracker::TipReading;
-use super::{ErrorModel, INVERSE, InverseModel, ModelAccess, ModelNeed, NetworkOptions, PolicyEntry, PolicyOptions};
-use crate::base::series::SeriesLabel;
+use super::{
+    Deserialize, ErrorModel, INVERSE, InverseModel, ModelNeed, NetworkOptions, PolicyEntry, PolicyOptions, Serialize,
+    SeriesLabel,
+};
 use crate::base::{BadOption, Displacements, Point3, PolicyError, distance_m};
 
 pub(super) const ENTRY: PolicyEntry = PolicyEntry {
     name: "a",
     label: SeriesLabel::text("A"),
-    look: None,
-    footnote: "",
     needs: &[ModelNeed::Network(&INVERSE), ModelNeed::ErrorModel],
-    model: ModelAccess::None,
-    closed_loop_only: false,
     make: |mut parts, options| {
         let model = parts.inverse("a", &INVERSE)?;
         let error = parts.error("a")?;
         Ok(Box::new(SingleController::new(AlgorithmTwo::new(model, error, options), "a", options)))
     },
+    ..PolicyEntry::PLAIN
 };
 
 /// What Algorithm 2 leaves open.
@@ -124,9 +121,7 @@ impl AlgorithmTwo {
         let pulls_m = self.network.pulls(&self.position_m, &aim_m)?;
         self.aim_m = aim_m;
         self.error_m = self.error.error_m(&pulls_m, &aim_m);
-        if self.error_m.iter().any(|value| !value.is_finite()) {
-            return Err(PolicyError::NotFinite("error model"));
-        }
+        PolicyError::unless_finite("error model", &self.error_m)?;
         let next_m = sum(target_m, &self.error_m);
         self.iterations += 1;
         let settled = self.iterations >= self.options.min_iterations

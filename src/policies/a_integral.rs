@@ -1,24 +1,18 @@
 //! Policy A with integral action: what remains between target and tip, once the command has been reached, is added to the
 //! target that Algorithm 2 is given.
 
-use serde::{Deserialize, Serialize};
-
 use super::a::AlgorithmTwo;
 use super::actuator_limits::ActuatorLimits;
-use super::option_ranges::unless_share;
 use super::single_controller::{ControlLaw, Demand, SingleController};
 use super::tip_tracker::TipReading;
-use super::{INVERSE, ModelAccess, ModelNeed, PolicyEntry};
-use crate::base::series::SeriesLabel;
+use super::{Deserialize, INVERSE, ModelNeed, PolicyEntry, Serialize, SeriesLabel};
 use crate::base::{BadOption, Point3, PolicyError, distance_m};
 
 pub(super) const ENTRY: PolicyEntry = PolicyEntry {
     name: "a_integral",
     label: SeriesLabel::text("A + integral"),
-    look: None,
     footnote: "A whose target is moved by the integral of the error.",
     needs: &[ModelNeed::Network(&INVERSE), ModelNeed::ErrorModel],
-    model: ModelAccess::None,
     closed_loop_only: true,
     make: |mut parts, options| {
         let model = parts.inverse("a_integral", &INVERSE)?;
@@ -33,6 +27,7 @@ pub(super) const ENTRY: PolicyEntry = PolicyEntry {
         };
         Ok(Box::new(SingleController::new(controller, "", options)))
     },
+    ..PolicyEntry::PLAIN
 };
 
 /// Options of A with integral action.
@@ -55,7 +50,7 @@ impl Default for AIntegralOptions {
 
 impl AIntegralOptions {
     pub(super) fn check(&self) -> Result<(), BadOption> {
-        unless_share("gain", self.gain)?;
+        BadOption::unless_share("gain", self.gain)?;
         BadOption::unless_positive("most_m", self.most_m)?;
         BadOption::unless_positive("settled_m", self.settled_m)
     }

@@ -3,25 +3,21 @@
 
 use std::sync::Arc;
 
-use serde::{Deserialize, Serialize};
-
 use super::a::AlgorithmTwo;
 use super::actuator_limits::ActuatorLimits;
 use super::single_controller::{ControlLaw, Demand, SingleController};
 use super::tip_tracker::TipReading;
-use super::{BuildError, ErrorModel, INVERSE, LearningErrorModel, ModelAccess, ModelNeed, PolicyEntry};
-use crate::base::series::SeriesLabel;
+use super::{
+    BuildError, Deserialize, ErrorModel, INVERSE, LearningErrorModel, ModelNeed, PolicyEntry, Serialize, SeriesLabel,
+};
 use crate::base::{BadOption, Displacements, Point3, PolicyError, distance_m};
 use crate::learn::gp::Leaving;
 
 pub(super) const ENTRY: PolicyEntry = PolicyEntry {
     name: "a_online",
     label: SeriesLabel::text("A, learning on"),
-    look: None,
     footnote: "A whose Gaussian process takes each measured point of the trial.",
     needs: &[ModelNeed::Network(&INVERSE), ModelNeed::ErrorModel],
-    model: ModelAccess::None,
-    closed_loop_only: false,
     make: |mut parts, options| {
         let model = parts.inverse("a_online", &INVERSE)?;
         let AOnlineOptions { points, leaves, most_m } = options.a_online;
@@ -37,6 +33,7 @@ pub(super) const ENTRY: PolicyEntry = PolicyEntry {
         };
         Ok(Box::new(SingleController::new(controller, "", options)))
     },
+    ..PolicyEntry::PLAIN
 };
 
 /// Options of A that learns on.
@@ -60,7 +57,7 @@ impl Default for AOnlineOptions {
 
 impl AOnlineOptions {
     pub(super) fn check(&self) -> Result<(), BadOption> {
-        super::option_ranges::unless_count_to("points", self.points, 1000, "a whole number from 1 to 1000")?;
+        BadOption::unless_within("points", self.points, 1..=1000, "a whole number from 1 to 1000")?;
         BadOption::unless_positive("most_m", self.most_m)
     }
 }
@@ -161,16 +158,19 @@ mod tests {
         crate::base::distance_m(&tip_m, &target_m)
     }
 
+    fn online(learning: &Arc<dyn LearningErrorModel>, max_step_m: Option<f64>) -> LearningA {
+        let mut options = PolicyOptions::default();
+        options.limits.max_step_m = max_step_m;
+        let a = AlgorithmTwo::new(Box::new(Linear), Arc::<dyn LearningErrorModel>::clone(learning), &options);
+        LearningA { a, error: learning.clone(), limits: ActuatorLimits::new(options.limits), carried_out: None }
+    }
+
     #[test]
     fn what_the_process_was_not_told_is_learned_in_the_trial_and_forgotten_after_it() {
-        let mut options = PolicyOptions::default();
-        options.limits.max_step_m = None;
         let error = error_model();
-        let mut plain = AlgorithmTwo::new(Box::new(Linear), error.clone(), &options);
+        let mut plain = AlgorithmTwo::new(Box::new(Linear), error.clone(), &PolicyOptions::default());
         let learning = error.learning(100, Leaving::Oldest).unwrap();
-        let a = AlgorithmTwo::new(Box::new(Linear), Arc::<dyn LearningErrorModel>::clone(&learning), &options);
-        let limits = ActuatorLimits::new(options.limits);
-        let mut online = LearningA { a, error: learning.clone(), limits, carried_out: None };
+        let mut online = online(&learning, None);
         let (without, with) = (remaining_m(&mut plain, 60), remaining_m(&mut online, 60));
         assert!(without > 0.004 && with < 0.5 * without, "{without} {with}");
         let asked = |model: &dyn ErrorModel| model.error_m(&[0.009, -0.002], &[0.036, -0.01, 0.2]);
@@ -200,13 +200,9 @@ mod tests {
 
     #[test]
     fn nothing_is_learned_in_open_loop_or_while_the_drive_is_on_its_way() {
-        let mut options = PolicyOptions::default();
-        options.limits.max_step_m = Some(0.0001);
         let error = error_model();
         let learning = error.learning(100, Leaving::MostAlike).unwrap();
-        let a = AlgorithmTwo::new(Box::new(Linear), Arc::<dyn LearningErrorModel>::clone(&learning), &options);
-        let limits = ActuatorLimits::new(options.limits);
-        let mut online = LearningA { a, error: learning.clone(), limits, carried_out: None };
+        let mut online = online(&learning, Some(0.0001));
         remaining_m(&mut online, 5);
         let asked = |model: &dyn ErrorModel| model.error_m(&[0.009, -0.002], &[0.036, -0.01, 0.2]);
         assert_eq!(asked(&*learning), asked(&*error));

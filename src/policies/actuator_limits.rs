@@ -66,9 +66,7 @@ impl ActuatorLimits {
         if demand_m.len() != in_force_m.len() {
             return Err(PolicyError::Tendons { found: demand_m.len(), expected: in_force_m.len() });
         }
-        if demand_m.iter().chain(in_force_m).any(|pull| !pull.is_finite()) {
-            return Err(PolicyError::NotFinite("tendon displacement"));
-        }
+        PolicyError::unless_finite("tendon displacement", demand_m.iter().chain(in_force_m))?;
         let travel_m = self.options.travel_m;
         let goal: Displacements = demand_m.iter().map(|pull| pull.clamp(-travel_m, travel_m)).collect();
         let last = self.last_m.as_deref().unwrap_or(in_force_m);

@@ -3,19 +3,15 @@
 
 use super::inverse_network::InverseNetworkController;
 use super::single_controller::SingleController;
-use super::{INVERSE_B, ModelAccess, ModelNeed, PolicyEntry};
-use crate::base::series::SeriesLabel;
+use super::{INVERSE_B, ModelNeed, PolicyEntry, SeriesLabel};
 
 pub(super) const ENTRY: PolicyEntry = PolicyEntry {
     name: "b",
     label: SeriesLabel::text("B"),
-    look: None,
-    footnote: "",
     needs: &[ModelNeed::Network(&INVERSE_B)],
-    model: ModelAccess::None,
-    closed_loop_only: false,
     make: |mut parts, options| {
         let model = parts.inverse("b", &INVERSE_B)?;
         Ok(Box::new(SingleController::new(InverseNetworkController::new(model, options), "b", options)))
     },
+    ..PolicyEntry::PLAIN
 };

@@ -6,24 +6,18 @@
 //! It cannot go on for ever: each target allows a bounded number of changes, and a change that would not alter the
 //! command (L_A ≈ L_B) is not made.
 
-use serde::{Deserialize, Serialize};
-
 use super::a::AlgorithmTwo;
 use super::actuator_limits::{ActuatorLimits, largest_change_m};
 use super::inverse_network::InverseNetworkController;
 use super::single_controller::{ControlLaw, Demand};
 use super::tip_tracker::TipTracker;
-use super::{INVERSE, INVERSE_B, ModelAccess, ModelNeed, PolicyEntry};
-use crate::base::series::SeriesLabel;
+use super::{Deserialize, INVERSE, INVERSE_B, ModelNeed, PolicyEntry, Serialize, SeriesLabel};
 use crate::base::{Action, BadOption, Observation, Point3, Policy, PolicyError, distance_m};
 
 pub(super) const ENTRY: PolicyEntry = PolicyEntry {
     name: "c",
     label: SeriesLabel::text("C"),
-    look: None,
-    footnote: "",
     needs: &[ModelNeed::Network(&INVERSE), ModelNeed::ErrorModel, ModelNeed::Network(&INVERSE_B)],
-    model: ModelAccess::None,
     closed_loop_only: true,
     make: |mut parts, options| {
         let model = parts.inverse("c", &INVERSE)?;
@@ -40,6 +34,7 @@ pub(super) const ENTRY: PolicyEntry = PolicyEntry {
             leg: ControllerLeg::default(),
         }))
     },
+    ..PolicyEntry::PLAIN
 };
 
 /// When C compares the error with e_c.

@@ -2,25 +2,20 @@
 //! threshold below which nothing is changed back, and a memory of which controller did better where. The paper names
 //! chatter as C's weakness and proposes such a memory.
 
-use serde::{Deserialize, Serialize};
-
 use super::a::AlgorithmTwo;
 use super::actuator_limits::ActuatorLimits;
 use super::c::Branch;
 use super::inverse_network::InverseNetworkController;
 use super::single_controller::ControlLaw;
 use super::tip_tracker::TipTracker;
-use super::{INVERSE, INVERSE_B, ModelAccess, ModelNeed, PolicyEntry};
-use crate::base::series::SeriesLabel;
+use super::{Deserialize, INVERSE, INVERSE_B, ModelNeed, PolicyEntry, Serialize, SeriesLabel};
 use crate::base::{Action, BadOption, Observation, Point3, Policy, PolicyError, distance_m};
 
 pub(super) const ENTRY: PolicyEntry = PolicyEntry {
     name: "c_hysteresis",
     label: SeriesLabel::text("C + hysteresis"),
-    look: None,
     footnote: "C with dwell time, hysteresis and a memory of regions.",
     needs: &[ModelNeed::Network(&INVERSE), ModelNeed::ErrorModel, ModelNeed::Network(&INVERSE_B)],
-    model: ModelAccess::None,
     closed_loop_only: true,
     make: |mut parts, options| {
         let model = parts.inverse("c_hysteresis", &INVERSE)?;
@@ -40,6 +35,7 @@ pub(super) const ENTRY: PolicyEntry = PolicyEntry {
             memory: Vec::new(),
         }))
     },
+    ..PolicyEntry::PLAIN
 };
 
 /// Options of C with hysteresis.
@@ -74,10 +70,8 @@ impl CHysteresisOptions {
     pub(super) fn check(&self) -> Result<(), BadOption> {
         BadOption::unless_positive("switch_above_m", self.switch_above_m)?;
         BadOption::unless_positive("stay_below_m", self.stay_below_m)?;
-        if self.stay_below_m > self.switch_above_m {
-            let found = self.stay_below_m.to_string();
-            return Err(BadOption { key: "stay_below_m", found, expected: "at most `switch_above_m`" });
-        }
+        let ordered = self.stay_below_m <= self.switch_above_m;
+        BadOption::unless(ordered, "stay_below_m", self.stay_below_m, "at most `switch_above_m`")?;
         BadOption::unless_counted("dwell_ticks", self.dwell_ticks)?;
         BadOption::unless_positive("rest_m", self.rest_m)?;
         BadOption::unless_positive("region_m", self.region_m)

@@ -3,27 +3,20 @@
 //! labelled with the command that has this robot's tip at the target (DAgger, Ross, Gordon & Bagnell 2011). It needs no real
 //! point; what a robot is like it has to gather from the tips that it is shown.
 
-use serde::{Deserialize, Serialize};
-
 use super::inverse_network::InverseNetworkController;
-use super::option_ranges::unless_count_to;
 use super::single_controller::SingleController;
-use super::{DAGGER, ModelAccess, ModelNeed, PolicyEntry};
-use crate::base::BadOption;
-use crate::base::series::SeriesLabel;
+use super::{BadOption, DAGGER, Deserialize, ModelNeed, PolicyEntry, Serialize, SeriesLabel};
 
 pub(super) const ENTRY: PolicyEntry = PolicyEntry {
     name: "dagger",
     label: SeriesLabel::text("DAgger"),
-    look: None,
     footnote: "trained in simulation on robots that differ, without real data.",
     needs: &[ModelNeed::Network(&DAGGER)],
-    model: ModelAccess::None,
-    closed_loop_only: false,
     make: |mut parts, options| {
         let model = parts.inverse("dagger", &DAGGER)?;
         Ok(Box::new(SingleController::new(InverseNetworkController::new(model, options), "", options)))
     },
+    ..PolicyEntry::PLAIN
 };
 
 /// What the network is trained on. The robots are drawn anew in every round.
@@ -54,16 +47,14 @@ impl Default for DaggerOptions {
 
 impl DaggerOptions {
     pub(super) fn check(&self) -> Result<(), BadOption> {
-        unless_count_to("rounds", self.rounds, 20, "a whole number from 1 to 20")?;
-        unless_count_to("robots", self.robots, 1000, "a whole number from 1 to 1000")?;
-        unless_count_to("targets", self.targets, 1000, "a whole number from 1 to 1000")?;
-        unless_count_to("ticks", self.ticks, 1000, "a whole number from 1 to 1000")?;
-        unless_count_to("most_effects", self.most_effects, 10, "a whole number from 1 to 10")?;
-        if !(self.strength > 0.0 && self.strength <= 5.0) {
-            let found = self.strength.to_string();
-            return Err(BadOption { key: "strength", found, expected: "a number above 0 and up to 5" });
-        }
-        super::option_ranges::unless_not_negative("noise_m", self.noise_m)
+        BadOption::unless_within("rounds", self.rounds, 1..=20, "a whole number from 1 to 20")?;
+        BadOption::unless_within("robots", self.robots, 1..=1000, "a whole number from 1 to 1000")?;
+        BadOption::unless_within("targets", self.targets, 1..=1000, "a whole number from 1 to 1000")?;
+        BadOption::unless_within("ticks", self.ticks, 1..=1000, "a whole number from 1 to 1000")?;
+        BadOption::unless_within("most_effects", self.most_effects, 1..=10, "a whole number from 1 to 10")?;
+        let within = self.strength > 0.0 && self.strength <= 5.0;
+        BadOption::unless(within, "strength", self.strength, "a number above 0 and up to 5")?;
+        BadOption::unless_not_negative("noise_m", self.noise_m)
     }
 
     /// Samples of all rounds, where no robot fails.

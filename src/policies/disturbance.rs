@@ -4,7 +4,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::option_ranges::unless_not_negative;
 use crate::base::{BadOption, Point3};
 
 /// How the disturbance is estimated. Standard deviations are those of one axis.
@@ -39,10 +38,10 @@ impl Default for DisturbanceOptions {
 impl DisturbanceOptions {
     pub(super) fn check(&self) -> Result<(), BadOption> {
         BadOption::unless_positive("noise_m", self.noise_m)?;
-        unless_not_negative("first_sd_m", self.first_sd_m)?;
-        unless_not_negative("drift_m", self.drift_m)?;
-        unless_not_negative("drift_per_motion", self.drift_per_motion)?;
-        unless_not_negative("lag_per_motion", self.lag_per_motion)
+        BadOption::unless_not_negative("first_sd_m", self.first_sd_m)?;
+        BadOption::unless_not_negative("drift_m", self.drift_m)?;
+        BadOption::unless_not_negative("drift_per_motion", self.drift_per_motion)?;
+        BadOption::unless_not_negative("lag_per_motion", self.lag_per_motion)
     }
 }
 

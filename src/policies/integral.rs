@@ -1,21 +1,16 @@
 //! Integral feedback without a model and without data: in each tick the tip's error in x and y is integrated by a fixed gain
 //! into pulls on the tendons that lie in its direction.
 
-use serde::{Deserialize, Serialize};
-
 use super::bends::BendDirections;
 use super::single_controller::{ControlLaw, Demand, SingleController};
 use super::tip_tracker::TipReading;
-use super::{ModelAccess, PolicyEntry};
-use crate::base::series::SeriesLabel;
+use super::{Deserialize, ModelAccess, PolicyEntry, Serialize, SeriesLabel};
 use crate::base::{BadOption, Point3, PolicyError};
 
 pub(super) const ENTRY: PolicyEntry = PolicyEntry {
     name: "integral",
     label: SeriesLabel::text("integral"),
-    look: None,
     footnote: "integral feedback without model and data.",
-    needs: &[],
     model: ModelAccess::Tendons,
     closed_loop_only: true,
     make: |parts, options| {
@@ -23,6 +18,7 @@ pub(super) const ENTRY: PolicyEntry = PolicyEntry {
         let controller = IntegralController { bend_m: vec![0.0; bends.len()], bends, options: options.integral };
         Ok(Box::new(SingleController::new(controller, "", options)))
     },
+    ..PolicyEntry::PLAIN
 };
 
 /// Options of the integral controller.

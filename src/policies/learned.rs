@@ -24,10 +24,7 @@ impl NetworkInverse {
     /// # Errors
     /// [`LearnError::Shape`] for a network that does not take two positions.
     pub fn new(network: Arc<Network>) -> Result<Self, LearnError> {
-        if network.inputs() != 6 {
-            let what = "inputs of an inverse mapping (two positions)";
-            return Err(LearnError::Shape { what, found: network.inputs(), expected: 6 });
-        }
+        LearnError::unless_shape("inputs of an inverse mapping (two positions)", network.inputs(), 6)?;
         let state = network.state();
         Ok(NetworkInverse { network, memory: state.clone(), next: state })
     }
@@ -68,14 +65,9 @@ impl NetworkForward {
     /// # Errors
     /// [`LearnError::Shape`] for a network that does not go from displacements and a position to a position.
     pub fn new(network: Arc<Network>, tendons: usize) -> Result<Self, LearnError> {
-        for (what, found, expected) in [
-            ("inputs of a forward model (displacements and a position)", network.inputs(), tendons + 3),
-            ("outputs of a forward model", network.outputs(), 3),
-        ] {
-            if found != expected {
-                return Err(LearnError::Shape { what, found, expected });
-            }
-        }
+        let what = "inputs of a forward model (displacements and a position)";
+        LearnError::unless_shape(what, network.inputs(), tendons + 3)?;
+        LearnError::unless_shape("outputs of a forward model", network.outputs(), 3)?;
         Ok(NetworkForward { memory: network.state(), network, tip_m: [0.0; 3] })
     }
 }
@@ -92,9 +84,7 @@ impl ForwardModel for NetworkForward {
         self.network
             .step(&mut self.memory, &input, &mut next_m)
             .map_err(|_| PolicyError::NotFinite("input of the forward network"))?;
-        if next_m.iter().any(|value| !value.is_finite()) {
-            return Err(PolicyError::NotFinite("output of the forward network"));
-        }
+        PolicyError::unless_finite("output of the forward network", &next_m)?;
         self.tip_m = next_m;
         Ok(next_m)
     }
@@ -109,14 +99,9 @@ impl GpError {
     /// # Errors
     /// [`LearnError::Shape`] for a process that does not go from displacements and a position to a position.
     pub fn new(gp: Gp, tendons: usize) -> Result<Self, LearnError> {
-        for (what, found, expected) in [
-            ("inputs of an error model (displacements and a position)", gp.inputs(), tendons + 3),
-            ("outputs of an error model", gp.outputs(), 3),
-        ] {
-            if found != expected {
-                return Err(LearnError::Shape { what, found, expected });
-            }
-        }
+        let what = "inputs of an error model (displacements and a position)";
+        LearnError::unless_shape(what, gp.inputs(), tendons + 3)?;
+        LearnError::unless_shape("outputs of an error model", gp.outputs(), 3)?;
         Ok(GpError(gp))
     }
 }
@@ -125,15 +110,16 @@ impl ErrorModel for GpError {
     /// The predicted mean (section IV-B); not a number for another number of tendons than it was made for.
     fn error_m(&self, pulls_m: &[f64], p_sim_m: &Point3) -> Point3 {
         let input = [pulls_m, p_sim_m.as_slice()].concat();
-        match self.0.mean(&input).as_deref() {
-            Ok(&[x, y, z]) => [x, y, z],
-            _ => [f64::NAN; 3],
-        }
+        point(self.0.mean(&input))
     }
 
     fn learning(&self, points: usize, leaves: Leaving) -> Option<Arc<dyn LearningErrorModel>> {
         Some(Arc::new(LearningGpError(Mutex::new(OnlineGp::new(&self.0, points, leaves).ok()?))))
     }
+}
+
+fn point(mean: Result<Vec<f64>, LearnError>) -> Point3 {
+    mean.ok().and_then(|mean| mean.try_into().ok()).unwrap_or([f64::NAN; 3])
 }
 
 /// The same with the points of a trial. A lock, because policies share error models between threads.
@@ -142,11 +128,7 @@ struct LearningGpError(Mutex<OnlineGp>);
 impl ErrorModel for LearningGpError {
     fn error_m(&self, pulls_m: &[f64], p_sim_m: &Point3) -> Point3 {
         let input = [pulls_m, p_sim_m.as_slice()].concat();
-        let gp = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        match gp.mean(&input).as_deref() {
-            Ok(&[x, y, z]) => [x, y, z],
-            _ => [f64::NAN; 3],
-        }
+        point(self.0.lock().unwrap_or_else(PoisonError::into_inner).mean(&input))
     }
 }
 

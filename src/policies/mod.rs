@@ -12,7 +12,6 @@ mod learned;
 mod model_traits;
 mod models;
 mod network;
-mod option_ranges;
 mod outside;
 mod parts;
 mod rest_model;
@@ -172,6 +171,18 @@ pub struct PolicyEntry {
 }
 
 impl PolicyEntry {
+    /// The entry of a policy from outside; what the others leave out is as here.
+    const PLAIN: PolicyEntry = PolicyEntry {
+        name: "outside",
+        label: SeriesLabel::text("outside"),
+        look: None,
+        footnote: "",
+        needs: &[],
+        model: ModelAccess::None,
+        closed_loop_only: false,
+        make: |_, _| Err(BuildError::Missing { policy: "outside", model: "its file" }),
+    };
+
     /// The networks that it needs.
     pub fn networks(&self) -> impl Iterator<Item = &'static NetworkDescription> {
         self.needs.iter().filter_map(|need| match need {

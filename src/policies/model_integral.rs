@@ -1,25 +1,17 @@
 //! The inverse of the nominal model with integral action: the cheap baseline that needs a model and no data. It is [`super::mpc`]
 //! without the Gaussian process, a single tick ahead.
 
-use serde::{Deserialize, Serialize};
-
 use super::disturbance::DisturbanceOptions;
 use super::mpc::{MpcOptions, RecedingHorizon};
-use super::option_ranges::unless_not_negative;
 use super::rest_model::RestModel;
 use super::single_controller::SingleController;
-use super::{ModelAccess, PolicyEntry};
-use crate::base::BadOption;
-use crate::base::series::SeriesLabel;
+use super::{BadOption, Deserialize, ModelAccess, PolicyEntry, Serialize, SeriesLabel};
 
 pub(super) const ENTRY: PolicyEntry = PolicyEntry {
     name: "model_integral",
     label: SeriesLabel::text("model + integral"),
-    look: None,
     footnote: "inverse of the nominal rod with integral action, without data.",
-    needs: &[],
     model: ModelAccess::AtRest,
-    closed_loop_only: false,
     make: |mut parts, options| {
         let (travel_m, slack_m) = (options.limits.travel_m, options.model_integral.slack_m);
         let layout = parts.layout("model_integral")?;
@@ -27,6 +19,7 @@ pub(super) const ENTRY: PolicyEntry = PolicyEntry {
         let controller = RecedingHorizon::new(model, options.model_integral.as_horizon(), options);
         Ok(Box::new(SingleController::new(controller, "", options)))
     },
+    ..PolicyEntry::PLAIN
 };
 
 /// Options of the inverse model with integral action.
@@ -49,7 +42,7 @@ impl Default for ModelIntegralOptions {
 
 impl ModelIntegralOptions {
     pub(super) fn check(&self) -> Result<(), BadOption> {
-        unless_not_negative("slack_m", self.slack_m)?;
+        BadOption::unless_not_negative("slack_m", self.slack_m)?;
         self.disturbance.check()
     }
 

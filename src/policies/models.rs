@@ -75,8 +75,6 @@ pub enum ModelNeed {
     ErrorModel,
 }
 
-const INVERSE_COLUMNS: [SampleColumns; 2] = [SampleColumns::TipBefore, SampleColumns::TipAfter];
-
 /// The forward model of eq. (17): (u_i, x_i) → x_{i+1}.
 pub static FORWARD: NetworkDescription = NetworkDescription {
     name: "forward",
@@ -95,7 +93,7 @@ pub static INVERSE: NetworkDescription = NetworkDescription {
     name: "inverse",
     stage: "train_inverse",
     label: "inverse network",
-    inputs: &INVERSE_COLUMNS,
+    inputs: &[SampleColumns::TipBefore, SampleColumns::TipAfter],
     outputs: &[SampleColumns::Pulls],
     data: TrainingData::Simulated,
     early_stopping: EarlyStopping::Inverse,
@@ -108,12 +106,11 @@ pub static INVERSE_B: NetworkDescription = NetworkDescription {
     name: "inverse_b",
     stage: "train_inverse_b",
     label: "generated-data network",
-    inputs: &INVERSE_COLUMNS,
-    outputs: &[SampleColumns::Pulls],
     data: TrainingData::Generated,
     early_stopping: EarlyStopping::InverseB,
     start: Some(&INVERSE),
     paper_mae_m: 0.0019,
+    ..INVERSE
 };
 
 /// The inverse mapping from its own ways on robots that differ. It starts from the one of the model.
@@ -121,12 +118,11 @@ pub static DAGGER: NetworkDescription = NetworkDescription {
     name: "dagger",
     stage: "train_dagger",
     label: "network of robots that differ",
-    inputs: &INVERSE_COLUMNS,
-    outputs: &[SampleColumns::Pulls],
     data: TrainingData::Randomised,
     early_stopping: EarlyStopping::Never,
     start: Some(&INVERSE),
     paper_mae_m: f64::NAN,
+    ..INVERSE
 };
 
 /// The inverse mapping from real data.
@@ -134,10 +130,8 @@ pub static PI_REAL: NetworkDescription = NetworkDescription {
     name: "pi_real",
     stage: "train_pi_real",
     label: "real network",
-    inputs: &INVERSE_COLUMNS,
-    outputs: &[SampleColumns::Pulls],
     data: TrainingData::Real,
     early_stopping: EarlyStopping::PiReal,
-    start: None,
     paper_mae_m: f64::NAN,
+    ..INVERSE
 };

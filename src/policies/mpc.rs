@@ -4,33 +4,28 @@
 //! The rod is taken at rest: it is damped within a few hundredths of a second, a tick lasts a fifth of one. What it has not
 //! settled of a move counts as noise of the measurement ([`DisturbanceOptions::lag_per_motion`]).
 
-use serde::{Deserialize, Serialize};
-
 use super::actuator_limits::{LimitOptions, largest_change_m};
 use super::disturbance::{DisturbanceFilter, DisturbanceOptions};
 use super::horizon::first_move_m;
-use super::option_ranges::{unless_count_to, unless_not_negative};
 use super::rest_model::{ExpectedPose, RestModel};
 use super::single_controller::{ControlLaw, Demand, SingleController};
 use super::tip_tracker::TipReading;
-use super::{ModelAccess, ModelNeed, PolicyEntry, PolicyOptions};
-use crate::base::series::SeriesLabel;
+use super::{Deserialize, ModelAccess, ModelNeed, PolicyEntry, PolicyOptions, Serialize, SeriesLabel};
 use crate::base::{BadOption, Point3, PolicyError, distance_m};
 
 pub(super) const ENTRY: PolicyEntry = PolicyEntry {
     name: "mpc",
     label: SeriesLabel::text("MPC"),
-    look: None,
     footnote: "receding horizon on the nominal rod with the Gaussian process.",
     needs: &[ModelNeed::ErrorModel],
     model: ModelAccess::AtRest,
-    closed_loop_only: false,
     make: |mut parts, options| {
         let error = Some(parts.error("mpc")?);
         let (travel_m, slack_m) = (options.limits.travel_m, options.mpc.slack_m);
         let model = RestModel::new((parts.tip_model("mpc")?, error), parts.layout("mpc")?, travel_m, slack_m);
         Ok(Box::new(SingleController::new(RecedingHorizon::new(model, options.mpc, options), "", options)))
     },
+    ..PolicyEntry::PLAIN
 };
 
 /// Options of the receding horizon.
@@ -69,10 +64,10 @@ impl Default for MpcOptions {
 
 impl MpcOptions {
     pub(super) fn check(&self) -> Result<(), BadOption> {
-        unless_count_to("horizon", self.horizon, 50, "a whole number from 1 to 50")?;
-        unless_not_negative("move_weight", self.move_weight)?;
-        unless_count_to("inverse_steps", self.inverse_steps, 50, "a whole number from 1 to 50")?;
-        unless_not_negative("slack_m", self.slack_m)?;
+        BadOption::unless_within("horizon", self.horizon, 1..=50, "a whole number from 1 to 50")?;
+        BadOption::unless_not_negative("move_weight", self.move_weight)?;
+        BadOption::unless_within("inverse_steps", self.inverse_steps, 1..=50, "a whole number from 1 to 50")?;
+        BadOption::unless_not_negative("slack_m", self.slack_m)?;
         self.disturbance.check()?;
         BadOption::unless_positive("settled_pull_m", self.settled_pull_m)?;
         BadOption::unless_positive("settled_sd_m", self.settled_sd_m)

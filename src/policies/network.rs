@@ -78,9 +78,7 @@ impl RecurrentInverse {
     pub(super) fn pulls(&mut self, from_m: &Point3, to_m: &Point3) -> Result<Displacements, PolicyError> {
         let pulls_m = self.model.pulls(from_m, to_m)?;
         self.asked = true;
-        if pulls_m.iter().any(|pull| !pull.is_finite()) {
-            return Err(PolicyError::NotFinite("output of the inverse network"));
-        }
+        PolicyError::unless_finite("output of the inverse network", &pulls_m)?;
         Ok(pulls_m)
     }
 }

@@ -2,22 +2,17 @@
 //! of the Jacobian is a random walk, and each motion measures it along its own direction. No data are collected before.
 
 use nalgebra::{DMatrix, DVector};
-use serde::{Deserialize, Serialize};
 
 use super::bends::BendDirections;
-use super::option_ranges::unless_share;
 use super::single_controller::{ControlLaw, Demand, SingleController};
 use super::tip_tracker::TipReading;
-use super::{ModelAccess, PolicyEntry};
-use crate::base::series::SeriesLabel;
+use super::{Deserialize, ModelAccess, PolicyEntry, Serialize, SeriesLabel};
 use crate::base::{BadOption, Point3, PolicyError};
 
 pub(super) const ENTRY: PolicyEntry = PolicyEntry {
     name: "online_jacobian",
     label: SeriesLabel::text("online Jacobian"),
-    look: None,
     footnote: "Jacobian estimated in motion, without model and data.",
-    needs: &[],
     model: ModelAccess::Tendons,
     closed_loop_only: true,
     make: |parts, options| {
@@ -25,6 +20,7 @@ pub(super) const ENTRY: PolicyEntry = PolicyEntry {
         let controller = JacobianController::new(bends, options.online_jacobian);
         Ok(Box::new(SingleController::new(controller, "", options)))
     },
+    ..PolicyEntry::PLAIN
 };
 
 /// Options of the control by an estimated Jacobian.
@@ -60,7 +56,7 @@ impl Default for OnlineJacobianOptions {
 
 impl OnlineJacobianOptions {
     pub(super) fn check(&self) -> Result<(), BadOption> {
-        unless_share("gain", self.gain)?;
+        BadOption::unless_share("gain", self.gain)?;
         BadOption::unless_positive("first_gain", self.first_gain)?;
         BadOption::unless_positive("first_sd", self.first_sd)?;
         BadOption::unless_positive("drift_per_m", self.drift_per_m)?;

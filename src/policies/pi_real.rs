@@ -2,19 +2,16 @@
 
 use super::inverse_network::InverseNetworkController;
 use super::single_controller::SingleController;
-use super::{ModelAccess, ModelNeed, PI_REAL, PolicyEntry};
-use crate::base::series::SeriesLabel;
+use super::{ModelNeed, PI_REAL, PolicyEntry, SeriesLabel};
 
 pub(super) const ENTRY: PolicyEntry = PolicyEntry {
     name: "pi_real",
     label: SeriesLabel { plain: "πᵣₑₐₗ", markdown: "π<sub>real</sub>", latex: "$\\pi_{real}$" },
-    look: None,
     footnote: "trained directly from real data.",
     needs: &[ModelNeed::Network(&PI_REAL)],
-    model: ModelAccess::None,
-    closed_loop_only: false,
     make: |mut parts, options| {
         let model = parts.inverse("pi_real", &PI_REAL)?;
         Ok(Box::new(SingleController::new(InverseNetworkController::new(model, options), "", options)))
     },
+    ..PolicyEntry::PLAIN
 };

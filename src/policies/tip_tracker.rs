@@ -24,16 +24,12 @@ impl TipTracker {
 
     /// Checks the inputs of a tick and says what is new in them.
     pub(super) fn read(&mut self, seen: &Observation, target_m: &Point3) -> Result<TipReading, PolicyError> {
-        if target_m.iter().any(|value| !value.is_finite()) {
-            return Err(PolicyError::NotFinite("target"));
-        }
+        PolicyError::unless_finite("target", target_m)?;
         if !seen.valid {
             let (_, tip_m) = self.last.ok_or(PolicyError::NoMeasurement)?;
             return Ok(TipReading { tip_m, fresh: false });
         }
-        if seen.tip_m.iter().chain([&seen.time_s]).any(|value| !value.is_finite()) {
-            return Err(PolicyError::NotFinite("measured tip"));
-        }
+        PolicyError::unless_finite("measured tip", seen.tip_m.iter().chain([&seen.time_s]))?;
         let fresh = self.last.is_none_or(|(time_s, _)| time_s != seen.time_s);
         self.last = Some((seen.time_s, seen.tip_m));
         Ok(TipReading { tip_m: seen.tip_m, fresh })

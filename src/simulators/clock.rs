@@ -21,11 +21,6 @@ struct ClockState {
 }
 
 impl RehearsalClock {
-    /// A clock that reads 0.
-    pub fn new() -> RehearsalClock {
-        RehearsalClock::default()
-    }
-
     /// A thread that panicked while holding the lock has left no inconsistent state.
     fn moments(&self) -> MutexGuard<'_, ClockState> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
@@ -77,7 +72,7 @@ mod tests {
 
     #[test]
     fn time_goes_on_only_when_all_wait_and_in_order() {
-        let clock = Arc::new(RehearsalClock::new());
+        let clock = Arc::new(RehearsalClock::default());
         let view = Arc::new(Mutex::new(Vec::new()));
         (0..3).for_each(|_| clock.join());
         std::thread::scope(|threads| {

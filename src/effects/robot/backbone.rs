@@ -4,12 +4,11 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::{Checked, MAX_PARTS, at, refuse, within};
-use crate::base::BadOption;
-use crate::effects::{finite, non_negative};
+use crate::base::{BadOption, is_default};
 use crate::rod::{Span, Taper};
 
 /// A round backbone, of one material and one cross-section unless `pieces` says otherwise.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Backbone {
     /// Length, metres.
@@ -17,7 +16,7 @@ pub struct Backbone {
     /// Radius of the cross-section, metres.
     pub radius_m: f64,
     /// Radius of the bore of a tube, metres; 0 is solid.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub inner_radius_m: f64,
     /// Young's modulus E, Pa.
     pub youngs_modulus_pa: f64,
@@ -84,22 +83,14 @@ pub struct Piece {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub torsion_stiffness_n_m2: Option<f64>,
     /// (k₁ − k₂)/(k₁ + k₂) of the bending stiffnesses about the two principal axes.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub anisotropy: f64,
     /// Angle of the first (stiffer, where `anisotropy` is positive) principal axis from x towards y, degrees.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub principal_angle_deg: f64,
     /// Curvature about x and y and twist when nothing acts on it, rad/m. Tendons are set to zero on this shape.
-    #[serde(default, skip_serializing_if = "is_straight")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub rest_curvature_rad_m: [f64; 3],
-}
-
-fn is_zero(value: &f64) -> bool {
-    *value == 0.0
-}
-
-fn is_straight(curvature: &[f64; 3]) -> bool {
-    *curvature == [0.0; 3]
 }
 
 /// Radii at the two ends of a piece.
@@ -117,7 +108,7 @@ impl Backbone {
         at(bore("inner_radius_m", self.inner_radius_m, self.radius_m))?;
         at(BadOption::unless_positive("youngs_modulus_pa", self.youngs_modulus_pa))?;
         at(poisson(self.poisson_ratio))?;
-        at(non_negative("density_kg_m3", self.density_kg_m3))?;
+        at(BadOption::unless_not_negative("density_kg_m3", self.density_kg_m3))?;
         at(BadOption::unless_positive_or_null("axial_stiffness_n", self.axial_stiffness_n))?;
         at(BadOption::unless_positive_or_null("shear_stiffness_n", self.shear_stiffness_n))?;
         at(BadOption::unless_positive_or_null("bending_stiffness_n_m2", self.bending_stiffness_n_m2))?;
@@ -226,15 +217,15 @@ impl Piece {
         }
         BadOption::unless_positive_or_null("youngs_modulus_pa", self.youngs_modulus_pa)?;
         self.poisson_ratio.map_or(Ok(()), poisson)?;
-        self.density_kg_m3.map_or(Ok(()), |density| non_negative("density_kg_m3", density))?;
+        self.density_kg_m3.map_or(Ok(()), |density| BadOption::unless_not_negative("density_kg_m3", density))?;
         BadOption::unless_positive_or_null("axial_stiffness_n", self.axial_stiffness_n)?;
         BadOption::unless_positive_or_null("shear_stiffness_n", self.shear_stiffness_n)?;
         BadOption::unless_positive_or_null("bending_stiffness_n_m2", self.bending_stiffness_n_m2)?;
         BadOption::unless_positive_or_null("torsion_stiffness_n_m2", self.torsion_stiffness_n_m2)?;
         let both_bend = self.anisotropy > -1.0 && self.anisotropy < 1.0;
         refuse(both_bend, "anisotropy", &self.anisotropy, "a number between -1 and 1")?;
-        finite("principal_angle_deg", self.principal_angle_deg)?;
-        self.rest_curvature_rad_m.iter().try_for_each(|&curvature| finite("rest_curvature_rad_m", curvature))
+        BadOption::unless_finite("principal_angle_deg", self.principal_angle_deg)?;
+        BadOption::unless_all_finite("rest_curvature_rad_m", &self.rest_curvature_rad_m)
     }
 }
 

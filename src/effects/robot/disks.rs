@@ -4,8 +4,7 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::{Checked, MAX_PARTS, Robot, at, refuse};
-use crate::base::BadOption;
-use crate::effects::non_negative;
+use crate::base::{BadOption, is_default};
 use crate::rod::{CompressibleSection, DiskSurface, PointMass, RodParams};
 
 /// Compressible sections, with the disks between them filling the rest of the backbone evenly (paper, Fig. 1b).
@@ -41,12 +40,8 @@ pub struct Disks {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub contact_radius_m: Option<f64>,
     /// Moments of inertia of each lumped disk about its own x, y and z, kg m².
-    #[serde(default, skip_serializing_if = "is_nothing")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub inertia_kg_m2: [f64; 3],
-}
-
-fn is_nothing(values: &[f64; 3]) -> bool {
-    *values == [0.0; 3]
 }
 
 impl Sections {
@@ -58,7 +53,7 @@ impl Sections {
         let at = |result| at("sections", result);
         at(refuse(self.count <= MAX_PARTS, "count", &self.count, "a whole number up to 10,000"))?;
         at(BadOption::unless_positive("length_m", self.length_m))?;
-        at(non_negative("compliance_m_per_n", self.compliance_m_per_n))?;
+        at(BadOption::unless_not_negative("compliance_m_per_n", self.compliance_m_per_n))?;
         at(BadOption::unless_positive("saturation_n", self.saturation_n))?;
         let fits = self.count as f64 * self.length_m <= length_m * (1.0 + 1e-9);
         at(refuse(fits, "length_m", &self.length_m, "sections that together are no longer than the backbone"))?;
@@ -71,10 +66,13 @@ impl Disks {
     /// Refuses numbers that make no disks on a backbone of `length_m`.
     pub(super) fn check(&self, length_m: f64) -> Checked {
         let at = |result| at("disks", result);
-        at(non_negative("mass_kg", self.mass_kg))?;
+        at(BadOption::unless_not_negative("mass_kg", self.mass_kg))?;
         at(refuse(self.count <= MAX_PARTS, "count", &self.count, "a whole number up to 10,000"))?;
         at(BadOption::unless_positive_or_null("contact_radius_m", self.contact_radius_m))?;
-        at(self.inertia_kg_m2.iter().try_for_each(|&inertia| non_negative("inertia_kg_m2", inertia)))?;
+        at(self
+            .inertia_kg_m2
+            .iter()
+            .try_for_each(|&inertia| BadOption::unless_not_negative("inertia_kg_m2", inertia)))?;
         if let Some(positions) = &self.positions_m {
             let inside = positions.len() == self.count && positions.iter().all(|s| (0.0..=length_m).contains(s));
             at(refuse(inside, "positions_m", positions, "one place per disk, each within the backbone"))?;
@@ -82,7 +80,7 @@ impl Disks {
         let Some(masses) = &self.masses_kg else { return Ok(()) };
         at(refuse(self.positions_m.is_some(), "masses_kg", masses, "`positions_m` beside it"))?;
         at(refuse(masses.len() == self.count, "masses_kg", masses, "one mass per disk"))?;
-        at(masses.iter().try_for_each(|&mass| non_negative("masses_kg", mass)))
+        at(masses.iter().try_for_each(|&mass| BadOption::unless_not_negative("masses_kg", mass)))
     }
 
     fn mass(&self, k: usize, position_m: f64) -> PointMass {

@@ -5,7 +5,6 @@ use serde::{Deserialize, Serialize};
 
 use super::refuse;
 use crate::base::BadOption;
-use crate::effects::finite;
 use crate::rod::{LineLoad, PointLoad, RodParams};
 
 /// A constant load.
@@ -76,15 +75,15 @@ impl Load {
             Load::Point(load) => {
                 let inside = (0.0..=length_m).contains(&load.position_m);
                 refuse(inside, "position_m", &load.position_m, on_it)?;
-                load.force_n.iter().try_for_each(|&force| finite("force_n", force))?;
-                load.moment_nm.iter().try_for_each(|&moment| finite("moment_nm", moment))
+                BadOption::unless_all_finite("force_n", &load.force_n)?;
+                BadOption::unless_all_finite("moment_nm", &load.moment_nm)
             }
             Load::Line(load) => {
                 refuse((0.0..=length_m).contains(&load.start_m), "start_m", &load.start_m, on_it)?;
                 let end_m = load.end_m.unwrap_or(length_m);
                 let beyond = end_m > load.start_m && end_m <= length_m;
                 refuse(beyond, "end_m", &end_m, "a place on the backbone beyond `start_m`")?;
-                load.force_n_m.iter().try_for_each(|&force| finite("force_n_m", force))
+                BadOption::unless_all_finite("force_n_m", &load.force_n_m)
             }
         }
     }

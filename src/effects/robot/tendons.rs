@@ -4,11 +4,10 @@ use serde::{Deserialize, Serialize};
 
 use super::{Checked, MAX_PARTS, PerTendon, at, refuse};
 use crate::base::{BadOption, PlacedTendon, TendonLayout};
-use crate::effects::{finite, non_negative};
 use crate::rod::{PRESLIDING_M, PathPoint, Tendon, TendonPath};
 
 /// Tendons: at one radius all along, unless a key says otherwise. Lists hold one entry a tendon.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Tendons {
     /// Distance from the backbone at the base, metres.
@@ -75,11 +74,11 @@ impl Tendons {
         let count = self.angles_deg.len();
         at(BadOption::unless_positive("radius_m", self.radius_m))?;
         at(refuse(!self.angles_deg.is_empty(), "angles_deg", &self.angles_deg, "at least one angle"))?;
-        at(self.angles_deg.iter().try_for_each(|&angle| finite("angles_deg", angle)))?;
+        at(BadOption::unless_all_finite("angles_deg", &self.angles_deg))?;
         at(each("radii_m", self.radii_m.as_ref(), count, &|r| r > 0.0, "one number above 0 per tendon"))?;
         at(each("twists_rad_m", self.twists_rad_m.as_ref(), count, &f64::is_finite, "one number per tendon"))?;
-        at(each_of("pretension_m", &self.pretension_m, count, &finite))?;
-        at(each_of("compliance_m_per_n", &self.compliance_m_per_n, count, &non_negative))?;
+        at(each_of("pretension_m", &self.pretension_m, count, &BadOption::unless_finite))?;
+        at(each_of("compliance_m_per_n", &self.compliance_m_per_n, count, &BadOption::unless_not_negative))?;
         at(BadOption::unless_positive_or_null("elastic_length_m", self.elastic_length_m))?;
         let inside = |s: f64| s > 0.0 && s <= length_m;
         at(each("ends_m", self.ends_m.as_ref(), count, &inside, "one place per tendon, each within the backbone"))?;
@@ -114,8 +113,8 @@ impl Tendons {
                 let path = format!("tendons.paths[{tendon}][{index}]");
                 let further = point.s_m >= 0.0 && point.s_m.is_finite() && point.s_m > before;
                 at(&path, refuse(further, "s_m", &point.s_m, "a place further from the base than the one before"))?;
-                at(&path, finite("x_m", point.x_m))?;
-                at(&path, finite("y_m", point.y_m))?;
+                at(&path, BadOption::unless_finite("x_m", point.x_m))?;
+                at(&path, BadOption::unless_finite("y_m", point.y_m))?;
                 before = point.s_m;
             }
         }

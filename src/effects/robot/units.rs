@@ -89,14 +89,9 @@ impl UnitRange {
     /// Refuses a number that no robot has; names the unit in which it would be usual.
     pub(in crate::effects) fn check(&self, key: &'static str, value: f64) -> Result<(), BadOption> {
         let size = value.abs();
-        if size == 0.0
-            || !size.is_finite()
-            || (value < 0.0 && !self.signed)
-            || (self.hard[0]..=self.hard[1]).contains(&size)
-        {
-            return Ok(());
-        }
-        Err(BadOption { key, found: self.found(value), expected: self.expected })
+        let left_to_others = size == 0.0 || !size.is_finite() || (value < 0.0 && !self.signed);
+        let good = left_to_others || (self.hard[0]..=self.hard[1]).contains(&size);
+        BadOption::unless(good, key, self.found(value), self.expected)
     }
 
     /// The number, with the unit that was likely meant.

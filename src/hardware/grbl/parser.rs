@@ -37,7 +37,7 @@ pub enum Reply {
 }
 
 /// A status report. Fields that a report leaves out have not changed, except for pins, which are listed while active.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StatusReport {
     /// Mode of the controller.
     pub mode: Mode,
@@ -96,17 +96,7 @@ fn info(text: &str) -> Option<Reply> {
 fn status(text: &str) -> Option<StatusReport> {
     let mut fields = text.split('|');
     let name = fields.next()?;
-    let mut status = StatusReport {
-        mode: mode(name)?,
-        bare_hold: name == "Hold",
-        position_mm: None,
-        free_blocks: None,
-        feed_mm_min: None,
-        pins: Pins::default(),
-        offset_mm: None,
-        homed: None,
-        feed_override: None,
-    };
+    let mut status = StatusReport { mode: mode(name)?, bare_hold: name == "Hold", ..StatusReport::default() };
     for field in fields {
         // Other fields differ between firmware versions and are ignored.
         let Some((name, value)) = field.split_once(':') else { continue };

@@ -58,22 +58,14 @@ impl MotionSettings {
     /// # Errors
     /// [`BadOption`] names the first one.
     pub fn check(&self) -> Result<(), BadOption> {
-        if self.port.is_empty() {
-            return Err(BadOption { key: "port", found: "nothing".to_owned(), expected: "the name of a serial port" });
-        }
-        if self.baud == 0 {
-            return Err(BadOption { key: "baud", found: "0".to_owned(), expected: "a whole number of at least 1" });
-        }
+        BadOption::unless(!self.port.is_empty(), "port", "nothing", "the name of a serial port")?;
+        BadOption::unless_counted("baud", self.baud as usize)?;
         BadOption::unless_positive("late_s", self.late_s)?;
         BadOption::unless_positive("reply_timeout_s", self.reply_timeout_s)?;
         BadOption::unless_positive("homing_timeout_s", self.homing_timeout_s)?;
         BadOption::unless_positive("travel_m", self.travel_m)?;
         BadOption::unless_positive("max_speed_mm_min", self.max_speed_mm_min)?;
-        if self.homing_directions > 15 {
-            let found = self.homing_directions.to_string();
-            return Err(BadOption { key: "homing_directions", found, expected: "0 to 15" });
-        }
-        Ok(())
+        BadOption::unless_within("homing_directions", self.homing_directions, 0..=15, "0 to 15")
     }
 
     /// Lowest and highest machine position of an axis, millimetres: the switch is at 0.

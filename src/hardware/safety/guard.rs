@@ -117,29 +117,17 @@ impl Guard {
 
     /// Starts homing, if the state permits it.
     pub fn begin_homing(&mut self) -> bool {
-        let permitted = matches!(self.state, GuardState::Idle | GuardState::Active);
-        if permitted {
-            self.state = GuardState::Homing;
-        }
-        permitted
+        self.enter_if(matches!(self.state, GuardState::Idle | GuardState::Active), GuardState::Homing)
     }
 
     /// Activates a robot that is homed.
     pub fn activate(&mut self) -> bool {
-        let permitted = matches!(self.state, GuardState::Idle);
-        if permitted {
-            self.state = GuardState::Active;
-        }
-        permitted
+        self.enter_if(matches!(self.state, GuardState::Idle), GuardState::Active)
     }
 
     /// Parks a robot at rest, for example while a person works on it: tracking is ignored until it is active again.
     pub fn park(&mut self) -> bool {
-        let permitted = matches!(self.state, GuardState::Active);
-        if permitted {
-            self.state = GuardState::Idle;
-        }
-        permitted
+        self.enter_if(matches!(self.state, GuardState::Active), GuardState::Idle)
     }
 
     /// Stops a robot that is active, held or homing, because the program ends or gives up.
@@ -187,6 +175,13 @@ impl Guard {
             return self.stop(StopReason { what, ..reason }, now_s);
         }
         self.enter(GuardState::Held { reason, since_s: now_s }, SafetyAction::Hold)
+    }
+
+    fn enter_if(&mut self, permitted: bool, state: GuardState) -> bool {
+        if permitted {
+            self.state = state;
+        }
+        permitted
     }
 
     fn enter(&mut self, state: GuardState, order: SafetyAction) -> SafetyAction {

@@ -58,11 +58,9 @@ impl RigidPose {
     pub fn check(&self, key: &'static str) -> Result<(), BadOption> {
         let length = self.quaternion.iter().map(|value| value * value).sum::<f64>().sqrt();
         let finite = self.position_m.iter().all(|value| value.is_finite());
-        if finite && (length - 1.0).abs() <= UNIT_TOLERANCE {
-            return Ok(());
-        }
+        let good = finite && (length - 1.0).abs() <= UNIT_TOLERANCE;
         let found = format!("position_m {:?}, quaternion {:?}", self.position_m, self.quaternion);
-        Err(BadOption { key, found, expected: "a finite position and a quaternion (w, x, y, z) of length 1" })
+        BadOption::unless(good, key, found, "a finite position and a quaternion (w, x, y, z) of length 1")
     }
 }
 

@@ -164,18 +164,19 @@ mod tests {
     /// The server's clock is not known.
     const NOW: f64 = f64::INFINITY;
 
+    fn at(number: i32, stamp_s: f64) -> FrameStamp {
+        FrameStamp { number, stamp_s }
+    }
+
     fn stamp(number: i32) -> FrameStamp {
-        FrameStamp { number, stamp_s: f64::from(number) * 0.01 }
+        at(number, f64::from(number) * 0.01)
     }
 
     #[test]
     fn numbers_wrap() {
         let mut sequence = FrameSequence::default();
-        sequence.classify(FrameStamp { number: i32::MAX, stamp_s: 1.0 }, 0.0, NOW);
-        assert_eq!(
-            sequence.classify(FrameStamp { number: i32::MIN + 1, stamp_s: 1.02 }, 0.02, NOW),
-            FrameOrder::New { lost: 1 }
-        );
+        sequence.classify(at(i32::MAX, 1.0), 0.0, NOW);
+        assert_eq!(sequence.classify(at(i32::MIN + 1, 1.02), 0.02, NOW), FrameOrder::New { lost: 1 });
     }
 
     #[test]
@@ -192,17 +193,11 @@ mod tests {
     #[test]
     fn a_clock_that_stands_is_no_restart() {
         let mut sequence = FrameSequence::default();
-        sequence.classify(FrameStamp { number: 1, stamp_s: 5.0 }, 0.0, NOW);
+        sequence.classify(at(1, 5.0), 0.0, NOW);
         for k in 2..500 {
-            assert_eq!(
-                sequence.classify(FrameStamp { number: k, stamp_s: 5.0 }, f64::from(k) * 0.01, NOW),
-                FrameOrder::StuckClock
-            );
+            assert_eq!(sequence.classify(at(k, 5.0), f64::from(k) * 0.01, NOW), FrameOrder::StuckClock);
         }
-        assert_eq!(
-            sequence.classify(FrameStamp { number: 500, stamp_s: 9.0 }, 5.0, NOW),
-            FrameOrder::New { lost: 498 }
-        );
+        assert_eq!(sequence.classify(at(500, 9.0), 5.0, NOW), FrameOrder::New { lost: 498 });
     }
 
     /// Two servers at one address, 77,777 frames and 500 s apart, as they were seen.
@@ -221,18 +216,18 @@ mod tests {
         let mut both = begun();
         for k in 11..=40 {
             let now_s = 0.01 * f64::from(k);
-            let other = FrameStamp { number: k + 77_777, stamp_s: now_s + 500.0 };
+            let other = at(k + 77_777, now_s + 500.0);
             assert_eq!(both.classify(other, now_s, now_s), FrameOrder::Foreign);
             assert_eq!(both.classify(stamp(k), now_s, now_s), FrameOrder::New { lost: 0 });
         }
-        let number_only = FrameStamp { number: 77_777, stamp_s: 0.11 };
+        let number_only = at(77_777, 0.11);
         assert_eq!(begun().classify(number_only, 0.11, 0.11), FrameOrder::Foreign);
         // The other one is behind: while both stream, it is found out.
         let mut behind = FrameSequence::new(100.0);
         let orders: Vec<FrameOrder> = (1..=20)
             .flat_map(|k| {
                 let now_s = 0.01 * f64::from(k);
-                let ahead = FrameStamp { number: k + 77_777, stamp_s: now_s + 500.0 };
+                let ahead = at(k + 77_777, now_s + 500.0);
                 [behind.classify(ahead, now_s, NOW), behind.classify(stamp(k), now_s, NOW)]
             })
             .collect();
@@ -272,12 +267,12 @@ mod tests {
             [(1, 0.01, 0.3), (2, 0.02, 0.0), (300, 3.0, 0.2), (301, 3.01, 0.0), (541, 4.01, 0.0)]
         {
             now_s = f64::max(now_s, stamp_s + delay_s);
-            let order = sequence.classify(FrameStamp { number, stamp_s }, now_s, now_s);
+            let order = sequence.classify(at(number, stamp_s), now_s, now_s);
             assert!(matches!(order, FrameOrder::New { .. }), "{number}: {order:?}");
         }
         // After a new handshake a server may count from anywhere.
         sequence.expect_restart();
-        let order = sequence.classify(FrameStamp { number: 900_000, stamp_s: 1e6 }, 5.0, 5.0);
+        let order = sequence.classify(at(900_000, 1e6), 5.0, 5.0);
         assert!(matches!(order, FrameOrder::New { .. }), "{order:?}");
     }
 }

@@ -153,18 +153,10 @@ impl TrackingSettings {
         BadOption::unless_counted("data_port", self.data_port.into())?;
         BadOption::unless_positive("rate_hz", self.rate_hz)?;
         BadOption::unless_positive("connect_s", self.connect_s)?;
-        if !self.multicast_group.is_multicast() {
-            let found = self.multicast_group.to_string();
-            return Err(BadOption {
-                key: "multicast_group",
-                found,
-                expected: "an address of 224.0.0.0 to 239.255.255.255",
-            });
-        }
-        if self.base_body.as_ref() == Some(&self.tip_body) {
-            let found = self.tip_body.to_string();
-            return Err(BadOption { key: "tip_body", found, expected: "another body than base_body" });
-        }
+        let (group, expected) = (self.multicast_group, "an address of 224.0.0.0 to 239.255.255.255");
+        BadOption::unless(group.is_multicast(), "multicast_group", group, expected)?;
+        let distinct = self.base_body.as_ref() != Some(&self.tip_body);
+        BadOption::unless(distinct, "tip_body", &self.tip_body, "another body than base_body")?;
         self.alignment.check("alignment")?;
         self.tip_offset.check("tip_offset")
     }

@@ -63,21 +63,14 @@ impl TrackerSockets {
     }
 }
 
+const PASSING: [ErrorKind; 4] =
+    [ErrorKind::WouldBlock, ErrorKind::Interrupted, ErrorKind::ConnectionReset, ErrorKind::ConnectionRefused];
+
 fn waiting(socket: &UdpSocket, buffer: &mut [u8]) -> io::Result<Option<(usize, SocketAddr)>> {
     match socket.recv_from(buffer) {
         Ok((length, from)) => Ok(Some((length, from))),
         // Some systems report a closed port of the server here; a missing answer is detected elsewhere.
-        Err(error)
-            if matches!(
-                error.kind(),
-                ErrorKind::WouldBlock
-                    | ErrorKind::Interrupted
-                    | ErrorKind::ConnectionReset
-                    | ErrorKind::ConnectionRefused
-            ) =>
-        {
-            Ok(None)
-        }
+        Err(error) if PASSING.contains(&error.kind()) => Ok(None),
         Err(error) => Err(error),
     }
 }

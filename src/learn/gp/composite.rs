@@ -2,7 +2,7 @@
 
 use super::covariance::TrainingPoints;
 use super::expression::KernelExpression;
-use super::kernels::{Component, FACTORS, Hyperparameter, PairRow, Stationary, find};
+use super::kernels::{Component, FACTORS, Hyperparameter, PairRow, STATIONARY};
 use crate::base::Rows;
 use crate::learn::LearnError;
 
@@ -14,7 +14,7 @@ pub(super) struct Composite {
 }
 
 struct Leaf {
-    component: Box<dyn Component>,
+    component: &'static dyn Component,
     /// The inputs that it sees, from 0.
     inputs: Vec<usize>,
     /// Where its hyper-parameters begin, and how many they are.
@@ -28,39 +28,6 @@ pub(super) struct RowRates {
     rates: Vec<Vec<Vec<f64>>>,
 }
 
-/// A registered kernel that is no stationary one.
-struct Registered(&'static dyn Component);
-
-impl Component for Registered {
-    fn name(&self) -> &'static str {
-        self.0.name()
-    }
-
-    fn hyperparameters(&self, inputs: usize) -> Vec<Hyperparameter> {
-        self.0.hyperparameters(inputs)
-    }
-
-    fn values(&self, parameters: &[f64], row: &PairRow, out: &mut [f64]) {
-        self.0.values(parameters, row, out);
-    }
-
-    fn rates(&self, parameters: &[f64], row: &PairRow, out: &mut [Vec<f64>]) {
-        self.0.rates(parameters, row, out);
-    }
-
-    fn variance(&self, parameters: &[f64], at: &[f64]) -> f64 {
-        self.0.variance(parameters, at)
-    }
-}
-
-fn component(name: &str) -> Option<Box<dyn Component>> {
-    if let Some(kernel) = find(name) {
-        return Some(Box::new(Stationary(kernel)));
-    }
-    let factor = FACTORS.iter().find(|factor| factor.name() == name)?;
-    Some(Box::new(Registered(*factor)))
-}
-
 impl Composite {
     /// The covariance of `expression` on samples of `inputs` inputs.
     pub(super) fn new(expression: &KernelExpression, inputs: usize) -> Result<Composite, LearnError> {
@@ -72,7 +39,8 @@ impl Composite {
                 found: factor.kernel.to_owned(),
                 expected: "registered kernels",
             };
-            let component = component(factor.kernel).ok_or_else(unknown)?;
+            let mut registered = STATIONARY.iter().chain(FACTORS).copied();
+            let component = registered.find(|one| one.name() == factor.kernel).ok_or_else(unknown)?;
             let inputs = factor.inputs.of(inputs)?;
             let count = component.hyperparameters(inputs.len()).len();
             leaves.push(Leaf { component, inputs, from, count });
@@ -214,10 +182,7 @@ impl KernelExpression {
     /// [`LearnError`] for inputs that the samples do not have or another number of parameters.
     pub fn gram(&self, samples: &Rows, parameters: &[f64]) -> Result<Rows, LearnError> {
         let composite = Composite::new(self, samples.width())?;
-        if parameters.len() != composite.len() {
-            let (what, found) = ("hyper-parameters of a kernel", parameters.len());
-            return Err(LearnError::Shape { what, found, expected: composite.len() });
-        }
+        LearnError::unless_shape("hyper-parameters of a kernel", parameters.len(), composite.len())?;
         let points = TrainingPoints::of(samples);
         let mut out = Rows::new(points.n);
         let mut row = vec![0.0; points.n];

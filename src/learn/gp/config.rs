@@ -5,6 +5,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 use super::expression::KernelExpression;
 use super::kernels;
 use super::mean::MeanFunction;
+use crate::base::is_default;
 use crate::learn::LearnError;
 use crate::learn::selection::Selection;
 
@@ -89,7 +90,7 @@ pub struct GpConfig {
     pub inducing_points: usize,
     /// How an experiment chooses the rows that it fits from the predefined points. [`Gp::fit`](super::Gp::fit) takes all that
     /// it is given.
-    #[serde(skip_serializing_if = "Selection::is_paper")]
+    #[serde(skip_serializing_if = "is_default")]
     pub selection: Selection,
     /// Reading of the paper's λ.
     pub lambda: Lambda,
@@ -152,26 +153,15 @@ impl Default for GpConfig {
 impl GpConfig {
     /// Checks the ranges.
     pub fn check(&self) -> Result<(), LearnError> {
-        let refuse = |key, found: String, expected| Err(LearnError::Setting { key, found, expected });
-        if self.starts == 0 || self.starts > 1000 {
-            return refuse("starts", self.starts.to_string(), "1 to 1000");
-        }
-        if self.start_rows < 10 {
-            return refuse("start_rows", self.start_rows.to_string(), "at least 10");
-        }
-        if !(self.noise_floor > 0.0 && self.noise_floor < 1.0) {
-            return refuse("noise_floor", self.noise_floor.to_string(), "above 0 and below 1");
-        }
-        if !(self.tolerance > 0.0 && self.tolerance.is_finite()) {
-            return refuse("tolerance", self.tolerance.to_string(), "above 0");
-        }
-        if !(2..=2000).contains(&self.inducing_points) {
-            return refuse("inducing_points", self.inducing_points.to_string(), "2 to 2000");
-        }
-        if self.folds < 2 {
-            return refuse("folds", self.folds.to_string(), "at least 2");
-        }
-        Ok(())
+        let GpConfig { starts, start_rows, noise_floor, tolerance, inducing_points, folds, .. } = *self;
+        LearnError::unless_setting((1..=1000).contains(&starts), "starts", starts, "1 to 1000")?;
+        LearnError::unless_setting(start_rows >= 10, "start_rows", start_rows, "at least 10")?;
+        let floored = noise_floor > 0.0 && noise_floor < 1.0;
+        LearnError::unless_setting(floored, "noise_floor", noise_floor, "above 0 and below 1")?;
+        LearnError::unless_setting(tolerance > 0.0 && tolerance.is_finite(), "tolerance", tolerance, "above 0")?;
+        let induced = (2..=2000).contains(&inducing_points);
+        LearnError::unless_setting(induced, "inducing_points", inducing_points, "2 to 2000")?;
+        LearnError::unless_setting(folds >= 2, "folds", folds, "at least 2")
     }
 
     /// Most points that a process can be fitted to.

@@ -38,7 +38,7 @@ pub(super) trait LogLikelihood: Objective {
 
 impl LogLikelihood for Likelihood<'_> {
     fn covariance(&self) -> &Covariance {
-        self.covariance()
+        &self.covariance
     }
 
     fn information(&mut self) -> Option<Vec<f64>> {

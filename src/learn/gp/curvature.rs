@@ -20,17 +20,17 @@ const PROBES: usize = 8;
 impl Likelihood<'_> {
     /// Estimated Fisher information at the latest value, row-major.
     pub(super) fn information(&mut self) -> Vec<f64> {
-        let (n, count) = (self.points().n, self.covariance().len());
+        let (n, count) = (self.points.n, self.covariance.len());
         let mut rng = Seed(0).child("fisher probes").rng();
         let signs = (0..n * (PROBES - 1)).map(|_| if rng.random::<bool>() { 1.0 } else { -1.0 });
         let mut probes: Vec<f64> = signs.collect();
-        self.factor().solve_transposed_half(&mut probes);
-        probes.extend_from_slice(self.alpha());
-        let mut images = match self.covariance().clone() {
+        self.factor.solve_transposed_half(&mut probes);
+        probes.extend_from_slice(&self.alpha);
+        let mut images = match self.covariance.clone() {
             Covariance::Stationary(kernel, layout) => self.stationary_images(kernel, layout, &probes),
             Covariance::Composite(composite) => self.composite_images(&composite, &probes, PROBES),
         };
-        self.factor().solve_half(&mut images);
+        self.factor.solve_half(&mut images);
         let mut out = vec![0.0; count * count];
         for i in 0..count {
             for j in 0..count {
@@ -44,8 +44,8 @@ impl Likelihood<'_> {
 
     /// `∂K/∂θ_k w_p` for every hyper-parameter k and probe p: column `k · PROBES + p` of n numbers.
     fn stationary_images(&self, kernel: &dyn Kernel, layout: HyperparameterLayout, probes: &[f64]) -> Vec<f64> {
-        let n = self.points().n;
-        let theta = self.theta();
+        let n = self.points.n;
+        let theta = &self.theta;
         let (shape, signal) = (layout.shape(theta), layout.signal_variance(theta));
         let noise = layout.noise_variance(theta);
         let mut images = vec![0.0; n * PROBES * layout.len()];
@@ -58,7 +58,7 @@ impl Likelihood<'_> {
                     }
                 });
             };
-            self.scaled().squared_distances(0, |d| self.scaled().input(d)[j], &mut s);
+            self.scaled.squared_distances(0, |d| self.scaled.input(d)[j], &mut s);
             for k in 0..layout.shapes {
                 row.copy_from_slice(&s);
                 kernel.shape_slopes(&shape, k, &mut row);
@@ -67,7 +67,7 @@ impl Likelihood<'_> {
             kernel.slopes(&shape, &mut s, &mut slope);
             add(0, signal, &s);
             for d in 0..layout.inputs {
-                let (x, centre) = (self.scaled().input(d), self.scaled().input(d)[j]);
+                let (x, centre) = (self.scaled.input(d), self.scaled.input(d)[j]);
                 vectorised!({
                     for ((row, x), slope) in row.iter_mut().zip(x).zip(&slope) {
                         *row = (x - centre) * (x - centre) * slope;

@@ -16,12 +16,15 @@ use crate::math::vectorised;
 
 /// Minus the log marginal likelihood of one standardised output as a function of the logarithmic hyper-parameters.
 pub(super) struct Likelihood<'a> {
-    covariance: Covariance,
+    pub(super) covariance: Covariance,
     pub(super) points: &'a TrainingPoints,
     y: &'a [f64],
     pub(super) theta: Vec<f64>,
-    scaled: TrainingPoints,
+    /// Inputs over length-scales at the latest value, for one stationary kernel.
+    pub(super) scaled: TrainingPoints,
+    /// Weight of each point, `α = K⁻¹ y`, at the latest value.
     pub(super) alpha: Vec<f64>,
+    /// Cholesky factor of K at the latest value.
     pub(super) factor: Lower,
     pub(super) inverse: Lower,
     memory: FactorBuffers,
@@ -54,33 +57,6 @@ impl<'a> Likelihood<'a> {
     /// What the mean function adds to predictions at the latest value.
     pub(super) fn added(&self) -> Option<AddedTerm> {
         self.mean.added(&self.factor)
-    }
-
-    /// Weight of each point, `α = K⁻¹ y`, at the latest value.
-    pub(super) fn alpha(&self) -> &[f64] {
-        &self.alpha
-    }
-
-    /// Cholesky factor of K at the latest value.
-    pub(super) fn factor(&self) -> &Lower {
-        &self.factor
-    }
-
-    /// Inputs over length-scales at the latest value, for one stationary kernel.
-    pub(super) fn scaled(&self) -> &TrainingPoints {
-        &self.scaled
-    }
-
-    pub(super) fn covariance(&self) -> &Covariance {
-        &self.covariance
-    }
-
-    pub(super) fn points(&self) -> &TrainingPoints {
-        self.points
-    }
-
-    pub(super) fn theta(&self) -> &[f64] {
-        &self.theta
     }
 
     fn fill_gram(&mut self) {

@@ -107,16 +107,10 @@ impl Gp {
         Self::check_rows(inputs, config)?;
         let covariance = Covariance::new(&config.kernel, inputs.width())?;
         let (points, columns) = Self::prepare(inputs, outputs);
-        let expected = covariance.len();
-        if theta.len() != columns.len() {
-            let what = "outputs with hyper-parameters";
-            return Err(LearnError::Shape { what, found: theta.len(), expected: columns.len() });
-        }
+        LearnError::unless_shape("outputs with hyper-parameters", theta.len(), columns.len())?;
         let mut posteriors = Vec::with_capacity(columns.len());
         for (output, (y, theta)) in columns.iter().zip(&theta).enumerate() {
-            if theta.len() != expected {
-                return Err(LearnError::Shape { what: "hyper-parameters", found: theta.len(), expected });
-            }
+            LearnError::unless_shape("hyper-parameters", theta.len(), covariance.len())?;
             let posterior = match config.approximation {
                 Approximation::Exact => Posterior::exact((&covariance, config.mean), &points, y, theta),
                 Approximation::Sgpr | Approximation::Fitc => Posterior::sparse(config, &covariance, &points, y, theta),
@@ -252,8 +246,7 @@ impl Gp {
     }
 
     fn check_width(&self, found: usize) -> Result<(), LearnError> {
-        let expected = self.inputs.width();
-        if found == expected { Ok(()) } else { Err(LearnError::Shape { what: "columns of a query", found, expected }) }
+        LearnError::unless_shape("columns of a query", found, self.inputs.width())
     }
 
     /// Posterior mean of every output at one point, in the outputs' units (paper eq. 19).

@@ -114,9 +114,7 @@ impl OnlineGp {
     /// # Errors
     /// [`LearnError::Setting`] for no samples.
     pub fn new(gp: &Gp, capacity: usize, leaving: Leaving) -> Result<OnlineGp, LearnError> {
-        if capacity == 0 {
-            return Err(LearnError::Setting { key: "points", found: "0".to_owned(), expected: "at least 1 point" });
-        }
+        LearnError::unless_setting(capacity > 0, "points", capacity, "at least 1 point")?;
         let nothing = TrainingPoints::of(&Rows::new(gp.inputs()));
         let of = |theta: &Vec<f64>| AddedSamples {
             prior: FittedPrior::new(&gp.covariance, theta, &nothing),
@@ -152,15 +150,9 @@ impl OnlineGp {
     /// [`LearnError`] for another width or numbers that are not finite; nothing is added then.
     pub fn add(&mut self, input: &[f64], output: &[f64]) -> Result<(), LearnError> {
         self.gp.check_width(input.len())?;
-        let expected = self.gp.outputs();
-        if output.len() != expected {
-            return Err(LearnError::Shape { what: "columns of a sample's outputs", found: output.len(), expected });
-        }
-        for (table, values) in [("inputs", input), ("outputs", output)] {
-            if let Some(column) = values.iter().position(|value| !value.is_finite()) {
-                return Err(LearnError::NotFinite { table, row: self.added(), column, value: values[column] });
-            }
-        }
+        LearnError::unless_shape("columns of a sample's outputs", output.len(), self.gp.outputs())?;
+        LearnError::unless_finite("inputs", self.added(), input)?;
+        LearnError::unless_finite("outputs", self.added(), output)?;
         let x = self.gp.standardised(input);
         if self.added() == self.capacity {
             let leaves = match self.leaving {

@@ -137,8 +137,8 @@ impl Posterior {
         value.is_finite().then(|| Posterior {
             prior: FittedPrior::new(covariance, theta, points),
             inputs: points.inputs,
-            alpha: likelihood.alpha().to_vec(),
-            inverse_factor: likelihood.factor().inverse_factor(),
+            alpha: likelihood.alpha.clone(),
+            inverse_factor: likelihood.factor.inverse_factor(),
             log_marginal_likelihood: -value,
             added: likelihood.added(),
             inducing: Vec::new(),

@@ -10,7 +10,8 @@ use crate::learn::{LearnError, exact};
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct StoredGp {
-    config: StoredConfig,
+    #[serde(with = "StoredConfig")]
+    config: GpConfig,
     inputs: StoredRows,
     outputs: StoredRows,
     hyperparameters: StoredRows,
@@ -20,12 +21,14 @@ pub(super) struct StoredGp {
 /// The settings of the fit, every one of them: the format of the store leaves no field out. How rows were chosen is no part
 /// of a fit.
 #[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(remote = "GpConfig", deny_unknown_fields)]
 struct StoredConfig {
     kernel: KernelExpression,
     mean: MeanFunction,
     approximation: Approximation,
     inducing_points: usize,
+    #[serde(skip)]
+    selection: Selection,
     lambda: Lambda,
     starts: usize,
     start_rows: usize,
@@ -33,47 +36,6 @@ struct StoredConfig {
     tolerance: f64,
     folds: usize,
     fold_order: FoldOrder,
-}
-
-impl From<GpConfig> for StoredConfig {
-    fn from(config: GpConfig) -> Self {
-        let GpConfig { kernel, mean, approximation, inducing_points, selection: _, lambda, starts, .. } = config;
-        let GpConfig { start_rows, noise_floor, tolerance, folds, fold_order, .. } = config;
-        StoredConfig {
-            kernel,
-            mean,
-            approximation,
-            inducing_points,
-            lambda,
-            starts,
-            start_rows,
-            noise_floor,
-            tolerance,
-            folds,
-            fold_order,
-        }
-    }
-}
-
-impl From<StoredConfig> for GpConfig {
-    fn from(stored: StoredConfig) -> Self {
-        let StoredConfig { kernel, mean, approximation, inducing_points, lambda, starts, .. } = stored;
-        let StoredConfig { start_rows, noise_floor, tolerance, folds, fold_order, .. } = stored;
-        GpConfig {
-            kernel,
-            mean,
-            approximation,
-            inducing_points,
-            selection: Selection::default(),
-            lambda,
-            starts,
-            start_rows,
-            noise_floor,
-            tolerance,
-            folds,
-            fold_order,
-        }
-    }
 }
 
 #[derive(Serialize, Deserialize)]
@@ -108,7 +70,7 @@ impl From<Gp> for StoredGp {
             outputs: StoredRows::of(&gp.outputs),
             hyperparameters: StoredRows { width, values: gp.theta.concat() },
             evaluations: gp.evaluations,
-            config: gp.config.into(),
+            config: gp.config,
         }
     }
 }
@@ -118,6 +80,6 @@ impl TryFrom<StoredGp> for Gp {
 
     fn try_from(stored: StoredGp) -> Result<Gp, LearnError> {
         let theta = stored.hyperparameters.rows()?.iter().map(<[f64]>::to_vec).collect();
-        Gp::condition(&stored.inputs.rows()?, &stored.outputs.rows()?, &stored.config.into(), theta, stored.evaluations)
+        Gp::condition(&stored.inputs.rows()?, &stored.outputs.rows()?, &stored.config, theta, stored.evaluations)
     }
 }

@@ -139,16 +139,14 @@ impl NetworkConfig {
             ("stop_check_updates", self.stop_check_updates, 1_000_000),
         ];
         for (key, found, most) in counts {
-            if found == 0 || found > most {
-                let expected = match most {
-                    100 => "1 to 100",
-                    1000 => "1 to 1000",
-                    1024 => "1 to 1024",
-                    4096 => "1 to 4096",
-                    _ => "1 to 1000000",
-                };
-                return Err(LearnError::Setting { key, found: found.to_string(), expected });
-            }
+            let expected = match most {
+                100 => "1 to 100",
+                1000 => "1 to 1000",
+                1024 => "1 to 1024",
+                4096 => "1 to 4096",
+                _ => "1 to 1000000",
+            };
+            LearnError::unless_setting((1..=most).contains(&found), key, found, expected)?;
         }
         let ranges = [
             ("train_share", self.train_share, 0.05, 0.95, "0.05 to 0.95"),
@@ -156,11 +154,8 @@ impl NetworkConfig {
             ("decay", self.decay, 0.01, 1.0, "0.01 to 1"),
             ("stop_at_validation_mae_m", self.stop_at_validation_mae_m.unwrap_or(1.0), 1e-300, 1e300, "above 0"),
         ];
-        for (key, found, low, high, expected) in ranges {
-            if !(found >= low && found <= high) {
-                return Err(LearnError::Setting { key, found: found.to_string(), expected });
-            }
-        }
-        Ok(())
+        ranges.into_iter().try_for_each(|(key, found, low, high, expected)| {
+            LearnError::unless_setting(found >= low && found <= high, key, found, expected)
+        })
     }
 }

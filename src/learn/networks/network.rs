@@ -83,20 +83,12 @@ impl Network {
     /// # Errors
     /// Wrong widths, or an input that is not finite (the state is then left as it was).
     pub fn step(&self, state: &mut NetworkState, input: &[f64], out: &mut [f64]) -> Result<(), LearnError> {
-        let widths = [
-            ("columns of a query", input.len(), self.inputs()),
-            ("columns of an answer", out.len(), self.outputs()),
-            ("members of a state", state.members.len(), self.members()),
-            ("sums of a state", state.members.first().map_or(0, |member| member.sums.len()), self.sizes.row_len()),
-        ];
-        for (what, found, expected) in widths {
-            if found != expected {
-                return Err(LearnError::Shape { what, found, expected });
-            }
-        }
-        if let Some(column) = input.iter().position(|x| !x.is_finite()) {
-            return Err(LearnError::NotFinite { table: "inputs", row: 0, column, value: input[column] });
-        }
+        let sums = state.members.first().map_or(0, |member| member.sums.len());
+        LearnError::unless_shape("columns of a query", input.len(), self.inputs())?;
+        LearnError::unless_shape("columns of an answer", out.len(), self.outputs())?;
+        LearnError::unless_shape("members of a state", state.members.len(), self.members())?;
+        LearnError::unless_shape("sums of a state", sums, self.sizes.row_len())?;
+        LearnError::unless_finite("inputs", 0, input)?;
         self.advance(state, input, out);
         Ok(())
     }
@@ -124,10 +116,7 @@ impl Network {
     /// # Errors
     /// Another width, numbers that are not finite, start rows out of order.
     pub fn predict_rows(&self, inputs: &Rows, sequences: &[usize]) -> Result<Rows, LearnError> {
-        if inputs.width() != self.inputs() {
-            let what = "columns of a query";
-            return Err(LearnError::Shape { what, found: inputs.width(), expected: self.inputs() });
-        }
+        LearnError::unless_shape("columns of a query", inputs.width(), self.inputs())?;
         check_finite("inputs", inputs)?;
         super::windows::check_sequences(sequences, inputs.len())?;
         let mut state = self.state();

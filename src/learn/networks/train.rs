@@ -107,15 +107,8 @@ impl Network {
     ) -> Result<Trained, LearnError> {
         config.check()?;
         check_samples(inputs, outputs)?;
-        let widths = [
-            ("columns of inputs", inputs.width(), self.inputs()),
-            ("columns of outputs", outputs.width(), self.outputs()),
-        ];
-        for (what, found, expected) in widths {
-            if found != expected {
-                return Err(LearnError::Shape { what, found, expected });
-            }
-        }
+        LearnError::unless_shape("columns of inputs", inputs.width(), self.inputs())?;
+        LearnError::unless_shape("columns of outputs", outputs.width(), self.outputs())?;
         let split = Split::new(inputs.len(), sequences, config)?;
         let start = Network { recurrent: config.window > 1, ..self.clone() };
         let samples = TrainingSamples::new(&start, inputs, outputs, sequences, split);

@@ -45,19 +45,12 @@ selections! {
 }
 
 impl Selection {
-    /// Whether this is the paper's.
-    pub fn is_paper(&self) -> bool {
-        *self == Selection::default()
-    }
-
     /// Numbers (from 0, rising) of `count` of the rows of `inputs`. Distances count in standard deviations of each column.
     ///
     /// # Errors
     /// [`LearnError::TooFewRows`] when more are asked for than there are, [`LearnError::Setting`] for none.
     pub fn choose(self, inputs: &Rows, count: usize, seed: Seed) -> Result<Vec<usize>, LearnError> {
-        if count == 0 {
-            return Err(LearnError::Setting { key: "gp_points", found: "0".to_owned(), expected: "at least 1 point" });
-        }
+        LearnError::unless_setting(count > 0, "gp_points", count, "at least 1 point")?;
         if count > inputs.len() {
             let why = "points to choose from";
             return Err(LearnError::TooFewRows { found: inputs.len(), needed: count, why });

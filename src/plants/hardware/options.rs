@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::Hardware;
-use crate::base::{BadOption, Plant, Seed};
+use crate::base::{BadOption, Plant, Seed, is_default};
 use crate::effects::{DriveGains, EffectSpec, Model};
 use crate::hardware::axes::{AXES, AxesOptions};
 use crate::hardware::grbl::MotionSettings;
@@ -45,10 +45,6 @@ pub struct HardwareOptions {
     pub attached: Vec<EffectSpec>,
 }
 
-fn is_zero(value: &f64) -> bool {
-    *value == 0.0
-}
-
 fn settle_s() -> f64 {
     2.0
 }
@@ -66,10 +62,10 @@ pub struct RehearsalOptions {
     #[serde(default)]
     pub loss: f64,
     /// Frames are delayed by random times up to this one, s.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub jitter_s: f64,
     /// Gaps without frames of this length, s, one every three seconds.
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "is_default")]
     pub gap_s: f64,
     /// True pose of the robot's base frame in the base body's frame; null: the pose in `tracking.alignment`. For
     /// testing `spinebench align`.
@@ -92,19 +88,14 @@ impl HardwareOptions {
             attached: Vec::new(),
         }
     }
-}
 
-impl HardwareOptions {
     /// Refuses an answer time after which the guard has stopped the robot already.
     fn check_reply_timeout(&self) -> Result<(), BadOption> {
         let (reply_s, stop_s) = (self.motion.reply_timeout_s, self.motion.late_s + self.safety.hold_stop_s);
-        if reply_s <= stop_s {
-            return Ok(());
-        }
         let found =
             format!("{reply_s} s with late_s {} and hold_stop_s {}", self.motion.late_s, self.safety.hold_stop_s);
         let expected = "at most motion.late_s + safety.hold_stop_s, when a held robot is stopped";
-        Err(BadOption { key: "reply_timeout_s", found, expected })
+        BadOption::unless(reply_s <= stop_s, "reply_timeout_s", found, expected)
     }
 }
 
@@ -126,10 +117,7 @@ impl PlantOptions for HardwareOptions {
         self.axes.check(self.safety.travel_m, self.motion.travel_m).map_err(at("axes"))?;
         self.tracking.check().map_err(at("tracking"))?;
         BadOption::unless_positive("settle_s", self.settle_s).map_err(at(""))?;
-        self.model
-            .check_units()
-            .and_then(|()| self.model.check())
-            .map_err(|(path, error)| (format!("model.{path}"), error))?;
+        self.model.check_written("model")?;
         self.rehearsal.as_ref().map_or(Ok(()), RehearsalOptions::check)
     }
 
@@ -161,25 +149,15 @@ impl PlantOptions for HardwareOptions {
 
 impl RehearsalOptions {
     fn check(&self) -> Result<(), (String, BadOption)> {
-        let bad =
-            |key, found: f64, expected| ("rehearsal".to_owned(), BadOption { key, found: found.to_string(), expected });
-        if !(0.0..=0.05).contains(&self.noise_m) {
-            return Err(bad("noise_m", self.noise_m, "0 to 0.05 m"));
-        }
-        if !(0.0..1.0).contains(&self.loss) {
-            return Err(bad("loss", self.loss, "0 to less than 1"));
-        }
-        if !(0.0..=1.0).contains(&self.jitter_s) {
-            return Err(bad("jitter_s", self.jitter_s, "0 to 1 s"));
-        }
-        if !(0.0..=1.0).contains(&self.gap_s) {
-            return Err(bad("gap_s", self.gap_s, "0 to 1 s"));
-        }
-        let alignment = self.alignment.map_or(Ok(()), |alignment| alignment.check("alignment"));
-        alignment.map_err(|error| ("rehearsal".to_owned(), error))?;
-        self.model
-            .check_units()
-            .and_then(|()| self.model.check())
-            .map_err(|(path, error)| (format!("rehearsal.model.{path}"), error))
+        self.check_numbers().map_err(|error| ("rehearsal".to_owned(), error))?;
+        self.model.check_written("rehearsal.model")
+    }
+
+    fn check_numbers(&self) -> Result<(), BadOption> {
+        BadOption::unless_within("noise_m", self.noise_m, 0.0..=0.05, "0 to 0.05 m")?;
+        BadOption::unless_within("loss", self.loss, 0.0..1.0, "0 to less than 1")?;
+        BadOption::unless_within("jitter_s", self.jitter_s, 0.0..=1.0, "0 to 1 s")?;
+        BadOption::unless_within("gap_s", self.gap_s, 0.0..=1.0, "0 to 1 s")?;
+        self.alignment.map_or(Ok(()), |alignment| alignment.check("alignment"))
     }
 }

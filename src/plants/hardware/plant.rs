@@ -76,11 +76,8 @@ impl Hardware {
     /// followed so far may have a long way to go.
     fn check_commands(&self, commands: &[TendonCommand]) -> Result<(), PlantError> {
         let last_m = self.supervised.rig().commanded_m();
-        let requested_m = |(command, last_m): (&TendonCommand, &f64)| match *command {
-            TendonCommand::Pull(pull_m) => pull_m,
-            TendonCommand::Follow => *last_m,
-        };
-        let pulls_m: Vec<f64> = commands.iter().zip(&last_m).map(requested_m).collect();
+        let pulls_m: Vec<f64> =
+            commands.iter().zip(last_m).map(|(command, last_m)| command.pull_m_or(last_m)).collect();
         let admitted = if commands.contains(&TendonCommand::Follow) {
             let ticks = self.safety.ticks(&pulls_m, &last_m, self.step_s).max(1);
             self.safety.check_each_tendon(&pulls_m, &last_m, self.step_s * ticks as f64, ticks)
@@ -198,10 +195,7 @@ impl Plant for Hardware {
         model.advance(commands, self.step_s)?;
         let predicted = model.observation(commands, 0.0);
         let travel_m = self.safety.travel_m;
-        let follow = |(command, pull_m): (&TendonCommand, &f64)| match command {
-            TendonCommand::Follow => pull_m.clamp(-travel_m, travel_m),
-            TendonCommand::Pull(pull_m) => *pull_m,
-        };
+        let follow = |(command, pull_m): (&TendonCommand, &f64)| command.pull_m_or(pull_m.clamp(-travel_m, travel_m));
         let pulls_m: Vec<f64> = commands.iter().zip(&predicted.pulls_m).map(follow).collect();
         // The complete command, following tendons included, is checked before anything is sent; it takes as many ticks
         // as it needs.

@@ -16,17 +16,8 @@ use crate::simulators::{
 
 use super::options::{HardwareOptions, RehearsalOptions};
 
-/// Speeds (mm/min) and accelerations (mm/s²) of the simulated axes, sufficient for steps of 3 mm at 5 Hz.
-const FAST: [(u16, &str); 8] = [
-    (110, "3000"),
-    (111, "3000"),
-    (112, "3000"),
-    (113, "3000"),
-    (120, "500"),
-    (121, "500"),
-    (122, "500"),
-    (123, "500"),
-];
+/// Speed (mm/min) and acceleration (mm/s²) of the simulated axes, sufficient for steps of 3 mm at 5 Hz.
+const FAST: [(u16, &str); 2] = [(110, "3000"), (120, "500")];
 
 /// Interval of gaps of the simulated tracker, s.
 const GAP_EVERY_S: f64 = 3.0;
@@ -47,13 +38,13 @@ impl Rehearsal {
         rehearsal: &RehearsalOptions,
         seed: Seed,
     ) -> Result<(Rehearsal, Box<dyn SerialLine>, TrackingSettings), String> {
-        let clock: Arc<dyn Clock> = Arc::new(RehearsalClock::new());
+        let clock: Arc<dyn Clock> = Arc::new(RehearsalClock::default());
         // A pseudo-terminal delivers with a delay, which is late on a clock that does not wait for it.
         let (theirs, ours) = pipe();
         let (simulator, tracking) = build_simulator(options, rehearsal, Box::new(theirs), seed)?;
         clock.join();
         let running = RunningSimulator::start(simulator, Arc::clone(&clock)).map_err(|error| error.to_string())?;
-        Ok((Rehearsal { running, clock, interrupt: Interrupt::new() }, Box::new(ours), tracking))
+        Ok((Rehearsal { running, clock, interrupt: Interrupt::default() }, Box::new(ours), tracking))
     }
 
     /// The clock of the simulators.
@@ -81,8 +72,8 @@ pub(super) fn build_simulator(
     seed: Seed,
 ) -> Result<(Simulator, TrackingSettings), String> {
     let mut controller_options = ControllerOptions { seed: seed.0, ..ControllerOptions::default() };
-    for (number, value) in FAST {
-        controller_options.settings.insert(number, value.to_owned());
+    for (first, value) in FAST {
+        controller_options.settings.extend((first..first + 4).map(|number| (number, value.to_owned())));
     }
     controller_options.settings.insert(23, options.motion.homing_directions.to_string());
     let controller = SimulatedController::new(serial, controller_options);

@@ -15,7 +15,6 @@ pub use onnx_policy::{OnnxInput, OnnxOptions, OnnxOutput};
 pub use python::{PythonOptions, provide_python};
 
 use super::{PolicyEntry, PolicyOptions};
-use crate::base::series::SeriesLabel;
 use crate::base::{BadOption, Policy};
 use controller::OutsideController;
 
@@ -36,27 +35,14 @@ pub type OutsidePolicies = BTreeMap<String, OutsidePolicy>;
 pub const OUTSIDE_KINDS: [&str; 2] = ["onnx", "python"];
 
 /// What the registry would say of a policy from outside.
-static OPEN_OR_CLOSED: PolicyEntry = entry(false);
-static CLOSED_ONLY: PolicyEntry = entry(true);
-
-const fn entry(closed_loop_only: bool) -> PolicyEntry {
-    PolicyEntry {
-        name: "outside",
-        label: SeriesLabel::text("outside"),
-        look: None,
-        footnote: "",
-        needs: &[],
-        model: super::ModelAccess::None,
-        closed_loop_only,
-        make: |_, _| Err(super::BuildError::Missing { policy: "outside", model: "its file" }),
-    }
-}
+static OPEN_OR_CLOSED: PolicyEntry = PolicyEntry::PLAIN;
+static CLOSED_ONLY: PolicyEntry = PolicyEntry { closed_loop_only: true, ..PolicyEntry::PLAIN };
 
 impl OutsidePolicy {
     /// Its entry; the name in it is not its own.
     pub fn entry(&self) -> &'static PolicyEntry {
         let closed_only = match self {
-            OutsidePolicy::Onnx(options) => options.is_closed_loop_only(),
+            OutsidePolicy::Onnx(options) => options.output == OnnxOutput::Changes,
             OutsidePolicy::Python(options) => options.closed_loop_only,
         };
         if closed_only { &CLOSED_ONLY } else { &OPEN_OR_CLOSED }

@@ -69,10 +69,6 @@ pub(super) fn settled_m() -> f64 {
 }
 
 impl OnnxOptions {
-    pub(super) fn is_closed_loop_only(&self) -> bool {
-        self.output == OnnxOutput::Changes
-    }
-
     pub(super) fn check(&self) -> Result<(), BadOption> {
         BadOption::unless_positive("position_scale_m", self.position_scale_m)?;
         BadOption::unless_positive("pull_scale_m", self.pull_scale_m)?;
@@ -132,9 +128,7 @@ impl OutsideDecider for OnnxDecider {
             }
         }
         let output = self.network.evaluate(&input).map_err(|error| PolicyError::Outside(error.to_string()))?;
-        if output.iter().any(|value| !value.is_finite()) {
-            return Err(PolicyError::NotFinite("output of the network"));
-        }
+        PolicyError::unless_finite("output of the network", &output)?;
         let pulls_m = output.iter().enumerate().map(|(tendon, value)| match self.options.output {
             OnnxOutput::Pulls => pull_scale_m * value,
             OnnxOutput::Changes => view.pulls_m.get(tendon).copied().unwrap_or_default() + pull_scale_m * value,

@@ -64,7 +64,7 @@ impl Rod {
         let share = if resolution.motion_tolerance_m.is_finite() { SHORTEST_STEP } else { 0.5_f64.powi(MAX_HALVINGS) };
         let mut floor = share * resolution.time_step_s;
         let mut shortest = 0.999 * floor.min(h);
-        let mut before = std::mem::replace(&mut self.before, RodState::empty());
+        let mut before = std::mem::take(&mut self.before);
         before.copy_from(&self.state);
         let status = loop {
             let status = self.try_step(drives, h, &before);

@@ -43,11 +43,6 @@ impl GridLevel {
         self.halved
             .get_or_init(|| RodEquations::on(system.grid.halved(&system.params.resolution), system.params.clone()))
     }
-
-    /// Forgets earlier shapes, for a restart.
-    pub(crate) fn forget(&mut self) {
-        self.confirmed = None;
-    }
 }
 
 /// A shape whose error was confirmed by reconstruction, and the ratio of that error to its estimate.

@@ -97,7 +97,7 @@ impl Rod {
     /// Straight, unloaded, at rest, without history.
     pub fn restart(&mut self) {
         self.coarsen();
-        self.grid_level.forget();
+        self.grid_level.confirmed = None;
         self.state.unknowns.fill(0.0);
         self.state.taut.fill(false);
         self.state.histories = self.system.virgin_histories();

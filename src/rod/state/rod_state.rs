@@ -11,7 +11,7 @@ use crate::rod::params::loads::TipWrench;
 use crate::rod::params::rod_params::RodParams;
 
 /// Position, velocity and history of a rod at one instant.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct RodState {
     /// Polynomial coefficients, then tensions.
     pub(crate) unknowns: Vec<f64>,
@@ -26,19 +26,6 @@ pub(crate) struct RodState {
 }
 
 impl RodState {
-    /// An empty placeholder.
-    pub(crate) fn empty() -> RodState {
-        RodState {
-            unknowns: Vec::new(),
-            taut: Vec::new(),
-            shape: Shape::default(),
-            rates: Rates::default(),
-            histories: Vec::new(),
-            sliding: Vec::new(),
-            contact_memory: ContactMemory::default(),
-        }
-    }
-
     /// The conditions of a solve under the whole load that goes on from this state.
     pub(crate) fn under_full_load<'a>(
         &'a self,

@@ -59,20 +59,9 @@ impl Rod {
         // The forces of contacts stay: more points would press more on the same penetration.
         let touches: Vec<Touch> = self.solver.workspace.touches.iter().map(|touch| touch.on_grid(&fine.grid)).collect();
         let motion = Motion::rest(&fine.grid, &fine.masses);
-        let conditions = SolveConditions {
-            holds,
-            taut: &self.state.taut,
-            tip_load: &self.tip_load,
-            load_share: 1.0,
-            gravity_m_s2: self.system.params.gravity_m_s2,
-            motion: &motion,
-            histories: &histories,
-            sliding: &self.state.sliding,
-            contact_memory: &self.state.contact_memory,
-            fixed_touches: Some(&touches),
-            obstacle_share: 1.0,
-            settled: true,
-        };
+        let loads = (&motion, &self.tip_load);
+        let full = self.state.under_full_load(&self.system.params, loads, (holds, &self.state.taut), true);
+        let conditions = SolveConditions { histories: &histories, fixed_touches: Some(&touches), ..full };
         let mut workspace = fine.workspace();
         let unknowns = &self.state.unknowns;
         fine.evaluate(unknowns, &conditions, &mut workspace);

@@ -62,7 +62,8 @@ impl Rod {
         self.state.copy_from(&before.state);
         if self.follow_loads(holds, before) {
             self.branch = RestBranch::Same;
-            return self.solve_afresh(holds);
+            self.solver.forget();
+            return self.solve_static(holds, 1.0);
         }
         self.descend(holds)
     }
@@ -93,12 +94,6 @@ impl Rod {
         let ends = before.state.unknowns.iter().zip(&self.state.unknowns);
         let between: Vec<f64> = ends.map(|(from, to)| from + share * (to - from)).collect();
         self.tangent_at(holds, &between)
-    }
-
-    /// Solves again from the present equilibrium, so that the solver holds its derivative.
-    fn solve_afresh(&mut self, holds: &[TendonConstraint]) -> SolveStatus {
-        self.solver.forget();
-        self.solve_static(holds, 1.0)
     }
 
     /// Raises the loads from those of the equilibrium `before` to the present ones as long as the rod is stable under

@@ -66,45 +66,43 @@ pub enum ControllerFault {
 /// State of the persistent faults.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ActiveFaults {
-    pub(crate) silent: bool,
-    pub(crate) frozen: bool,
+    /// Those without a number.
+    list: Vec<ControllerFault>,
     pub(crate) last_status: Option<String>,
     pub(crate) slow_s: f64,
-    pub(crate) garbage: bool,
-    pub(crate) garble_next: bool,
-    pub(crate) lose_ok: bool,
-    pub(crate) double_ok: bool,
-    pub(crate) lose_query: bool,
-    pub(crate) babble: bool,
-    pub(crate) ignore_resume: bool,
-    pub(crate) stuck_open: [bool; 4],
-    pub(crate) stuck_closed: [bool; 4],
-    pub(crate) pressed: [bool; 4],
     pub(crate) sticky: Option<u16>,
     pub(crate) feed_percent: Option<u32>,
-    pub(crate) work_positions: bool,
-    pub(crate) tells_homed: bool,
-    pub(crate) three_axes: bool,
     /// How much earlier the next report during a move reads the last axis, s.
     pub(crate) torn_s: Option<f64>,
 }
 
 impl ActiveFaults {
+    pub(crate) fn has(&self, fault: &ControllerFault) -> bool {
+        self.list.contains(fault)
+    }
+
+    /// Whether it was there; it is gone.
+    pub(crate) fn take(&mut self, fault: &ControllerFault) -> bool {
+        let before = self.list.len();
+        self.list.retain(|other| other != fault);
+        self.list.len() < before
+    }
+
     /// The bytes that are sent in place of a line.
     pub(crate) fn corrupt(&mut self, text: &str) -> Vec<Vec<u8>> {
         let mut copies = 1;
         if text == "ok" {
-            copies += usize::from(std::mem::take(&mut self.double_ok));
-            copies -= usize::from(std::mem::take(&mut self.lose_ok));
+            copies += usize::from(self.take(&ControllerFault::DoubledOk));
+            copies -= usize::from(self.take(&ControllerFault::LostOk));
         }
-        if self.silent {
+        if self.has(&ControllerFault::Silent) {
             return Vec::new();
         }
-        if self.babble {
+        if self.has(&ControllerFault::Babble) {
             return vec![text.bytes().map(|byte| byte ^ 0xa5).collect()];
         }
         let mut bytes = format!("{text}\r\n").into_bytes();
-        if self.garbage || std::mem::take(&mut self.garble_next) {
+        if self.has(&ControllerFault::Garbage) || self.take(&ControllerFault::GarbledLine) {
             bytes.splice(0..1, [0xff, 0x00, 0xc3]);
         }
         vec![bytes; copies]
@@ -116,36 +114,22 @@ impl SimulatedController {
     pub fn inject(&mut self, fault: ControllerFault) {
         let injected = &mut self.injected;
         match fault {
-            ControllerFault::Silent => injected.silent = true,
-            ControllerFault::Frozen => injected.frozen = true,
             ControllerFault::SlowReplies(slow_s) => injected.slow_s = slow_s,
-            ControllerFault::Garbage => injected.garbage = true,
-            ControllerFault::GarbledLine => injected.garble_next = true,
             ControllerFault::DeadAxis(axis) => self.axes.dead[axis] = true,
             ControllerFault::SlippingAxis(axis) => self.axes.slipping[axis] = true,
-            ControllerFault::SwitchStuckOpen(axis) => injected.stuck_open[axis] = true,
-            ControllerFault::SwitchStuckClosed(axis) => injected.stuck_closed[axis] = true,
-            ControllerFault::HardLimit(axis) => injected.pressed[axis] = true,
             ControllerFault::SpuriousAlarm(code) => self.alarm(code),
             ControllerFault::StickyError(code) => injected.sticky = Some(code),
             ControllerFault::Reboot => self.reboot(),
             ControllerFault::Unplugged => self.serial = None,
-            ControllerFault::LostOk => injected.lose_ok = true,
-            ControllerFault::DoubledOk => injected.double_ok = true,
-            ControllerFault::LostQuery => injected.lose_query = true,
-            ControllerFault::IgnoredResume => injected.ignore_resume = true,
-            ControllerFault::Babble => injected.babble = true,
             ControllerFault::WrongPosition(axis, way_mm) => self.axes.counted_mm[axis] += way_mm,
             ControllerFault::WorkOffset(axis, offset_mm) => self.offset_mm[axis] = offset_mm,
             ControllerFault::HoldButton => self.hold(),
             ControllerFault::FeedOverride(percent) => injected.feed_percent = Some(percent),
-            ControllerFault::TellsHomed => injected.tells_homed = true,
-            ControllerFault::ThreeAxes => injected.three_axes = true,
             ControllerFault::TornReport(earlier_s) => injected.torn_s = Some(earlier_s),
-            ControllerFault::WorkPositions => injected.work_positions = true,
             ControllerFault::WrongSettings(number, value) => {
                 self.settings.insert(number, value);
             }
+            other => injected.list.push(other),
         }
     }
 
@@ -161,8 +145,10 @@ impl SimulatedController {
     pub(crate) fn closed_switches(&self) -> [bool; 4] {
         let switch_mm = -super::table::value(&self.settings, 27);
         std::array::from_fn(|axis| {
-            let pressed = self.injected.pressed[axis] || self.axes.screws_mm[axis] <= switch_mm + 1e-9;
-            self.injected.stuck_closed[axis] || (pressed && !self.injected.stuck_open[axis])
+            let pressed =
+                self.injected.has(&ControllerFault::HardLimit(axis)) || self.axes.screws_mm[axis] <= switch_mm + 1e-9;
+            self.injected.has(&ControllerFault::SwitchStuckClosed(axis))
+                || (pressed && !self.injected.has(&ControllerFault::SwitchStuckOpen(axis)))
         })
     }
 

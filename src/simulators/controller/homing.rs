@@ -1,6 +1,6 @@
 //! Homing: all axes move to their switches at once, back off, approach slowly, and back off.
 
-use super::{Activity, SimulatedController, table};
+use super::{Activity, ControllerFault, SimulatedController, table};
 
 /// Delay before the start, s.
 const START_S: f64 = 0.2;
@@ -28,7 +28,9 @@ impl SimulatedController {
             return Err(5);
         }
         self.require_standing()?;
-        self.injected.pressed = [false; 4];
+        for axis in 0..4 {
+            self.injected.take(&ControllerFault::HardLimit(axis));
+        }
         self.axes.stop();
         self.homed = false;
         self.activity =
@@ -47,7 +49,8 @@ impl SimulatedController {
             Some(left_s) => {
                 self.back_off(left_s, duration_s);
                 homing.left_s = Some(left_s - duration_s);
-                if self.injected.stuck_closed.contains(&true) { Err(8) } else { Ok(()) }
+                let stuck = (0..4).any(|axis| self.injected.has(&ControllerFault::SwitchStuckClosed(axis)));
+                if stuck { Err(8) } else { Ok(()) }
             }
         };
         let done = homing.left_s.is_some_and(|left_s| left_s <= 0.0);

@@ -213,7 +213,7 @@ impl SimulatedController {
             left_s -= part_s;
             self.now_s += part_s;
             match self.activity {
-                _ if self.injected.frozen => {}
+                _ if self.injected.has(&ControllerFault::Frozen) => {}
                 Activity::Homing(_) => self.advance_homing(part_s),
                 Activity::Alarm(..) => {}
                 Activity::Ready | Activity::Holding => self.axes.advance(part_s),

@@ -2,7 +2,7 @@
 
 use rand::RngExt;
 
-use super::{Activity, ModalState, SimulatedController, table};
+use super::{Activity, ControllerFault, ModalState, SimulatedController, table};
 
 const GREETING: &str = "GrblHAL 1.1f ['$' or '$HELP' for help]";
 const PLAIN_GREETING: &str = "Grbl 1.1h ['$' for help]";
@@ -35,7 +35,7 @@ impl SimulatedController {
     /// During homing, queries are remembered and answered once at the end. Some are lost.
     fn answer_query(&mut self) {
         let lost = self.lost_queries > 0.0 && self.random.random::<f64>() < self.lost_queries;
-        if lost || std::mem::take(&mut self.injected.lose_query) {
+        if lost || self.injected.take(&ControllerFault::LostQuery) {
             return;
         }
         if let Activity::Homing(homing) = &mut self.activity {
@@ -56,7 +56,7 @@ impl SimulatedController {
     /// Ignored until the hold is complete, as grblHAL does.
     fn resume(&mut self) {
         let complete = matches!(self.activity, Activity::Holding) && !self.axes.is_stopping();
-        if complete && !self.injected.ignore_resume {
+        if complete && !self.injected.has(&ControllerFault::IgnoredResume) {
             self.activity = Activity::Ready;
             self.axes.resume();
             self.reply("[MSG:]");

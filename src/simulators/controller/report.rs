@@ -1,6 +1,6 @@
 //! Reports of the simulated controller.
 
-use super::{Activity, BLOCKS, SimulatedController, table};
+use super::{Activity, BLOCKS, ControllerFault, SimulatedController, table};
 use crate::hardware::grbl::AXIS_NAMES;
 
 /// Reports between two that carry the work offset.
@@ -35,7 +35,7 @@ impl ReportState {
 impl SimulatedController {
     /// Answers `?`.
     pub(crate) fn report(&mut self) {
-        let status = match self.injected.last_status.take().filter(|_| self.injected.frozen) {
+        let status = match self.injected.last_status.take().filter(|_| self.injected.has(&ControllerFault::Frozen)) {
             Some(last) => last,
             None => self.status(),
         };
@@ -64,9 +64,9 @@ impl SimulatedController {
         if self.plain {
             return self.plain_status(&position_mm, feed);
         }
-        let which = if self.injected.work_positions { "WPos" } else { "MPos" };
+        let which = if self.injected.has(&ControllerFault::WorkPositions) { "WPos" } else { "MPos" };
         let mut position = format_axes(&position_mm);
-        if self.injected.three_axes {
+        if self.injected.has(&ControllerFault::ThreeAxes) {
             position.truncate(position.rfind(',').unwrap_or_default());
         }
         let mut text = format!("<{}|{which}:{position}|Bf:{free},{room}|FS:{feed},0", self.mode());
@@ -112,7 +112,7 @@ impl SimulatedController {
             text.push_str("|A:");
         }
         let homing = matches!(self.activity, Activity::Homing(_));
-        if (self.reporting.homed != self.homed || self.injected.tells_homed) && !homing {
+        if (self.reporting.homed != self.homed || self.injected.has(&ControllerFault::TellsHomed)) && !homing {
             self.reporting.homed = self.homed;
             text.push_str(&format!("|H:{}", u8::from(self.homed)));
         }

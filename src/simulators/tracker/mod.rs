@@ -287,9 +287,7 @@ impl SimulatedTracker {
             self.server.send(&other, true, &mut |_| {});
         }
     }
-}
 
-impl SimulatedTracker {
     /// Sends the frame of a second server at the same address and port, if there is one; true if it is alone.
     fn send_from_same_address(&mut self, frame: &FrameOfData) -> bool {
         let second = self.faults.iter().find_map(|fault| match *fault {

@@ -19,9 +19,19 @@ pub struct Hyperparameter {
 }
 
 impl Hyperparameter {
+    /// One that is no length-scale.
+    pub(super) fn plain(
+        name: impl Into<String>,
+        start: f64,
+        bounds: (f64, f64),
+        plausible: (f64, f64),
+    ) -> Hyperparameter {
+        Hyperparameter { name: name.into(), start, bounds, plausible, is_length: false }
+    }
+
     /// A signal variance.
     pub(in crate::learn::gp) fn signal_variance(name: String) -> Hyperparameter {
-        Hyperparameter { name, start: 1.0, bounds: (1e-3, 1e3), plausible: (0.3, 10.0), is_length: false }
+        Hyperparameter::plain(name, 1.0, (1e-3, 1e3), (0.3, 10.0))
     }
 
     /// A length-scale.
@@ -31,13 +41,7 @@ impl Hyperparameter {
 
     /// The noise variance.
     pub(in crate::learn::gp) fn noise_variance(noise_floor: f64) -> Hyperparameter {
-        Hyperparameter {
-            name: "noise variance".to_owned(),
-            start: 0.1,
-            bounds: (noise_floor * noise_floor, 10.0),
-            plausible: (1e-4, 0.3),
-            is_length: false,
-        }
+        Hyperparameter::plain("noise variance", 0.1, (noise_floor * noise_floor, 10.0), (1e-4, 0.3))
     }
 
     /// A scale of an input, from which a dot product counts: not stationary, so searched as it is.
@@ -112,12 +116,8 @@ impl Component for Stationary {
             Lengths::PerInput => (1..=inputs).map(|d| Hyperparameter::length(format!("length {d}"))).collect(),
             Lengths::Shared => vec![Hyperparameter::length("length".to_owned())],
         };
-        let shape = |shape: &super::ShapeParameter| Hyperparameter {
-            name: shape.name.to_owned(),
-            start: shape.start,
-            bounds: shape.bounds,
-            plausible: (shape.start / 4.0, shape.start * 4.0),
-            is_length: false,
+        let shape = |shape: &super::ShapeParameter| {
+            Hyperparameter::plain(shape.name, shape.start, shape.bounds, (shape.start / 4.0, shape.start * 4.0))
         };
         lengths.into_iter().chain(self.0.shapes().iter().map(shape)).collect()
     }

@@ -20,6 +20,9 @@ macro_rules! kernels {
 
         /// The registry of stationary kernels.
         pub const KERNELS: &[&dyn Kernel] = &[$(&$kernel),*];
+
+        /// The same as factors of an expression.
+        pub(super) const STATIONARY: &[&dyn Component] = &[$(&Stationary(&$kernel)),*];
     };
 }
 

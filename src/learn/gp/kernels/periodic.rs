@@ -24,13 +24,7 @@ impl Component for Periodic {
 
     fn hyperparameters(&self, _inputs: usize) -> Vec<Hyperparameter> {
         let length = Hyperparameter::length("length".to_owned());
-        let period = Hyperparameter {
-            name: "period".to_owned(),
-            start: 2.0,
-            bounds: (0.1, 100.0),
-            plausible: (0.5, 8.0),
-            is_length: false,
-        };
+        let period = Hyperparameter::plain("period", 2.0, (0.1, 100.0), (0.5, 8.0));
         vec![Hyperparameter { bounds: (0.05, 1e3), ..length }, period]
     }
 
