@@ -96,7 +96,7 @@ macro_rules! serialize_cells {
     };
 }
 
-macro_rules! refuse {
+macro_rules! refuse_kinds {
     ($($name:ident($($kind:ty),*) -> $ok:ty, $what:literal;)*) => {
         $(fn $name(self, $(_: $kind),*) -> Result<$ok, RowError> { not_flat($what) })*
     };
@@ -118,7 +118,7 @@ impl Serializer for FieldSerializer {
         serialize_u16: u16 => Unsigned, serialize_u32: u32 => Unsigned, serialize_u64: u64 => Unsigned,
         serialize_f32: f32 => Number, serialize_f64: f64 => Number, serialize_char: char => Text,
         serialize_str: &str => Text);
-    refuse! {
+    refuse_kinds! {
         serialize_bytes(&[u8]) -> Fields, "bytes";
         serialize_unit_struct(&'static str) -> Fields, "a struct without fields";
         serialize_seq(Option<usize>) -> Self::SerializeSeq, "a sequence";
