@@ -143,7 +143,7 @@ impl Panel {
     }
 
     /// Draws grid, axes, ticks, labels and title, below the data.
-    fn draw(&self, canvas: &mut Canvas) {
+    pub(crate) fn draw(&self, canvas: &mut Canvas) {
         let [left, top] = self.corner;
         let [right, bottom] = [left + self.size[0], top + self.size[1]];
         for (value, label) in &self.x.ticks {
