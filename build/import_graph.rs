@@ -95,10 +95,11 @@ impl ImportGraph {
         parsed.retain(|(_, module, _)| !(1..=module.len()).any(|length| tests.contains(&module[..length])));
         for (file, module, tree) in &parsed {
             graph.collect(file, module, &tree.items);
-            // Whoever declares it, also inside a macro.
-            if let Some((name, above)) = module.split_last() {
-                let names = &mut graph.scopes.entry(above.to_vec()).or_default().names;
-                names.entry(name.clone()).or_default().insert(Binding::Module(module.clone()));
+            // Whoever declares it and the modules around it, also inside a macro.
+            for depth in 1..=module.len() {
+                let names = &mut graph.scopes.entry(module[..depth - 1].to_vec()).or_default().names;
+                let binding = Binding::Module(module[..depth].to_vec());
+                names.entry(module[depth - 1].clone()).or_default().insert(binding);
             }
         }
         for (file, module, tree) in &parsed {

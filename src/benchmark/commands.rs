@@ -4,7 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use super::error::BenchmarkError;
 use crate::base::{Point3, Rows, Seed};
-use crate::effects::{EffectSpec, Model, Trial, replay};
+use crate::effects::replay;
+use crate::effects::{EffectSpec, Model, Trial};
 use crate::plants::{Simulated, SimulatedOptions};
 use crate::tasks::ExploreOptions;
 use crate::tasks::explore;

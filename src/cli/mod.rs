@@ -7,33 +7,10 @@ macro_rules! refuse {
     };
 }
 
-mod align;
-mod arm;
-mod cache;
-mod calibrate;
-mod cluster;
-mod collect;
-mod completions;
-mod discover;
-mod doctor;
-mod effects;
-mod export;
-mod gather;
-mod import;
-mod import_map;
-mod interrupted;
-mod outputs;
-mod pack;
-mod page;
-mod plan;
-mod rehearse;
-mod run;
-mod schema;
-mod session;
-mod shared;
-mod simulate;
-mod verify;
-mod weigh;
+mod experiments;
+mod models;
+mod program;
+mod robot;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -44,38 +21,38 @@ use std::sync::Arc;
 #[command(name = "spinebench", version, propagate_version = true)]
 struct Arguments {
     #[command(flatten)]
-    reporting: shared::ReportingArgs,
+    reporting: program::shared::ReportingArgs,
     #[command(subcommand)]
     command: Command,
 }
 
 #[derive(Subcommand)]
 enum Command {
-    Run(run::RunCommand),
-    Cache(cache::CacheCommand),
-    Plan(plan::PlanCommand),
-    Simulate(simulate::SimulateCommand),
-    Calibrate(calibrate::CalibrateCommand),
-    Effects(effects::EffectsCommand),
-    Discover(discover::DiscoverCommand),
-    Collect(collect::CollectCommand),
-    Doctor(doctor::DoctorCommand),
-    Arm(arm::ArmCommand),
-    Align(align::AlignCommand),
-    Weigh(weigh::WeighCommand),
-    Rehearse(rehearse::RehearseCommand),
-    Import(import::ImportCommand),
-    Export(export::ExportCommand),
-    Pack(pack::PackCommand),
-    Page(page::PageCommand),
-    Schema(schema::SchemaCommand),
-    Completions(completions::CompletionsCommand),
-    Gather(gather::GatherCommand),
-    Verify(verify::VerifyCommand),
-    Status(cluster::StatusCommand),
-    Cancel(cluster::CancelCommand),
+    Run(experiments::run::RunCommand),
+    Cache(experiments::cache::CacheCommand),
+    Plan(experiments::plan::PlanCommand),
+    Simulate(models::simulate::SimulateCommand),
+    Calibrate(models::calibrate::CalibrateCommand),
+    Effects(models::effects::EffectsCommand),
+    Discover(models::discover::DiscoverCommand),
+    Collect(robot::collect::CollectCommand),
+    Doctor(robot::doctor::DoctorCommand),
+    Arm(robot::arm::ArmCommand),
+    Align(robot::align::AlignCommand),
+    Weigh(robot::weigh::WeighCommand),
+    Rehearse(robot::rehearse::RehearseCommand),
+    Import(models::import::ImportCommand),
+    Export(models::export::ExportCommand),
+    Pack(experiments::pack::PackCommand),
+    Page(experiments::page::PageCommand),
+    Schema(program::schema::SchemaCommand),
+    Completions(program::completions::CompletionsCommand),
+    Gather(experiments::gather::GatherCommand),
+    Verify(experiments::verify::VerifyCommand),
+    Status(experiments::cluster::StatusCommand),
+    Cancel(experiments::cluster::CancelCommand),
     #[command(hide = true)]
-    Work(cluster::WorkCommand),
+    Work(experiments::cluster::WorkCommand),
 }
 
 /// Why a command ends with an exit status other than 0.

@@ -1,38 +1,31 @@
 //! The catalogue of physical effects that a model may lack. The same effect opens a gap in a simulated "real" robot
-//! and closes it in a model. Names and parameters are those of the outside interface; each effect is one file here
-//! and one line in `catalogue!`, which declares its module.
+//! and closes it in a model. Names and parameters are those of the outside interface; each effect is one file of `catalogue/`
+//! and one line in `catalogue!` there, which declares its module.
 
-mod drive_path;
-mod driven_model;
+mod catalogue;
+mod driven;
 mod model;
-mod model_parameter;
-mod obstacles;
-mod perturbation;
-mod replay;
 mod robot;
-mod tendon_drive;
-mod tracking;
 
 use std::fmt::Debug;
 
 use serde::{Deserialize, Serialize};
-use serde_json::{Map, Number, Value};
 
 use crate::base::{BadOption, Observation};
 use crate::rod::RodParams;
 
-pub use driven_model::DrivenModel;
-pub use model::{Model, check_effect_units, check_effects};
-pub use model_parameter::{ModelParameter, ParameterError, Variable};
-pub use obstacles::{Capsule, Cylinder, ObstacleSpec, Plane, Sphere};
-pub use perturbation::VariationError;
-pub use replay::{ReplayError, Replayed, Trial, replay};
+pub use catalogue::{CATALOGUE, EffectSpec};
+pub use driven::driven_model::DrivenModel;
+pub use driven::replay::{ReplayError, Replayed, Trial, replay};
+pub use model::obstacles::{Capsule, Cylinder, ObstacleSpec, Plane, Sphere};
+pub use model::parameter::{ModelParameter, ParameterError, Variable, VariationError};
+pub use model::robot_model::{Model, check_effect_units, check_effects};
+pub use model::tendon_drive::{DriveGains, TendonDrive, check_drives, drive_gains};
+pub use model::tracking::{BodyPoint, Starts, Tracking};
 pub use robot::{
     Backbone, Disks, Frame, Load, OffsetPoint, OnePlace, PerTendon, Piece, RadiusPoint, Robot, Sections, Spread,
     Tendons,
 };
-pub use tendon_drive::{DriveGains, TendonDrive, check_drives, drive_gains};
-pub use tracking::{BodyPoint, Starts, Tracking};
 
 /// A physical effect. Every hook does nothing unless an effect fills it in.
 ///
@@ -152,92 +145,4 @@ pub struct Card {
     pub parameters: &'static [Parameter],
     /// Effects with a similar response at the tip.
     pub confused_with: &'static [&'static str],
-}
-
-macro_rules! catalogue {
-    ($($module:ident :: $effect:ident),* $(,)?) => {
-        $(mod $module;)*
-
-        /// An effect as it stands in YAML: its name and its parameters.
-        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
-        #[serde(rename_all = "snake_case")]
-        pub enum EffectSpec {
-            $(#[doc = concat!("See `", stringify!($module), "`.")] $effect($module::$effect)),*
-        }
-
-        impl EffectSpec {
-            /// Builds the effect.
-            pub fn build(&self) -> Box<dyn Effect> {
-                match self { $(EffectSpec::$effect(effect) => Box::new(effect.clone())),* }
-            }
-
-            /// Its catalogue entry.
-            pub fn card(&self) -> &'static Card {
-                match self { $(EffectSpec::$effect(_) => &$module::CARD),* }
-            }
-        }
-
-        /// All effects.
-        pub static CATALOGUE: &[&Card] = &[$(&$module::CARD),*];
-    };
-}
-
-catalogue! {
-    tip_load::TipLoad,
-    distributed_mass::DistributedMass,
-    tip_force::TipForce,
-    base_tilt::BaseTilt,
-    frame_shift::FrameShift,
-    bending_stiffness::BendingStiffness,
-    anisotropic_stiffness::AnisotropicStiffness,
-    precurvature::Precurvature,
-    soft_section::SoftSection,
-    spine_compressibility::SpineCompressibility,
-    friction::Friction,
-    hysteresis::Hysteresis,
-    creep::Creep,
-    damping::Damping,
-    delay::Delay,
-    backlash::Backlash,
-    actuator_gain::ActuatorGain,
-    actuator_offset::ActuatorOffset,
-    tendon_stretch::TendonStretch,
-    tendon_angle::TendonAngle,
-    tendon_radius::TendonRadius,
-    tendon_friction::TendonFriction,
-    servo_lag::ServoLag,
-    contact::Contact,
-}
-
-impl EffectSpec {
-    /// The effect of `card` with these values, one per parameter in the order of the card; `None` when a value is out
-    /// of range. Fields that the card does not list take their defaults.
-    pub fn from_card(card: &Card, values: &[f64]) -> Option<EffectSpec> {
-        let mut fields = Map::new();
-        for (parameter, &value) in card.parameters.iter().zip(values) {
-            let number = match parameter.seek {
-                Seek::Tendon => Value::from(value as u64),
-                Seek::Flag => Value::Bool(value != 0.0),
-                _ => Value::Number(Number::from_f64(value)?),
-            };
-            match parameter.name.split_once('[') {
-                None => fields.insert(parameter.name.to_owned(), number),
-                Some((vector, _)) => match fields.entry(vector).or_insert_with(|| Value::Array(Vec::new())) {
-                    Value::Array(components) => {
-                        components.push(number);
-                        continue;
-                    }
-                    _ => return None,
-                },
-            };
-        }
-        let spec: EffectSpec =
-            serde_json::from_value(Value::Object(Map::from_iter([(card.name.to_owned(), fields.into())]))).ok()?;
-        spec.build().check().is_ok().then_some(spec)
-    }
-
-    /// A mass hung on the tip, kg.
-    pub fn tip_load(mass_kg: f64) -> EffectSpec {
-        EffectSpec::TipLoad(tip_load::TipLoad { mass_kg })
-    }
 }

@@ -1,49 +1,37 @@
 //! Controllers: from what is seen and a target to tendon displacements. They see observations only.
 //!
-//! A policy is one file and one line of `policies!`: its module and, where it has options, the section of a spec's
-//! `policies` that holds them and their type. Everything else that others need to know of it is its [`PolicyEntry`].
+//! A policy is one file of `paper/` or `further/` and one line of `policies!`: its module and, where it has options, the section
+//! of a spec's `policies` that holds them and their type. Everything else that others need to know of it is its [`PolicyEntry`].
 
-mod actuator_limits;
-mod bends;
-mod disturbance;
-mod horizon;
-mod inverse_network;
-mod learned;
-mod model_traits;
-mod models;
-mod network;
 mod outside;
 mod parts;
-mod rest_model;
-mod single_controller;
-mod tip_tracker;
 
-pub use a::AOptions;
-pub use a_integral::AIntegralOptions;
-pub use a_online::AOnlineOptions;
-pub use actuator_limits::LimitOptions;
-pub use c::{AfterBoth, COptions, StartBranch, SwitchCheck};
-pub use c_hysteresis::CHysteresisOptions;
-pub use dagger::DaggerOptions;
-pub use disturbance::DisturbanceOptions;
-pub use integral::IntegralOptions;
-pub use inverse_network::DirectOptions;
-pub use learned::{GpError, NetworkForward, NetworkInverse};
-pub use model_integral::ModelIntegralOptions;
-pub use model_traits::{ErrorModel, ForwardModel, InverseModel, LearningErrorModel};
-pub use models::{
-    DAGGER, EarlyStopping, FORWARD, INVERSE, INVERSE_B, ModelNeed, NetworkDescription, PI_REAL, SampleColumns,
-    TrainingData,
-};
-pub use mpc::MpcOptions;
-pub use network::{MemoryUpdate, NetworkOptions};
-pub use online_jacobian::OnlineJacobianOptions;
+pub use further::a_integral::AIntegralOptions;
+pub use further::a_online::AOnlineOptions;
+pub use further::c_hysteresis::CHysteresisOptions;
+pub use further::dagger::DaggerOptions;
+pub use further::integral::IntegralOptions;
+pub use further::model_integral::ModelIntegralOptions;
+pub use further::mpc::MpcOptions;
+pub use further::online_jacobian::OnlineJacobianOptions;
 pub use outside::{
     OUTSIDE_KINDS, OnnxInput, OnnxOptions, OnnxOutput, OutsideDecider, OutsideDecision, OutsidePolicies, OutsidePolicy,
     OutsideView, PythonOptions, provide_python,
 };
-pub use parts::PolicyParts;
-pub use rest_model::nearest_at_rest_m;
+pub use paper::a::AOptions;
+pub use paper::c::{AfterBoth, COptions, StartBranch, SwitchCheck};
+pub use parts::actuator_limits::LimitOptions;
+pub use parts::disturbance::DisturbanceOptions;
+pub use parts::inverse_network::DirectOptions;
+pub use parts::learned::{GpError, NetworkForward, NetworkInverse};
+pub use parts::model_traits::{ErrorModel, ForwardModel, InverseModel, LearningErrorModel};
+pub use parts::models::{
+    DAGGER, EarlyStopping, FORWARD, INVERSE, INVERSE_B, ModelNeed, NetworkDescription, PI_REAL, SampleColumns,
+    TrainingData,
+};
+pub use parts::network::{MemoryUpdate, NetworkOptions};
+pub use parts::policy_parts::PolicyParts;
+pub use parts::rest_model::nearest_at_rest_m;
 
 use serde::{Deserialize, Serialize};
 
@@ -52,11 +40,15 @@ use crate::base::{BadOption, Policy, is_default};
 
 macro_rules! policies {
     (
-        paper: [$($module:ident::ENTRY $({ $section:ident: $options:ty })?),* $(,)?]
-        further: [$($further:ident::ENTRY $({ $further_section:ident: $further_options:ty })?),* $(,)?]
+        paper: [$(paper::$module:ident::ENTRY $({ $section:ident: $options:ty })?),* $(,)?]
+        further: [$(further::$further:ident::ENTRY $({ $further_section:ident: $further_options:ty })?),* $(,)?]
     ) => {
-        $(mod $module;)*
-        $(mod $further;)*
+        mod paper {
+            $(pub(super) mod $module;)*
+        }
+        mod further {
+            $(pub(super) mod $further;)*
+        }
 
         /// Options of all policies; each default and its alternatives are argued in `docs/decisions.md`.
         #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -94,29 +86,29 @@ macro_rules! policies {
         }
 
         /// Every policy: the paper's in the order of its Table I, then the others.
-        pub static REGISTRY: &[PolicyEntry] = &[$($module::ENTRY,)* $($further::ENTRY,)*];
+        pub static REGISTRY: &[PolicyEntry] = &[$(paper::$module::ENTRY,)* $(further::$further::ENTRY,)*];
     };
 }
 
 policies! {
     // Published specs hold their options even where they are the defaults.
     paper: [
-        a::ENTRY { a: a::AOptions },
+        paper::a::ENTRY { a: paper::a::AOptions },
         // Shared with `pi_real`, which is the same controller with another network.
-        b::ENTRY { direct: inverse_network::DirectOptions },
-        c::ENTRY { c: c::COptions },
-        pi_real::ENTRY,
+        paper::b::ENTRY { direct: parts::inverse_network::DirectOptions },
+        paper::c::ENTRY { c: paper::c::COptions },
+        paper::pi_real::ENTRY,
     ]
     // A spec holds their options where they differ from the defaults.
     further: [
-        integral::ENTRY { integral: integral::IntegralOptions },
-        online_jacobian::ENTRY { online_jacobian: online_jacobian::OnlineJacobianOptions },
-        model_integral::ENTRY { model_integral: model_integral::ModelIntegralOptions },
-        mpc::ENTRY { mpc: mpc::MpcOptions },
-        a_integral::ENTRY { a_integral: a_integral::AIntegralOptions },
-        c_hysteresis::ENTRY { c_hysteresis: c_hysteresis::CHysteresisOptions },
-        a_online::ENTRY { a_online: a_online::AOnlineOptions },
-        dagger::ENTRY { dagger: dagger::DaggerOptions },
+        further::integral::ENTRY { integral: further::integral::IntegralOptions },
+        further::online_jacobian::ENTRY { online_jacobian: further::online_jacobian::OnlineJacobianOptions },
+        further::model_integral::ENTRY { model_integral: further::model_integral::ModelIntegralOptions },
+        further::mpc::ENTRY { mpc: further::mpc::MpcOptions },
+        further::a_integral::ENTRY { a_integral: further::a_integral::AIntegralOptions },
+        further::c_hysteresis::ENTRY { c_hysteresis: further::c_hysteresis::CHysteresisOptions },
+        further::a_online::ENTRY { a_online: further::a_online::AOnlineOptions },
+        further::dagger::ENTRY { dagger: further::dagger::DaggerOptions },
     ]
 }
 

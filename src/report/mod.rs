@@ -1,34 +1,39 @@
-//! Tables and figures: pure functions from published rows to bytes. A figure is one file and one line in `figures!`.
+//! Tables and figures: pure functions from published rows to bytes. A figure is one file and one name in the
+//! `figures!` of its room.
 //! This module cannot reach the code that computed the rows, so every figure can be redrawn from `results/`.
 
+/// The figures of a room, in the order of the page that shows them; each is a module here with its `FIGURE`.
+macro_rules! figures {
+    ($($module:ident),* $(,)?) => {
+        $(mod $module;)*
+
+        /// The figures of this room.
+        pub(super) const FIGURES: &[crate::report::Figure] = &[$($module::FIGURE),*];
+    };
+}
+
+mod benchmark;
 pub mod calibration;
 mod cells;
-mod controllers_table;
+mod control;
 pub mod discovery;
 mod drawing;
-pub mod markup;
 mod order;
 pub mod page;
-pub mod page_counts;
 pub mod paper;
-mod peers_labels;
-mod peers_table;
-mod population_table;
+mod peers;
 mod published;
-mod repair_table;
 pub mod style;
-mod summarise;
-mod sweep_comparisons;
-mod sweep_rows;
+mod sweep;
 
 use std::path::Path;
 
 use crate::data::{DataError, write_atomic};
 
+pub use paper::summarise::{OSCILLATION_WINDOW_S, reach_summary, track_summary};
 pub use published::{Published, published_rows};
-pub use summarise::{OSCILLATION_WINDOW_S, reach_summary, track_summary};
-pub use sweep_comparisons::{SweptPoint, comparisons};
-pub use sweep_rows::{SweepCell, SweepTable, gp_sweep, reach_sweep, response_sweep, track_sweep};
+pub use sweep::comparisons::{SweptPoint, comparisons};
+pub use sweep::rows::{SweepCell, SweepTable, gp_sweep, reach_sweep, response_sweep, track_sweep};
 
 /// The folder of a rendered file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -108,36 +113,14 @@ impl Figure {
     }
 }
 
-macro_rules! figures {
-    ($($module:ident::FIGURE),* $(,)?) => {
-        $(mod $module;)*
-
-        /// Every figure and table, in the order of the paper.
-        pub const FIGURES: &[Figure] = &[$($module::FIGURE),*];
-    };
-}
-
-figures! {
-    table1::FIGURE,
-    fig5::FIGURE,
-    fig6::FIGURE,
-    fig8::FIGURE,
-    claims::FIGURE,
-    sweep::FIGURE,
-    peers::FIGURE,
-    peers_learning::FIGURE,
-    benchmark::FIGURE,
-    scaling::FIGURE,
-    controllers::FIGURE,
-    repair::FIGURE,
-    population::FIGURE,
-    gp_coverage::FIGURE,
-    data_efficiency::FIGURE,
+/// Every figure and table, those of the paper first.
+pub fn figures() -> impl Iterator<Item = &'static Figure> {
+    [paper::FIGURES, &[sweep::FIGURE], peers::FIGURES, &[benchmark::FIGURE], control::FIGURES].into_iter().flatten()
 }
 
 /// The figure called `name`.
 pub fn figure(name: &str) -> Option<&'static Figure> {
-    FIGURES.iter().find(|figure| figure.name == name)
+    figures().find(|figure| figure.name == name)
 }
 
 /// Writes artifacts to their folders, each atomically.

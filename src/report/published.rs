@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::sweep_rows::SweepTable;
+use super::sweep::rows::SweepTable;
 use crate::data::findings::{CaseRow, IntervalRow};
 use crate::data::tables::{Beside, as_published, to_csv_beside};
 use crate::data::{DataError, TableRow, packed, tables, write_atomic};

@@ -81,7 +81,7 @@ pub fn policy_markdown(policy: &str) -> &str {
 
 /// The name of a policy in LaTeX.
 pub fn policy_latex(policy: &str) -> String {
-    policies::find(policy).map_or_else(|| super::markup::latex(policy), |entry| entry.label.latex.to_owned())
+    policies::find(policy).map_or_else(|| super::page::markup::latex(policy), |entry| entry.label.latex.to_owned())
 }
 
 /// A way of training in two words.

@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use crate::support::report_rows::{published, sweep};
-use spinebench::report::{FIGURES, OutputFolder, Published, ReportError, figure, write};
+use spinebench::report::{OutputFolder, Published, ReportError, figure, figures, write};
 use spinebench::rows::table_descriptions;
 
 #[test]
 fn no_rows_are_an_error() {
-    for figure in FIGURES {
+    for figure in figures() {
         let error = (figure.render)(&Published::default()).unwrap_err();
         assert!(matches!(error, ReportError::NoRows { figure: name, .. } if name == figure.name), "{error}");
     }
@@ -16,8 +16,8 @@ fn no_rows_are_an_error() {
 
 #[test]
 fn names_are_unique_and_one_repetition_makes_a_png_and_an_svg() {
-    for (index, one) in FIGURES.iter().enumerate() {
-        assert!(FIGURES[..index].iter().all(|other| other.name != one.name));
+    for (index, one) in figures().enumerate() {
+        assert!(figures().take(index).all(|other| other.name != one.name));
         assert_eq!(figure(one.name).unwrap().about, one.about);
         let files = (one.render)(&published(one.name, 1)).unwrap();
         for end in ["png", "svg"] {
@@ -33,7 +33,7 @@ fn names_are_unique_and_one_repetition_makes_a_png_and_an_svg() {
 #[test]
 fn figures_are_drawn_again_from_what_is_published() {
     let looked_at = Path::new(env!("CARGO_TARGET_TMPDIR")).join("report");
-    for figure in FIGURES {
+    for figure in figures() {
         let folder = tempfile::tempdir().unwrap();
         let rows = published(figure.name, 3).write(folder.path()).unwrap();
         let again = Published::read(folder.path()).unwrap();
@@ -70,7 +70,7 @@ fn poor_rows(figure: &str, keep: usize, hole: Option<&str>) -> Published {
 
 #[test]
 fn poor_rows_are_drawn_or_refused_but_never_crash() {
-    for figure in FIGURES {
+    for figure in figures() {
         for keep in [1, 3] {
             (figure.render)(&poor_rows(figure.name, keep, None)).unwrap();
         }

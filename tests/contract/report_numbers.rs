@@ -76,8 +76,8 @@ fn the_table_prints_as_the_paper_does() {
 
 #[test]
 fn the_papers_table_has_no_open_loop_for_c() {
-    assert_eq!(paper::table_1("c", "open"), None);
-    assert_eq!(paper::TABLE_1.len(), 11);
+    assert_eq!(paper::printed::table_1("c", "open"), None);
+    assert_eq!(paper::printed::TABLE_1.len(), 11);
 }
 
 #[test]

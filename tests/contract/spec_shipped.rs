@@ -1,6 +1,6 @@
 //! The experiments that ship: they parse, what is resolved runs as it is, and their claims are the paper's.
 
-use spinebench::report::paper::TABLE_1;
+use spinebench::report::paper::printed::TABLE_1;
 use spinebench::specs::{ClaimMetric, Experiment, Relation, reach_cells, to_yaml, track_cells};
 use std::path::{Path, PathBuf};
 

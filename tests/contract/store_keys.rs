@@ -54,10 +54,15 @@ fn telling_files_change_the_keys_of_exactly_these_stages() {
         stages_of("discovery/fit/gauss_newton.rs"),
         only(&["discover", "discover_recorded", "identify", "diagnose"])
     );
-    assert!(stages_of("policies/c.rs").is_superset(&only(&["reach", "track"])));
-    assert!(stages_of("policies/c.rs").is_disjoint(&only(&["collect_sim", "collect_real", "discover", "blind_truth"])));
+    assert!(stages_of("policies/paper/c.rs").is_superset(&only(&["reach", "track"])));
+    assert!(stages_of("policies/paper/c.rs").is_disjoint(&only(&[
+        "collect_sim",
+        "collect_real",
+        "discover",
+        "blind_truth"
+    ])));
     // A new policy retrains nothing.
-    for file in ["policies/c.rs", "policies/mod.rs"] {
+    for file in ["policies/paper/c.rs", "policies/mod.rs"] {
         assert!(stages_of(file).is_disjoint(&only(&LEARNING)), "{file}");
     }
     assert!(stages_of("learn/networks/train.rs").is_superset(&only(&[

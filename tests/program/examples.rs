@@ -172,7 +172,7 @@ fn the_readme_is_short_and_its_links_lead_somewhere() {
 fn numbers_in_prose_are_those_of_the_tables() {
     for page in pages() {
         let text = std::fs::read_to_string(&page).unwrap();
-        let again = spinebench::report::page_counts::recounted(&text, page.parent().unwrap()).unwrap();
+        let again = spinebench::report::page::recounted(&text, page.parent().unwrap()).unwrap();
         assert!(again == text, "{}: run `spinebench page` on it", page.display());
     }
     let readme = std::fs::read_to_string(Path::new(ROOT).join("README.md")).unwrap();

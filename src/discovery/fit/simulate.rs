@@ -7,7 +7,8 @@ use super::obstacle_hint::BodyRow;
 use crate::base::Point3;
 use crate::discovery::options::Options;
 use crate::discovery::recording::samples::{Sample, Samples, TrialCommands};
-use crate::effects::{BodyPoint, EffectSpec, Model, Trial, replay};
+use crate::effects::replay;
+use crate::effects::{BodyPoint, EffectSpec, Model, Trial};
 use crate::math::rotation;
 
 /// Coarse resolution for screening and rough fits: factors on time tolerance and cell length, and numbers of modes.

@@ -7,7 +7,7 @@ use super::{Checked, MAX_PARTS, Robot, at};
 use crate::base::BadOption;
 
 /// A quantity: the range that no robot leaves, the range of most, and other units that people write it in.
-pub(in crate::effects) struct UnitRange {
+pub(crate) struct UnitRange {
     /// Its unit in model files.
     unit: &'static str,
     /// Whether it can be negative; the checks of ranges tell of a negative number that cannot.
@@ -40,20 +40,19 @@ const YOUNGS_MODULUS: UnitRange = UnitRange::unsigned(
 );
 const DENSITY: UnitRange =
     UnitRange::unsigned("kg/m³", &[("g/cm³", 1e3)], "0, or 5 to 1e5, in kg/m³", [5.0, 1e5], [50.0, 2e4]);
-pub(in crate::effects) const MASS: UnitRange =
+pub(crate) const MASS: UnitRange =
     UnitRange::unsigned("kg", &[("g", 1e-3)], "up to 15, in kg", [0.0, 15.0], [0.0, 2.0]);
-pub(in crate::effects) const FORCE: UnitRange =
+pub(crate) const FORCE: UnitRange =
     UnitRange::signed("N", &[("mN", 1e-3)], "up to 1000, in N", [0.0, 1e3], [0.0, 100.0]);
-pub(in crate::effects) const SHIFT: UnitRange =
-    UnitRange::signed("m", LENGTHS, "up to 0.5, in metres", [0.0, 0.5], [0.0, 0.1]);
-pub(in crate::effects) const ANGLE: UnitRange = UnitRange::signed(
+pub(crate) const SHIFT: UnitRange = UnitRange::signed("m", LENGTHS, "up to 0.5, in metres", [0.0, 0.5], [0.0, 0.1]);
+pub(crate) const ANGLE: UnitRange = UnitRange::signed(
     "rad",
     &[("degrees", std::f64::consts::PI / 180.0)],
     "up to 6.3, in radians",
     [0.0, 6.3],
     [0.0, 3.2],
 );
-pub(in crate::effects) const COMPLIANCE: UnitRange =
+pub(crate) const COMPLIANCE: UnitRange =
     UnitRange::unsigned("m/N", &[("mm/N", 1e-3), ("µm/N", 1e-6)], "up to 0.05, in m/N", [0.0, 0.05], [0.0, 0.01]);
 const GRAVITY: UnitRange =
     UnitRange::signed("m/s²", &[("mm/s²", 1e-3), ("cm/s²", 1e-2)], "up to 30, in m/s²", [0.0, 30.0], [0.0, 12.0]);
@@ -87,7 +86,7 @@ impl UnitRange {
     }
 
     /// Refuses a number that no robot has; names the unit in which it would be usual.
-    pub(in crate::effects) fn check(&self, key: &'static str, value: f64) -> Result<(), BadOption> {
+    pub(crate) fn check(&self, key: &'static str, value: f64) -> Result<(), BadOption> {
         let size = value.abs();
         let left_to_others = size == 0.0 || !size.is_finite() || (value < 0.0 && !self.signed);
         let good = left_to_others || (self.hard[0]..=self.hard[1]).contains(&size);

@@ -2,8 +2,8 @@
 
 use crate::base::{Action, Displacements, Observation, Point3, Policy, PolicyError, distance_m};
 use crate::policies::PolicyOptions;
-use crate::policies::actuator_limits::{ActuatorLimits, largest_change_m};
-use crate::policies::tip_tracker::TipTracker;
+use crate::policies::parts::actuator_limits::{ActuatorLimits, largest_change_m};
+use crate::policies::parts::tip_tracker::TipTracker;
 
 /// What a policy from outside sees in a tick.
 #[derive(Clone, Copy, Debug)]

@@ -12,7 +12,7 @@ mod table;
 use super::{Artifact, Figure, Published, ReportError, csv, pictures, text};
 
 /// Registry entry.
-pub(in crate::report) const FIGURE: Figure =
+pub(super) const FIGURE: Figure =
     Figure { name: "discovery", about: "Blind benchmark of discovery: confusion matrix, rates, samples", render };
 
 fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {

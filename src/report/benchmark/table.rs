@@ -2,8 +2,8 @@
 
 use super::measures::{SummaryRow, is_ratio};
 use crate::report::discovery::format::NONE;
-use crate::report::markup::MarkdownTable;
 use crate::report::order::distinct;
+use crate::report::page::markup::MarkdownTable;
 
 /// The table, with a line on how to read it.
 pub(crate) fn markdown(rows: &[SummaryRow]) -> String {

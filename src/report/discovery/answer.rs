@@ -108,7 +108,7 @@ fn tiles(report: &DiscoveryReport) -> Markup {
 }
 
 /// Part of the squared error beyond noise that is gone; none where there was no more than noise.
-pub(in crate::report) fn closed(before_m: f64, after_m: f64, floor_m: f64) -> Option<f64> {
+pub(crate) fn closed(before_m: f64, after_m: f64, floor_m: f64) -> Option<f64> {
     let [before, after, floor] = [before_m, after_m, floor_m].map(|size| size * size);
     let share = 1.0 - (after - floor).max(0.0) / (before - floor);
     (before > floor && share.is_finite()).then_some(share)

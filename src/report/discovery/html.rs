@@ -13,7 +13,7 @@ const TELEPHONE_WIDTH: f64 = 372.0;
 const MANY: usize = 4;
 
 /// A self-contained document: no script, no link, nothing fetched. Its control characters become replacement characters.
-pub(in crate::report) fn document(title: &str, content: &Markup) -> String {
+pub(crate) fn document(title: &str, content: &Markup) -> String {
     let page = html! {
         (DOCTYPE)
         html lang="en" {
@@ -36,10 +36,7 @@ pub(in crate::report) fn document(title: &str, content: &Markup) -> String {
 ///
 /// # Errors
 /// [`ReportError::Draw`] when it cannot be painted.
-pub(in crate::report) fn figure(
-    name: &'static str,
-    draw: impl Fn(f64) -> Option<Canvas>,
-) -> Result<Markup, ReportError> {
+pub(crate) fn figure(name: &'static str, draw: impl Fn(f64) -> Option<Canvas>) -> Result<Markup, ReportError> {
     let failed = |error: PaintError| ReportError::Draw { figure: name, reason: error.to_string() };
     let mut both = Markup::default();
     for (class, width) in [("wide", PAGE_WIDTH), ("narrow", TELEPHONE_WIDTH)] {
@@ -59,17 +56,17 @@ fn drawing(svg: &[u8], class: &'static str, name: &str) -> Markup {
 }
 
 /// A section; nothing where it has no content.
-pub(in crate::report) fn section(heading: &str, content: &Markup) -> Markup {
+pub(crate) fn section(heading: &str, content: &Markup) -> Markup {
     html! { @if !content.0.is_empty() { section { h2 { (heading) } (content) } } }
 }
 
 /// A figure with its caption; nothing for no figure.
-pub(in crate::report) fn captioned(figure: &Markup, caption: &str) -> Markup {
+pub(crate) fn captioned(figure: &Markup, caption: &str) -> Markup {
     html! { @if !figure.0.is_empty() { figure { (figure) figcaption { (caption) } } } }
 }
 
 /// A table that scrolls by itself on a narrow page; nothing for no rows. The first cell of a row is its header.
-pub(in crate::report) fn table(header: &[&str], rows: &[Vec<Markup>]) -> Markup {
+pub(crate) fn table(header: &[&str], rows: &[Vec<Markup>]) -> Markup {
     html! {
         @if !rows.is_empty() {
             div .scroll .many[header.len() > MANY] {
@@ -91,12 +88,12 @@ pub(in crate::report) fn table(header: &[&str], rows: &[Vec<Markup>]) -> Markup 
 }
 
 /// Cells of a row.
-pub(in crate::report) fn cells(texts: impl IntoIterator<Item = impl Render>) -> Vec<Markup> {
+pub(crate) fn cells(texts: impl IntoIterator<Item = impl Render>) -> Vec<Markup> {
     texts.into_iter().map(|text| html! { (text) }).collect()
 }
 
 /// A list; nothing for no items.
-pub(in crate::report) fn list<T: Render>(items: &[T]) -> Markup {
+pub(crate) fn list<T: Render>(items: &[T]) -> Markup {
     html! { @if !items.is_empty() { ul { @for item in items { li { (item) } } } } }
 }
 

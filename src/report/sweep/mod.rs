@@ -1,9 +1,11 @@
 //! The default figure of a sweep: lines of errors for one field, heat maps for two, and for each value of a third. One figure
 //! for each task with rows.
 
+pub(super) mod comparisons;
 mod field;
 mod heat;
 mod lines;
+pub(super) mod rows;
 
 use super::drawing::Canvas;
 use super::style::{PAGE_WIDTH, policy_label, training_label};

@@ -8,7 +8,7 @@ use crate::effects::{EffectSpec, check_effect_units, check_effects};
 use crate::learn::LearnError;
 use crate::plants::PlantSpec;
 use crate::policies::{self, ModelAccess, PolicyEntry};
-use crate::report::FIGURES;
+use crate::report::figures;
 use crate::specs::document::error::SpecError;
 use crate::specs::document::locate::PathEnd;
 use crate::specs::document::merged::Document;
@@ -221,7 +221,7 @@ impl Checker<'_> {
                 self.unless(inside, &path.key(key).item(index), "a share above 0 and below 1")?;
             }
         }
-        let figures: Vec<&str> = FIGURES.iter().map(|figure| figure.name).collect();
+        let figures: Vec<&str> = figures().map(|figure| figure.name).collect();
         for (index, name) in self.experiment.figures.iter().enumerate() {
             let path = KeyPath::default().key("figures").item(index);
             self.unless(!self.experiment.figures[..index].contains(name), &path, "each figure once")?;

@@ -11,7 +11,7 @@ use crate::learn::gp::GpConfig;
 use crate::learn::networks::NetworkConfig;
 use crate::plants::PlantSpec;
 use crate::policies::{self, EarlyStopping, NetworkDescription, PolicyOptions};
-use crate::report::FIGURES;
+use crate::report::figures;
 use crate::tasks::{ExploreOptions, GpPointsOptions, LoopMode, PathOptions, ReachOptions, TargetOptions, TrackOptions};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -116,7 +116,7 @@ fn policy_names(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
 }
 
 fn figure_names(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
-    let names: Vec<&str> = FIGURES.iter().map(|figure| figure.name).collect();
+    let names: Vec<&str> = figures().map(|figure| figure.name).collect();
     schemars::json_schema!({ "type": "array", "items": { "type": "string", "enum": names } })
 }
 

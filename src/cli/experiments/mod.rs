@@ -1,0 +1,10 @@
+//! Commands that run, plan, verify and publish experiments.
+
+pub(super) mod cache;
+pub(super) mod cluster;
+pub(super) mod gather;
+pub(super) mod pack;
+pub(super) mod page;
+pub(super) mod plan;
+pub(super) mod run;
+pub(super) mod verify;

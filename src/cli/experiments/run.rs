@@ -1,0 +1,156 @@
+//! `spinebench run`.
+
+use super::cluster::SlurmArgs;
+use crate::cli::program::interrupted::end_with_words;
+use crate::cli::program::outputs::check_folder;
+use crate::cli::program::shared::{CacheArgs, ResultsArg, SpecArgs, ThreadArgs};
+use crate::cli::{CommandError, CommandResult};
+use clap::{Args, ValueEnum};
+use spinebench::runner::{
+    self, Campaign, CampaignEntry, Outcomes, Progress, Publication, RunFacts, RunOptions, StageTimes,
+};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::thread::available_parallelism;
+use std::time::Instant;
+
+/// Expand specs to stages, run the stages that are not stored, write tables and figures.
+#[derive(Args)]
+pub(crate) struct RunCommand {
+    #[command(flatten)]
+    specs: SpecArgs,
+    #[command(flatten)]
+    results: ResultsArg,
+    #[command(flatten)]
+    cache: CacheArgs,
+    #[command(flatten)]
+    threads: ThreadArgs,
+    /// Where to run stages.
+    #[arg(long, value_enum, default_value_t = Executor::Local)]
+    executor: Executor,
+    #[command(flatten)]
+    cluster: SlurmArgs,
+    /// Exit with status 1 when a claim is not reproduced or a trial failed (a failed stage always does).
+    #[arg(long)]
+    strict: bool,
+}
+
+/// Bytes of the tables and figures of an experiment, about.
+const EXPERIMENT_BYTES: usize = 1 << 20;
+
+/// Where stages run.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Executor {
+    /// On this machine's threads.
+    Local,
+    /// On a Slurm cluster that shares this folder, with `--jobs` workers.
+    Slurm,
+}
+
+impl RunCommand {
+    pub(crate) fn execute(self, progress: &Progress) -> CommandResult {
+        let campaign = self.specs.campaign(|note| progress.notice(note))?;
+        let out = self.results.folder(progress);
+        check_folder(&out, campaign.entries.len() * EXPERIMENT_BYTES)?;
+        // The repository may change during the run.
+        let revision = runner::git_revision();
+        let began = Instant::now();
+        let wanted = campaign.wanted();
+        let store = self.cache.store();
+        let jobs = self.threads.jobs;
+        let mut folder = None;
+        if self.executor == Executor::Slurm {
+            folder = self.cluster.fill(&campaign, &store, jobs, progress)?;
+            if folder.is_none() {
+                return Ok(());
+            }
+        }
+        // The monitor of a cluster tells itself what Ctrl-C means.
+        if folder.is_none() {
+            end_with_words("interrupted; what is computed is stored, and the same command goes on from there");
+        }
+        let options = match &folder {
+            Some(folder) => RunOptions { record: folder, ..RunOptions::new(1, progress) },
+            None => RunOptions::new(jobs, progress),
+        };
+        let outcomes = runner::execute(&campaign.graph, &store, &wanted, &options)
+            .map_err(|failure| CommandError::Failed(failure.to_string()))?;
+        let wall_s = began.elapsed().as_secs_f64();
+        let about = RunFacts { revision: &revision, threads: &|entry| self.threads(entry), wall_s };
+        let published =
+            runner::publish_all(&campaign, &outcomes, &store, &out, &about).map_err(CommandError::Failed)?;
+        summarise(progress, &campaign, &outcomes, &published, wall_s);
+        tell_files(progress, &campaign, &published, &out);
+        folder.iter().for_each(|folder| progress.say(&folder.describe_workers()));
+        if let [first, ..] = outcomes.failures.as_slice() {
+            let count = outcomes.failures.len();
+            let words =
+                format!("{count} stages failed, the first is {first}; rows of dependent trials name the failure");
+            return Err(CommandError::Failed(words));
+        }
+        self.verdict(&published)
+    }
+
+    /// Number of threads of a stage, on this machine or in a task on the cluster.
+    fn threads(&self, entry: &CampaignEntry) -> usize {
+        match self.executor {
+            Executor::Slurm => self.cluster.cpus.unwrap_or(entry.experiment.slurm.cpus) as usize,
+            Executor::Local if self.threads.jobs > 0 => self.threads.jobs,
+            Executor::Local => available_parallelism().map_or(1, usize::from),
+        }
+    }
+
+    fn verdict(&self, published: &[Publication]) -> CommandResult {
+        let failed: usize = published.iter().map(|publication| publication.failed).sum();
+        let claims = published.iter().flat_map(|publication| &publication.claims);
+        let denied: Vec<&str> =
+            claims.filter(|row| row.verdict == "not reproduced").map(|row| row.claim.as_str()).collect();
+        if self.strict && failed > 0 {
+            return Err(CommandError::Failed(format!("{failed} trials failed")));
+        }
+        if self.strict && !denied.is_empty() {
+            return Err(CommandError::Failed(format!("not reproduced: {}", denied.join(", "))));
+        }
+        Ok(())
+    }
+}
+
+fn summarise(progress: &Progress, campaign: &Campaign, outcomes: &Outcomes, published: &[Publication], wall_s: f64) {
+    let failed: usize = published.iter().map(|publication| publication.failed).sum();
+    published.iter().flat_map(|publication| &publication.notices).for_each(|notice| progress.notice(notice));
+    let (computed, cached) = (outcomes.computed, outcomes.cached);
+    progress.say(&format!("{computed} stages computed, {cached} read, {failed} trials failed, {wall_s:.1} s"));
+    for (kind, times) in times_by_kind(campaign, outcomes) {
+        let StageTimes { count, computed, wall_s, cpu_s } = times;
+        progress
+            .say(&format!("  {kind:16} {count:5} stages {computed:5} computed {wall_s:9.2} s {cpu_s:9.2} s processor"));
+    }
+    let mut verdicts: BTreeMap<&str, usize> = BTreeMap::new();
+    for row in published.iter().flat_map(|publication| &publication.claims) {
+        *verdicts.entry(&row.verdict).or_default() += 1;
+    }
+    if !verdicts.is_empty() {
+        let counts: Vec<String> = verdicts.iter().map(|(verdict, count)| format!("{count} {verdict}")).collect();
+        progress.say(&format!("claims: {}", counts.join(", ")));
+    }
+}
+
+/// Where the tables and figures of each experiment are.
+fn tell_files(progress: &Progress, campaign: &Campaign, published: &[Publication], out: &Path) {
+    for (entry, publication) in campaign.entries.iter().zip(published) {
+        let name = &entry.experiment.name;
+        let shown = |path: &&PathBuf| path.extension().is_some_and(|end| end == "md" || end == "png");
+        let shown = publication.files.keys().filter(shown).map(|path| out.join(path).display().to_string());
+        let mut places = vec![format!("{}/", out.join("results").join(name).display())];
+        places.extend(shown);
+        progress.say(&format!("{name}: {}", places.join(", ").replace("./", "")));
+    }
+}
+
+/// Run time by kind of stage, longest first, without kinds of which nothing was computed.
+fn times_by_kind<'a>(campaign: &'a Campaign, outcomes: &Outcomes) -> Vec<(&'a str, StageTimes)> {
+    let times = runner::stage_times(campaign, 0..campaign.graph.len(), outcomes);
+    let mut times: Vec<(&str, StageTimes)> = times.into_iter().filter(|(_, times)| times.computed > 0).collect();
+    times.sort_by(|(_, left), (_, right)| right.wall_s.total_cmp(&left.wall_s));
+    times
+}

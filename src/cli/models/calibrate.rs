@@ -1,0 +1,155 @@
+//! `spinebench calibrate`.
+
+use crate::cli::program::interrupted::end_with_words;
+use crate::cli::program::outputs::{REPORT_BYTES, check_folder, check_yaml};
+use crate::cli::program::shared::StartsArg;
+use crate::cli::{CommandError, CommandResult};
+use clap::Args;
+use spinebench::calibration::{AUTO, Calibration, CalibrationError, CalibrationOptions, ErrorLaw, HoldOut, calibrate};
+use spinebench::data::calibration::{CalibrationFindings, HeldOutError};
+use spinebench::data::write_atomic;
+use spinebench::report::calibration::{CalibrationReport, calibration_artifacts};
+use spinebench::report::write;
+use spinebench::runner::Progress;
+use spinebench::specs::{model_text, read_model};
+use spinebench::tasks::read_to_calibrate;
+use std::path::PathBuf;
+
+/// Fit Young's modulus (and what --fit names) to a recording.
+#[derive(Args)]
+pub(crate) struct CalibrateCommand {
+    /// Model to start from.
+    #[arg(long, value_name = "MODEL.yaml")]
+    model: PathBuf,
+    /// Recording of the robot: tendon tensions (`tendon_1_n`…) or displacements (`tendon_1_m`…), and what was tracked.
+    #[arg(long, value_name = "REC.csv")]
+    measured: PathBuf,
+    /// Model to write.
+    #[arg(long, value_name = "MODEL2.yaml")]
+    out: PathBuf,
+    /// Fit these numbers of the model file (comma-separated): paths such as `robot.tendons.angles_deg[3]`, groups with `*`,
+    /// `PATH=start` and `PATH~deviation`; or `auto`, a staged set of which the data decide how much stays. See
+    /// docs/calibration.md.
+    #[arg(long, value_name = "PATH,…", value_delimiter = ',', default_value = "youngs_modulus_pa")]
+    fit: Vec<String>,
+    /// Keep an entry of --fit only where it lowers the blocked cross-validation error.
+    #[arg(long)]
+    select: bool,
+    /// Treat every row of the recording as a pose at rest.
+    #[arg(long = "static")]
+    at_rest: bool,
+    #[command(flatten)]
+    starts: StartsArg,
+    /// Hold this share of the trials (or patterns) out of the fit.
+    #[arg(long, value_name = "SHARE", value_parser = share, conflicts_with = "hold_out_patterns")]
+    hold_out: Option<f64>,
+    /// Hold the rows of these patterns out of the fit (comma-separated; `*` stands for any text).
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
+    hold_out_patterns: Vec<String>,
+    /// Assume this distribution of the errors. Default: normal, or Student's t where least squares leaves outliers.
+    #[arg(long, value_name = "NAME", value_parser = ["normal", "student_t"])]
+    likelihood: Option<String>,
+    /// Write calibration.json, report.html, figures and tables to this folder.
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    let share = text.parse::<f64>().ok().filter(|share| *share > 0.0 && *share < 1.0);
+    share.ok_or_else(|| "expected a number between 0 and 1".to_owned())
+}
+
+impl CalibrateCommand {
+    pub(crate) fn execute(self, progress: &Progress) -> CommandResult {
+        let model = self.starts.applied(read_model(&self.model).map_err(CommandError::bad_input)?);
+        let measured = read_to_calibrate(&self.measured, &model, self.at_rest).map_err(CommandError::bad_input)?;
+        check_yaml(&self.out)?;
+        self.report.as_ref().map_or(Ok(()), |folder| check_folder(folder, REPORT_BYTES))?;
+        end_with_words("interrupted; nothing was written, and the same command begins again");
+        progress.step("fitting");
+        let found = calibrate(&model, &measured, &self.options()).map_err(|error| self.refusal(&error))?;
+        progress.done();
+        let text = model_text(&found.model).map_err(CommandError::failed)?;
+        let report = CalibrationReport { findings: &found.findings, sightings: &found.sightings };
+        let files = calibration_artifacts(&report).map_err(CommandError::failed)?;
+        write_atomic(&self.out, text.as_bytes()).map_err(CommandError::bad_input)?;
+        if let Some(folder) = &self.report {
+            std::fs::create_dir_all(folder)
+                .map_err(|error| CommandError::BadInput(format!("{}: {error}", folder.display())))?;
+            write(&files, folder, folder).map_err(CommandError::bad_input)?;
+        }
+        if let Some(words) = model.tracking.starts.told() {
+            println!("{words}");
+        }
+        print(&found);
+        if let Some(folder) = &self.report {
+            println!("{}", folder.join("report.html").display());
+        }
+        progress.say(&format!("wrote {}", self.out.display()));
+        Ok(())
+    }
+
+    fn options(&self) -> CalibrationOptions {
+        let hold_out = match self.hold_out {
+            Some(share) => HoldOut::Share(share),
+            None if self.hold_out_patterns.is_empty() => HoldOut::CrossValidated,
+            None => HoldOut::Patterns(self.hold_out_patterns.clone()),
+        };
+        let likelihood = self.likelihood.as_deref().map(|name| match name {
+            "student_t" => ErrorLaw::StudentT,
+            _ => ErrorLaw::Normal,
+        });
+        let select = self.select;
+        let validate = self.report.is_some() || select || self.fit == [AUTO];
+        CalibrationOptions { fit: self.fit.clone(), select, at_rest: self.at_rest, hold_out, likelihood, validate }
+    }
+
+    /// An error with the file or the argument that it is about.
+    fn refusal(&self, error: &CalibrationError) -> CommandError {
+        let place = match error {
+            CalibrationError::Entry { .. } | CalibrationError::Repeated(_) => "--fit".to_owned(),
+            CalibrationError::Unknown { .. }
+            | CalibrationError::NoNumber { .. }
+            | CalibrationError::Idle { .. }
+            | CalibrationError::Option(_) => self.model.display().to_string(),
+            _ => self.measured.display().to_string(),
+        };
+        CommandError::BadInput(format!("{place}: {error}"))
+    }
+}
+
+/// Prints the result.
+fn print(found: &Calibration) {
+    let CalibrationFindings { numbers, before_m, after_m, positions, rows, .. } = &found.findings;
+    for number in numbers {
+        let (name, value, low, high) = (&number.name, number.value, number.low, number.high);
+        println!("{name}: {value:.5e}, 95 % interval {low:.5e} to {high:.5e}");
+        if !number.determined {
+            println!("  this recording does not determine it");
+        }
+    }
+    let (before_mm, after_mm) = (before_m * 1e3, after_m * 1e3);
+    let what = if positions == rows { "tip error" } else { "error of all points" };
+    println!("rms {what} over {rows} rows: {before_mm:.3} mm before, {after_mm:.3} mm after");
+    for stage in &found.findings.stages {
+        let kept = if stage.kept { "kept" } else { "left out" };
+        let error_mm = 1e3 * stage.cross_validated_m;
+        println!("  {:<32} {:3} numbers, cross-validated {error_mm:8.3} mm: {kept}", stage.name, stage.numbers);
+    }
+    if let Some(held_out) = &found.findings.held_out {
+        print_held_out(held_out);
+    }
+    for pair in &found.findings.trade_offs {
+        println!("{} and {} trade against each other (correlation {:.3})", pair.first, pair.second, pair.correlation);
+    }
+    for limitation in &found.findings.limitations {
+        println!("note: {limitation}");
+    }
+}
+
+fn print_held_out(held_out: &HeldOutError) {
+    println!("rms error on {} unseen positions ({}):", held_out.positions, held_out.how);
+    for model in &held_out.models {
+        println!("  {:<24} {:8.3} mm", model.name, 1e3 * model.rms_m);
+    }
+}

@@ -1,0 +1,333 @@
+//! `spinebench discover`.
+
+use crate::cli::program::interrupted::end_with_words;
+use crate::cli::program::outputs::{REPORT_BYTES, check_folder};
+use crate::cli::program::shared::StartsArg;
+use crate::cli::{CommandError, CommandResult};
+use clap::Args;
+use clap::builder::PossibleValuesParser;
+use spinebench::base::Seed;
+use spinebench::data::{Recording, write_atomic};
+use spinebench::discovery::{
+    Discovery, DiscoveryError, Options, Question, Round, Rounds, RoundsError, discover_until_named, with_step_listener,
+};
+use spinebench::effects::{CATALOGUE, Model};
+use spinebench::report::discovery::{DiscoveryReport, EffectText, artifacts};
+use spinebench::runner::Progress;
+use spinebench::specs::{
+    PlantSpec, SimulatedSpec, extended_text, files_behind, model_text, read_model, read_options, read_plant,
+};
+use spinebench::tasks::{SimulationOptions, read_to_explain, simulate_recording};
+use std::convert::Infallible;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Find the effect that a model lacks: compare it with measured data, name the effect, fit it and add it to the model.
+#[derive(Args)]
+pub(crate) struct DiscoverCommand {
+    /// Model of the robot.
+    #[arg(long, value_name = "MODEL.yaml")]
+    model: PathBuf,
+    /// Recordings to explain (CSV or Parquet).
+    #[arg(long, value_name = "REC.csv", num_args = 1.., required = true)]
+    measured: Vec<PathBuf>,
+    /// Recording of the robot as built. Calibrate the model on it and ignore errors that both recordings
+    /// share.
+    #[arg(long, value_name = "REC.csv")]
+    baseline: Option<PathBuf>,
+    /// Write findings.json, model.yaml, report.html, figures and tables to this folder.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Read settings of the search, such as `most_effects: 2`, from this file; see docs/discovery.md.
+    #[arg(long, value_name = "OPTIONS.yaml")]
+    options: Option<PathBuf>,
+    /// Exclude these effects from the search (comma-separated).
+    #[arg(long, value_name = "NAME,…", value_delimiter = ',', value_parser = names())]
+    leave_out: Vec<String>,
+    /// While the verdict is `ambiguous`, record the proposed next measurement on this simulated plant.
+    #[arg(long, value_name = "PLANT.yaml")]
+    plant: Option<PathBuf>,
+    /// Maximum number of recordings on the plant.
+    #[arg(long, default_value_t = 3, requires = "plant")]
+    rounds: u64,
+    #[command(flatten)]
+    starts: StartsArg,
+    /// Take every row as a pose at rest under its own command, whatever the times say.
+    #[arg(long = "static")]
+    at_rest: bool,
+}
+
+fn names() -> PossibleValuesParser {
+    CATALOGUE.iter().map(|card| card.name).collect::<Vec<_>>().into()
+}
+
+impl DiscoverCommand {
+    pub(crate) fn execute(self, progress: &Arc<Progress>) -> CommandResult {
+        self.check_out()?;
+        let written = read_model(&self.model).map_err(CommandError::bad_input)?;
+        let model = self.starts.applied(written.clone());
+        let mut options = match &self.options {
+            Some(file) => read_options(file).map_err(CommandError::bad_input)?,
+            None => Options::default(),
+        };
+        options.left_out.extend(self.leave_out.iter().cloned());
+        options.at_rest |= self.at_rest;
+        let parts: Vec<Recording> = self
+            .measured
+            .iter()
+            .map(|file| read_to_explain(file, &model, options.at_rest))
+            .collect::<Result<_, _>>()
+            .map_err(CommandError::bad_input)?;
+        self.refuse_twins(&parts)?;
+        let measured = Recording::joined(&parts).map_err(|error| {
+            CommandError::BadInput(format!("{}, line 1: {error}", self.measured[error.index].display()))
+        })?;
+        let baseline = self.baseline.as_ref().map(|file| read_to_explain(file, &model, options.at_rest)).transpose();
+        let baseline = baseline.map_err(CommandError::bad_input)?;
+        self.refuse_own_baseline(&measured, baseline.as_ref())?;
+        let plant = self.plant.as_ref().map(|file| simulated(file, &model)).transpose()?;
+        check_folder(&self.out, REPORT_BYTES)?;
+        end_with_words("interrupted; nothing was written, and the same command begins again");
+        let trials = self
+            .measured
+            .iter()
+            .zip(&parts)
+            .flat_map(|(file, part)| part.trials().into_iter().map(move |(number, _)| (file.clone(), number)));
+        let question = Question { model: &model, baseline: baseline.as_ref(), options: &options };
+        let (mut answer, recorded) = self.answer(question, measured, trials.collect(), plant.as_ref(), progress)?;
+        progress.done();
+        if baseline.is_some_and(|baseline| parts.iter().any(|part| baseline.holds(part) || part.holds(&baseline))) {
+            answer.findings.limitations.push(OWN_BASELINE.to_owned());
+        }
+        answer.findings.limitations.extend(model.tracking.starts.told().map(str::to_owned));
+        // The model is written as it was given, whatever `--starts` says.
+        answer.model.tracking.clone_from(&written.tracking);
+        self.write(&written, &answer, &recorded)?;
+        if !progress.is_quiet() {
+            println!("{}", answer.findings.summary);
+            println!("next: {}", answer.findings.next_measurement);
+            println!("{}", self.out.join("report.html").display());
+        }
+        Ok(())
+    }
+
+    /// Refuses an output path that is a file, and a folder in which an output would overwrite an input.
+    fn check_out(&self) -> CommandResult {
+        let refuse = |found: String, expected: &str| {
+            Err(CommandError::BadInput(format!("{}: found {found}, expected {expected}", self.out.display())))
+        };
+        if let Some(there) = self.out.ancestors().find(|place| place.exists()).filter(|place| !place.is_dir()) {
+            let what = if there == self.out { "a file".to_owned() } else { format!("the file {}", there.display()) };
+            return refuse(what, "a folder, or a path that does not exist");
+        }
+        let Ok(out) = self.out.canonicalize() else { return Ok(()) };
+        let specs = [Some(&self.model), self.options.as_ref(), self.plant.as_ref()];
+        let behind = specs.into_iter().flatten().flat_map(|file| files_behind(file));
+        for file in self.measured.iter().chain(&self.baseline).cloned().chain(behind) {
+            let Ok(place) = file.canonicalize() else { continue };
+            let name = place.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+            if place.parent() == Some(&*out) && is_written(&name) {
+                return refuse(format!("input file {name} in it"), "a folder without input files");
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses a recording that is given twice: its copy would appear in the held-out trials.
+    fn refuse_twins(&self, parts: &[Recording]) -> CommandResult {
+        for (k, part) in parts.iter().enumerate() {
+            if let Some(first) = parts[..k].iter().position(|earlier| earlier.holds(part) || part.holds(earlier)) {
+                let [again, first] = [k, first].map(|index| self.measured[index].display());
+                refuse!("{again}: found the trials of {first} again, expected another recording");
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses a baseline that contains the whole recording.
+    fn refuse_own_baseline(&self, measured: &Recording, baseline: Option<&Recording>) -> CommandResult {
+        match (&self.baseline, baseline) {
+            (Some(file), Some(baseline)) if baseline.holds(measured) => Err(CommandError::BadInput(format!(
+                "{}: found all trials of the measured recording, expected another recording, of the robot as built",
+                file.display()
+            ))),
+            _ => Ok(()),
+        }
+    }
+
+    /// The answer, with more recordings from the plant as long as it is ambiguous, and these with their files. `trials`:
+    /// file and number of those that were measured.
+    fn answer(
+        &self,
+        question: Question,
+        measured: Recording,
+        mut trials: Vec<(PathBuf, u64)>,
+        plant: Option<&SimulatedSpec>,
+        progress: &Arc<Progress>,
+    ) -> Result<(Discovery, Vec<(PathBuf, Recording)>), CommandError> {
+        let mut files = Vec::new();
+        let record = |round: &Round| -> Result<Option<Recording>, Infallible> {
+            // The plant file defines the base pose, so the base cannot be remounted.
+            let (Some(plant), Some(next)) = (plant, round.proposal_without_remounting()) else { return Ok(None) };
+            if !progress.is_quiet() {
+                println!("round {}: {}", round.number, round.answer.findings.summary);
+                println!("recording on the plant: {}", next.proposal.what);
+            }
+            let play_options = SimulationOptions {
+                at_rest: false,
+                noise_m: plant.noise_m,
+                travel_m: plant.travel_m,
+                // The seed differs from that of recordings made by an earlier call.
+                seed: Seed(question.options.seed).child("plant").index(round.measured.trials().len() as u64),
+            };
+            let mut recorded = simulate_recording(&plant.model, &next.commands, &play_options);
+            recorded.forget_orientations();
+            recorded.extra.clear();
+            let file = self.out.join(format!("recorded_{}_{}.csv", round.number, next.proposal.name));
+            trials.splice(0..0, recorded.trials().into_iter().map(|(number, _)| (file.clone(), number)));
+            files.push(file);
+            Ok(Some(recorded))
+        };
+        let steps = Arc::clone(progress);
+        let rounds = with_step_listener(
+            move |step| steps.step(step),
+            || discover_until_named(question, measured, self.rounds as usize, record),
+        )
+        .map_err(|error| match error {
+            RoundsError::Discovery { error, measured } => self.refusal(&error, &measured, &trials),
+            RoundsError::Mismatch(error) => CommandError::failed(error),
+            RoundsError::Record(never) => match never {},
+        })?;
+        let Rounds { answer, recorded, measured, .. } = rounds;
+        let answer = numbered(answer, &measured, &trials, !recorded.is_empty());
+        Ok((answer, files.into_iter().zip(recorded).collect()))
+    }
+
+    /// Data that allow no answer, with the file that they are in and the number of a trial there; with all files where it is
+    /// all of them.
+    fn refusal(&self, error: &DiscoveryError, measured: &Recording, trials: &[(PathBuf, u64)]) -> CommandError {
+        let refused =
+            |file: &Path, error: &DiscoveryError| CommandError::BadInput(format!("{}: {error}", file.display()));
+        let all = || self.measured.iter().map(|file| file.display().to_string()).collect::<Vec<_>>().join(", ");
+        match error {
+            DiscoveryError::Baseline(_) => refused(self.baseline.as_ref().unwrap_or(&self.model), error),
+            DiscoveryError::Option(_) => refused(self.options.as_ref().unwrap_or(&self.model), error),
+            DiscoveryError::CannotFollow(number) => {
+                let place = measured.trials().iter().position(|(other, _)| other == number);
+                let is_measured = |(file, _): &&(PathBuf, u64)| self.measured.contains(file);
+                match place.and_then(|place| trials.get(place)).filter(is_measured) {
+                    Some((file, number_there)) => refused(file, &DiscoveryError::CannotFollow(*number_there)),
+                    None => CommandError::BadInput(format!("{}: {error}", all())),
+                }
+            }
+            _ => CommandError::BadInput(format!("{}: {error}", all())),
+        }
+    }
+
+    /// Writes all outputs after all of them are computed; `findings.json` last.
+    fn write(&self, model: &Model, answer: &Discovery, recorded: &[(PathBuf, Recording)]) -> CommandResult {
+        let added = answer.model.effects.len() - model.effects.len();
+        let model_bytes = if added == 0 {
+            std::fs::read(&self.model).map_err(CommandError::bad_input)?
+        } else {
+            extended_text(&self.model, &answer.model, added).map_err(CommandError::failed)?.into_bytes()
+        };
+        let texts: Vec<EffectText> = CATALOGUE
+            .iter()
+            .map(|card| EffectText {
+                name: card.name.to_owned(),
+                missing: card.missing.to_owned(),
+                equation: card.equation.to_owned(),
+                source: card.source.to_owned(),
+            })
+            .collect();
+        let before = model_text(model).map_err(CommandError::failed)?;
+        let after =
+            if added == 0 { before.clone() } else { model_text(&answer.model).map_err(CommandError::failed)? };
+        let files = artifacts(&DiscoveryReport {
+            findings: &answer.findings,
+            residuals: &answer.residuals,
+            places: &answer.places,
+            calibrated: answer.calibrated,
+            effects: &texts,
+            model_before: &before,
+            model_after: &after,
+        })
+        .map_err(CommandError::failed)?;
+        std::fs::create_dir_all(&self.out)
+            .map_err(|error| CommandError::failed(format!("{}: {error}", self.out.display())))?;
+        let old = self.old_commands();
+        for file in &files {
+            write_atomic(&self.out.join(&file.name), &file.bytes).map_err(CommandError::failed)?;
+        }
+        for (file, recording) in recorded {
+            recording.write(file).map_err(CommandError::failed)?;
+        }
+        for next in &answer.next_experiments {
+            next.commands.write(&self.out.join(&next.proposal.file)).map_err(CommandError::failed)?;
+        }
+        for file in old.iter().filter(|old| !answer.next_experiments.iter().any(|next| next.proposal.file == **old)) {
+            let _ = std::fs::remove_file(self.out.join(file));
+        }
+        write_atomic(&self.out.join("model.yaml"), &model_bytes).map_err(CommandError::failed)?;
+        answer.findings.write(&self.out.join("findings.json")).map_err(CommandError::failed)
+    }
+
+    /// Command files that an earlier run in this folder proposed.
+    fn old_commands(&self) -> Vec<String> {
+        let text = std::fs::read_to_string(self.out.join("findings.json")).unwrap_or_default();
+        let earlier: serde_json::Value = serde_json::from_str(&text).unwrap_or_default();
+        let proposals = earlier["proposals"].as_array().into_iter().flatten();
+        let files = proposals.filter_map(|proposal| proposal["file"].as_str());
+        files.filter(|file| is_commands(file)).map(str::to_owned).collect()
+    }
+}
+
+/// Limitation if the baseline shares trials with the recording.
+const OWN_BASELINE: &str = "The baseline contains trials of the measured recording: errors that both share are not attributed to \
+         an effect, and trials used for calibration are no independent test.";
+
+/// The answer with a word on which trial is whose, where recordings were joined under new numbers or `made` on a plant.
+/// `trials`: file and number there of those of `measured`.
+fn numbered(mut answer: Discovery, measured: &Recording, trials: &[(PathBuf, u64)], made: bool) -> Discovery {
+    let now: Vec<u64> = measured.trials().into_iter().map(|(number, _)| number).collect();
+    if made || now.iter().zip(trials).any(|(now, (_, before))| now != before) {
+        let numbers: Vec<(&Path, u64)> = trials.iter().zip(now).map(|((file, _), now)| (file.as_path(), now)).collect();
+        let each = numbers.chunk_by(|(a, _), (b, _)| a == b).map(|of| {
+            let name = of[0].0.file_name().unwrap_or(of[0].0.as_os_str()).to_string_lossy();
+            format!("{} to {} are from {name}", of[0].1, of[of.len() - 1].1)
+        });
+        let each: Vec<String> = each.collect();
+        answer.findings.limitations.push(format!("Trials were renumbered: {}.", each.join(", ")));
+    }
+    answer
+}
+
+/// Whether a file of this name holds proposed commands.
+fn is_commands(name: &str) -> bool {
+    name.starts_with("next_") && name.ends_with(".csv") && !name.contains(['/', '\\'])
+}
+
+/// Whether `discover` writes a file of this name.
+fn is_written(name: &str) -> bool {
+    let always = ["findings.json", "model.yaml", "residuals.csv", "disagreement.csv", "candidates.csv"];
+    always.contains(&name) || is_commands(name) || name.starts_with("recorded_") && name.ends_with(".csv")
+}
+
+/// Reads a simulated plant with as many tendons as the model.
+fn simulated(file: &Path, model: &Model) -> Result<SimulatedSpec, CommandError> {
+    let refuse = |found: String, expected: String| {
+        CommandError::BadInput(format!("{}: found {found}, expected {expected}", file.display()))
+    };
+    match read_plant(file).map_err(CommandError::bad_input)? {
+        PlantSpec::Simulated(plant) => {
+            let plant = *plant;
+            let (found, expected) = (plant.model.robot.tendons.angles_deg.len(), model.robot.tendons.angles_deg.len());
+            if found == expected {
+                return Ok(plant);
+            }
+            Err(refuse(format!("{found} tendons"), format!("{expected}, the number of tendons of the model")))
+        }
+        other => Err(refuse(other.kind().to_owned(), "a simulated plant".to_owned())),
+    }
+}

@@ -1,0 +1,81 @@
+//! `spinebench export`.
+
+use crate::cli::program::outputs::{check_ending, check_file};
+use crate::cli::{CommandError, CommandResult};
+use clap::{Args, Subcommand};
+use spinebench::data::findings::ResidualRow;
+use spinebench::data::mcap::{Shown, to_mcap};
+use spinebench::data::{Recording, tables, write_atomic};
+use spinebench::runner::Progress;
+use spinebench::specs::read_model;
+use spinebench::tasks::body_lines_m;
+use std::path::PathBuf;
+
+/// Export a recording for other programs.
+#[derive(Args)]
+pub(crate) struct ExportCommand {
+    #[command(subcommand)]
+    to: To,
+}
+
+#[derive(Subcommand)]
+enum To {
+    Mcap(McapExport),
+}
+
+/// Export a recording as MCAP, which Foxglove and other viewers open: poses, commands, the robot as a line, residuals.
+#[derive(Args)]
+struct McapExport {
+    /// Recording, measured or simulated; CSV or Parquet.
+    #[arg(value_name = "REC.csv")]
+    recording: PathBuf,
+    /// File to write.
+    #[arg(long, value_name = "REC.mcap")]
+    out: PathBuf,
+    /// Show the robot that this model has under the recording's commands as a line from base to tip.
+    #[arg(long, value_name = "MODEL.yaml")]
+    model: Option<PathBuf>,
+    /// Show what the models of a discovery on this recording leave: its `residuals.csv`.
+    #[arg(long, value_name = "residuals.csv")]
+    residuals: Option<PathBuf>,
+    /// Treat every row as a pose at rest; row k of a trial is shown after k seconds.
+    #[arg(long = "static")]
+    at_rest: bool,
+}
+
+impl ExportCommand {
+    pub(crate) fn execute(self, progress: &Progress) -> CommandResult {
+        let To::Mcap(mcap) = self.to;
+        mcap.execute(progress)
+    }
+}
+
+/// Bytes of a row in the file, at most, with a shape.
+const ROW_BYTES: usize = 8000;
+
+impl McapExport {
+    fn execute(self, progress: &Progress) -> CommandResult {
+        check_ending(&self.out, &["mcap"])?;
+        let read = if self.at_rest { Recording::read_poses } else { Recording::read };
+        let recording = read(&self.recording).map_err(CommandError::bad_input)?;
+        let model = self.model.as_deref().map(read_model).transpose().map_err(CommandError::bad_input)?;
+        let residuals = self.residuals.as_deref().map(tables::read_csv::<ResidualRow>).transpose();
+        let residuals = residuals.map_err(CommandError::bad_input)?.unwrap_or_default();
+        check_file(&self.out, recording.len() * ROW_BYTES)?;
+        let shape_m = match &model {
+            Some(model) => {
+                progress.step("simulating");
+                let lines_m = body_lines_m(&self.recording, &recording, model, self.at_rest);
+                let shape_m = lines_m.map_err(CommandError::bad_input)?;
+                progress.done();
+                shape_m
+            }
+            None => Vec::new(),
+        };
+        let shown = Shown { recording: &recording, at_rest: self.at_rest, shape_m: &shape_m, residuals: &residuals };
+        write_atomic(&self.out, &to_mcap(&shown)).map_err(CommandError::bad_input)?;
+        let (rows, out) = (recording.len(), self.out.display());
+        progress.say(&format!("wrote {out}: {rows} row{}", if rows == 1 { "" } else { "s" }));
+        Ok(())
+    }
+}

@@ -1,0 +1,239 @@
+//! `spinebench import`.
+
+use super::import_map::{CsvImport, McapImport};
+use super::simulate::written;
+use crate::cli::program::outputs::check_recording;
+use crate::cli::{CommandError, CommandResult};
+use clap::{Args, Subcommand, ValueEnum};
+use spinebench::data::Recording;
+use spinebench::data::import::motive::{Body, Export};
+use spinebench::data::import::{Axes, ImportDoubts, ImportOptions, Imported, ImportedBodies, Log, TipFrame, import};
+use spinebench::runner::Progress;
+use std::path::{Path, PathBuf};
+
+/// Import other people's files as a recording: a tracking system's export, any logger's text files, a bag.
+#[derive(Args)]
+pub(crate) struct ImportCommand {
+    #[command(subcommand)]
+    from: From,
+}
+
+#[derive(Subcommand)]
+enum From {
+    Motive(Motive),
+    Csv(CsvImport),
+    Mcap(McapImport),
+}
+
+/// Import OptiTrack Motive's CSV export (format versions 1.2x) with a rigid body or a single marker on the robot's base and
+/// on its tip, and any along its body.
+///
+/// The tip is expressed relative to the base body's pivot and interpolated at the times of the commands; rows without
+/// tracking get valid = 0. The log is placed on the export's clock by a column export_time_s (the export's time at each
+/// row) or by --offset-s.
+#[derive(Args)]
+struct Motive {
+    /// Export with header and rigid bodies or markers, orientations as quaternions or Euler angles XYZ.
+    #[arg(value_name = "EXPORT.csv")]
+    export: PathBuf,
+    /// Commands: a recording, with or without tip columns; CSV or Parquet.
+    #[arg(long, value_name = "LOG.csv")]
+    commands: PathBuf,
+    /// Recording to write; CSV or Parquet.
+    #[arg(long, value_name = "REC.csv")]
+    out: PathBuf,
+    /// Rigid body or marker on the base [default: `base`, or the only one whose name begins so].
+    #[arg(long, value_name = "NAME")]
+    base: Option<String>,
+    /// Rigid body or marker on the tip [default: `tip`, or the only one whose name begins so].
+    #[arg(long, value_name = "NAME")]
+    tip: Option<String>,
+    /// Rigid bodies or markers along the robot, as `NAME` or `NAME=MOTIVE NAME`: columns point_NAME_x_m … in the recording,
+    /// NAME in the model's tracking.points.
+    #[arg(long, value_name = "NAME[=MOTIVE NAME],…", value_delimiter = ',')]
+    points: Vec<String>,
+    /// Export time at which each trial began, seconds, one number per trial. For a log with a column wall_time_s (one clock
+    /// for all trials): the export time of the first row.
+    #[arg(long, value_name = "S[,S…]", value_delimiter = ',', allow_hyphen_values = true, value_parser = seconds)]
+    offset_s: Vec<f64>,
+    /// Axes of the base frame (x up, z along the straight robot) in Motive's; by default Motive's y is up and the robot lies along its z.
+    #[arg(long, default_value = Axes::Y_UP)]
+    axes: Axes,
+    /// Frame in which the tip is expressed.
+    #[arg(long, value_enum, default_value_t = TipFrameArg::Base)]
+    frame: TipFrameArg,
+    /// Interpolate over lost frames between tracked ones up to this far apart, seconds.
+    #[arg(long, value_name = "S", default_value_t = 0.05, value_parser = gap)]
+    max_gap_s: f64,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum TipFrameArg {
+    /// Axes of the base body: a rotated tracking frame has no influence.
+    Base,
+    /// Axes of the tracking frame, which must be level: a tilted base shows at the tip.
+    Tracking,
+}
+
+/// Angle between base and tracking frame above which the choice of frame is reported, degrees.
+const TURNED_DEG: f64 = 0.5;
+
+impl ImportCommand {
+    pub(crate) fn execute(self, progress: &Progress) -> CommandResult {
+        match self.from {
+            From::Motive(motive) => motive.execute(progress),
+            From::Csv(csv) => csv.execute(progress),
+            From::Mcap(mcap) => mcap.execute(progress),
+        }
+    }
+}
+
+impl Motive {
+    fn execute(self, progress: &Progress) -> CommandResult {
+        let export = Export::read(&self.export).map_err(CommandError::bad_input)?;
+        let base = body(&export, self.base.as_deref(), "base")?;
+        let tip = body(&export, self.tip.as_deref(), "tip")?;
+        if std::ptr::eq(base, tip) {
+            let (file, name) = (self.export.display(), &base.name);
+            refuse!("{file}: found `{name}` as base and as tip, expected two different bodies");
+        }
+        let points = self.points.iter().map(|named| point(&export, named)).collect::<Result<Vec<_>, _>>()?;
+        let twice = |(k, (name, _)): (usize, &(String, &Body))| points[..k].iter().any(|(known, _)| known == name);
+        if let Some((name, _)) = points.iter().enumerate().find(|own| twice(*own)).map(|(_, point)| point) {
+            refuse!("--points: found `{name}` twice, expected every name once");
+        }
+        let bodies = ImportedBodies { base, tip, points };
+        let log = Log::read(&self.commands, &self.offset_s).map_err(CommandError::bad_input)?;
+        let frame = match self.frame {
+            TipFrameArg::Base => TipFrame::Base,
+            TipFrameArg::Tracking => TipFrame::Tracking,
+        };
+        let options = ImportOptions { axes: self.axes, frame, max_gap_s: self.max_gap_s, gap_key: "--max-gap-s" };
+        check_recording(&self.out, export.time_s.len())?;
+        let imported = import(&export, &bodies, &log, &options).map_err(CommandError::bad_input)?;
+        imported.recording.write(&self.out).map_err(CommandError::bad_input)?;
+        self.print_notes(&export, base, &imported);
+        progress.say(&written(&self.out, &imported.recording));
+        Ok(())
+    }
+
+    /// Prints notes about missing frames, lost rows and the base's rotation.
+    fn print_notes(&self, export: &Export, base: &Body, imported: &Imported) {
+        let frames = export.time_s.len();
+        if let Some(promised) = export.promised_frames.filter(|&promised| promised > frames) {
+            let file = export.file.display();
+            eprintln!("note: {file} has {frames} of the {promised} frames that its header announces");
+        }
+        print_lost(imported.lost, imported.recording.len(), &self.out);
+        print_doubts(&imported.doubts, &imported.recording, &OPTIONS);
+        if !base.has_orientation {
+            eprintln!(
+                "note: `{}` is a single marker: the tip is expressed along the tracking frame's axes, and a base that tilts \
+                 is not seen",
+                base.name
+            );
+        }
+        let turn_deg = imported.base_turn_rad.to_degrees();
+        if turn_deg > TURNED_DEG {
+            let (given, other) = match self.frame {
+                TipFrameArg::Base => ("the base's", "--frame tracking shows a tilted base"),
+                TipFrameArg::Tracking => ("the tracking frame's", "--frame base removes a rotated tracking frame"),
+            };
+            eprintln!(
+                "note: the base body is rotated by {turn_deg:.1}° relative to the tracking frame; the tip is expressed along {given} axes ({other})"
+            );
+        }
+    }
+}
+
+/// The tip follows a command after this at the latest, seconds; later the clocks may be apart.
+const LATE_S: f64 = 0.08;
+/// … and never this much before it, seconds.
+const EARLY_S: f64 = 0.02;
+
+/// What notes call the settings that would mend a mistake.
+pub(crate) struct SettingNames {
+    /// Prefix of the axes.
+    pub(crate) axes: &'static str,
+    /// The two bodies.
+    pub(crate) bodies: &'static str,
+    /// How to shift the clock by a time.
+    pub(crate) clock: &'static str,
+}
+
+const OPTIONS: SettingNames =
+    SettingNames { axes: "--axes ", bodies: "--base and --tip", clock: "subtract it from --offset-s or export_time_s" };
+
+/// Prints a note about rows without tracking.
+pub(crate) fn print_lost(lost: usize, all: usize, out: &Path) {
+    if lost > 0 {
+        eprintln!("note: {lost} of {all} rows were not tracked; they have valid = 0 in {}", out.display());
+    }
+}
+
+/// Prints notes about what looks like a mistake.
+pub(crate) fn print_doubts(doubts: &ImportDoubts, recording: &Recording, names: &SettingNames) {
+    let SettingNames { axes: key, bodies, clock } = names;
+    if doubts.exchanged {
+        eprintln!("note: the base body moves and the tip body hardly does; are {bodies} exchanged?");
+    }
+    if let (Some(home_m), Some(axes)) = (doubts.home_m, doubts.axes) {
+        let [x, y, z] = home_m.map(|x| 1e3 * x);
+        eprintln!(
+            "note: at the start of the trials the tip is at ({x:.0}, {y:.0}, {z:.0}) mm, where no robot that lies along z \
+             has it; {key}{axes} would turn it along z, or {bodies} are exchanged"
+        );
+    }
+    if let Some((away_m, row)) = doubts.base_moves {
+        let (trial, time_s) = (recording.trial[row], recording.time_s[row]);
+        eprintln!(
+            "note: the base moves by up to {:.1} mm (trial {trial} at {time_s} s); the robot's model has a base at rest",
+            1e3 * away_m
+        );
+    }
+    match doubts.onset_s {
+        Some(onset_s) if onset_s < -EARLY_S => eprintln!(
+            "note: the tip begins to move {:.2} s before its commands: the tracker's clock is ahead of the log's by at \
+             least that ({clock})",
+            -onset_s
+        ),
+        Some(onset_s) if onset_s > LATE_S => eprintln!(
+            "note: the tip begins to follow its commands {onset_s:.2} s late: the tracker's clock is behind the log's, or \
+             the drive is late"
+        ),
+        _ => {}
+    }
+}
+
+/// The body of this name; without one, the only body whose name begins with `usual`.
+fn body<'a>(export: &'a Export, name: Option<&str>, usual: &str) -> Result<&'a Body, CommandError> {
+    let found = match name {
+        Some(name) => export.body(name),
+        None => export.body_like(usual),
+    };
+    found.map_err(|error| CommandError::BadInput(format!("{error} (--{usual} NAME)")))
+}
+
+/// A point along the robot: its name in the recording, and its body or marker.
+fn point<'a>(export: &'a Export, named: &str) -> Result<(String, &'a Body), CommandError> {
+    let (name, asset) = named.split_once('=').unwrap_or((named, named));
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    if name.is_empty() || !name.chars().all(is_plain) {
+        refuse!("--points: found `{name}`, expected a name of letters, digits and _, such as `p1=Marker 1`");
+    }
+    let body =
+        export.body(asset).map_err(|error| CommandError::BadInput(format!("{error} (--points {name}={asset})")))?;
+    Ok((name.to_owned(), body))
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let number = text.trim().parse().ok().filter(|number: &f64| number.is_finite());
+    number.ok_or_else(|| format!("found `{text}`, expected seconds"))
+}
+
+fn gap(text: &str) -> Result<f64, String> {
+    seconds(text)
+        .ok()
+        .filter(|gap_s| *gap_s >= 0.0)
+        .ok_or_else(|| format!("found `{text}`, expected seconds, 0 or more"))
+}

@@ -1,0 +1,112 @@
+//! `spinebench import csv` and `spinebench import mcap`: files of any logger, by a map.
+
+use super::import::{SettingNames, print_doubts, print_lost};
+use super::simulate::written;
+use crate::cli::program::outputs::check_recording;
+use crate::cli::{CommandError, CommandResult};
+use clap::Args;
+use spinebench::data::import::mapped::{
+    ClockFit, LogFiles, MappedImport, SourceKind, TrialClock, import_bag, import_text,
+};
+use spinebench::runner::Progress;
+use spinebench::specs::read_map;
+use std::path::{Path, PathBuf};
+
+/// Import text files of any logger by a map of columns, units, axes, rates and clocks.
+///
+/// The map is a YAML file (`spinebench schema map`, docs/importing.md). The rows of the recording are those of the commands;
+/// poses of another file, rate or clock are interpolated at their times. An offset between the clocks is given in the map, or
+/// estimated from the motion and printed with its interval.
+#[derive(Args)]
+pub(crate) struct CsvImport {
+    /// Text files, in the order in which the map counts them; or a folder or a name with * and ?, where `trial_files` of the map
+    /// says which of the files are trials.
+    #[arg(value_name = "LOG.csv", required = true)]
+    logs: Vec<PathBuf>,
+    #[command(flatten)]
+    by: ByMap,
+}
+
+/// Import a bag of ROS 2 (MCAP) by a map of topics and fields.
+///
+/// Messages in CDR: PoseStamped, TransformStamped, TFMessage, Odometry, JointState and Float64MultiArray. The map is as for
+/// `import csv`, with `topic` in place of `file`.
+#[derive(Args)]
+pub(crate) struct McapImport {
+    /// Bag.
+    #[arg(value_name = "BAG.mcap")]
+    bag: PathBuf,
+    #[command(flatten)]
+    by: ByMap,
+}
+
+#[derive(Args)]
+struct ByMap {
+    /// Map of columns or topics, YAML.
+    #[arg(long, value_name = "MAP.yaml")]
+    map: PathBuf,
+    /// Recording to write; CSV or Parquet.
+    #[arg(long, value_name = "REC.csv")]
+    out: PathBuf,
+}
+
+impl CsvImport {
+    pub(crate) fn execute(self, progress: &Progress) -> CommandResult {
+        let logs = LogFiles::find(&self.logs).map_err(CommandError::bad_input)?;
+        let map = read_map(&self.by.map, SourceKind::from(&logs)).map_err(CommandError::bad_input)?;
+        check_recording(&self.by.out, 0)?;
+        let found = import_text(&logs.files, &map).map_err(CommandError::bad_input)?;
+        finish(&found, &self.by.out, progress)
+    }
+}
+
+impl McapImport {
+    pub(crate) fn execute(self, progress: &Progress) -> CommandResult {
+        let map = read_map(&self.by.map, SourceKind::Bag).map_err(CommandError::bad_input)?;
+        check_recording(&self.by.out, 0)?;
+        let found = import_bag(&self.bag, &map).map_err(CommandError::bad_input)?;
+        finish(&found, &self.by.out, progress)
+    }
+}
+
+const KEYS: SettingNames = SettingNames {
+    axes: "`tracking.axes` ",
+    bodies: "`tracking.base` and `tracking.tip`",
+    clock: "add it to `tracking.clock.offset_s`",
+};
+
+/// Prints notes and writes the recording.
+fn finish(found: &MappedImport, out: &Path, progress: &Progress) -> CommandResult {
+    check_recording(out, found.recording.len())?;
+    found.recording.write(out).map_err(CommandError::bad_input)?;
+    found.clocks.iter().for_each(print_clock);
+    if let Some(first) = found.passed_over.first() {
+        let (count, first) = (found.passed_over.len(), first.display());
+        eprintln!(
+            "note: the names of {count} files fit no pattern of `trial_files` (the first is {first}); they were not read"
+        );
+    }
+    if let Some(imported) = &found.imported {
+        print_lost(imported.lost, found.recording.len(), out);
+        print_doubts(&imported.doubts, &found.recording, &KEYS);
+    }
+    progress.say(&written(out, &found.recording));
+    Ok(())
+}
+
+fn print_clock(TrialClock { trial, fit }: &TrialClock) {
+    let ClockFit { offset_s, interval_95_s: [low_s, high_s], lag_s, explained, dead_time_s } = fit;
+    let of = trial.map_or(String::new(), |trial| format!("trial {trial}: "));
+    let dead_time = if *dead_time_s > 0.0 {
+        format!("The interval is for a dead time of the drive up to {dead_time_s} s.")
+    } else {
+        "A drive that waits before it moves would make it larger by that time, which no recording tells from an offset \
+         (`tracking.clock.estimate.dead_time_s` widens the interval)."
+            .to_owned()
+    };
+    eprintln!(
+        "note: {of}the tracker's times are shifted by {offset_s:.4} s (95 % interval {low_s:.4} to {high_s:.4} s): at this \
+         offset the commands, with a lag of {lag_s:.3} s, explain {:.1} % of the tip's motion. {dead_time}",
+        100.0 * explained
+    );
+}

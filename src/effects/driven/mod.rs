@@ -1,0 +1,6 @@
+//! TODO
+
+pub(super) mod drive_path;
+pub(super) mod driven_model;
+pub(super) mod perturbation;
+pub(super) mod replay;

@@ -1,0 +1,186 @@
+//! Receding horizon on the nominal rod: the disturbance estimate and the Gaussian process say where the robot differs from
+//! the rod, Gauss-Newton steps on the rod's derivatives find the bend at the target, and the horizon plans the moves to it.
+//!
+//! The rod is taken at rest: it is damped within a few hundredths of a second, a tick lasts a fifth of one. What it has not
+//! settled of a move counts as noise of the measurement ([`DisturbanceOptions::lag_per_motion`]).
+
+use crate::base::{BadOption, Point3, PolicyError, distance_m};
+use crate::policies::parts::actuator_limits::{LimitOptions, largest_change_m};
+use crate::policies::parts::disturbance::{DisturbanceFilter, DisturbanceOptions};
+use crate::policies::parts::horizon::first_move_m;
+use crate::policies::parts::rest_model::{ExpectedPose, RestModel};
+use crate::policies::parts::single_controller::{ControlLaw, Demand, SingleController};
+use crate::policies::parts::tip_tracker::TipReading;
+use crate::policies::{Deserialize, ModelAccess, ModelNeed, PolicyEntry, PolicyOptions, Serialize, SeriesLabel};
+
+pub(crate) const ENTRY: PolicyEntry = PolicyEntry {
+    name: "mpc",
+    label: SeriesLabel::text("MPC"),
+    footnote: "receding horizon on the nominal rod with the Gaussian process.",
+    needs: &[ModelNeed::ErrorModel],
+    model: ModelAccess::AtRest,
+    make: |mut parts, options| {
+        let error = Some(parts.error("mpc")?);
+        let (travel_m, slack_m) = (options.limits.travel_m, options.mpc.slack_m);
+        let model = RestModel::new((parts.tip_model("mpc")?, error), parts.layout("mpc")?, travel_m, slack_m);
+        Ok(Box::new(SingleController::new(RecedingHorizon::new(model, options.mpc, options), "", options)))
+    },
+    ..PolicyEntry::PLAIN
+};
+
+/// Options of the receding horizon.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct MpcOptions {
+    /// Ticks that are planned, 1 to 50.
+    pub horizon: usize,
+    /// Weight of a move's square beside that of the tip's error, metres of tip for each metre of bend, squared.
+    pub move_weight: f64,
+    /// Gauss-Newton steps of the inverse in a tick, 1 to 50; the first tick at a target takes four times as many.
+    pub inverse_steps: usize,
+    /// A tendon that follows is let out by this much more than in the model: it must not be taut where the robot differs.
+    pub slack_m: f64,
+    /// How the disturbance is estimated.
+    pub disturbance: DisturbanceOptions,
+    /// The policy has settled when no component of the bend is farther than this from the bend at the target, metres,
+    pub settled_pull_m: f64,
+    /// and the standard deviation of the disturbance is no larger than this, metres.
+    pub settled_sd_m: f64,
+}
+
+impl Default for MpcOptions {
+    fn default() -> Self {
+        MpcOptions {
+            horizon: 10,
+            move_weight: 1.0,
+            inverse_steps: 3,
+            slack_m: 0.003,
+            disturbance: DisturbanceOptions::default(),
+            settled_pull_m: 0.0002,
+            settled_sd_m: 0.0003,
+        }
+    }
+}
+
+impl MpcOptions {
+    pub(crate) fn check(&self) -> Result<(), BadOption> {
+        BadOption::unless_within("horizon", self.horizon, 1..=50, "a whole number from 1 to 50")?;
+        BadOption::unless_not_negative("move_weight", self.move_weight)?;
+        BadOption::unless_within("inverse_steps", self.inverse_steps, 1..=50, "a whole number from 1 to 50")?;
+        BadOption::unless_not_negative("slack_m", self.slack_m)?;
+        self.disturbance.check()?;
+        BadOption::unless_positive("settled_pull_m", self.settled_pull_m)?;
+        BadOption::unless_positive("settled_sd_m", self.settled_sd_m)
+    }
+}
+
+/// Evaluations of the model to find the move that takes the drive to its limit.
+const MOST_SCALINGS: usize = 4;
+/// Share of the limit that is as good as the limit.
+const NEARLY: f64 = 0.96;
+/// Bends that differ by less are the same, metres.
+const SAME_M: f64 = 1e-9;
+
+/// The controller with its state between ticks.
+pub(crate) struct RecedingHorizon {
+    model: RestModel,
+    options: MpcOptions,
+    limits: LimitOptions,
+    disturbance: DisturbanceFilter,
+    /// What is expected under the command in force; nothing before the first tick.
+    in_force: Option<ExpectedPose>,
+    /// The same of the command before it.
+    before_m: Option<Point3>,
+    /// The bend at the target, as of the last tick.
+    goal: Option<(Point3, ExpectedPose)>,
+}
+
+impl RecedingHorizon {
+    pub(crate) fn new(model: RestModel, options: MpcOptions, all: &PolicyOptions) -> RecedingHorizon {
+        let disturbance = DisturbanceFilter::new(options.disturbance);
+        RecedingHorizon { model, options, limits: all.limits, disturbance, in_force: None, before_m: None, goal: None }
+    }
+
+    /// The pose at the target, with the present disturbance.
+    fn goal(&mut self, in_force: &ExpectedPose, target_m: &Point3) -> ExpectedPose {
+        let offset_m = self.disturbance.offset_m;
+        let aim_m: Point3 = std::array::from_fn(|axis| target_m[axis] - offset_m[axis]);
+        let (from, steps) = match self.goal.take() {
+            Some((last_m, goal)) if last_m == *target_m => (goal, self.options.inverse_steps),
+            Some((_, goal)) => (goal, 4 * self.options.inverse_steps),
+            None => (in_force.clone(), 4 * self.options.inverse_steps),
+        };
+        let goal = self.model.inverse(from, &aim_m, steps);
+        self.goal = Some((*target_m, goal.clone()));
+        goal
+    }
+
+    /// The pose after the first move towards `goal`. A move that the drive limits takes the fastest tendon as far as the drive
+    /// does in a tick, but no component of the bend past the goal.
+    fn next(&mut self, in_force: &ExpectedPose, goal: &ExpectedPose) -> ExpectedPose {
+        let MpcOptions { horizon, move_weight, .. } = self.options;
+        let step_m = self.limits.max_step_m.unwrap_or(2.0 * self.limits.travel_m);
+        let Some(jacobian) = self.model.jacobian(&goal.bend_m) else { return goal.clone() };
+        let metric = jacobian.transpose() * jacobian;
+        let left_m: Vec<f64> = goal.bend_m.iter().zip(&in_force.bend_m).map(|(to, from)| to - from).collect();
+        let mut change_m = first_move_m(&metric, &left_m, horizon, move_weight, step_m);
+        let limited = change_m.iter().any(|change_m| change_m.abs() >= step_m);
+        let mut next = in_force.clone();
+        for _ in 0..MOST_SCALINGS {
+            let bend_m: Vec<f64> = in_force.bend_m.iter().zip(&change_m).map(|(from, change)| from + change).collect();
+            let Some(pose) = self.model.expect(&bend_m) else {
+                change_m.iter_mut().for_each(|change_m| *change_m *= 0.5);
+                continue;
+            };
+            let most_m = largest_change_m(&in_force.pulls_m, &pose.pulls_m);
+            let there = bend_m.iter().zip(&goal.bend_m).all(|(bend, goal)| (bend - goal).abs() <= SAME_M);
+            next = pose;
+            if most_m <= step_m && (!limited || there || most_m >= NEARLY * step_m) {
+                break;
+            }
+            let share = 0.5 * (1.0 + NEARLY) * step_m / most_m;
+            for (change_m, left_m) in change_m.iter_mut().zip(&left_m) {
+                *change_m = (share * *change_m).clamp(-left_m.abs(), left_m.abs());
+            }
+        }
+        next
+    }
+}
+
+impl ControlLaw for RecedingHorizon {
+    fn reset(&mut self) {
+        self.model.restart();
+        self.disturbance.reset();
+        self.in_force = None;
+        self.before_m = None;
+        self.goal = None;
+    }
+
+    fn decide(&mut self, reading: TipReading, target_m: &Point3) -> Result<Demand, PolicyError> {
+        let in_force = match self.in_force.take() {
+            Some(in_force) => in_force,
+            None => {
+                let home_m = vec![0.0; self.model.bends()];
+                let home = self.model.expect(&home_m);
+                let mut home = home.ok_or(PolicyError::NotFinite("model of the robot at home"))?;
+                // The drives stand at zero, where the model's tendons follow without tension.
+                home.pulls_m.fill(0.0);
+                home
+            }
+        };
+        if let Some(before_m) = self.before_m.filter(|_| reading.fresh) {
+            let moved_m = distance_m(&before_m, &in_force.tip_m);
+            self.model.let_out();
+            self.disturbance.measured(&reading.tip_m, &in_force.tip_m, moved_m);
+        }
+        let goal = self.goal(&in_force, target_m);
+        let next = self.next(&in_force, &goal);
+        let moved_m = largest_change_m(&in_force.bend_m, &goal.bend_m);
+        let known = !reading.fresh || self.disturbance.sd_m() <= self.options.settled_sd_m;
+        let settled = moved_m <= self.options.settled_pull_m && known;
+        let pulls_m = next.pulls_m.clone();
+        self.before_m = Some(in_force.tip_m);
+        self.in_force = Some(next);
+        Ok(Demand { pulls_m, settled })
+    }
+}

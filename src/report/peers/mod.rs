@@ -1,0 +1,6 @@
+//! Other engines and other learning libraries beside this one.
+
+mod labels;
+mod table;
+
+figures! { rod_peers, learning, scaling }

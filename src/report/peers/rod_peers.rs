@@ -1,0 +1,73 @@
+//! Work-precision diagram: processor time over the error of the tip, one panel for each robot, one style for each simulator.
+
+use super::labels::{PEERS, ROBOTS};
+use crate::report::drawing::{Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend};
+use crate::report::order::distinct;
+use crate::report::style::{DASHED, GREY, HAIR, LINE, MARKER, PAGE_WIDTH, SMALL};
+use crate::report::{Artifact, Figure, Published, ReportError, text};
+use crate::rows::experiment::PeerRow;
+
+/// Registry entry.
+pub(super) const FIGURE: Figure =
+    Figure { name: "peers", about: "Processor time against tip error, beside other simulators", render };
+
+const PANEL_HIGH: f64 = 250.0;
+const LEFT: f64 = 58.0;
+
+fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
+    let rows: Vec<&PeerRow> = published.peers.iter().filter(|row| drawable(row)).collect();
+    FIGURE.needs("work_precision.csv with a finished run", rows.is_empty())?;
+    FIGURE.files(vec![text("peers.md", super::table::markdown(&published.peers))], &draw(&rows))
+}
+
+/// Whether a row can be drawn on logarithmic axes.
+fn drawable(row: &PeerRow) -> bool {
+    let positive = |value: f64| value.is_finite() && value > 0.0;
+    positive(row.rms_error_m) && positive(row.cpu_s_per_s)
+}
+
+fn draw(rows: &[&PeerRow]) -> Canvas {
+    let robots = distinct(rows.iter().map(|row| row.robot.as_str()));
+    let mut canvas = Canvas::new(PAGE_WIDTH, 378.0);
+    let key = |peer| (LegendEntry::Plain(PEERS.look(peer)), PEERS.label(peer));
+    let mut keys: Vec<_> = PEERS.sorted(rows.iter().map(|row| row.peer.as_str())).into_iter().map(key).collect();
+    keys.push((LegendEntry::Line(GREY, DASHED), "real time"));
+    let below = legend(&mut canvas, [LEFT, 18.0], PAGE_WIDTH - 12.0, &keys);
+    let y =
+        Axis::decades("processor time (ms per simulated s)", rows.iter().map(|row| 1e3 * row.cpu_s_per_s).chain([1e3]));
+    let wide = (PAGE_WIDTH - LEFT - 14.0) / robots.len() as f64;
+    for (index, robot) in robots.iter().enumerate() {
+        let own: Vec<&PeerRow> = rows.iter().copied().filter(|row| row.robot == *robot).collect();
+        let x = Axis::decades("rms error of the tip (mm)", own.iter().map(|row| 1e3 * row.rms_error_m));
+        let panel = canvas.panel(Panel {
+            corner: [LEFT + wide * index as f64, below + 34.0],
+            size: [wide - 30.0, PANEL_HIGH],
+            x,
+            y: if index == 0 { y.clone() } else { y.bare() },
+            title: format!("({}) {}", char::from(b'a' + (index % 26) as u8), ROBOTS.label(robot)),
+        });
+        panel.line(&mut canvas, &[[panel.x.low, 3.0], [panel.x.high, 3.0]], GREY, DASHED, HAIR);
+        curves(&mut canvas, &panel, &own);
+    }
+    let note = "lower left is better; each line is one setting at different time steps, each simulator at several";
+    canvas.text(
+        Text::new(note, [PAGE_WIDTH - 14.0, below + 34.0 + PANEL_HIGH + 44.0], SMALL, TextAlign::Right).colour(GREY),
+    );
+    canvas
+}
+
+/// One line through the time steps of each setting; ours last, on top.
+fn curves(canvas: &mut Canvas, panel: &Panel, rows: &[&PeerRow]) {
+    for peer in PEERS.sorted(rows.iter().map(|row| row.peer.as_str())).into_iter().rev() {
+        let own: Vec<&PeerRow> = rows.iter().copied().filter(|row| row.peer == peer).collect();
+        let kind = |row: &PeerRow| format!("{} {}", row.setting, row.segments_or_nodes);
+        let kinds: Vec<String> = own.iter().map(|row| kind(row)).collect();
+        for one in distinct(kinds.iter().map(String::as_str)) {
+            let mut line: Vec<&&PeerRow> = own.iter().filter(|row| kind(row) == one).collect();
+            line.sort_by(|a, b| a.dt_s.total_cmp(&b.dt_s));
+            let points: Vec<[f64; 2]> =
+                line.iter().map(|row| [(1e3 * row.rms_error_m).log10(), (1e3 * row.cpu_s_per_s).log10()]).collect();
+            panel.marked(canvas, &points, PEERS.look(peer), [0.7 * LINE, 0.85 * MARKER]);
+        }
+    }
+}
