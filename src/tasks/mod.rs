@@ -29,10 +29,9 @@ pub use simulate::body_lines::body_lines_m;
 pub use simulate::robot_recordings::{
     check_one_gravity, of_tendons, read_commands, read_to_calibrate, read_to_explain,
 };
-pub use simulate::simulate_recording::{
-    RecordingWithRates, SimulationOptions, simulate_recording, simulate_with_rates,
-};
+pub use simulate::simulate_recording::{RecordingWithRates, simulate_recording, simulate_with_rates};
 pub use simulate::simulated_columns::TOUCHES_ITSELF;
+pub use simulate::simulated_trial::SimulationOptions;
 pub use tip_model::{has_tip_model, tip_model};
 pub use transitions::Transitions;
 

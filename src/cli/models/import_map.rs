@@ -1,6 +1,6 @@
 //! `spinebench import csv` and `spinebench import mcap`: files of any logger, by a map.
 
-use super::import::{SettingNames, print_doubts, print_lost};
+use super::import_notes::{SettingNames, print_doubts, print_lost};
 use super::simulate::written;
 use crate::cli::program::outputs::check_recording;
 use crate::cli::{CommandError, CommandResult};

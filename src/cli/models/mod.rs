@@ -5,5 +5,6 @@ pub(super) mod discover;
 pub(super) mod effects;
 pub(super) mod export;
 pub(super) mod import;
-pub(super) mod import_map;
+mod import_map;
+mod import_notes;
 pub(super) mod simulate;

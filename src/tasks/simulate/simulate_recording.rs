@@ -3,38 +3,11 @@
 use std::convert::Infallible;
 
 use super::simulated_columns::SimulatedColumns;
-use super::simulated_trial::{SimulatedTrial, hung, model_of_trial};
-use crate::base::Seed;
+use super::simulated_trial::{SimulatedTrial, SimulationOptions, hung, model_of_trial};
 use crate::data::Recording;
 use crate::effects::{Model, Starts, Variable, VariationError};
-use crate::plants::{Simulated, SimulatedOptions};
+use crate::plants::Simulated;
 use crate::rod::PoseRates;
-
-/// How commands are simulated.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SimulationOptions {
-    /// Each row is the equilibrium under its own command. Otherwise the robot moves, and a row is its state at the beginning
-    /// of the row's command.
-    pub at_rest: bool,
-    /// Standard deviation of the tracking noise per axis, metres.
-    pub noise_m: f64,
-    /// Largest allowed displacement, metres.
-    pub travel_m: f64,
-    /// Seed of the noise.
-    pub seed: Seed,
-}
-
-impl Default for SimulationOptions {
-    fn default() -> Self {
-        SimulationOptions { at_rest: false, noise_m: 0.0, travel_m: f64::INFINITY, seed: Seed(0) }
-    }
-}
-
-impl SimulationOptions {
-    fn plant(&self) -> SimulatedOptions {
-        SimulatedOptions { noise_m: self.noise_m, travel_m: self.travel_m, ..SimulatedOptions::default() }
-    }
-}
 
 /// Simulates all trials of `commands`, which start as the model's `tracking.starts` says. Rows that the solver could not
 /// solve are not valid, with the solver's status in the column `solver_status`; without `at_rest` this holds for the rest

@@ -5,13 +5,39 @@ use std::ops::Range;
 
 use nalgebra::Vector3;
 
-use super::simulate_recording::SimulationOptions;
 use super::simulated_columns::{SimulatedColumns, SolutionDetail};
 use crate::base::{Observation, Plant, PlantError, Seed, TendonCommand, interruption_point};
 use crate::data::{Actuation, Recording};
 use crate::effects::{EffectSpec, Model, Starts};
-use crate::plants::Simulated;
+use crate::plants::{Simulated, SimulatedOptions};
 use crate::rod::{SolveStatus, TipWrench};
+
+/// How commands are simulated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SimulationOptions {
+    /// Each row is the equilibrium under its own command. Otherwise the robot moves, and a row is its state at the beginning
+    /// of the row's command.
+    pub at_rest: bool,
+    /// Standard deviation of the tracking noise per axis, metres.
+    pub noise_m: f64,
+    /// Largest allowed displacement, metres.
+    pub travel_m: f64,
+    /// Seed of the noise.
+    pub seed: Seed,
+}
+
+impl Default for SimulationOptions {
+    fn default() -> Self {
+        SimulationOptions { at_rest: false, noise_m: 0.0, travel_m: f64::INFINITY, seed: Seed(0) }
+    }
+}
+
+impl SimulationOptions {
+    /// Options of the plant that plays the commands.
+    pub(super) fn plant(&self) -> SimulatedOptions {
+        SimulatedOptions { noise_m: self.noise_m, travel_m: self.travel_m, ..SimulatedOptions::default() }
+    }
+}
 
 /// The mass on the tip in a trial's first row, as an effect.
 pub(in crate::tasks) fn hung(commands: &Recording, first_row: usize) -> Option<EffectSpec> {
