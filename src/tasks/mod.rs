@@ -18,7 +18,7 @@ pub use loops::track::{TrackOptions, TrackStep, track};
 pub use loops::watched::WatchedRobot;
 pub use loops::work::Work;
 pub use monitor::{Monitor, MonitorOptions, MonitorState};
-pub use record::actuation::{BendMap, GridOptions, bend_commands};
+pub use record::actuation::{BendMap, GridOptions};
 pub use record::explore::{ExploreOptions, explore, explore_trajectory, replay, replay_trajectory};
 pub use record::gp_points::{GpPoints, GpPointsOptions, GpPool, PointLayout, SimulatedBy, gp_points};
 pub use record::path::{PathOptions, interpolate, waypoints};

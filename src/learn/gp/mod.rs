@@ -198,14 +198,6 @@ impl Gp {
         self.theta.iter().enumerate().map(noise).collect()
     }
 
-    /// Signal standard deviation σ_s of each output, in its unit; `None` for an expression of several kernels.
-    pub fn signal_std(&self) -> Option<Vec<f64>> {
-        let Covariance::Stationary(_, layout) = self.covariance else { return None };
-        let signal =
-            |(c, theta): (usize, &Vec<f64>)| layout.signal_variance(theta).sqrt() * self.output_standardiser.scale(c);
-        Some(self.theta.iter().enumerate().map(signal).collect())
-    }
-
     /// `l` of each output (row) and input (column) as the configured reading of eq. 18 has it: in the inputs' units
     /// ([`Lambda::InverseSquares`]) or their inverses ([`Lambda::AsPrinted`]). `None` for an expression of several kernels.
     pub fn length_scales(&self) -> Option<Rows> {

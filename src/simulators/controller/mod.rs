@@ -186,11 +186,6 @@ impl SimulatedController {
         self.axes.screws_mm.map(|position_mm| position_mm * 1e-3)
     }
 
-    /// Positions that the controller counts, mm.
-    pub fn counted_mm(&self) -> [f64; 4] {
-        self.axes.counted_mm
-    }
-
     /// Moves in the queue, including the running one.
     pub fn queued(&self) -> usize {
         self.axes.queued()

@@ -135,11 +135,6 @@ fn projected([a, b]: [f64; 2], angle_deg: f64) -> f64 {
     }
 }
 
-/// The commands for a bend of a robot with four tendons a quarter of a turn apart.
-pub fn bend_commands(bend_m: [f64; 2]) -> Vec<TendonCommand> {
-    BendMap::new(&TendonLayout::ring(4)).commands(&bend_m)
-}
-
 /// Drives from one bend to another, in steps of at most `max_step_m` per component. Returns the last observation, or `None`
 /// when the two bends are the same.
 pub(in crate::tasks) fn drive_to(
