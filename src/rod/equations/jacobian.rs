@@ -41,7 +41,7 @@ impl Derivative {
     pub(crate) fn new(system: &RodEquations) -> Derivative {
         let n = system.grid.unknowns;
         let zero = VectorDerivative::zeros(n);
-        let follows = system.constant.points.iter().any(|(_, load)| load.follows);
+        let follows = system.constant_loads.points.iter().any(|(_, load)| load.follows);
         Derivative {
             variation: ShapeVariation::new(&system.grid),
             stiffness: vec![0.0; system.size() * system.size()],
@@ -111,8 +111,8 @@ impl Derivative {
                 column.iter_mut().zip(self.rates.row(row)).for_each(|(k, (d, m))| *k += rate * (d + rate * m));
             }
         }
-        for (i, hold) in conditions.holds.iter().enumerate() {
-            if !matches!(hold, TendonConstraint::Length(_)) || !conditions.taut[i] {
+        for (i, constraint) in conditions.constraints.iter().enumerate() {
+            if !matches!(constraint, TendonConstraint::Length(_)) || !conditions.taut[i] {
                 matrix.column_mut(n + i).fill(0.0);
                 matrix[(n + i, n + i)] = 1.0;
             }
@@ -156,8 +156,8 @@ impl Derivative {
             self.beyond.add_cross(&self.variation.end_move[end], force, 1.0);
         }
         let Some([force, moment]) = &mut self.follower else { return };
-        for (_, load) in system.constant.points.iter().filter(|(own, load)| *own == end && load.follows) {
-            let (f, m) = load.in_world(&workspace.shape.end_r[end], conditions.load_share);
+        for (_, load) in system.constant_loads.points.iter().filter(|(carrier, load)| *carrier == end && load.follows) {
+            let (f, m) = load.in_world(&workspace.shape.end_r[end], conditions.loads.share);
             let turn = &self.variation.end_turn[end];
             force.add_cross(turn, &f, 1.0);
             moment.add_cross(turn, &m, 1.0);
@@ -276,28 +276,28 @@ impl Derivative {
     /// tendon has friction).
     #[inline(always)]
     fn tendon_border(&mut self, system: &RodEquations, conditions: &SolveConditions, workspace: &Workspace) {
-        let (n, size, points) = (system.grid.unknowns, system.size(), system.grid.all.points);
-        for (i, hold) in conditions.holds.iter().enumerate() {
+        let (n, size, points) = (system.grid.unknowns, system.size(), system.grid.basis.points);
+        for (i, constraint) in conditions.constraints.iter().enumerate() {
             for (g, node) in system.grid.nodes.iter().enumerate() {
                 let strain = workspace.shape.compliance[g].apply(&system.tendon_wrench(g, i, workspace));
                 (0..COMPONENTS).for_each(|c| self.field[c * points + g] = node.weight_m * strain[c]);
             }
             self.border.fill(0.0);
-            system.grid.all.test(&self.field, &mut self.border);
+            system.grid.basis.test(&self.field, &mut self.border);
             self.stiffness[(n + i) * size..][..n].copy_from_slice(&self.border);
-            if workspace.weights_held || system.params.tendons[i].rubs() {
+            if workspace.weights_frozen || system.params.tendons[i].has_friction() {
                 for (g, node) in system.grid.nodes.iter().enumerate() {
                     let strain = workspace.weighted_strain(g, &system.tendon_wrench(g, i, workspace));
                     let weight_m = node.weight_m * workspace.tension_shares[g * system.params.tendons.len() + i];
                     (0..COMPONENTS).for_each(|c| self.field[c * points + g] = weight_m * strain[c]);
                 }
                 self.border.fill(0.0);
-                system.grid.all.test(&self.field, &mut self.border);
+                system.grid.basis.test(&self.field, &mut self.border);
             }
             for (k, value) in self.border.iter().enumerate() {
                 self.stiffness[k * size + n + i] = *value;
             }
-            let pull = if let TendonConstraint::Length(pull) = *hold { pull } else { 0.0 };
+            let pull = if let TendonConstraint::Length(pull) = *constraint { pull } else { 0.0 };
             self.stiffness[(n + i) * size + n + i] = -system.params.tendons[i].compliance_at(pull);
         }
     }

@@ -43,19 +43,23 @@ impl Loads {
     /// Sums the loads on `shape` under the given conditions.
     #[inline(always)]
     pub(crate) fn update(&mut self, rod: &LoadedRod, shape: &Shape, conditions: &SolveConditions) {
-        let (gravity, motion) = (conditions.gravity_m_s2, conditions.motion);
+        let (gravity, motion) = (conditions.loads.gravity_m_s2, conditions.motion);
         for (g, section) in rod.sections.iter().enumerate() {
             let mut f = section.mass_kg_m * (gravity - motion.node_acceleration(g, &shape.node_p[g]));
             if rod.params.drag_n_s2_m3 > 0.0 {
+                // Quadratic drag on each body axis (Till et al. 2019, eq. 5).
                 let body = shape.node_r[g].transpose() * motion.node_velocity(g, &shape.node_p[g]);
                 f -= shape.node_r[g] * body.component_mul(&body.abs()) * rod.params.drag_n_s2_m3;
             }
             self.node_f[g] = f;
         }
-        if !rod.constant.line.is_empty() {
-            self.node_f.iter_mut().zip(&rod.constant.line).for_each(|(f, own)| *f += own * conditions.load_share);
+        if !rod.constant_loads.line.is_empty() {
+            self.node_f
+                .iter_mut()
+                .zip(&rod.constant_loads.line)
+                .for_each(|(f, line)| *f += line * conditions.loads.share);
         }
-        self.lump(rod, shape, conditions);
+        self.update_end_loads(rod, shape, conditions);
         let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
         for (c, cell) in rod.grid.cells.iter().enumerate().rev() {
             force += self.end_f[c + 1];
@@ -66,24 +70,24 @@ impl Loads {
 
     /// Forces and moments at the cell ends: lumped masses, point loads, and the load at the tip.
     #[inline(always)]
-    fn lump(&mut self, rod: &LoadedRod, shape: &Shape, conditions: &SolveConditions) {
+    fn update_end_loads(&mut self, rod: &LoadedRod, shape: &Shape, conditions: &SolveConditions) {
         let motion = conditions.motion;
         self.end_f.fill(Vector3::zeros());
         self.end_m.fill(Vector3::zeros());
         for (k, mass) in rod.masses.iter().enumerate() {
             let acceleration = motion.mass_acceleration(k, &shape.end_p[mass.end]);
-            self.end_f[mass.end] += mass.mass_kg * (conditions.gravity_m_s2 - acceleration);
+            self.end_f[mass.end] += mass.mass_kg * (conditions.loads.gravity_m_s2 - acceleration);
             self.end_m[mass.end] += motion.spin_moment(mass, k, &shape.end_r[mass.end]);
         }
-        for (end, load) in &rod.constant.points {
-            let (f, m) = load.in_world(&shape.end_r[*end], conditions.load_share);
+        for (end, load) in &rod.constant_loads.points {
+            let (f, m) = load.in_world(&shape.end_r[*end], conditions.loads.share);
             self.end_f[*end] += f;
             self.end_m[*end] += m;
         }
         add_contact_loads(rod.touches, shape, &mut self.end_f, &mut self.end_m);
         let tip = self.end_f.len() - 1;
-        self.end_f[tip] += conditions.tip_load.force_n;
-        self.end_m[tip] += conditions.tip_load.moment_nm;
+        self.end_f[tip] += conditions.loads.tip.force_n;
+        self.end_m[tip] += conditions.loads.tip.moment_nm;
     }
 
     /// Transfers the wrench at the end of cell `c` (moment about that end) to its Gauss points and its start.
@@ -127,7 +131,7 @@ pub(crate) struct LoadedRod<'a> {
     pub(crate) grid: &'a Grid,
     pub(crate) sections: &'a [Section],
     pub(crate) masses: &'a [EndMass],
-    pub(crate) constant: &'a ConstantLoads,
+    pub(crate) constant_loads: &'a ConstantLoads,
     pub(crate) touches: &'a [Touch],
 }
 

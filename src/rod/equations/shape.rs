@@ -62,8 +62,8 @@ impl Shape {
     /// Computes everything from the polynomial coefficients.
     #[inline(always)]
     pub(crate) fn update(&mut self, grid: &Grid, sections: &[Section], coefficients: &[f64]) {
-        grid.all.expand(coefficients, &mut self.field);
-        let points = grid.all.points;
+        grid.basis.expand(coefficients, &mut self.field);
+        let points = grid.basis.points;
         for g in 0..points {
             let wrench: Components = std::array::from_fn(|c| self.field[c * points + g]);
             (self.strain[g], self.compliance[g]) = sections[g].strain(&wrench);
@@ -76,15 +76,15 @@ impl Shape {
     /// the spine begins to saturate get the exact length.
     #[inline(always)]
     pub(crate) fn update_from(&mut self, grid: &Grid, sections: &[Section], wrench: &[Components]) {
-        for (g, own) in wrench.iter().enumerate() {
-            self.strain[g] = sections[g].strain(own).0;
-            self.wrench[g] = *own;
+        for (g, local) in wrench.iter().enumerate() {
+            self.strain[g] = sections[g].strain(local).0;
+            self.wrench[g] = *local;
         }
         for (c, cell) in grid.cells.iter().enumerate() {
             let [a, b] = [2 * c, 2 * c + 1];
-            let missed = sections[a].kink_m(wrench[a][5], wrench[b][5], cell.length_m) / cell.length_m;
-            self.strain[a][5] += missed;
-            self.strain[b][5] += missed;
+            let missing_stretch = sections[a].kink_m(wrench[a][5], wrench[b][5], cell.length_m) / cell.length_m;
+            self.strain[a][5] += missing_stretch;
+            self.strain[b][5] += missing_stretch;
         }
         self.integrate(grid);
     }

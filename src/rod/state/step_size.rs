@@ -25,7 +25,7 @@ pub(crate) struct FlutterLimit {
     /// Longest step, s.
     pub(crate) longest_s: f64,
     /// Steps until it is computed again.
-    pub(crate) steps_left: u32,
+    pub(crate) remaining_steps: u32,
 }
 
 impl StepSize {
