@@ -34,6 +34,7 @@ macro_rules! real {
             }
             #[inline(always)]
             fn tanh_fast(self) -> Self {
+                // Beyond, tanh is 1 to rounding.
                 let x = self.clamp(-$largest, $largest);
                 1.0 - 2.0 / ($exp(2.0 * x) + 1.0)
             }
@@ -60,6 +61,7 @@ real!(f64, 19.0, exp_f64);
 #[inline(always)]
 pub(crate) fn exp_f64(x: f64) -> f64 {
     const SHIFT: f64 = 6_755_399_441_055_744.0; // 1.5 · 2^52: adding it leaves round(x) in the low bits
+    // ln 2 in two parts, so that n ln 2 is subtracted without rounding (Cody & Waite).
     const LN_2_HIGH: f64 = 6.931_471_803_691_238e-1;
     const LN_2_LOW: f64 = 1.908_214_929_270_587_7e-10;
     let x = x.clamp(-700.0, 700.0);
@@ -105,18 +107,18 @@ pub(crate) fn exp_f32(x: f32) -> f32 {
     f32::from_bits(p.to_bits().wrapping_add(shifted.to_bits() << 23))
 }
 
-/// Sum of `a[i] · b[i]` in eight lanes and a fixed order.
+/// Sum of `a[i] · b[i]` in sixteen lanes and a fixed order.
 #[inline(always)]
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut lanes = [0.0_f64; 16];
-    let (a_chunks, a_rest) = a.as_chunks::<16>();
-    let (b_chunks, b_rest) = b.as_chunks::<16>();
+    let (a_chunks, a_tail) = a.as_chunks::<16>();
+    let (b_chunks, b_tail) = b.as_chunks::<16>();
     for (a, b) in a_chunks.iter().zip(b_chunks) {
         for lane in 0..16 {
             lanes[lane] = a[lane].mul_add(b[lane], lanes[lane]);
         }
     }
-    for (lane, (a, b)) in a_rest.iter().zip(b_rest).enumerate() {
+    for (lane, (a, b)) in a_tail.iter().zip(b_tail).enumerate() {
         lanes[lane] = a.mul_add(*b, lanes[lane]);
     }
     fold(lanes)

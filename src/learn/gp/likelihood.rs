@@ -95,13 +95,13 @@ impl Objective for Likelihood<'_> {
         }
         self.alpha.copy_from_slice(self.y);
         self.factor.solve(&mut self.alpha, &mut self.memory);
-        let fit = 0.5 * dot(self.y, &self.alpha);
-        let size = 0.5 * self.points.n as f64 * (2.0 * std::f64::consts::PI).ln();
+        let data_fit = 0.5 * dot(self.y, &self.alpha);
+        let normalisation = 0.5 * self.points.n as f64 * (2.0 * std::f64::consts::PI).ln();
         if self.mean.is_zero() {
-            return fit + self.factor.half_log_determinant() + size;
+            return data_fit + self.factor.half_log_determinant() + normalisation;
         }
-        let Some(of_mean) = self.mean.regress(&self.factor, self.y, &mut self.alpha) else { return f64::INFINITY };
-        0.5 * dot(self.y, &self.alpha) + self.factor.half_log_determinant() + size + of_mean
+        let Some(mean_term) = self.mean.regress(&self.factor, self.y, &mut self.alpha) else { return f64::INFINITY };
+        0.5 * dot(self.y, &self.alpha) + self.factor.half_log_determinant() + normalisation + mean_term
     }
 
     fn gradient(&mut self, out: &mut [f64]) {
@@ -122,6 +122,7 @@ impl Likelihood<'_> {
         let shape = layout.shape(&self.theta);
         let signal = layout.signal_variance(&self.theta);
         out.fill(0.0);
+        // A pair below the diagonal stands for both sides: no factor ½ but on the diagonal.
         let mut trace = 0.0;
         let mut rows = [(); 3].map(|()| vec![0.0; n]);
         for j in 0..n {

@@ -6,8 +6,8 @@ use faer::linalg::triangular_inverse::invert_lower_triangular;
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::{MatMut, MatRef, Par};
 
-/// A square matrix of which only the lower triangle is used, column-major. The columns start a few numbers apart
-/// from a power of two, which caches cannot take.
+/// A square matrix of which only the lower triangle is used, column-major. Columns are padded: at distances
+/// of a power of two they would compete for the same lines of a cache.
 #[derive(Clone, Debug)]
 pub(super) struct Lower {
     n: usize,
@@ -50,8 +50,9 @@ impl Lower {
     /// Replaces a symmetric matrix by its Cholesky factor L; false when it is not positive definite.
     pub(super) fn factor(&mut self, memory: &mut FactorBuffers) -> bool {
         let stack = MemStack::new(&mut memory.0);
-        let done = factor::cholesky_in_place(self.view_mut(), Default::default(), Par::Seq, stack, Default::default());
-        done.is_ok() && (0..self.n).all(|j| self.column(j)[0] > 0.0)
+        let result =
+            factor::cholesky_in_place(self.view_mut(), Default::default(), Par::Seq, stack, Default::default());
+        result.is_ok() && (0..self.n).all(|j| self.column(j)[0] > 0.0)
     }
 
     /// Of a Cholesky factor: `x ← (L Lᵀ)⁻¹ x`.

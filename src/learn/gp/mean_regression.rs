@@ -48,17 +48,18 @@ impl MeanRegression {
         if n <= count || !factor.factor(&mut memory) {
             return None;
         }
+        // β = A⁻¹ Hᵀ K⁻¹ y (Rasmussen & Williams 2006, eq. 2.41).
         self.weights = self.columns.chunks_exact(n).map(|column| dot(column, alpha)).collect();
         factor.solve(&mut self.weights, &mut memory);
         for (weight, solved) in self.weights.iter().zip(self.solved.chunks_exact(n)) {
             alpha.iter_mut().zip(solved).for_each(|(alpha, solved)| *alpha -= weight * solved);
         }
-        let size = 0.5 * count as f64 * (2.0 * std::f64::consts::PI).ln();
-        let added = factor.half_log_determinant() - size;
+        let normalisation = 0.5 * count as f64 * (2.0 * std::f64::consts::PI).ln();
+        let mean_term = factor.half_log_determinant() - normalisation;
         self.halves = self.solved.clone();
         factor.solve_half_of(faer::MatMut::from_column_major_slice_mut(&mut self.halves, n, count).transpose_mut());
         self.factor = Some(factor);
-        Some(added)
+        Some(mean_term)
     }
 
     /// Takes what the weights explain out of the inverse of the Gram matrix: `K⁻¹ − K⁻¹ H A⁻¹ Hᵀ K⁻¹`.

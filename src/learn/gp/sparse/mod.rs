@@ -69,7 +69,8 @@ pub(super) struct SparseLikelihood<'a> {
 impl<'a> SparseLikelihood<'a> {
     /// With the points numbered `inducing` as inducing points.
     pub(super) fn new(
-        (approximation, mean): (Approximation, MeanFunction),
+        approximation: Approximation,
+        mean: MeanFunction,
         covariance: Covariance,
         points: &'a TrainingPoints,
         y: &'a [f64],
@@ -198,14 +199,16 @@ impl Objective for SparseLikelihood<'_> {
         let weights: f64 = self.weights[..m].iter().map(|weight| weight * weight).sum();
         let logarithms: f64 = self.diagonal.iter().map(|diagonal| diagonal.ln()).sum();
         let degrees = (n - self.basis.len()) as f64;
-        let size = degrees * (2.0 * std::f64::consts::PI).ln();
-        let likelihood = 0.5 * (residuals + weights + logarithms + size) + self.precision_factor.half_log_determinant();
+        let normalisation = degrees * (2.0 * std::f64::consts::PI).ln();
+        let likelihood =
+            0.5 * (residuals + weights + logarithms + normalisation) + self.precision_factor.half_log_determinant();
         if self.approximation == Approximation::Fitc {
             return likelihood;
         }
         // The trace term of the variational bound of SGPR.
-        let lost: f64 = self.missing.iter().zip(&self.diagonal).map(|(missing, diagonal)| missing / diagonal).sum();
-        likelihood + 0.5 * lost
+        let trace_term: f64 =
+            self.missing.iter().zip(&self.diagonal).map(|(missing, diagonal)| missing / diagonal).sum();
+        likelihood + 0.5 * trace_term
     }
 
     fn gradient(&mut self, out: &mut [f64]) {
