@@ -23,7 +23,7 @@ pub trait SerialLine: Send {
 }
 
 /// Largest number of unsent bytes: a line that accepts nothing must not block the program.
-const MAX_WAITING: usize = 2048;
+const MAX_UNSENT_BYTES: usize = 2048;
 
 /// A serial port of this computer.
 pub struct TtyLine {
@@ -68,8 +68,8 @@ impl SerialLine for TtyLine {
         if waiting == 0 {
             return Ok(0);
         }
-        let most = buffer.len().min(waiting);
-        match nix::unistd::read(self.port.as_raw_fd(), &mut buffer[..most]) {
+        let readable = buffer.len().min(waiting);
+        match nix::unistd::read(self.port.as_raw_fd(), &mut buffer[..readable]) {
             Ok(count) => Ok(count),
             Err(Errno::EAGAIN | Errno::EINTR) => Ok(0),
             Err(error) => Err(error.into()),
@@ -79,13 +79,13 @@ impl SerialLine for TtyLine {
     /// Avoids the port's own writer: it asks the kernel for room first, which waits until all received data has been
     /// passed on, tens of milliseconds on a busy computer.
     fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
-        if self.port.bytes_to_write()? as usize + bytes.len() > MAX_WAITING {
+        if self.port.bytes_to_write()? as usize + bytes.len() > MAX_UNSENT_BYTES {
             return Err(io::Error::new(io::ErrorKind::TimedOut, "output buffer full"));
         }
-        let mut rest = bytes;
-        while !rest.is_empty() {
-            match nix::unistd::write(self.port.as_raw_fd(), rest) {
-                Ok(count) => rest = &rest[count..],
+        let mut unsent = bytes;
+        while !unsent.is_empty() {
+            match nix::unistd::write(self.port.as_raw_fd(), unsent) {
+                Ok(count) => unsent = &unsent[count..],
                 Err(Errno::EINTR) => {}
                 Err(error) => return Err(error.into()),
             }

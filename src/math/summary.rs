@@ -41,11 +41,11 @@ pub fn interval_95(values: &[f64]) -> Option<[f64; 2]> {
 }
 
 /// Rank correlation (Spearman 1904), ties with their mean rank; not a number for fewer than three pairs or equal values.
-pub fn rank_correlation(one: &[f64], other: &[f64]) -> f64 {
-    if one.len() < 3 {
+pub fn rank_correlation(first: &[f64], second: &[f64]) -> f64 {
+    if first.len() < 3 {
         return f64::NAN;
     }
-    let (a, b) = (ranks(one), ranks(other));
+    let (a, b) = (ranks(first), ranks(second));
     let (centre_a, centre_b) = (mean(&a), mean(&b));
     let covariance: f64 = a.iter().zip(&b).map(|(x, y)| (x - centre_a) * (y - centre_b)).sum();
     covariance / (standard_deviation(&a) * standard_deviation(&b) * (a.len() - 1) as f64)
@@ -68,9 +68,9 @@ pub fn oscillation(values: &[f64], window: usize) -> f64 {
         return 0.0;
     }
     let centres = values.windows(window).map(mean);
-    let rest: Vec<f64> = values[half..].iter().zip(centres).map(|(value, centre)| value - centre).collect();
+    let deviations: Vec<f64> = values[half..].iter().zip(centres).map(|(value, centre)| value - centre).collect();
     let swings: Vec<f64> =
-        (0..=rest.len() - window).step_by(half).map(|start| swing(&rest[start..][..window])).collect();
+        (0..=deviations.len() - window).step_by(half).map(|start| swing(&deviations[start..][..window])).collect();
     quantile(&swings, 0.5)
 }
 
