@@ -45,10 +45,10 @@ impl TtyLine {
     /// # Errors
     /// When the system has none left.
     pub fn served() -> io::Result<(TtyLine, String)> {
-        let (one, other) = TTYPort::pair()?;
+        let (first, second) = TTYPort::pair()?;
         // Only one program may have a port open: this process closes its own handle of the other end.
-        let name = other.name().ok_or_else(|| io::Error::other("the pseudo-terminal has no name"))?;
-        Ok((TtyLine { port: one }, name))
+        let name = second.name().ok_or_else(|| io::Error::other("the pseudo-terminal has no name"))?;
+        Ok((TtyLine { port: first }, name))
     }
 
     /// Both ends of a pseudo-terminal: a serial line without a cable.
@@ -56,8 +56,8 @@ impl TtyLine {
     /// # Errors
     /// When the system has none left.
     pub fn pair() -> io::Result<(TtyLine, TtyLine)> {
-        let (one, other) = TTYPort::pair()?;
-        Ok((TtyLine { port: one }, TtyLine { port: other }))
+        let (first, second) = TTYPort::pair()?;
+        Ok((TtyLine { port: first }, TtyLine { port: second }))
     }
 }
 

@@ -10,6 +10,7 @@ pub(crate) trait Real:
     + std::ops::Add<Output = Self>
     + std::ops::Sub<Output = Self>
     + std::ops::Mul<Output = Self>
+    + std::ops::Div<Output = Self>
     + std::ops::Neg<Output = Self>
     + std::ops::AddAssign
 {
@@ -17,8 +18,6 @@ pub(crate) trait Real:
     fn fma(self, a: Self, b: Self) -> Self;
     /// Hyperbolic tangent, within a few units of the last place of 1.
     fn tanh_fast(self) -> Self;
-    /// Quotient.
-    fn over(self, divisor: Self) -> Self;
     /// Square root.
     fn root(self) -> Self;
     /// Nearest number of this width.
@@ -37,10 +36,6 @@ macro_rules! real {
                 // Beyond, tanh is 1 to rounding.
                 let x = self.clamp(-$largest, $largest);
                 1.0 - 2.0 / ($exp(2.0 * x) + 1.0)
-            }
-            #[inline(always)]
-            fn over(self, divisor: Self) -> Self {
-                self / divisor
             }
             #[inline(always)]
             fn root(self) -> Self {

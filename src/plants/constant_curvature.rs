@@ -107,6 +107,7 @@ impl ConstantCurvature {
     /// [`ConstantCurvature::tip_m`] for points on the workspace, metres.
     pub fn pulls_m(options: &ConstantCurvatureOptions, tip_m: &Point3) -> Vec<f64> {
         let across = tip_m[0].hypot(tip_m[1]);
+        // The chord of an arc leaves the base at half the angle by which the arc turns.
         let angle = 2.0 * across.atan2(tip_m[2]);
         let (cos, sin) = if across > 0.0 { (tip_m[0] / across, tip_m[1] / across) } else { (1.0, 0.0) };
         let pull = options.tendon_radius_m * angle;

@@ -12,7 +12,7 @@ const MAX_GARBLED: usize = 3;
 /// See [`MAX_GARBLED`], seconds.
 const GARBLED_S: f64 = 10.0;
 /// Shortest time without motion, s, after which pending moves count as stalled; the reply timeout applies if it is
-/// longer.
+/// longer. Reports come every 50 ms, and the slowest move turns a screw by a step in less than 0.15 s.
 const MIN_STALL_S: f64 = 0.3;
 
 impl Controller {

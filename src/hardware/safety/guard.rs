@@ -101,7 +101,7 @@ pub struct Guard {
 const STAND_S: f64 = 1.0;
 /// The same after a fault of the motors, whose position cannot be trusted anyway.
 const STAND_ANYWAY_S: f64 = 0.15;
-/// Window in which a robot may be held `most_holds` times, s.
+/// Window in which a robot may be held `most_holds` times, s: a person who passes the cameras causes one or two holds.
 const HOLDS_S: f64 = 10.0;
 
 impl Guard {

@@ -55,12 +55,12 @@ impl TrackedBodies {
     /// Why [`TrackedBodies::poses`] returned none.
     pub(super) fn unseen(&self, frame: &FrameOfData) -> &'static str {
         let missing = |id| !frame.rigid_bodies.iter().any(|body| body.id == id);
-        let seen = |id| pose_of(id, frame).is_some();
+        let is_tracked = |id| pose_of(id, frame).is_some();
         match self.base {
             _ if missing(self.tip) => "frames without the tip's body",
             Some(base) if missing(base) => "frames without the base's body",
-            Some(base) if !seen(base) && !seen(self.tip) => "base and tip are not tracked",
-            Some(base) if !seen(base) => "the base is not tracked",
+            Some(base) if !is_tracked(base) && !is_tracked(self.tip) => "base and tip are not tracked",
+            Some(base) if !is_tracked(base) => "the base is not tracked",
             _ => "the tip is not tracked",
         }
     }

@@ -7,7 +7,7 @@ use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_uppe
 use faer::{MatMut, MatRef, Par};
 
 /// A square matrix of which only the lower triangle is used, column-major. Columns are padded: at distances
-/// of a power of two they would compete for the same lines of a cache.
+/// of a power of two they would compete for the same sets of a cache.
 #[derive(Clone, Debug)]
 pub(super) struct Lower {
     n: usize,
@@ -63,25 +63,29 @@ impl Lower {
 
     /// Of a Cholesky factor: `L⁻¹` applied to every column of n numbers in `columns`.
     pub(super) fn solve_half(&self, columns: &mut [f64]) {
-        let count = columns.len() / self.n;
+        let count = columns.len() / self.n.max(1);
         let right = MatMut::from_column_major_slice_mut(columns, self.n, count);
         solve_lower_triangular_in_place(self.view(), right, Par::Seq);
     }
 
     /// Of a Cholesky factor: `L⁻ᵀ` applied to every column of n numbers in `columns`.
     pub(super) fn solve_transposed_half(&self, columns: &mut [f64]) {
-        let count = columns.len() / self.n;
+        let count = columns.len() / self.n.max(1);
         let right = MatMut::from_column_major_slice_mut(columns, self.n, count);
         solve_upper_triangular_in_place(self.view().transpose(), right, Par::Seq);
     }
 
-    /// Of a Cholesky factor: `L⁻¹` applied to a matrix of n rows.
-    pub(super) fn solve_half_of(&self, right: MatMut<'_, f64>) {
+    /// Of a Cholesky factor: `L⁻¹` applied to every row of n numbers of the column-major `rows`.
+    pub(super) fn solve_half_rows(&self, rows: &mut [f64]) {
+        let count = rows.len() / self.n.max(1);
+        let right = MatMut::from_column_major_slice_mut(rows, count, self.n).transpose_mut();
         solve_lower_triangular_in_place(self.view(), right, Par::Seq);
     }
 
-    /// Of a Cholesky factor: `L⁻ᵀ` applied to a matrix of n rows.
-    pub(super) fn solve_transposed_half_of(&self, right: MatMut<'_, f64>) {
+    /// Of a Cholesky factor: `L⁻ᵀ` applied to every row of n numbers of the column-major `rows`.
+    pub(super) fn solve_transposed_half_rows(&self, rows: &mut [f64]) {
+        let count = rows.len() / self.n.max(1);
+        let right = MatMut::from_column_major_slice_mut(rows, count, self.n).transpose_mut();
         solve_upper_triangular_in_place(self.view().transpose(), right, Par::Seq);
     }
 

@@ -57,7 +57,7 @@ impl MeanRegression {
         let normalisation = 0.5 * count as f64 * (2.0 * std::f64::consts::PI).ln();
         let mean_term = factor.half_log_determinant() - normalisation;
         self.halves = self.solved.clone();
-        factor.solve_half_of(faer::MatMut::from_column_major_slice_mut(&mut self.halves, n, count).transpose_mut());
+        factor.solve_half_rows(&mut self.halves);
         self.factor = Some(factor);
         Some(mean_term)
     }
@@ -90,7 +90,7 @@ impl MeanRegression {
             row.iter_mut().zip(half).for_each(|(row, half)| *row = -half);
             row[n + k] = 1.0;
         }
-        factor.solve_half_of(faer::MatMut::from_column_major_slice_mut(&mut rows, width, count).transpose_mut());
+        factor.solve_half_rows(&mut rows);
         Some(AddedTerm { basis: self.basis.clone(), weights: self.weights.clone(), rows })
     }
 }

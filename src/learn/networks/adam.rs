@@ -21,7 +21,7 @@ impl<T: Real> Adam<T> {
         const BETA_1: f64 = 0.9;
         const BETA_2: f64 = 0.999;
         self.steps += 1;
-        // Moments begin at zero: both are divided by what they miss of their weights.
+        // Bias correction: moments that begin at zero are too small at first.
         let corrected = rate / (1.0 - BETA_1.powi(self.steps));
         let (rate, unbias) = (T::of(corrected), T::of(1.0 / (1.0 - BETA_2.powi(self.steps))));
         let (b1, c1, b2, c2) = (T::of(BETA_1), T::of(1.0 - BETA_1), T::of(BETA_2), T::of(1.0 - BETA_2));
@@ -31,7 +31,7 @@ impl<T: Real> Adam<T> {
             for ((w, &g), (m, v)) in weights.iter_mut().zip(gradient).zip(moments) {
                 *m = b1.fma(*m, c1 * g);
                 *v = b2.fma(*v, c2 * g * g);
-                *w = *w - rate * m.over((*v * unbias).root() + epsilon);
+                *w = *w - rate * (*m / ((*v * unbias).root() + epsilon));
             }
         });
     }

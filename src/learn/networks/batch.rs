@@ -111,6 +111,7 @@ impl<T: Real> SequenceBatch<T> {
                     if block.inputs {
                         accumulate(sums, from_inputs, stride, first, &self.inputs, at, inputs);
                     }
+                    // The state before the window is zero.
                     if block.state && at >= self.groups {
                         accumulate(sums, from_state, stride, first, &self.hidden, at, hidden);
                     }
@@ -155,6 +156,7 @@ impl<T: Real> SequenceBatch<T> {
         let (from_hidden, bias) = weights.output().split_at(hidden * ports);
         let first_row = if self.loss == Loss::LastRow { self.window - 1 } else { 0 };
         let counted = (self.filled * outputs * (self.window - first_row)) as f64;
+        // The derivative of a mean of squares is 2/n times each residual.
         let (scale, mut loss) = (T::of(2.0 / counted), [T::default(); LANES]);
         for at in 0..self.window * self.groups {
             let group = at % self.groups;
@@ -196,6 +198,7 @@ impl<T: Real> SequenceBatch<T> {
         for at in (0..self.window * self.groups).rev() {
             let later = at + self.groups;
             for first in (0..units).step_by(U) {
+                // ∂loss/∂value by way of the outputs, then by way of the sums of the next step.
                 let mut acc = [[T::default(); LANES]; U];
                 accumulate(&mut acc, &self.output_t, units, first, &self.errors, at, outputs);
                 if later < self.window * self.groups {
@@ -265,10 +268,11 @@ impl<T: Real> SequenceBatch<T> {
         let width = self.window * self.groups;
         gradient.values.fill(T::default());
         let (hidden_layer, output_layer) = gradient.layers_mut();
-        let (from_inputs, rest) = hidden_layer.split_at_mut(inputs * stride);
-        let (from_state, bias) = rest.split_at_mut(hidden * stride);
+        let (from_inputs, state_and_bias) = hidden_layer.split_at_mut(inputs * stride);
+        let (from_state, bias) = state_and_bias.split_at_mut(hidden * stride);
         // The state before the first row is zero.
         let later = width - self.groups;
+        // The gradient of a weight: its input times ∂loss/∂sum, over all samples and times.
         for (number, block) in C::SUMS.iter().enumerate() {
             let (column, row) = (number * units, number * units * width);
             if block.inputs {

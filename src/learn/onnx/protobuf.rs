@@ -88,8 +88,8 @@ const TRUNCATED: OnnxError = OnnxError::NotOnnx("it ends within a field");
 fn varint(bytes: &mut &[u8]) -> Result<u64, OnnxError> {
     let mut value = 0_u64;
     for place in 0..10 {
-        let (&byte, rest) = bytes.split_first().ok_or(TRUNCATED)?;
-        *bytes = rest;
+        let (&byte, remaining) = bytes.split_first().ok_or(TRUNCATED)?;
+        *bytes = remaining;
         // Seven bits a byte, the lowest first; the eighth says that more follow.
         value |= u64::from(byte & 0x7f) << (7 * place).min(63);
         if byte & 0x80 == 0 {
@@ -101,9 +101,9 @@ fn varint(bytes: &mut &[u8]) -> Result<u64, OnnxError> {
 
 fn take<'a>(bytes: &mut &'a [u8], count: u64) -> Result<&'a [u8], OnnxError> {
     let count = usize::try_from(count).ok().filter(|count| *count <= bytes.len()).ok_or(TRUNCATED)?;
-    let (taken, rest) = bytes.split_at(count);
-    *bytes = rest;
-    Ok(taken)
+    let (front, remaining) = bytes.split_at(count);
+    *bytes = remaining;
+    Ok(front)
 }
 
 /// The fields of a message, in their order.

@@ -70,7 +70,7 @@ impl Lbfgs {
             add(&mut direction, -alpha, &pair.change);
             alphas.push(alpha);
         }
-        // The first Hessian has the curvature of the last step.
+        // The recursion starts from a Hessian with the curvature of the last step.
         let scale = match self.pairs.back() {
             Some(last) => 1.0 / (last.rho * dot(&last.change, &last.change)),
             None => 1.0 / dot(&self.gradient, &self.gradient).sqrt().max(1.0),

@@ -96,6 +96,7 @@ fn improve(
         let mut damped = normal.clone();
         for k in 0..at.len() {
             // A parameter without influence has a zero gradient and does not move.
+            // Marquardt's scaling does not depend on the units of parameters.
             damped[(k, k)] += if normal[(k, k)] > 0.0 { damping * normal[(k, k)] } else { 1.0 };
         }
         let step = Cholesky::new(damped)?.solve(&gradient);
@@ -108,23 +109,22 @@ fn improve(
 /// Intervals from the covariance s² (JᵀJ)⁺; infinite for parameters with a share in an unidentifiable direction.
 fn intervals(jacobian: &DMatrix<f64>, residual: &DVector<f64>, at: &[f64]) -> Vec<[f64; 2]> {
     let unbounded = [f64::NEG_INFINITY, f64::INFINITY];
-    let influential: Vec<usize> = (0..at.len()).filter(|&k| jacobian.column(k).norm() > 0.0).collect();
+    let active: Vec<usize> = (0..at.len()).filter(|&k| jacobian.column(k).norm() > 0.0).collect();
     let mut intervals = vec![unbounded; at.len()];
-    if influential.is_empty() {
+    if active.is_empty() {
         return intervals;
     }
-    let freedom = residual.len() as f64 - influential.len() as f64;
+    let freedom = residual.len() as f64 - active.len() as f64;
     let Ok(student) = StudentsT::new(0.0, 1.0, freedom) else { return intervals };
     let variance = residual.norm_squared() / freedom;
     let quantile = student.inverse_cdf(0.975);
     // Columns of unit length, so that units of parameters do not decide what is identifiable.
-    let lengths: Vec<f64> = influential.iter().map(|&k| jacobian.column(k).norm()).collect();
-    let scaled =
-        DMatrix::from_fn(residual.len(), influential.len(), |row, k| jacobian[(row, influential[k])] / lengths[k]);
+    let lengths: Vec<f64> = active.iter().map(|&k| jacobian.column(k).norm()).collect();
+    let scaled = DMatrix::from_fn(residual.len(), active.len(), |row, k| jacobian[(row, active[k])] / lengths[k]);
     let parts = scaled.svd(false, true);
     let Some(directions) = parts.v_t else { return intervals };
     let smallest = MIN_SINGULAR_VALUE_RATIO * parts.singular_values.max();
-    for (k, &parameter) in influential.iter().enumerate() {
+    for (k, &parameter) in active.iter().enumerate() {
         let mut is_unidentifiable = false;
         let mut inverse = 0.0;
         for (direction, &size) in directions.row_iter().zip(parts.singular_values.iter()) {

@@ -41,6 +41,7 @@ pub(crate) fn minimise_quadratic(b: &[f64], g: &[f64], room: &[(f64, f64)]) -> O
 /// Solves `A x = b` for symmetric `a` (row-major, n×n); `None` when `a` is not positive definite.
 fn solve_spd(a: &[f64], b: &[f64]) -> Option<Vec<f64>> {
     let n = b.len();
+    // Cholesky, then forward and backward substitution.
     let mut l = a.to_vec();
     for j in 0..n {
         for i in j..n {

@@ -73,7 +73,7 @@ impl Basis {
     /// Adds the sums over the Gauss points of `weights` times the polynomials of components `row` and `column` to the
     /// block of a square matrix that belongs to them.
     #[inline(always)]
-    pub(crate) fn test_pair(&self, weights: &[f64], (row, column): (usize, usize), matrix: &mut [f64], size: usize) {
+    pub(crate) fn test_pair(&self, weights: &[f64], row: usize, column: usize, matrix: &mut [f64], size: usize) {
         for element in &self.elements {
             let weights = &weights[element.points.clone()];
             for i in 0..self.modes[row] {

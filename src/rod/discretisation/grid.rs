@@ -1,7 +1,7 @@
 //! The grid along the rod: cells with two Gauss–Legendre points each, and the polynomials on them.
 
 use super::basis::Basis;
-use super::cell::{COMPONENTS, Cell, GAUSS, Node};
+use super::cell::{COMPONENTS, GAUSS, Node};
 use crate::math::polynomial::legendre;
 use crate::rod::params::resolution::Resolution;
 use crate::rod::params::rod_params::RodParams;
@@ -19,7 +19,8 @@ const SAME_PLACE_M: f64 = 1e-10;
 /// The discretisation of one rod.
 #[derive(Clone, Debug)]
 pub(crate) struct Grid {
-    pub(crate) cells: Vec<Cell>,
+    /// Lengths of the integration cells, metres. No property jumps inside one unless cells are blended.
+    pub(crate) cell_lengths_m: Vec<f64>,
     /// Two per cell.
     pub(crate) nodes: Vec<Node>,
     /// Ends of the cells; one more than there are cells.
@@ -76,7 +77,7 @@ impl Grid {
         let max_modes = modes.iter().copied().max().unwrap_or(0);
         let per_element: usize = modes.iter().sum();
         let mut grid = Grid {
-            cells: Vec::new(),
+            cell_lengths_m: Vec::new(),
             nodes: Vec::new(),
             unknowns: per_element * (elements.len() - 1),
             modes,
@@ -86,7 +87,7 @@ impl Grid {
         };
         for window in grid.boundaries_m.windows(2) {
             let (start, length) = (window[0], window[1] - window[0]);
-            grid.cells.push(Cell { length_m: length });
+            grid.cell_lengths_m.push(length);
             let middle = start + 0.5 * length;
             let element = elements.iter().rposition(|&end| end < middle).unwrap_or(0).min(elements.len() - 2);
             let (low, high) = (elements[element], elements[element + 1]);

@@ -32,7 +32,8 @@ impl Grid {
     /// Interpolates histories from the Gauss points of `from` to those of this grid, linearly within each cell.
     pub(crate) fn interpolate_histories(&self, from: &Grid, states: &[HistoryState]) -> Vec<HistoryState> {
         let state = |position_m: f64| {
-            let cell = from.boundaries_m.partition_point(|&end| end <= position_m).clamp(1, from.cells.len()) - 1;
+            let cell =
+                from.boundaries_m.partition_point(|&end| end <= position_m).clamp(1, from.cell_lengths_m.len()) - 1;
             let [a, b] = [2 * cell, 2 * cell + 1];
             let (start, end) = (from.nodes[a].position_m, from.nodes[b].position_m);
             let share = (position_m - start) / (end - start);

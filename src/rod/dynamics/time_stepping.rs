@@ -104,7 +104,7 @@ impl Rod {
 
     /// Takes the last stage as the new state.
     fn finish_step(&mut self, h: f64) {
-        self.step_size.taken += 1;
+        self.step_size.steps += 1;
         self.state.rates.copy_from(&self.stages[self.stages.len() - 1]);
         self.commit_histories(h);
         self.log.iter_mut().for_each(|log| log.accept(h));

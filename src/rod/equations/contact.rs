@@ -143,15 +143,15 @@ impl ContactPoint {
 
 /// Cubic Hermite weights of the two positions and the two unit tangents at `share` of a cell.
 fn hermite(share: f64, length_m: f64) -> [f64; 4] {
-    let (t, rest) = (share, 1.0 - share);
-    [(1.0 + 2.0 * t) * rest * rest, t * t * (3.0 - 2.0 * t), length_m * t * rest * rest, -length_m * t * t * rest]
+    let (t, u) = (share, 1.0 - share);
+    [(1.0 + 2.0 * t) * u * u, t * t * (3.0 - 2.0 * t), length_m * t * u * u, -length_m * t * t * u]
 }
 
 impl Touch {
     /// The same contact on another grid of the rod.
     pub(crate) fn on_grid(&self, grid: &Grid) -> Touch {
         let ContactPoint { s_m, radius_m, .. } = self.point;
-        let last = grid.cells.len() - 1;
+        let last = grid.cell_lengths_m.len() - 1;
         let cell = grid.boundaries_m[1..=last].partition_point(|&end| end < s_m);
         Touch { point: ContactPoint::in_cell(cell, &grid.boundaries_m[cell..cell + 2], s_m, radius_m), ..*self }
     }

@@ -79,13 +79,14 @@ impl Derivative {
         self.stiffness.fill(0.0);
         self.beyond.fill_zero();
         self.follower.iter_mut().flatten().for_each(VectorDerivative::fill_zero);
-        for c in (0..system.grid.cells.len()).rev() {
+        // From tip to base, so that `beyond` holds the loads that a cross-section carries.
+        for c in (0..system.grid.cell_lengths_m.len()).rev() {
             self.add_end_loads(system, c + 1, conditions, workspace);
             for row in 0..2 {
                 self.node_moment(system, c, row, workspace);
                 self.node_rows(system, 2 * c + row, unknowns, workspace);
             }
-            let half = 0.5 * system.grid.cells[c].length_m;
+            let half = 0.5 * system.grid.cell_lengths_m[c];
             for g in [2 * c, 2 * c + 1] {
                 self.beyond.add_cross(&self.variation.node_move[g], &workspace.loads.node_f[g], half);
             }
@@ -168,12 +169,12 @@ impl Derivative {
     /// Σ δp × f of all loads distal to Gauss point `row` of cell `c`.
     #[inline(always)]
     fn node_moment(&mut self, system: &RodEquations, c: usize, row: usize, workspace: &Workspace) {
-        let h = system.grid.cells[c].length_m;
+        let h = system.grid.cell_lengths_m[c];
         let partial = Grid::partial_weights(h);
         self.moment.copy_from(&self.beyond);
-        for other in 0..2 {
-            let k = 2 * c + other;
-            let weight = 0.5 * h - partial[row][other];
+        for source in 0..2 {
+            let k = 2 * c + source;
+            let weight = 0.5 * h - partial[row][source];
             self.moment.add_cross(&self.variation.node_move[k], &workspace.loads.node_f[k], weight);
         }
     }
@@ -206,7 +207,7 @@ impl Derivative {
     fn add_followers(&mut self, g: usize, workspace: &Workspace) {
         let Some([force, moment]) = &self.follower else { return };
         let mut about = moment.clone();
-        about.add_fixed_cross(&-workspace.shape.node_p[g], force);
+        about.add_cross(force, &workspace.shape.node_p[g], 1.0);
         let back = workspace.shape.node_r[g].transpose();
         for axis in 0..3 {
             for k in 0..self.wrench_rows[0].len() {

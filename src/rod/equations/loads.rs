@@ -61,10 +61,10 @@ impl Loads {
         }
         self.update_end_loads(rod, shape, conditions);
         let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
-        for (c, cell) in rod.grid.cells.iter().enumerate().rev() {
+        for (c, &cell_m) in rod.grid.cell_lengths_m.iter().enumerate().rev() {
             force += self.end_f[c + 1];
             moment += self.end_m[c + 1];
-            (force, moment) = self.through_cell(c, cell.length_m, shape, force, moment);
+            (force, moment) = self.through_cell(c, cell_m, shape, force, moment);
         }
     }
 
@@ -106,10 +106,11 @@ impl Loads {
             let g = 2 * c + row;
             let p = shape.node_p[g];
             let (mut n, mut m) = (force, moment + (end - p).cross(&force));
-            for (other, weight) in partial[row].iter().enumerate() {
-                let f = self.node_f[2 * c + other] * (0.5 * h - weight);
+            // Beyond the Gauss point: the whole cell less what lies before it.
+            for (source, weight) in partial[row].iter().enumerate() {
+                let f = self.node_f[2 * c + source] * (0.5 * h - weight);
                 n += f;
-                m += (shape.node_p[2 * c + other] - p).cross(&f);
+                m += (shape.node_p[2 * c + source] - p).cross(&f);
             }
             self.force[g] = n;
             self.moment[g] = m;
@@ -157,8 +158,8 @@ impl ConstantLoads {
 
 /// Sum of the line loads at `position_m`, N/m.
 fn line_force(params: &RodParams, position_m: f64) -> Vector3<f64> {
-    let here = params.line_loads.iter().filter(|load| (load.start_m..load.end_m).contains(&position_m));
-    here.map(|load| load.force_n_m).sum()
+    let acting = params.line_loads.iter().filter(|load| (load.start_m..load.end_m).contains(&position_m));
+    acting.map(|load| load.force_n_m).sum()
 }
 
 impl PointLoad {

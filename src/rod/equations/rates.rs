@@ -64,7 +64,7 @@ impl RateMatrices {
             if weights.iter().all(|weight| *weight == 0.0) {
                 continue;
             }
-            system.grid.basis.test_pair(weights, (row, column), &mut self.viscosity, system.grid.unknowns);
+            system.grid.basis.test_pair(weights, row, column, &mut self.viscosity, system.grid.unknowns);
         }
     }
 

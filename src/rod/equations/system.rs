@@ -219,6 +219,7 @@ impl RodEquations {
                 TendonConstraint::Length(_) if conditions.taut[i] => {
                     self.overstretch_m(i, constraint, tensions[i], workspace)
                 }
+                // A slack tendon has no tension.
                 TendonConstraint::Length(_) => tensions[i],
                 TendonConstraint::Tension(tension_n) => tensions[i] - tension_n,
             };
@@ -250,12 +251,14 @@ impl RodEquations {
         let section = &self.sections[g];
         let strain = workspace.shape.strain[g];
         let mut total = workspace.shape.wrench[g];
+        // The terms of the balance in docs/rod.md: first the viscous wrench …
         let motion = conditions.motion;
         if motion.rate > 0.0 {
             for c in 0..COMPONENTS {
                 total[c] += section.viscosity[c] * (strain[c] * motion.rate + motion.strain_v[g][c]);
             }
         }
+        // … then the moments with a memory …
         workspace.history_tangent[g] = [[0.0; 2]; 2];
         for (law, states) in self.params.moment_laws.iter().zip(conditions.histories) {
             let bend = section.bending(&strain);
@@ -271,6 +274,7 @@ impl RodEquations {
                 }
             }
         }
+        // … then the tendons …
         for (i, &tension) in tensions.iter().enumerate() {
             if tension != 0.0 {
                 let pull = self.tendon_wrench(g, i, workspace);
@@ -280,6 +284,7 @@ impl RodEquations {
                 }
             }
         }
+        // … less what the loads beyond the cross-section put on it.
         let r = &workspace.shape.node_r[g];
         let moment = matrix3::transpose_times(r, &workspace.loads.moment[g]);
         let force = matrix3::transpose_times(r, &workspace.loads.force[g]);
@@ -418,6 +423,7 @@ fn reach_m_per_n(params: &RodParams, sections: &[Section], guides: &[TendonGuide
 fn home_length_m(tendons: &[Tendon], grid: &Grid, sections: &[Section], guides: &[TendonGuide], i: usize) -> f64 {
     let along = grid.nodes.iter().zip(sections).zip(guides.iter().skip(i).step_by(tendons.len()));
     let passing = along.filter(|(_, guide)| guide.present);
+    // As long as its part of the rod: exact, where the quadrature would round.
     if passing.clone().all(|((_, section), guide)| guide.slope == [0.0; 2] && section.home == [0.0; 3]) {
         return tendons[i].end_m - tendons[i].start_m;
     }

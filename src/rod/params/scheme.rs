@@ -26,18 +26,14 @@ impl Scheme {
         match self {
             Scheme::Euler => Tableau { rows: vec![vec![1.0]] },
             Scheme::Sdirk2 => {
-                let gamma = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
-                Tableau { rows: vec![vec![gamma], vec![1.0 - gamma, gamma]] }
+                let g = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
+                Tableau { rows: vec![vec![g], vec![1.0 - g, g]] }
             }
             Scheme::Sdirk3 => {
                 // The root of γ³ − 3γ² + 3γ/2 − 1/6 between 1/6 and 1/2.
-                let gamma = 0.435_866_521_508_459;
-                let last = [
-                    -(6.0 * gamma * gamma - 16.0 * gamma + 1.0) / 4.0,
-                    (6.0 * gamma * gamma - 20.0 * gamma + 5.0) / 4.0,
-                    gamma,
-                ];
-                Tableau { rows: vec![vec![gamma], vec![(1.0 - gamma) / 2.0, gamma], last.to_vec()] }
+                let g = 0.435_866_521_508_459;
+                let last = [-(6.0 * g * g - 16.0 * g + 1.0) / 4.0, (6.0 * g * g - 20.0 * g + 5.0) / 4.0, g];
+                Tableau { rows: vec![vec![g], vec![(1.0 - g) / 2.0, g], last.to_vec()] }
             }
         }
     }

@@ -16,7 +16,7 @@ use crate::rod::params::rod_params::RodParams;
 use crate::rod::solver::status::SolveStatus;
 use crate::rod::state::rates::Rates;
 use crate::rod::state::rod::{Drive, Rod};
-use crate::rod::state::solve_log::{SolveLog, SolvedStep};
+use crate::rod::state::solve_log::{SolveLog, SolvedStage, SolvedStep};
 
 /// A rod cannot follow the leader: it has other parts, or coincident parts have separated. Holds its number, from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -179,7 +179,7 @@ impl PerturbedRods {
         for Rod { state, before, .. } in std::iter::once(&mut *followed).chain(&mut *followers) {
             before.copy_from(state);
         }
-        for (i, (unknowns, taut)) in solved.stages.iter().enumerate() {
+        for (i, SolvedStage { unknowns, taut }) in solved.stages.iter().enumerate() {
             let share: f64 = followed.tableau.rows[i].iter().sum();
             let prepare = |rod: &mut Rod, number: usize| {
                 let duration_s = solved.duration_s * scale(number);

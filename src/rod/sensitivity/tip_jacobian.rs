@@ -71,12 +71,12 @@ const REFINEMENT_TOLERANCE: f64 = 1e-7;
 /// The equations and the poses at unknowns beside a solution.
 struct ShiftedSolution {
     residual: DVector<f64>,
-    tip: Pose,
-    points: Vec<Pose>,
+    tip: SectionPose,
+    points: Vec<SectionPose>,
 }
 
 /// Position (metres) and orientation.
-type Pose = (Vector3<f64>, Matrix3<f64>);
+type SectionPose = (Vector3<f64>, Matrix3<f64>);
 
 /// The equations at a solution.
 struct Linearised<'a> {
@@ -144,9 +144,7 @@ impl Rod {
             self.refine(&mut change, explicit, solution, shifted)?;
         }
         let mut at = |along: &DVector<f64>, sign: f64| {
-            let unknowns: Vec<f64> =
-                self.state.unknowns.iter().zip(along.iter()).map(|(x, dx)| x + sign * share * dx).collect();
-            self.system.evaluate(&unknowns, conditions, shifted);
+            self.evaluate_shifted(along, sign * share, conditions, shifted);
             let shape = &shifted.shape;
             ShiftedSolution {
                 residual: DVector::from_column_slice(&shifted.residual),
@@ -154,7 +152,7 @@ impl Rod {
                 points: places_m.iter().map(|&place_m| shape.pose_at(&self.system.grid, place_m)).collect(),
             }
         };
-        let between = |(after_m, after_r): Pose, (before_m, before_r): Pose| TipRate {
+        let between = |(after_m, after_r): SectionPose, (before_m, before_r): SectionPose| TipRate {
             position_m: (after_m - before_m) / (2.0 * share),
             rotation_rad: rotation::log(&(after_r * before_r.transpose())) / (2.0 * share),
         };
@@ -178,6 +176,19 @@ impl Rod {
         Some(PoseRates { tip, points })
     }
 
+    /// Evaluates the equations at the present unknowns plus `share` of a change.
+    fn evaluate_shifted(
+        &self,
+        change: &DVector<f64>,
+        share: f64,
+        conditions: &SolveConditions,
+        shifted: &mut Workspace,
+    ) {
+        let shift = self.state.unknowns.iter().zip(change.iter());
+        let unknowns: Vec<f64> = shift.map(|(x, dx)| x + share * dx).collect();
+        self.system.evaluate(&unknowns, conditions, shifted);
+    }
+
     /// Refines `change` until dF along it and `explicit` cancel; `None` when that does not converge.
     fn refine(
         &self,
@@ -191,9 +202,7 @@ impl Rod {
             let size_m = self.system.size_of_step_m(&change.as_slice()[..n], shifted);
             let share = PROBE_LENGTHS * self.system.params.length_m() / size_m;
             let mut residual = |sign: f64| {
-                let unknowns: Vec<f64> =
-                    self.state.unknowns.iter().zip(change.iter()).map(|(x, dx)| x + sign * share * dx).collect();
-                self.system.evaluate(&unknowns, solution.conditions, shifted);
+                self.evaluate_shifted(change, sign * share, solution.conditions, shifted);
                 DVector::from_column_slice(&shifted.residual)
             };
             // Iterative refinement: central differences along `change` show what the factors, an approximation,
@@ -212,7 +221,7 @@ impl Rod {
 
     /// Writes ∂F/∂direction for the command to tendon `i`, which has friction, into `rate`: zero for a tendon that is
     /// slack or held otherwise.
-    fn rate_of_hold(&self, direction: Direction, i: usize, conditions: &SolveConditions, rate: &mut DVector<f64>) {
+    fn rate_of_command(&self, direction: Direction, i: usize, conditions: &SolveConditions, rate: &mut DVector<f64>) {
         let tendon = &self.system.params.tendons[i];
         let step = match (direction, conditions.constraints[i]) {
             (Direction::Pull(_), TendonConstraint::Length(_)) if conditions.taut[i] => {
@@ -243,7 +252,7 @@ impl Rod {
             Direction::Pull(i) | Direction::Tension(i)
                 if self.system.params.tendons.get(i).is_some_and(Tendon::has_friction) =>
             {
-                self.rate_of_hold(direction, i, conditions, &mut rate);
+                self.rate_of_command(direction, i, conditions, &mut rate);
             }
             Direction::Pull(i) => {
                 if matches!(conditions.constraints.get(i), Some(TendonConstraint::Length(_))) && conditions.taut[i] {

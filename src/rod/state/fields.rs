@@ -63,11 +63,11 @@ impl Rod {
         let rate = |g: usize| shape.node_r[g] * Vector3::from_row_slice(&rates.strain_v[g][..3]);
         let mut below = Vector3::zeros();
         let mut all = Vec::with_capacity(shape.node_r.len());
-        for (c, cell) in self.system.grid.cells.iter().enumerate() {
+        for (c, &cell_m) in self.system.grid.cell_lengths_m.iter().enumerate() {
             let both = [rate(2 * c), rate(2 * c + 1)];
-            let partial = Grid::partial_weights(cell.length_m);
+            let partial = Grid::partial_weights(cell_m);
             all.extend(partial.map(|[first, second]| below + both[0] * first + both[1] * second));
-            below += (both[0] + both[1]) * (0.5 * cell.length_m);
+            below += (both[0] + both[1]) * (0.5 * cell_m);
         }
         all
     }

@@ -77,6 +77,6 @@ impl Rod {
     /// Solver statistics so far.
     pub fn effort(&self) -> Effort {
         let NewtonSolver { iterations, derivatives, factorisations, .. } = self.solver;
-        Effort { steps: self.step_size.taken, iterations, derivatives, factorisations }
+        Effort { steps: self.step_size.steps, iterations, derivatives, factorisations }
     }
 }

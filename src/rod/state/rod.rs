@@ -5,7 +5,7 @@ use super::grid_level::GridLevel;
 use super::rates::Rates;
 use super::rest::SettledConditions;
 use super::rod_state::RodState;
-use super::solve_log::SolveLog;
+use super::solve_log::{SolveLog, SolvedStage};
 use super::step_size::StepSize;
 use crate::math::vectorised;
 use crate::rod::equations::boundary_conditions::{AppliedLoads, SolveConditions, TendonConstraint};
@@ -213,6 +213,7 @@ impl Rod {
     /// Logs the stage that has just been solved.
     pub(crate) fn log_stage(&mut self) {
         let RodState { unknowns, taut, .. } = &self.state;
-        self.log.iter_mut().for_each(|log| log.stages.push((unknowns.clone(), taut.clone())));
+        let stage = || SolvedStage { unknowns: unknowns.clone(), taut: taut.clone() };
+        self.log.iter_mut().for_each(|log| log.stages.push(stage()));
     }
 }

@@ -3,6 +3,7 @@
 //! Implicit Euler steps of an inertia-free, heavily damped rod minimise its energy plus the squared distance from the
 //! previous shape (a proximal point method). Each step lowers the energy, passes limit points by snapping through, and
 //! can only come to rest at a stable equilibrium. All loads are raised together during the first steps.
+//! docs/robustness.md says when it is used.
 
 use crate::rod::equations::boundary_conditions::TendonConstraint;
 use crate::rod::equations::motion::Motion;
@@ -39,7 +40,8 @@ impl Rod {
     pub(crate) fn relax_dynamically(&mut self, constraints: &[TendonConstraint], mut share: f64) -> SolveStatus {
         let mut overdamped = self.overdamped();
         // Long rods with many cells take longer over each iteration.
-        let max_iterations = (MAX_WORK / overdamped.system.grid.cells.len().max(1) as u64).clamp(200, MAX_ITERATIONS);
+        let max_iterations =
+            (MAX_WORK / overdamped.system.grid.cell_lengths_m.len().max(1) as u64).clamp(200, MAX_ITERATIONS);
         // A rod under its full load starts next to an unstable equilibrium, which longer steps would find again.
         let falling = share == 1.0;
         let effort = if falling { FALLING_EFFORT } else { 1 };

@@ -23,12 +23,15 @@ impl Rod {
         self.motion = Motion::rest(&self.system.grid, &self.system.masses);
         let before = RestBefore { state: self.state.clone(), under };
         self.predict_residual(&constraints, before.under.as_ref());
+        // Three ways to an equilibrium (docs/robustness.md): from where the rod stands …
         let mut status = self.solve_static(&constraints, 1.0);
         if status != SolveStatus::Converged {
+            // … with all loads raised together …
             self.state.copy_from(&before.state);
             status = self.continue_in_load(&constraints);
         }
         if status != SolveStatus::Converged {
+            // … and as an overdamped rod that is followed to rest.
             self.state.unknowns.fill(0.0);
             self.state.taut.fill(false);
             status = self.relax_dynamically(&constraints, 0.0);
@@ -61,8 +64,8 @@ impl Rod {
     fn predict_residual(&mut self, constraints: &[TendonConstraint], before: Option<&SettledConditions>) {
         let params = &self.system.params;
         let remembers = !params.moment_laws.is_empty() || params.tendons.iter().any(Tendon::has_friction);
-        let unchanged = |rest: &&SettledConditions| rest.tip_load == self.tip_load && !remembers;
-        if let Some(rest) = before.filter(unchanged) {
+        let same_load = |rest: &&SettledConditions| rest.tip_load == self.tip_load && !remembers;
+        if let Some(rest) = before.filter(same_load) {
             let change = ConstraintChange { from: &rest.constraints, to: constraints };
             self.solver.predict_residual(&self.system, &self.state.unknowns, &self.state.taut, &change);
         }

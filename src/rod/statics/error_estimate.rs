@@ -2,7 +2,6 @@
 
 use nalgebra::Vector3;
 
-use crate::rod::discretisation::cell::Cell;
 use crate::rod::equations::material::Components;
 use crate::rod::equations::shape::Shape;
 use crate::rod::equations::system::{RodEquations, Workspace};
@@ -10,7 +9,7 @@ use crate::rod::state::rod::Rod;
 
 /// Least tendon offset as a share of the length: closer tendons shorten the rod rather than bend it.
 const MIN_OFFSET_SHARE: f64 = 0.01;
-/// Safety factor on the one Picard iteration, which is the first term of a series.
+/// Safety factor on the one Picard iteration, which is the first term of a series (docs/robustness.md).
 const BALANCE_SAFETY_FACTOR: f64 = 15.0;
 /// The error of the two-point Gauss rule is h⁵ f⁗ / 4320; a factor of three covers products of fields.
 const CELL_ERROR: f64 = 3.0 / 4320.0;
@@ -41,8 +40,8 @@ impl RodEquations {
     fn cell_error_m(&self, shape: &Shape, taut: &[bool]) -> f64 {
         let strain = &shape.strain;
         let mut total = 0.0;
-        for (c, cell) in self.grid.cells.iter().enumerate() {
-            let (h, a, b) = (cell.length_m, &strain[2 * c], &strain[2 * c + 1]);
+        for (c, &cell_m) in self.grid.cell_lengths_m.iter().enumerate() {
+            let (h, a, b) = (cell_m, &strain[2 * c], &strain[2 * c + 1]);
             let angle2 = squared_curvature(a).max(squared_curvature(b)) * h * h;
             let cross = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
             let commutator = h * h * (cross[0].powi(2) + cross[1].powi(2) + cross[2].powi(2)).sqrt();
@@ -56,10 +55,9 @@ impl RodEquations {
     /// agree by chance.
     fn kink_error_m(&self, shape: &Shape, taut: &[bool]) -> f64 {
         let force = |g: usize| shape.wrench[g][5];
-        let kink = |(c, cell): (usize, &Cell)| {
-            self.sections[2 * c].kink_m(force(2 * c), force(2 * c + 1), cell.length_m).abs()
-        };
-        let kinks: f64 = self.grid.cells.iter().enumerate().map(kink).sum();
+        let kink =
+            |(c, &cell_m): (usize, &f64)| self.sections[2 * c].kink_m(force(2 * c), force(2 * c + 1), cell_m).abs();
+        let kinks: f64 = self.grid.cell_lengths_m.iter().enumerate().map(kink).sum();
         if kinks == 0.0 {
             return 0.0;
         }

@@ -153,15 +153,15 @@ impl Rod {
         let Some(weakest) = self.tangent(&constraints, 0.0).weakest() else { return RestBranch::SnapThrough };
         let amount = PROBE_LENGTHS * self.system.params.length_m()
             / self.system.size_of_step_m(&weakest, &self.solver.workspace);
-        let here = self.state.unknowns.clone();
+        let start = self.state.unknowns.clone();
         let mut stiffness = |amount: f64| {
-            self.state.unknowns.clone_from(&here);
+            self.state.unknowns.clone_from(&start);
             self.push(&weakest, amount);
             self.refresh_on_path(path, share);
             self.tangent(&constraints, 0.0).along(&weakest)
         };
         let (middle, plus, minus) = (stiffness(0.0), stiffness(amount), stiffness(-amount));
-        self.state.unknowns = here;
+        self.state.unknowns = start;
         self.solver.discard_derivative();
         let (odd, even) = (0.5 * (plus - minus), 0.5 * (plus + minus) - middle);
         if odd.abs() > even.abs() { RestBranch::SnapThrough } else { RestBranch::Bifurcation }

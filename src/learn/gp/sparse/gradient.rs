@@ -39,11 +39,9 @@ impl SparseLikelihood<'_> {
             }
         }
         let mut inner = self.inner_weights(&inverse, &weights, width);
-        self.inducing_factor
-            .solve_transposed_half_of(MatMut::from_column_major_slice_mut(&mut crossed, n, m).transpose_mut());
-        self.inducing_factor.solve_transposed_half_of(MatMut::from_column_major_slice_mut(&mut inner, m, m));
-        self.inducing_factor
-            .solve_transposed_half_of(MatMut::from_column_major_slice_mut(&mut inner, m, m).transpose_mut());
+        self.inducing_factor.solve_transposed_half_rows(&mut crossed);
+        self.inducing_factor.solve_transposed_half(&mut inner);
+        self.inducing_factor.solve_transposed_half_rows(&mut inner);
         self.sum_rates(&mut crossed, &inner, &weights, out);
     }
 

@@ -53,10 +53,9 @@ impl<'a> SparseLikelihood<'a> {
     /// Error and variance of every sample when it is held out, standardised: the residual over `1 − h_i`, and what is not known
     /// of the function there and noise. `h_i = φ_iᵀ S⁻¹ φ_i / Λ_i` is the weight of the sample in its own prediction.
     pub(in crate::learn::gp) fn leave_one_out_errors(&self) -> Vec<(f64, f64)> {
-        let (n, width) = (self.points.n, self.width());
+        let n = self.points.n;
         let mut halves = self.weighted.clone();
-        self.precision_factor
-            .solve_half_of(faer::MatMut::from_column_major_slice_mut(&mut halves, n, width).transpose_mut());
+        self.precision_factor.solve_half_rows(&mut halves);
         let mut explained = vec![0.0; n];
         for column in halves.chunks_exact(n) {
             explained.iter_mut().zip(column).for_each(|(explained, half)| *explained += half * half);

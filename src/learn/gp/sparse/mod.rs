@@ -23,7 +23,7 @@ pub(super) use rates::CovarianceAt;
 pub(super) use search::search;
 
 use faer::linalg::matmul::triangular::{BlockStructure, matmul};
-use faer::{Accum, MatMut, MatRef, Par};
+use faer::{Accum, MatRef, Par};
 
 use super::config::Approximation;
 use super::coordinates::LogLikelihood;
@@ -127,8 +127,7 @@ impl<'a> SparseLikelihood<'a> {
         if !self.inducing_factor.factor(&mut self.memory[0]) {
             return false;
         }
-        let crossed = MatMut::from_column_major_slice_mut(&mut self.features[..n * m], n, m);
-        self.inducing_factor.solve_half_of(crossed.transpose_mut());
+        self.inducing_factor.solve_half_rows(&mut self.features[..n * m]);
         at.diagonal(self.points, &mut self.missing, &mut self.diagonal);
         let noise = self.noise_variance();
         self.diagonal.iter_mut().for_each(|diagonal| *diagonal += noise);

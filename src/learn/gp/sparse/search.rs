@@ -24,12 +24,11 @@ pub(in crate::learn::gp) fn search(
     y: &[f64],
 ) -> Option<FittedHyperparameters> {
     let rows = points.n.min(START_ROWS);
-    let which: Vec<usize> = (0..rows).map(|i| i * points.n / rows).collect();
-    let (subset, subset_y): (TrainingPoints, Vec<f64>) = (points.select(&which), which.iter().map(|&i| y[i]).collect());
+    let (subset, subset_y) = search::evenly_spaced(points, y, rows);
     let FittedHyperparameters { mut theta, mut evaluations } = search::search(config, covariance, &subset, &subset_y)?;
-    let hyperparameters = covariance.hyperparameters(config.noise_floor);
-    let lengths: Vec<bool> = hyperparameters.iter().map(|parameter| parameter.is_length).collect();
-    let limits = search::limits(&hyperparameters, &lengths, config.tolerance.max(TOLERANCE));
+    let parameters = covariance.hyperparameters(config.noise_floor);
+    let lengths: Vec<bool> = parameters.iter().map(|parameter| parameter.is_length).collect();
+    let limits = search::limits(&parameters, &lengths, config.tolerance.max(TOLERANCE));
     for _ in 0..ROUNDS {
         let inducing = greedy_conditional_variance(covariance, &theta, points, config.inducing_points);
         let mut start = Likelihood::new(covariance.clone(), &subset, &subset_y).with_mean(config.mean);
