@@ -1,6 +1,6 @@
 //! Sample statistics: mean, standard deviation, quantile, interval of a mean, oscillation.
 
-use statrs::distribution::{ContinuousCDF, StudentsT};
+use super::distribution::student_95;
 
 /// Arithmetic mean; not a number for no values.
 pub fn mean(values: &[f64]) -> f64 {
@@ -34,8 +34,7 @@ pub fn quantile(values: &[f64], share: f64) -> f64 {
 /// 95 % interval of the mean of independent `values`, Student's t; `None` for fewer than two.
 pub fn interval_95(values: &[f64]) -> Option<[f64; 2]> {
     let freedom = values.len().checked_sub(1).filter(|&freedom| freedom > 0)? as f64;
-    let t = StudentsT::new(0.0, 1.0, freedom).ok()?.inverse_cdf(0.975);
-    let half = t * standard_deviation(values) / (values.len() as f64).sqrt();
+    let half = student_95(freedom) * standard_deviation(values) / (values.len() as f64).sqrt();
     let centre = mean(values);
     half.is_finite().then_some([centre - half, centre + half])
 }

@@ -32,7 +32,7 @@ pub(super) struct Likelihood<'a> {
 }
 
 impl<'a> Likelihood<'a> {
-    pub(super) fn new(covariance: Covariance, points: &'a TrainingPoints, y: &'a [f64]) -> Self {
+    pub(super) fn new(covariance: Covariance, mean: MeanFunction, points: &'a TrainingPoints, y: &'a [f64]) -> Self {
         let n = points.n;
         Likelihood {
             covariance,
@@ -44,14 +44,8 @@ impl<'a> Likelihood<'a> {
             factor: Lower::zeros(n),
             inverse: Lower::zeros(n),
             memory: FactorBuffers::new(n),
-            mean: MeanRegression::default(),
+            mean: MeanRegression::new(mean, points),
         }
-    }
-
-    /// With a mean function.
-    pub(super) fn with_mean(mut self, mean: MeanFunction) -> Self {
-        self.mean = MeanRegression::new(mean, self.points);
-        self
     }
 
     /// What the mean function adds to predictions at the latest value.
@@ -206,13 +200,17 @@ mod tests {
         for expression in expressions() {
             let covariance = Covariance::new(&expression, 3).unwrap();
             let theta = somewhere(&covariance);
-            check_gradient(&mut Likelihood::new(covariance.clone(), &points, &y), &theta, expression.name());
+            check_gradient(
+                &mut Likelihood::new(covariance.clone(), MeanFunction::Zero, &points, &y),
+                &theta,
+                expression.name(),
+            );
             let lengths: Vec<bool> = covariance.hyperparameters(1.0).iter().map(|one| one.is_length).collect();
             let mut far = theta.clone();
             if let Some(length) = lengths.iter().position(|is_length| *is_length) {
                 far[length] = 3.5;
             }
-            let mut bent = SearchObjective::new(Likelihood::new(covariance, &points, &y));
+            let mut bent = SearchObjective::new(Likelihood::new(covariance, MeanFunction::Zero, &points, &y));
             check_gradient(&mut bent, &to_search_coordinates(&lengths, &far), expression.name());
         }
     }
@@ -226,7 +224,7 @@ mod tests {
             let slow = Covariance::Composite(Arc::new(Composite::new(&KernelExpression::of(*kernel), 3).unwrap()));
             let theta = somewhere(&quick);
             let [(a, of_a), (b, of_b)] = [quick, slow].map(|covariance| {
-                let mut likelihood = Likelihood::new(covariance, &points, &y);
+                let mut likelihood = Likelihood::new(covariance, MeanFunction::Zero, &points, &y);
                 let value = likelihood.value(&theta);
                 let mut gradient = vec![0.0; theta.len()];
                 likelihood.gradient(&mut gradient);
@@ -244,7 +242,7 @@ mod tests {
         for expression in expressions() {
             let covariance = Covariance::new(&expression, 3).unwrap();
             let (theta, count) = (somewhere(&covariance), covariance.len());
-            let mut likelihood = Likelihood::new(covariance.clone(), &points, &y);
+            let mut likelihood = Likelihood::new(covariance.clone(), MeanFunction::Zero, &points, &y);
             likelihood.value(&theta);
             let estimated = likelihood.information();
             // The noise entry is ½ σ_n⁴ tr(K⁻²), which the inverse gives exactly.

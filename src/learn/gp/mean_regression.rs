@@ -127,7 +127,7 @@ mod tests {
             let mut theta: Vec<f64> = (0..covariance.len()).map(|k| 0.3 * (k as f64).cos()).collect();
             theta[covariance.len() - 1] = -3.0;
             for mean in MEANS {
-                let mut likelihood = Likelihood::new(covariance.clone(), &points, &y).with_mean(mean);
+                let mut likelihood = Likelihood::new(covariance.clone(), mean, &points, &y);
                 for (k, [found, expected]) in both_gradients(&mut likelihood, &theta).into_iter().enumerate() {
                     let apart = (found - expected).abs() / (1.0 + expected.abs());
                     assert!(apart < 1e-5, "{text} {mean:?} {k}: {found} {expected}");

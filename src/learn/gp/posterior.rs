@@ -144,7 +144,7 @@ impl Posterior {
         y: &[f64],
         theta: &[f64],
     ) -> Option<Self> {
-        let mut likelihood = Likelihood::new(covariance.clone(), points, y).with_mean(mean);
+        let mut likelihood = Likelihood::new(covariance.clone(), mean, points, y);
         let value = likelihood.value(theta);
         value.is_finite().then(|| Posterior {
             prior: FittedPrior::new(covariance, theta, points),

@@ -41,8 +41,7 @@ pub(super) fn search(
     for (stage, &rows) in sizes.iter().enumerate() {
         let last = stage + 1 == sizes.len();
         let (subset, y) = evenly_spaced(points, y, rows);
-        let mut likelihood =
-            SearchObjective::new(Likelihood::new(covariance.clone(), &subset, &y).with_mean(config.mean));
+        let mut likelihood = SearchObjective::new(Likelihood::new(covariance.clone(), config.mean, &subset, &y));
         let mut climb = |start: &[f64], tolerance: f64| {
             let minimum = minimise(&mut likelihood, start, &limits(&parameters, &lengths, tolerance));
             evaluations += minimum.evaluations;

@@ -23,9 +23,9 @@ use crate::rod::discretisation::grid::Grid;
 pub(crate) struct Derivative {
     pub(crate) variation: ShapeVariation,
     /// Row-major K with the borders d balance / d tension and d length / d unknown.
-    pub(super) stiffness: Vec<f64>,
-    /// D and M.
-    rates: RateMatrices,
+    pub(crate) stiffness: Vec<f64>,
+    /// D and M: of the last derivative in motion, or of the last call of [`Derivative::update_rates`].
+    pub(crate) rates: RateMatrices,
     /// Σ δp × f of all loads distal to a cell end, and the same including the rest of the cell distal to a Gauss point.
     beyond: VectorDerivative,
     moment: VectorDerivative,
@@ -120,16 +120,6 @@ impl Derivative {
         }
         matrix.transpose_mut();
         matrix
-    }
-
-    /// Row-major K with the borders d balance / d tension and d length / d unknown.
-    pub(crate) fn stiffness(&self) -> &[f64] {
-        &self.stiffness
-    }
-
-    /// D and M: of the last derivative in motion, or of the last call of [`Derivative::update_rates`].
-    pub(crate) fn rates(&self) -> &RateMatrices {
-        &self.rates
     }
 
     /// D and M of a rod at rest, for the shape of the last derivative.

@@ -57,7 +57,7 @@ impl Tangent {
         rate: f64,
     ) -> Tangent {
         let (n, size) = (system.grid.unknowns, system.size());
-        let bordered = derivative.stiffness();
+        let bordered = &derivative.stiffness;
         let scale: Vec<f64> = system.elastic_diagonal.iter().map(|k| k.sqrt().recip()).collect();
         let mut matrix = DMatrix::zeros(n, n);
         for row in 0..n {
@@ -66,7 +66,7 @@ impl Tangent {
             let column = &mut matrix.as_mut_slice()[row * n..(row + 1) * n];
             column.iter_mut().zip(entries).for_each(|(entry, (k, s))| *entry = factor * s * k);
             if rate > 0.0 {
-                let rates = derivative.rates().row(row).zip(&scale);
+                let rates = derivative.rates.row(row).zip(&scale);
                 column
                     .iter_mut()
                     .zip(rates)

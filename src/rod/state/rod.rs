@@ -213,7 +213,8 @@ impl Rod {
     /// Logs the stage that has just been solved.
     pub(crate) fn log_stage(&mut self) {
         let RodState { unknowns, taut, .. } = &self.state;
-        let stage = || SolvedStage { unknowns: unknowns.clone(), taut: taut.clone() };
-        self.log.iter_mut().for_each(|log| log.stages.push(stage()));
+        let stage =
+            |log: &mut SolveLog| log.stages.push(SolvedStage { unknowns: unknowns.clone(), taut: taut.clone() });
+        self.log.iter_mut().for_each(stage);
     }
 }

@@ -31,7 +31,7 @@ pub(in crate::learn::gp) fn search(
     let limits = search::limits(&parameters, &lengths, config.tolerance.max(TOLERANCE));
     for _ in 0..ROUNDS {
         let inducing = greedy_conditional_variance(covariance, &theta, points, config.inducing_points);
-        let mut start = Likelihood::new(covariance.clone(), &subset, &subset_y).with_mean(config.mean);
+        let mut start = Likelihood::new(covariance.clone(), config.mean, &subset, &subset_y);
         start.value(&theta);
         let likelihood =
             SparseLikelihood::new(config.approximation, config.mean, covariance.clone(), points, y, &inducing)

@@ -71,7 +71,7 @@ fn with_every_sample_as_inducing_point_the_likelihood_is_the_exact_one() {
     for text in EXPRESSIONS {
         let (covariance, theta) = covariance(text);
         for mean in MEANS {
-            let exact = Likelihood::new(covariance.clone(), &points, &y).with_mean(mean).value(&theta);
+            let exact = Likelihood::new(covariance.clone(), mean, &points, &y).value(&theta);
             for kind in KINDS {
                 let mut sparse = SparseLikelihood::new(kind, mean, covariance.clone(), &points, &y, &all);
                 let found = sparse.value(&theta);
@@ -85,7 +85,7 @@ fn with_every_sample_as_inducing_point_the_likelihood_is_the_exact_one() {
 fn the_bound_is_below_the_likelihood_and_rises_with_inducing_points() {
     let (points, y) = samples(80);
     let (covariance, theta) = covariance("se_ard");
-    let exact = -Likelihood::new(covariance.clone(), &points, &y).value(&theta);
+    let exact = -Likelihood::new(covariance.clone(), MeanFunction::Zero, &points, &y).value(&theta);
     let bound = |count: usize| {
         let chosen = greedy_conditional_variance(&covariance, &theta, &points, count);
         let (kind, mean) = (Approximation::Sgpr, MeanFunction::Zero);
