@@ -70,23 +70,20 @@ impl Rod {
         before.copy_from(&self.state);
         let status = loop {
             let status = self.try_step(drives, h, &before);
-            let mut step_ratio = if status == SolveStatus::Converged { self.step_ratio(&before, h) } else { 0.0 };
-            if step_ratio >= MIN_ACCEPTED_RATIO {
+            let mut ratio = if status == SolveStatus::Converged { self.step_ratio(&before, h) } else { 0.0 };
+            if ratio >= MIN_ACCEPTED_RATIO {
                 let growth_step_ratio = self.growth_step_ratio(drives, h);
                 if growth_step_ratio < MIN_ACCEPTED_RATIO {
                     min_step_s *= growth_step_ratio;
                     min_retry_s = 0.999 * min_step_s.min(h);
                 }
-                step_ratio = step_ratio.min(growth_step_ratio);
+                ratio = ratio.min(growth_step_ratio);
             }
-            let retry_s = h * step_ratio.clamp(0.5, MIN_ACCEPTED_RATIO);
-            if status == SolveStatus::BadCommand || step_ratio >= MIN_ACCEPTED_RATIO || retry_s < min_retry_s {
+            let retry_s = h * ratio.clamp(0.5, MIN_ACCEPTED_RATIO);
+            if status == SolveStatus::BadCommand || ratio >= MIN_ACCEPTED_RATIO || retry_s < min_retry_s {
                 if status == SolveStatus::Converged {
-                    let factor = if (1.0..MAX_KEPT_RATIO).contains(&step_ratio) {
-                        1.0
-                    } else {
-                        step_ratio.clamp(0.3, MAX_GROWTH)
-                    };
+                    let factor =
+                        if (1.0..MAX_KEPT_RATIO).contains(&ratio) { 1.0 } else { ratio.clamp(0.3, MAX_GROWTH) };
                     self.step_size.next_s = (h * factor).max(min_step_s);
                     self.finish_step(h);
                 } else {

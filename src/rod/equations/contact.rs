@@ -185,9 +185,7 @@ impl ContactMemory {
         let on_obstacle = self.stretches.iter().filter(|stretch| stretch.obstacle == obstacle);
         let nearest = on_obstacle.min_by(|a, b| (a.s_m - s_m).abs().total_cmp(&(b.s_m - s_m).abs()));
         let spacing_m = self.boundaries_m.get(1).map_or(0.0, |end| end - self.boundaries_m[0]);
-        nearest
-            .filter(|stretch| (stretch.s_m - s_m).abs() < spacing_m)
-            .map_or(Vector3::zeros(), |stretch| stretch.stretch_m)
+        nearest.filter(|near| (near.s_m - s_m).abs() < spacing_m).map_or(Vector3::zeros(), |near| near.stretch_m)
     }
 }
 

@@ -53,12 +53,9 @@ impl Loads {
             }
             self.node_f[g] = f;
         }
-        if !rod.constant_loads.line.is_empty() {
-            self.node_f
-                .iter_mut()
-                .zip(&rod.constant_loads.line)
-                .for_each(|(f, line)| *f += line * conditions.loads.share);
-        }
+        // Empty without line loads.
+        let lines = self.node_f.iter_mut().zip(&rod.constant_loads.line);
+        lines.for_each(|(f, line)| *f += line * conditions.loads.share);
         self.update_end_loads(rod, shape, conditions);
         let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
         for (c, &cell_m) in rod.grid.cell_lengths_m.iter().enumerate().rev() {

@@ -344,11 +344,8 @@ impl RodEquations {
             *stretch = stretch.sqrt();
             *inverse = if *stretch > 0.0 { 1.0 / *stretch } else { 0.0 };
         }
-        workspace
-            .tangents
-            .iter_mut()
-            .zip(&workspace.inverse_stretches)
-            .for_each(|(tangent, &inverse)| *tangent *= inverse);
+        let tangents = workspace.tangents.iter_mut().zip(&workspace.inverse_stretches);
+        tangents.for_each(|(tangent, &inverse)| *tangent *= inverse);
         workspace.lengths_m.fill(0.0);
         for (node, stretches) in self.grid.nodes.iter().zip(workspace.stretches.chunks_exact(count)) {
             workspace

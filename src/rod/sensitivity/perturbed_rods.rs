@@ -196,9 +196,7 @@ impl PerturbedRods {
             followed.adopt(unknowns, taut, i, at_rest);
             let all_constraints: Vec<Vec<TendonConstraint>> =
                 followers.iter_mut().enumerate().map(|(index, rod)| prepare(rod, index + 1)).collect::<Option<_>>()?;
-            let reused = leader_derivative
-                .take()
-                .filter(|leader_derivative| leader_derivative.serves(followed.motion.rate, taut, followers.len()));
+            let reused = leader_derivative.take().filter(|old| old.serves(followed.motion.rate, taut, followers.len()));
             let corrected = reused.and_then(|mut reused| {
                 let corrected = reused.correct(followers, &all_constraints, &mut solution, OLD_FACTORS_TOLERANCE)?;
                 *leader_derivative = Some(reused);

@@ -60,11 +60,8 @@ impl NewtonSolver {
         taut: &[bool],
         change: &ConstraintChange,
     ) {
-        let led_to_solution = |factors: &LuFactors| factors.rate == 0.0 && factors.taut == taut;
-        if self.derivative_use != DerivativeUse::Rest
-            || self.unreliable
-            || !self.factors.last().is_some_and(led_to_solution)
-        {
+        let led_here = |factors: &LuFactors| factors.rate == 0.0 && factors.taut == taut;
+        if self.derivative_use != DerivativeUse::Rest || self.unreliable || !self.factors.last().is_some_and(led_here) {
             return;
         }
         let n = system.grid.unknowns;

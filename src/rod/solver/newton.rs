@@ -61,12 +61,12 @@ impl NewtonSolver {
         let (mut set_changes, mut set_changed_at) = (0, 0);
         self.steps.clear();
         self.damping = NewtonDamping::new();
-        let needed_use = if conditions.motion.rate > 0.0 { DerivativeUse::Motion } else { DerivativeUse::Rest };
-        let mut stale = self.derivative_use != needed_use;
+        let needed = if conditions.motion.rate > 0.0 { DerivativeUse::Motion } else { DerivativeUse::Rest };
+        let mut stale = self.derivative_use != needed;
         self.workspace.weights_frozen = false;
         for iteration in 0..self.max_iterations {
             // A time step can be shortened instead; a static solve has no such way out and goes on.
-            if needed_use == DerivativeUse::Motion && iteration - set_changed_at == MAX_ITERATIONS_WITH_ONE_SET {
+            if needed == DerivativeUse::Motion && iteration - set_changed_at == MAX_ITERATIONS_WITH_ONE_SET {
                 break;
             }
             self.iterations += 1;
@@ -99,9 +99,7 @@ impl NewtonSolver {
             let remaining_m = if fresh { size * (size / length_m).min(1.0) } else { size * contraction.min(1.0) };
             if shortened {
                 self.steps.clear();
-            } else if remaining_m < tolerance_m
-                && !residual_predicted
-                && !self.step_is_suspicious(system, size, needed_use)
+            } else if remaining_m < tolerance_m && !residual_predicted && !self.step_is_suspicious(system, size, needed)
             {
                 self.residual_m = remaining_m;
                 return SolveStatus::Converged;
@@ -118,9 +116,9 @@ impl NewtonSolver {
 
     /// Whether a step of `size` metres at rest is too small for the present imbalance: then the derivative belongs to
     /// another shape, under extreme tensions.
-    fn step_is_suspicious(&self, system: &RodEquations, size: f64, needed_use: DerivativeUse) -> bool {
+    fn step_is_suspicious(&self, system: &RodEquations, size: f64, needed: DerivativeUse) -> bool {
         let length_m = system.params.length_m();
-        needed_use == DerivativeUse::Rest
+        needed == DerivativeUse::Rest
             && self.largest_imbalance(system) * length_m > MAX_STIFFENING * size + ROUNDING_LENGTHS * length_m
     }
 

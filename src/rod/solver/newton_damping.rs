@@ -45,11 +45,8 @@ impl NewtonDamping {
             reverses || size > MAX_GROWTH_RATIO * last_size
         });
         self.branch_changes += i32::from(changes_branch);
-        let factor = if changes_branch {
-            0.5
-        } else {
-            1.0 + GROWTH_DECAY.powi((self.branch_changes - FREE_BRANCH_CHANGES).max(0))
-        };
+        let excess = (self.branch_changes - FREE_BRANCH_CHANGES).max(0);
+        let factor = if changes_branch { 0.5 } else { 1.0 + GROWTH_DECAY.powi(excess) };
         self.share = (factor * self.share).clamp(MIN_SHARE, 1.0);
         self.last = Some((step.clone(), size));
         self.share

@@ -12,7 +12,7 @@ use crate::rod::equations::system::RodEquations;
 use crate::rod::state::rod::Rod;
 
 /// Compliance assigned to an inextensible tendon, as a share of the compliance of the rod along it.
-const INEXTENSIBLE_COMPLIANCE_SHARE: f64 = 1e-6;
+const MIN_COMPLIANCE_SHARE: f64 = 1e-6;
 /// An eigenvalue above this, in units of the elastic stiffness, is not told from zero: a buckled rod turns about the axis
 /// of its load as easily as the lateral load lets it.
 pub(crate) const NEUTRAL_EIGENVALUE: f64 = 1e-5;
@@ -80,8 +80,7 @@ impl Tangent {
                 // A taut tendon adds its stiffness along the change of its length.
                 let pull = DVector::from_iterator(n, row.iter().zip(&scale).map(|(x, s)| x * s));
                 let compliance = -bordered[(n + i) * size + n + i];
-                let stiffness =
-                    1.0 / compliance.max(INEXTENSIBLE_COMPLIANCE_SHARE * pull.norm_squared()).max(f64::MIN_POSITIVE);
+                let stiffness = 1.0 / compliance.max(MIN_COMPLIANCE_SHARE * pull.norm_squared()).max(f64::MIN_POSITIVE);
                 matrix.ger(stiffness, &pull, &pull, 1.0);
             }
         }
@@ -103,9 +102,8 @@ impl Tangent {
         if lowest >= -NEUTRAL_EIGENVALUE {
             return Vec::new();
         }
-        let equally_unstable =
-            (0..self.scale.len()).filter(|&index| eigen.eigenvalues[index] < lowest + EIGENVALUE_TOLERANCE);
-        equally_unstable.map(|index| self.direction(&eigen, index)).collect()
+        let critical = (0..self.scale.len()).filter(|&index| eigen.eigenvalues[index] < lowest + EIGENVALUE_TOLERANCE);
+        critical.map(|index| self.direction(&eigen, index)).collect()
     }
 
     /// The direction of the lowest eigenvalue, as a change of the polynomial coefficients.
