@@ -17,16 +17,16 @@ impl Interrupt {
     /// # Errors
     /// When the system refuses the handlers.
     pub fn of_process() -> io::Result<Interrupt> {
-        static OWN: OnceLock<Interrupt> = OnceLock::new();
-        if let Some(own) = OWN.get() {
-            return Ok(own.clone());
+        static OF_PROCESS: OnceLock<Interrupt> = OnceLock::new();
+        if let Some(interrupt) = OF_PROCESS.get() {
+            return Ok(interrupt.clone());
         }
         let interrupt = Interrupt::default();
         for signal in [SIGINT, SIGTERM] {
             flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(&interrupt.0))?;
             flag::register(signal, Arc::clone(&interrupt.0))?;
         }
-        Ok(OWN.get_or_init(|| interrupt).clone())
+        Ok(OF_PROCESS.get_or_init(|| interrupt).clone())
     }
 
     /// The request of a cluster task: SIGUSR2 announces that its time is nearly over.

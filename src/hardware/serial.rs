@@ -23,7 +23,7 @@ pub trait SerialLine: Send {
 }
 
 /// Largest number of unsent bytes: a line that accepts nothing must not block the program.
-const MAX_WAITING: usize = 2048;
+const MAX_UNSENT_BYTES: usize = 2048;
 
 /// A serial port of this computer.
 pub struct TtyLine {
@@ -45,10 +45,10 @@ impl TtyLine {
     /// # Errors
     /// When the system has none left.
     pub fn served() -> io::Result<(TtyLine, String)> {
-        let (one, other) = TTYPort::pair()?;
+        let (first, second) = TTYPort::pair()?;
         // Only one program may have a port open: this process closes its own handle of the other end.
-        let name = other.name().ok_or_else(|| io::Error::other("the pseudo-terminal has no name"))?;
-        Ok((TtyLine { port: one }, name))
+        let name = second.name().ok_or_else(|| io::Error::other("the pseudo-terminal has no name"))?;
+        Ok((TtyLine { port: first }, name))
     }
 
     /// Both ends of a pseudo-terminal: a serial line without a cable.
@@ -56,8 +56,8 @@ impl TtyLine {
     /// # Errors
     /// When the system has none left.
     pub fn pair() -> io::Result<(TtyLine, TtyLine)> {
-        let (one, other) = TTYPort::pair()?;
-        Ok((TtyLine { port: one }, TtyLine { port: other }))
+        let (first, second) = TTYPort::pair()?;
+        Ok((TtyLine { port: first }, TtyLine { port: second }))
     }
 }
 
@@ -68,8 +68,8 @@ impl SerialLine for TtyLine {
         if waiting == 0 {
             return Ok(0);
         }
-        let most = buffer.len().min(waiting);
-        match nix::unistd::read(self.port.as_raw_fd(), &mut buffer[..most]) {
+        let readable = buffer.len().min(waiting);
+        match nix::unistd::read(self.port.as_raw_fd(), &mut buffer[..readable]) {
             Ok(count) => Ok(count),
             Err(Errno::EAGAIN | Errno::EINTR) => Ok(0),
             Err(error) => Err(error.into()),
@@ -79,13 +79,13 @@ impl SerialLine for TtyLine {
     /// Avoids the port's own writer: it asks the kernel for room first, which waits until all received data has been
     /// passed on, tens of milliseconds on a busy computer.
     fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
-        if self.port.bytes_to_write()? as usize + bytes.len() > MAX_WAITING {
+        if self.port.bytes_to_write()? as usize + bytes.len() > MAX_UNSENT_BYTES {
             return Err(io::Error::new(io::ErrorKind::TimedOut, "output buffer full"));
         }
-        let mut rest = bytes;
-        while !rest.is_empty() {
-            match nix::unistd::write(self.port.as_raw_fd(), rest) {
-                Ok(count) => rest = &rest[count..],
+        let mut unsent = bytes;
+        while !unsent.is_empty() {
+            match nix::unistd::write(self.port.as_raw_fd(), unsent) {
+                Ok(count) => unsent = &unsent[count..],
                 Err(Errno::EINTR) => {}
                 Err(error) => return Err(error.into()),
             }

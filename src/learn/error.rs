@@ -83,13 +83,13 @@ impl LearnError {
         }
     }
 
-    /// Error unless `good`.
+    /// Error unless `valid`.
     pub(crate) fn unless_setting(
-        good: bool,
+        valid: bool,
         key: &'static str,
         found: impl ToString,
         expected: &'static str,
     ) -> Result<(), LearnError> {
-        if good { Ok(()) } else { Err(LearnError::Setting { key, found: found.to_string(), expected }) }
+        if valid { Ok(()) } else { Err(LearnError::Setting { key, found: found.to_string(), expected }) }
     }
 }

@@ -10,6 +10,7 @@ pub(crate) trait Real:
     + std::ops::Add<Output = Self>
     + std::ops::Sub<Output = Self>
     + std::ops::Mul<Output = Self>
+    + std::ops::Div<Output = Self>
     + std::ops::Neg<Output = Self>
     + std::ops::AddAssign
 {
@@ -17,8 +18,6 @@ pub(crate) trait Real:
     fn fma(self, a: Self, b: Self) -> Self;
     /// Hyperbolic tangent, within a few units of the last place of 1.
     fn tanh_fast(self) -> Self;
-    /// Quotient.
-    fn over(self, divisor: Self) -> Self;
     /// Square root.
     fn root(self) -> Self;
     /// Nearest number of this width.
@@ -34,12 +33,9 @@ macro_rules! real {
             }
             #[inline(always)]
             fn tanh_fast(self) -> Self {
+                // Beyond, tanh is 1 to rounding.
                 let x = self.clamp(-$largest, $largest);
                 1.0 - 2.0 / ($exp(2.0 * x) + 1.0)
-            }
-            #[inline(always)]
-            fn over(self, divisor: Self) -> Self {
-                self / divisor
             }
             #[inline(always)]
             fn root(self) -> Self {
@@ -60,6 +56,7 @@ real!(f64, 19.0, exp_f64);
 #[inline(always)]
 pub(crate) fn exp_f64(x: f64) -> f64 {
     const SHIFT: f64 = 6_755_399_441_055_744.0; // 1.5 · 2^52: adding it leaves round(x) in the low bits
+    // ln 2 in two parts, so that n ln 2 is subtracted without rounding (Cody & Waite).
     const LN_2_HIGH: f64 = 6.931_471_803_691_238e-1;
     const LN_2_LOW: f64 = 1.908_214_929_270_587_7e-10;
     let x = x.clamp(-700.0, 700.0);
@@ -105,18 +102,18 @@ pub(crate) fn exp_f32(x: f32) -> f32 {
     f32::from_bits(p.to_bits().wrapping_add(shifted.to_bits() << 23))
 }
 
-/// Sum of `a[i] · b[i]` in eight lanes and a fixed order.
+/// Sum of `a[i] · b[i]` in sixteen lanes and a fixed order.
 #[inline(always)]
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut lanes = [0.0_f64; 16];
-    let (a_chunks, a_rest) = a.as_chunks::<16>();
-    let (b_chunks, b_rest) = b.as_chunks::<16>();
+    let (a_chunks, a_tail) = a.as_chunks::<16>();
+    let (b_chunks, b_tail) = b.as_chunks::<16>();
     for (a, b) in a_chunks.iter().zip(b_chunks) {
         for lane in 0..16 {
             lanes[lane] = a[lane].mul_add(b[lane], lanes[lane]);
         }
     }
-    for (lane, (a, b)) in a_rest.iter().zip(b_rest).enumerate() {
+    for (lane, (a, b)) in a_tail.iter().zip(b_tail).enumerate() {
         lanes[lane] = a.mul_add(*b, lanes[lane]);
     }
     fold(lanes)

@@ -29,6 +29,7 @@ impl Standardiser {
         }
         for (s, m) in scale.iter_mut().zip(&mean) {
             let deviation = s.sqrt();
+            // A spread that is rounding beside the mean is that of a constant column.
             *s = if deviation > 1e-12 * m.abs().max(1e-300) { deviation } else { 1.0 };
         }
         Standardiser { mean, scale }

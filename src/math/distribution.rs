@@ -53,6 +53,7 @@ pub fn holm(p_values: &[f64]) -> Vec<f64> {
     let mut corrected = vec![1.0; p_values.len()];
     let mut largest = 0.0_f64;
     for (rank, &index) in order.iter().enumerate() {
+        // Step-down: a value is never below those of smaller p-values.
         largest = largest.max(p_values[index] * (p_values.len() - rank) as f64).min(1.0);
         corrected[index] = largest;
     }

@@ -27,11 +27,11 @@ pub fn exp(rotation_rad: &Vector3<f64>) -> Matrix3<f64> {
 }
 
 /// Largest θ² that the series are used for.
-const LARGEST_IN_SERIES: f64 = 0.25;
+const MAX_SERIES_ANGLE2: f64 = 0.25;
 
 /// sin θ / θ and (1 − cos θ) / θ² as functions of θ².
 fn sine_coefficients(angle2: f64) -> (f64, f64) {
-    if angle2 > LARGEST_IN_SERIES {
+    if angle2 > MAX_SERIES_ANGLE2 {
         let angle = angle2.sqrt();
         return (angle.sin() / angle, (1.0 - angle.cos()) / angle2);
     }
@@ -83,8 +83,8 @@ impl Turns {
     #[inline(always)]
     pub fn exponentiate(&mut self) {
         let n = self.count;
-        let (xs, rest) = self.vectors.split_at(n);
-        let (ys, zs) = rest.split_at(n);
+        let (xs, yz) = self.vectors.split_at(n);
+        let (ys, zs) = yz.split_at(n);
         let mut entries = self.matrices.chunks_exact_mut(n.max(1));
         // All rows have length n: without bounds checks the loop is vectorised.
         let mut next = || &mut entries.next().unwrap_or_default()[..n];
@@ -97,7 +97,7 @@ impl Turns {
         for k in 0..n {
             let (x, y, z) = (xs[k], ys[k], zs[k]);
             let angle2 = x * x + y * y + z * z;
-            large += u64::from(angle2 > LARGEST_IN_SERIES);
+            large += u64::from(angle2 > MAX_SERIES_ANGLE2);
             let (a, b) = sine_series(angle2);
             (m11[k], m12[k], m13[k]) = (1.0 - b * (y * y + z * z), b * x * y - a * z, b * x * z + a * y);
             (m21[k], m22[k], m23[k]) = (b * x * y + a * z, 1.0 - b * (x * x + z * z), b * y * z - a * x);
@@ -112,7 +112,7 @@ impl Turns {
     fn redo_large(&mut self) {
         for k in 0..self.count {
             let turn = Vector3::from_fn(|axis, _| self.vectors[axis * self.count + k]);
-            if turn.norm_squared() > LARGEST_IN_SERIES {
+            if turn.norm_squared() > MAX_SERIES_ANGLE2 {
                 let matrix = exp(&turn);
                 for row in 0..3 {
                     for column in 0..3 {
@@ -138,9 +138,8 @@ pub fn log(rotation: &Matrix3<f64>) -> Vector3<f64> {
     let axis = Vector3::new(r.m32 - r.m23, r.m13 - r.m31, r.m21 - r.m12) * 0.5;
     let (sine, cosine) = (axis.norm(), 0.5 * (r.trace() - 1.0));
     if sine < 1e-4 {
-        let small = cosine > 0.0;
         // θ / sin θ = 1 + sin² θ / 6 to rounding here.
-        return if small {
+        return if cosine > 0.0 {
             axis * (1.0 + sine * sine / 6.0)
         } else {
             Rotation3::from_matrix_unchecked(*r).scaled_axis()

@@ -1,6 +1,6 @@
 //! Sample statistics: mean, standard deviation, quantile, interval of a mean, oscillation.
 
-use statrs::distribution::{ContinuousCDF, StudentsT};
+use super::distribution::student_95;
 
 /// Arithmetic mean; not a number for no values.
 pub fn mean(values: &[f64]) -> f64 {
@@ -34,18 +34,17 @@ pub fn quantile(values: &[f64], share: f64) -> f64 {
 /// 95 % interval of the mean of independent `values`, Student's t; `None` for fewer than two.
 pub fn interval_95(values: &[f64]) -> Option<[f64; 2]> {
     let freedom = values.len().checked_sub(1).filter(|&freedom| freedom > 0)? as f64;
-    let t = StudentsT::new(0.0, 1.0, freedom).ok()?.inverse_cdf(0.975);
-    let half = t * standard_deviation(values) / (values.len() as f64).sqrt();
+    let half = student_95(freedom) * standard_deviation(values) / (values.len() as f64).sqrt();
     let centre = mean(values);
     half.is_finite().then_some([centre - half, centre + half])
 }
 
 /// Rank correlation (Spearman 1904), ties with their mean rank; not a number for fewer than three pairs or equal values.
-pub fn rank_correlation(one: &[f64], other: &[f64]) -> f64 {
-    if one.len() < 3 {
+pub fn rank_correlation(first: &[f64], second: &[f64]) -> f64 {
+    if first.len() < 3 {
         return f64::NAN;
     }
-    let (a, b) = (ranks(one), ranks(other));
+    let (a, b) = (ranks(first), ranks(second));
     let (centre_a, centre_b) = (mean(&a), mean(&b));
     let covariance: f64 = a.iter().zip(&b).map(|(x, y)| (x - centre_a) * (y - centre_b)).sum();
     covariance / (standard_deviation(&a) * standard_deviation(&b) * (a.len() - 1) as f64)
@@ -68,9 +67,9 @@ pub fn oscillation(values: &[f64], window: usize) -> f64 {
         return 0.0;
     }
     let centres = values.windows(window).map(mean);
-    let rest: Vec<f64> = values[half..].iter().zip(centres).map(|(value, centre)| value - centre).collect();
+    let deviations: Vec<f64> = values[half..].iter().zip(centres).map(|(value, centre)| value - centre).collect();
     let swings: Vec<f64> =
-        (0..=rest.len() - window).step_by(half).map(|start| swing(&rest[start..][..window])).collect();
+        (0..=deviations.len() - window).step_by(half).map(|start| swing(&deviations[start..][..window])).collect();
     quantile(&swings, 0.5)
 }
 

@@ -107,6 +107,7 @@ impl ConstantCurvature {
     /// [`ConstantCurvature::tip_m`] for points on the workspace, metres.
     pub fn pulls_m(options: &ConstantCurvatureOptions, tip_m: &Point3) -> Vec<f64> {
         let across = tip_m[0].hypot(tip_m[1]);
+        // The chord of an arc leaves the base at half the angle by which the arc turns.
         let angle = 2.0 * across.atan2(tip_m[2]);
         let (cos, sin) = if across > 0.0 { (tip_m[0] / across, tip_m[1] / across) } else { (1.0, 0.0) };
         let pull = options.tendon_radius_m * angle;
@@ -133,7 +134,7 @@ impl ConstantCurvature {
 
     /// Bending about one axis that an opposite pair of tendons asks for, radians. Tendons only pull, so of two
     /// commanded ones the one pulled further decides and the other is slack.
-    fn asked_rad(&self, towards: TendonCommand, away: TendonCommand) -> f64 {
+    fn commanded_rad(&self, towards: TendonCommand, away: TendonCommand) -> f64 {
         let radius = self.options.tendon_radius_m;
         match (towards, away) {
             (TendonCommand::Pull(near), TendonCommand::Pull(far)) if near < far => -far / radius,
@@ -180,10 +181,11 @@ impl Plant for ConstantCurvature {
 
     fn drive(&mut self, commands: &[TendonCommand]) -> Result<Observation, PlantError> {
         self.check(commands)?;
-        let asked = [self.asked_rad(commands[0], commands[2]), self.asked_rad(commands[1], commands[3])];
+        let target_rad = [self.commanded_rad(commands[0], commands[2]), self.commanded_rad(commands[1], commands[3])];
+        // The exact solution of the lag over one step.
         let share = if self.options.lag_s > 0.0 { -(-self.options.step_s / self.options.lag_s).exp_m1() } else { 1.0 };
-        for (bend, asked) in self.bend_rad.iter_mut().zip(asked) {
-            *bend += share * (asked - *bend);
+        for (bend, target) in self.bend_rad.iter_mut().zip(target_rad) {
+            *bend += share * (target - *bend);
         }
         self.time_s += self.options.step_s;
         let radius = self.options.tendon_radius_m;

@@ -104,10 +104,10 @@ impl Replay {
         Ok(Replay { recording, tolerance_m: options.tolerance_m, trials, next: 0, row: 0, end: 0 })
     }
 
-    fn seen(&self) -> Observation {
+    fn observation(&self) -> Observation {
         let row = self.row;
         let tip_m = self.recording.tip_m.as_ref().map_or([f64::NAN; 3], |tips| tips[row]);
-        let seen = |point: &PointTrack| SeenPoint {
+        let seen_point = |point: &PointTrack| SeenPoint {
             position_m: point.position_m[row],
             quaternion: point.quaternion.as_ref().map(|all| all[row]),
         };
@@ -119,7 +119,7 @@ impl Replay {
             time_s: self.recording.time_s[row],
             tip_m,
             tip_quaternion: self.recording.tip_quaternion.as_ref().map(|all| all[row]),
-            points: self.recording.points.iter().map(seen).collect(),
+            points: self.recording.points.iter().map(seen_point).collect(),
             pulls_m,
             tensions_n: None,
             valid: self.recording.is_valid(row),
@@ -128,7 +128,7 @@ impl Replay {
 }
 
 /// The usual step may differ by this share: clocks and trackers jitter, and a tick whose pose was lost is longer.
-const SAME_SHARE: f64 = 0.05;
+const STEP_TOLERANCE_SHARE: f64 = 0.05;
 
 /// What was measured after another time is not what would be now.
 fn same_steps(options: &ReplayOptions, recording: &Recording, step_s: f64) -> Result<(), DataError> {
@@ -136,7 +136,7 @@ fn same_steps(options: &ReplayOptions, recording: &Recording, step_s: f64) -> Re
     let steps_s: Vec<f64> =
         recording.trials().into_iter().flat_map(|(_, rows)| (rows.start + 1..rows.end).map(step)).collect();
     let usual_s = quantile(&steps_s, 0.5);
-    if (usual_s - step_s).abs() <= SAME_SHARE * step_s || steps_s.is_empty() {
+    if (usual_s - step_s).abs() <= STEP_TOLERANCE_SHARE * step_s || steps_s.is_empty() {
         return Ok(());
     }
     Err(DataError::Cell {
@@ -167,7 +167,7 @@ impl Plant for Replay {
         let trial = self.trials[self.next % self.trials.len()].clone();
         self.next += 1;
         (self.row, self.end) = (trial.start, trial.end);
-        Ok(self.seen())
+        Ok(self.observation())
     }
 
     fn drive(&mut self, commands: &[TendonCommand]) -> Result<Observation, PlantError> {
@@ -181,14 +181,14 @@ impl Plant for Replay {
                 return Err(PlantError::Refused("a displacement that is not finite".into()));
             }
             if (pull_m - recorded_m).abs() > self.tolerance_m {
-                let words = format!("tendon {} at {pull_m} m; line {line} has {recorded_m} m", tendon + 1);
-                return Err(PlantError::NotRecorded(words));
+                let message = format!("tendon {} at {pull_m} m; line {line} has {recorded_m} m", tendon + 1);
+                return Err(PlantError::NotRecorded(message));
             }
         }
         if self.row + 1 >= self.end {
             return Err(PlantError::NotRecorded(format!("a step after the last row of the trial (line {line})")));
         }
         self.row += 1;
-        Ok(self.seen())
+        Ok(self.observation())
     }
 }

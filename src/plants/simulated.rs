@@ -266,13 +266,13 @@ impl Simulated {
     }
 
     fn observe(&mut self, commands: &[TendonCommand]) -> Observation {
-        let mut seen = self.driven.observation(commands, self.time_s);
+        let mut observation = self.driven.observation(commands, self.time_s);
         if let Ok(normal) = Normal::new(0.0, self.options.noise_m) {
-            seen.tip_m.iter_mut().for_each(|value| *value += normal.sample(&mut self.noise));
-            let positions = seen.points.iter_mut().flat_map(|point| &mut point.position_m);
+            observation.tip_m.iter_mut().for_each(|value| *value += normal.sample(&mut self.noise));
+            let positions = observation.points.iter_mut().flat_map(|point| &mut point.position_m);
             positions.for_each(|value| *value += normal.sample(&mut self.point_noise));
         }
-        seen
+        observation
     }
 }
 

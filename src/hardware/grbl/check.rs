@@ -33,12 +33,12 @@ impl fmt::Display for WrongSetting {
 
 /// Describes all wrong settings, and the lines that set them right in an order in which the controller accepts them.
 pub(super) fn describe(wrong: &[WrongSetting]) -> String {
-    let found: Vec<String> = wrong.iter().map(ToString::to_string).collect();
+    let problems: Vec<String> = wrong.iter().map(ToString::to_string).collect();
     let mut commands: Vec<&str> = wrong.iter().flat_map(|setting| &setting.commands).map(String::as_str).collect();
     // Soft limits are refused before homing is on.
     commands.sort_by_key(|command| !command.starts_with("$22="));
     let remedy = format!("send {} with a terminal program, then connect again", commands.join("  "));
-    match &found[..] {
+    match &problems[..] {
         [one] => format!("{one}; {remedy}"),
         all => format!("{} settings are wrong:\n  {};\n  {remedy}", all.len(), all.join("\n  ")),
     }
@@ -56,7 +56,7 @@ enum Requirement {
 struct SettingRule {
     number: u16,
     meaning: &'static str,
-    need: Requirement,
+    requirement: Requirement,
     /// Firmware without this setting is accepted.
     optional: bool,
 }
@@ -76,8 +76,8 @@ pub(super) fn check(table: &SettingsTable, settings: &MotionSettings) -> Result<
 const PASSES: [u16; 4] = [44, 45, 46, 47];
 
 fn rules(settings: &MotionSettings, plain: bool) -> Vec<SettingRule> {
-    let rule = |number, meaning, need| SettingRule { number, meaning, need, optional: false };
-    let optional = |number, meaning, need| SettingRule { number, meaning, need, optional: true };
+    let rule = |number, meaning, requirement| SettingRule { number, meaning, requirement, optional: false };
+    let optional = |number, meaning, requirement| SettingRule { number, meaning, requirement, optional: true };
     let homing = if plain { 1 } else { 13 };
     let mut rules = vec![
         // Optional: the reports themselves show whether they carry machine positions.
@@ -92,9 +92,10 @@ fn rules(settings: &MotionSettings, plain: bool) -> Vec<SettingRule> {
     if settings.hold_when_idle {
         rules.push(rule(1, "delay before idle motors are switched off, 255: never", Requirement::Exactly(255.0)));
     }
-    let least_mm_min = settings.least_speed_mm_min;
+    let min_speed_mm_min = settings.min_speed_mm_min;
     for axis in 0..4 {
-        let speed = if least_mm_min > 0.0 { Requirement::AtLeast(least_mm_min) } else { Requirement::Positive(3000.0) };
+        let speed =
+            if min_speed_mm_min > 0.0 { Requirement::AtLeast(min_speed_mm_min) } else { Requirement::Positive(3000.0) };
         rules.push(rule(110 + axis, "maximum speed of an axis, mm/min", speed));
         rules.push(rule(120 + axis, "maximum acceleration of an axis, mm/s²", Requirement::Positive(500.0)));
         rules.push(rule(130 + axis, "travel of an axis, mm", Requirement::AtLeast(settings.travel_m * 1e3)));
@@ -106,15 +107,15 @@ impl SettingRule {
     fn wrong(&self, table: &SettingsTable) -> Option<WrongSetting> {
         let value = number(table, self.number);
         let missing = self.optional && !table.contains_key(&self.number);
-        if missing || value.is_some_and(|value| self.need.met(value)) {
+        if missing || value.is_some_and(|value| self.requirement.met(value)) {
             return None;
         }
         Some(WrongSetting {
             number: self.number,
             meaning: self.meaning,
             found: table.get(&self.number).map_or("nothing", String::as_str).to_owned(),
-            expected: self.need.description(),
-            commands: vec![format!("${}={}", self.number, self.need.right_value(value))],
+            expected: self.requirement.description(),
+            commands: vec![format!("${}={}", self.number, self.requirement.right_value(value))],
         })
     }
 }
@@ -122,9 +123,9 @@ impl SettingRule {
 impl Requirement {
     fn met(&self, value: f64) -> bool {
         match *self {
-            Requirement::Exactly(wanted) => value == wanted,
+            Requirement::Exactly(exact) => value == exact,
             // The controller rounds its settings to micrometres.
-            Requirement::AtLeast(least) => value >= least - 1e-3,
+            Requirement::AtLeast(min) => value >= min - 1e-3,
             Requirement::Bits(bits) => value >= 0.0 && (value as u32) & bits == bits,
             Requirement::Positive(_) => value > 0.0,
         }
@@ -132,8 +133,8 @@ impl Requirement {
 
     fn description(&self) -> String {
         match self {
-            Requirement::Exactly(wanted) => wanted.to_string(),
-            Requirement::AtLeast(least) => format!("at least {}", least.ceil()),
+            Requirement::Exactly(exact) => exact.to_string(),
+            Requirement::AtLeast(min) => format!("at least {}", min.ceil()),
             Requirement::Bits(bits) => format!("a bit mask that includes {bits}"),
             Requirement::Positive(_) => "a number above 0".to_owned(),
         }
@@ -142,8 +143,8 @@ impl Requirement {
     /// A value that meets the requirement, given the present one.
     fn right_value(&self, present: Option<f64>) -> f64 {
         match *self {
-            Requirement::Exactly(wanted) => wanted,
-            Requirement::AtLeast(least) => least.ceil(),
+            Requirement::Exactly(exact) => exact,
+            Requirement::AtLeast(min) => min.ceil(),
             Requirement::Bits(bits) => f64::from(present.filter(|value| *value >= 0.0).unwrap_or(0.0) as u32 | bits),
             Requirement::Positive(recommended) => recommended,
         }
@@ -156,7 +157,7 @@ fn homing_passes(table: &SettingsTable) -> Option<WrongSetting> {
     if homed & 15 == 15 {
         return None;
     }
-    let found = PASSES
+    let passes = PASSES
         .into_iter()
         .filter_map(|pass| Some(format!("${pass}={}", table.get(&pass)?)))
         .collect::<Vec<_>>()
@@ -165,7 +166,7 @@ fn homing_passes(table: &SettingsTable) -> Option<WrongSetting> {
     Some(WrongSetting {
         number: 44,
         meaning: "axes of a homing pass",
-        found,
+        found: passes,
         expected,
         commands: vec!["$44=15".to_owned()],
     })

@@ -34,16 +34,16 @@ pub struct Controller {
     /// When the last one was sent: one may be lost, and is asked again.
     pub(super) last_query_s: f64,
     /// When the queries were sent that may still be answered, s.
-    pub(super) asked_s: VecDeque<f64>,
+    pub(super) query_times_s: VecDeque<f64>,
     /// When the query was sent that the last report answers, at the earliest, s.
-    pub(super) reported_asked_s: f64,
+    pub(super) answered_query_s: f64,
     pub(super) next_query_s: f64,
     pub(super) homing: HomingPhase,
     /// When a reset was sent whose greeting has not arrived.
     pub(super) reset_sent_s: Option<f64>,
     /// Until then a greeting may still belong to a reset: the controller may have reset itself just before.
     pub(super) greeting_expected_until_s: f64,
-    pub(super) held: bool,
+    pub(super) holding: bool,
     pub(super) resumption: Resumption,
     /// Target, mm, and feed, mm/min, of the last move.
     pub(super) last_move: Option<([f64; 4], f64)>,
@@ -54,7 +54,7 @@ pub struct Controller {
     pub(super) reported_homed: bool,
     /// Homing is required regardless of what the controller reports.
     pub(super) homing_required: bool,
-    pub(super) garbled_s: VecDeque<f64>,
+    pub(super) garbled_times_s: VecDeque<f64>,
     /// The last unreadable line, with its time.
     pub(super) last_garbled: Option<(f64, String)>,
     pub(super) commanded_path: CommandedPath,
@@ -85,20 +85,20 @@ impl Controller {
             pending: None,
             query_sent_s: None,
             last_query_s: now_s,
-            asked_s: VecDeque::new(),
-            reported_asked_s: f64::NEG_INFINITY,
+            query_times_s: VecDeque::new(),
+            answered_query_s: f64::NEG_INFINITY,
             next_query_s: now_s,
             homing: HomingPhase::No,
             reset_sent_s: None,
             greeting_expected_until_s: now_s,
-            held: false,
+            holding: false,
             resumption: Resumption::default(),
             last_move: None,
             resumed_s: f64::NEG_INFINITY,
             setup_acknowledged: false,
             reported_homed: false,
             homing_required: false,
-            garbled_s: VecDeque::new(),
+            garbled_times_s: VecDeque::new(),
             last_garbled: None,
             commanded_path: CommandedPath::default(),
             stall_detector: StallDetector::default(),
@@ -157,7 +157,7 @@ impl Controller {
     /// Discards the position: it is not trusted until the axes have been homed again, whatever the controller reports.
     pub fn require_homing(&mut self) {
         self.homing_required = true;
-        self.commanded_path.forget();
+        self.commanded_path.discard();
         self.update_homed();
     }
 
@@ -207,12 +207,12 @@ impl Controller {
         if !self.state.homed {
             return Err(MoveRefusal::NotHomed.into());
         }
-        let ready = matches!(self.state.mode, Mode::Idle | Mode::Run) && !self.held && self.reset_sent_s.is_none();
+        let ready = matches!(self.state.mode, Mode::Idle | Mode::Run) && !self.holding && self.reset_sent_s.is_none();
         if !ready || self.is_homing() {
             return Err(MoveRefusal::NotReady(self.state.mode).into());
         }
-        let room = self.pending.is_none() && self.state.queued < MAX_QUEUED;
-        if !(room && self.setup_acknowledged && self.commanded_path.is_known()) {
+        let has_room = self.pending.is_none() && self.state.queued < MAX_QUEUED;
+        if !(has_room && self.setup_acknowledged && self.commanded_path.is_known()) {
             return Err(MotionFault::Busy);
         }
         self.commanded_path.push(the_move.target_mm);
@@ -224,7 +224,7 @@ impl Controller {
 
     /// Decelerates all axes to a standstill, which keeps the position. Queued moves wait.
     pub fn hold(&mut self, now_s: f64) {
-        self.held = true;
+        self.holding = true;
         self.resumption.hold(now_s);
         if matches!(self.state.mode, Mode::Hold { .. }) {
             // The axes may have moved again since the last report.
@@ -243,11 +243,11 @@ impl Controller {
             self.fault = None;
         }
         self.clear_motion_state();
-        self.held = false;
+        self.holding = false;
         self.resumption = Resumption::default();
         self.reset_sent_s = Some(now_s);
         self.greeting_expected_until_s = now_s + self.settings.reply_timeout_s + GREETING_S;
-        self.garbled_s.clear();
+        self.garbled_times_s.clear();
         self.send_byte(RESET);
     }
 
@@ -257,7 +257,7 @@ impl Controller {
         self.query_sent_s = None;
         self.homing = HomingPhase::No;
         self.setup_acknowledged = false;
-        self.commanded_path.forget();
+        self.commanded_path.discard();
         self.last_move = None;
         self.state.mode = Mode::Unknown;
         self.state.unacknowledged = 0;
@@ -278,7 +278,7 @@ impl Controller {
         self.pending = None;
         self.query_sent_s = None;
         self.state.unacknowledged = 0;
-        self.commanded_path.forget();
+        self.commanded_path.discard();
         self.update_homed();
     }
 }

@@ -7,7 +7,7 @@ use super::gcode::RESET;
 use super::parser::{ReceivedLine, Reply, StatusReport, parse};
 use super::port::Port;
 use super::settings::MotionSettings;
-use super::state::Mode;
+use super::state::{HOMING_REQUIRED, Mode};
 use crate::hardware::clock::Clock;
 
 /// Longest start-up time of a controller after its port is opened, s.
@@ -210,7 +210,7 @@ impl Handshake<'_> {
                 last_s = self.clock.now_s();
                 match parse_received(received) {
                     Ok(Reply::Boot(greeting)) => return Err(MotionFault::Rebooted { greeting }),
-                    Ok(Reply::Alarm(code)) if code != 11 => return Err(MotionFault::Alarm { code }),
+                    Ok(Reply::Alarm(code)) if code != HOMING_REQUIRED => return Err(MotionFault::Alarm { code }),
                     Ok(reply) => {
                         if let Some(result) = accept(reply) {
                             return result;
@@ -249,9 +249,9 @@ fn parse_received(received: ReceivedLine) -> Result<Reply, String> {
 
 /// Refuses anything but GRBL 1.1 with axes X, Y, Z and A. `free_blocks` blocks of its queue were free at rest.
 fn parse_identity(answers: &[Reply], free_blocks: Option<usize>) -> Result<ControllerInfo, MotionFault> {
-    let field = |wanted: &str| {
+    let field = |key: &str| {
         answers.iter().find_map(|reply| match reply {
-            Reply::Info { name, text } if name == wanted => Some(text.clone()),
+            Reply::Info { name, text } if name == key => Some(text.clone()),
             _ => None,
         })
     };

@@ -6,14 +6,15 @@ use super::fault::MotionFault;
 use super::settings::MotionSettings;
 
 /// Largest difference between reported and commanded positions, mm.
-const TOLERANCE_MM: f64 = 0.02;
-/// Largest distance of moving axes from the straight lines between their commands, mm.
+const POSITION_TOLERANCE_MM: f64 = 0.02;
+/// Largest distance of moving axes from the straight lines between their commands, mm. A single report may exceed it
+/// (docs/hardware.md, "Resuming").
 const MAX_OFF_LINE_MM: f64 = 0.1;
 /// The start of the oldest move that may still be running, and the targets of at most three: grblHAL reports a move as
 /// done once its last 100 ms are computed, and two more may be queued then.
 const MAX_TARGETS: usize = 4;
 /// Equal reports after which axes count as standing, regardless of their interval.
-const MIN_STILL_REPORTS: u32 = 3;
+const MIN_EQUAL_REPORTS: u32 = 3;
 
 /// The last commanded positions; the axes are between them.
 #[derive(Clone, Debug, Default)]
@@ -32,7 +33,7 @@ impl CommandedPath {
     }
 
     /// Discards the commanded positions.
-    pub(crate) fn forget(&mut self) {
+    pub(crate) fn discard(&mut self) {
         self.targets_mm.clear();
     }
 
@@ -70,9 +71,9 @@ impl CommandedPath {
     /// The axis with the longest remaining distance, and its target, mm; none when all axes have arrived.
     pub(crate) fn farthest_axis(&self, position_mm: &[f64; 4]) -> Option<(usize, f64)> {
         let target_mm = self.targets_mm.back()?;
-        let left_mm = |axis: usize| (target_mm[axis] - position_mm[axis]).abs();
-        let axis = (0..4).max_by(|&a, &b| left_mm(a).total_cmp(&left_mm(b)))?;
-        (left_mm(axis) > TOLERANCE_MM).then_some((axis, target_mm[axis]))
+        let remaining_mm = |axis: usize| (target_mm[axis] - position_mm[axis]).abs();
+        let axis = (0..4).max_by(|&a, &b| remaining_mm(a).total_cmp(&remaining_mm(b)))?;
+        (remaining_mm(axis) > POSITION_TOLERANCE_MM).then_some((axis, target_mm[axis]))
     }
 
     /// True for a position on the way to the last target.
@@ -85,13 +86,15 @@ impl CommandedPath {
     fn check_line(&self, position_mm: &[f64; 4]) -> Result<(), MotionFault> {
         let targets: Vec<&[f64; 4]> = self.targets_mm.iter().collect();
         let nearest = targets.windows(2).map(|ends| nearest_mm(ends[0], ends[1], position_mm));
-        let off_mm = |place: &[f64; 4]| place.iter().zip(position_mm).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
-        let Some(place) = nearest.min_by(|a, b| off_mm(a).total_cmp(&off_mm(b))) else { return Ok(()) };
-        if off_mm(&place) <= MAX_OFF_LINE_MM {
+        let distance_mm =
+            |place: &[f64; 4]| place.iter().zip(position_mm).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+        let Some(place) = nearest.min_by(|a, b| distance_mm(a).total_cmp(&distance_mm(b))) else { return Ok(()) };
+        if distance_mm(&place) <= MAX_OFF_LINE_MM {
             return Ok(());
         }
         let behind_mm = |axis: usize| {
-            let stands = (position_mm[axis] - self.last_mm[axis]).abs() <= TOLERANCE_MM;
+            let stands = (position_mm[axis] - self.last_mm[axis]).abs() <= POSITION_TOLERANCE_MM;
+            // An axis that stands is named before one that lags.
             let weight = if stands { 1e3 } else { 1.0 };
             weight * (place[axis] - position_mm[axis]).abs()
         };
@@ -105,9 +108,9 @@ impl CommandedPath {
         let low_mm = commands.clone().fold(f64::INFINITY, f64::min);
         let high_mm = commands.clone().fold(f64::NEG_INFINITY, f64::max);
         let target_mm = commands.next_back().unwrap_or(position_mm);
-        let on_its_way = (low_mm - TOLERANCE_MM..=high_mm + TOLERANCE_MM).contains(&position_mm);
-        let arrived = (position_mm - target_mm).abs() <= TOLERANCE_MM;
-        let stays = (position_mm - self.last_mm[axis]).abs() <= TOLERANCE_MM;
+        let on_its_way = (low_mm - POSITION_TOLERANCE_MM..=high_mm + POSITION_TOLERANCE_MM).contains(&position_mm);
+        let arrived = (position_mm - target_mm).abs() <= POSITION_TOLERANCE_MM;
+        let stays = (position_mm - self.last_mm[axis]).abs() <= POSITION_TOLERANCE_MM;
         if arrived || (on_its_way && !standing) {
             return Ok(());
         }
@@ -135,14 +138,14 @@ impl StallDetector {
     }
 
     /// Takes the next report, of a controller that should be moving when `due`; returns how long it has not moved, s.
-    pub(crate) fn take(&mut self, due: bool, position_mm: [f64; 4], queued: usize, now_s: f64) -> f64 {
-        let gone_on = position_mm != self.position_mm || queued < self.queued;
+    pub(crate) fn add_report(&mut self, due: bool, position_mm: [f64; 4], queued: usize, now_s: f64) -> f64 {
+        let has_advanced = position_mm != self.position_mm || queued < self.queued;
         (self.position_mm, self.queued) = (position_mm, queued);
-        if gone_on || !due {
+        if has_advanced || !due {
             self.restart(now_s);
         }
         self.reports += 1;
-        if self.reports > MIN_STILL_REPORTS { now_s - self.since_s } else { 0.0 }
+        if self.reports > MIN_EQUAL_REPORTS { now_s - self.since_s } else { 0.0 }
     }
 }
 
@@ -159,7 +162,7 @@ fn nearest_mm(from: &[f64; 4], to: &[f64; 4], position: &[f64; 4]) -> [f64; 4] {
 pub(crate) fn within_travel(position_mm: &[f64; 4], settings: &MotionSettings) -> Result<(), MotionFault> {
     for (axis, &position_mm) in position_mm.iter().enumerate() {
         let (low_mm, high_mm) = settings.limits_mm(axis);
-        if !(low_mm - TOLERANCE_MM..=high_mm + TOLERANCE_MM).contains(&position_mm) {
+        if !(low_mm - POSITION_TOLERANCE_MM..=high_mm + POSITION_TOLERANCE_MM).contains(&position_mm) {
             return Err(MotionFault::OutsideTravel { axis, position_mm, low_mm, high_mm });
         }
     }

@@ -79,8 +79,8 @@ impl Controller {
             self.query_sent_s.get_or_insert(now_s);
             self.last_query_s = now_s;
             // One that is lost would make all later reports look older than they are.
-            self.asked_s.retain(|&then_s| now_s - then_s <= self.settings.reply_timeout_s);
-            self.asked_s.push_back(now_s);
+            self.query_times_s.retain(|&then_s| now_s - then_s <= self.settings.reply_timeout_s);
+            self.query_times_s.push_back(now_s);
             self.next_query_s = now_s + QUERY_INTERVAL_S;
             self.send_byte(b'?');
         }
@@ -94,7 +94,7 @@ impl Controller {
         self.homing = HomingPhase::Running;
         self.reported_homed = false;
         self.update_homed();
-        self.commanded_path.forget();
+        self.commanded_path.discard();
         self.state.mode = Mode::Home;
         // A query that was already sent is answered after homing, if at all.
         self.query_sent_s = None;

@@ -12,7 +12,7 @@ const MAX_GARBLED: usize = 3;
 /// See [`MAX_GARBLED`], seconds.
 const GARBLED_S: f64 = 10.0;
 /// Shortest time without motion, s, after which pending moves count as stalled; the reply timeout applies if it is
-/// longer.
+/// longer. Reports come every 50 ms, and the slowest move turns a screw by a step in less than 0.15 s.
 const MIN_STALL_S: f64 = 0.3;
 
 impl Controller {
@@ -52,11 +52,11 @@ impl Controller {
         self.last_garbled = Some((now_s, line.clone()));
         // The unreadable line may have been the awaited report: query again.
         self.query_sent_s = None;
-        self.garbled_s.retain(|&then_s| now_s - then_s <= GARBLED_S);
-        self.garbled_s.push_back(now_s);
-        let count = self.garbled_s.len();
+        self.garbled_times_s.retain(|&then_s| now_s - then_s <= GARBLED_S);
+        self.garbled_times_s.push_back(now_s);
+        let count = self.garbled_times_s.len();
         if count >= MAX_GARBLED {
-            self.garbled_s.clear();
+            self.garbled_times_s.clear();
             self.record_fault(MotionFault::Garbled { count, line });
         }
     }
@@ -98,12 +98,12 @@ impl Controller {
         let expected = match self.state.mode {
             _ if self.reset_sent_s.is_some() => true,
             Mode::Unknown => true,
-            Mode::Alarm(known) => known == Some(code) || code == HOMING_REQUIRED,
+            Mode::Alarm(present) => present == Some(code) || code == HOMING_REQUIRED,
             _ => false,
         };
         self.state.mode = Mode::Alarm(Some(code));
         self.homing_required = true;
-        self.commanded_path.forget();
+        self.commanded_path.discard();
         self.update_homed();
         if !expected {
             self.record_fault(MotionFault::Alarm { code });
@@ -129,7 +129,7 @@ impl Controller {
     pub(super) fn apply_status(&mut self, status: &StatusReport, now_s: f64) {
         let status = &self.with_hold_completed(status);
         self.query_sent_s = None;
-        self.reported_asked_s = self.asked_s.pop_front().unwrap_or(f64::NEG_INFINITY);
+        self.answered_query_s = self.query_times_s.pop_front().unwrap_or(f64::NEG_INFINITY);
         self.state.last_status_s = now_s;
         self.state.pins = status.pins;
         let before = std::mem::replace(&mut self.state.mode, status.mode);
@@ -160,8 +160,8 @@ impl Controller {
     /// A hold without a sub-state is complete when two reports give the same position.
     fn with_hold_completed(&self, status: &StatusReport) -> StatusReport {
         let stands = status.position_mm == Some(self.state.position_mm);
-        let held = matches!(self.state.mode, Mode::Hold { .. });
-        let mode = if status.bare_hold && held { Mode::Hold { complete: stands } } else { status.mode };
+        let was_holding = matches!(self.state.mode, Mode::Hold { .. });
+        let mode = if status.bare_hold && was_holding { Mode::Hold { complete: stands } } else { status.mode };
         StatusReport { mode, ..*status }
     }
 
@@ -174,7 +174,7 @@ impl Controller {
     }
 
     fn check_mode(&mut self, status: &StatusReport, before: Mode, now_s: f64) -> Result<(), MotionFault> {
-        let lost = self.state.homed && status.homed == Some(false) && before != Mode::Unknown;
+        let homing_lost = self.state.homed && status.homed == Some(false) && before != Mode::Unknown;
         self.reported_homed = status.homed.unwrap_or(self.reported_homed);
         self.update_homed();
         if let Some(percent) = status.feed_override.filter(|&percent| percent != 100.0) {
@@ -187,10 +187,10 @@ impl Controller {
                 let expected = matches!(before, Mode::Unknown | Mode::Alarm(_));
                 if expected { Ok(()) } else { Err(MotionFault::Alarm { code: code.unwrap_or(0) }) }
             }
-            _ if lost => Err(MotionFault::Alarm { code: HOMING_REQUIRED }),
+            _ if homing_lost => Err(MotionFault::Alarm { code: HOMING_REQUIRED }),
             Mode::Home if self.homing == HomingPhase::Settling => Ok(()),
             // The controller's own hold button was pressed, or the resume byte was lost.
-            mode @ Mode::Hold { .. } if !self.held && now_s - self.resumed_s > self.settings.reply_timeout_s => {
+            mode @ Mode::Hold { .. } if !self.holding && now_s - self.resumed_s > self.settings.reply_timeout_s => {
                 Err(MotionFault::UnexpectedMode { mode })
             }
             Mode::Idle | Mode::Run | Mode::Hold { .. } => Ok(()),
@@ -228,7 +228,7 @@ impl Controller {
         }
         let standing = idle && self.pending.is_none() && self.state.queued == 0;
         // After a hold the axes may stand short of their target until the resume is confirmed.
-        if standing && (self.held || self.complete_short_move(&position_mm, now_s)) {
+        if standing && (self.holding || self.complete_short_move(&position_mm, now_s)) {
             return Ok(());
         }
         self.commanded_path.check(position_mm, standing)?;
@@ -238,9 +238,9 @@ impl Controller {
     /// Checks that a controller with pending moves moves; time is measured between its reports.
     fn check_stall(&mut self, mode: Mode, position_mm: [f64; 4], now_s: f64) -> Result<(), MotionFault> {
         let queued = self.state.queued;
-        let due = !self.held && (mode == Mode::Run || (mode == Mode::Idle && queued > 0));
-        let still_s = self.stall_detector.take(due, position_mm, queued, now_s);
-        if still_s < self.settings.reply_timeout_s.max(MIN_STALL_S) {
+        let due = !self.holding && (mode == Mode::Run || (mode == Mode::Idle && queued > 0));
+        let stalled_s = self.stall_detector.add_report(due, position_mm, queued, now_s);
+        if stalled_s < self.settings.reply_timeout_s.max(MIN_STALL_S) {
             return Ok(());
         }
         match self.commanded_path.farthest_axis(&position_mm) {

@@ -26,7 +26,7 @@ pub(super) struct Resumption {
     /// When the last hold byte was sent, s.
     pub(super) hold_sent_s: f64,
     /// Since when held moves are to be resumed, s.
-    wanted_s: Option<f64>,
+    requested_s: Option<f64>,
     /// When `~` was last sent since then, and how often.
     sent_s: Option<f64>,
     sent: u32,
@@ -39,7 +39,7 @@ impl Default for Resumption {
     fn default() -> Self {
         Resumption {
             hold_sent_s: f64::NEG_INFINITY,
-            wanted_s: None,
+            requested_s: None,
             sent_s: None,
             sent: 0,
             may_end_short: false,
@@ -63,41 +63,41 @@ impl Resumption {
 impl Controller {
     /// Resumes held moves as soon as the hold is complete, unless there is a fault.
     pub fn resume(&mut self, now_s: f64) {
-        if self.fault.is_none() && self.held {
-            self.resumption.wanted_s.get_or_insert(now_s);
+        if self.fault.is_none() && self.holding {
+            self.resumption.requested_s.get_or_insert(now_s);
             self.continue_resume(now_s);
         }
     }
 
     /// True from [`Controller::resume`] until the controller confirms.
     pub fn is_resuming(&self) -> bool {
-        self.resumption.wanted_s.is_some()
+        self.resumption.requested_s.is_some()
     }
 
     /// Sends `~` once the hold is complete, again while the controller still stands, and waits for its confirmation.
     pub(super) fn continue_resume(&mut self, now_s: f64) {
-        let Some(wanted_s) = self.resumption.wanted_s else { return };
+        let Some(requested_s) = self.resumption.requested_s else { return };
         if self.fault.is_some() {
             return;
         }
         // Only a report that was requested after the last byte tells of its effect.
-        let asked_s = self.reported_asked_s;
+        let answered_query_s = self.answered_query_s;
         let since_s = self.resumption.sent_s.unwrap_or(self.resumption.hold_sent_s);
         match self.state.mode {
-            Mode::Hold { complete: true } if asked_s > since_s => {
+            Mode::Hold { complete: true } if answered_query_s > since_s => {
                 self.resumption.sent_s = Some(now_s);
                 self.resumption.sent += 1;
                 self.send_byte(RESUME);
             }
-            Mode::Idle | Mode::Run if asked_s > since_s => {
-                self.resumption.wanted_s = None;
-                self.held = false;
+            Mode::Idle | Mode::Run if answered_query_s > since_s => {
+                self.resumption.requested_s = None;
+                self.holding = false;
                 self.resumed_s = now_s;
                 self.stall_detector.restart(now_s);
             }
-            mode if now_s - wanted_s > RESUME_LIMIT_S => {
+            mode if now_s - requested_s > RESUME_LIMIT_S => {
                 let sent = self.resumption.sent;
-                self.record_fault(MotionFault::NotResumed { mode, waited_s: now_s - wanted_s, sent });
+                self.record_fault(MotionFault::NotResumed { mode, waited_s: now_s - requested_s, sent });
             }
             _ => {}
         }
@@ -112,7 +112,7 @@ impl Controller {
         };
         let Some((target_mm, feed_mm_min)) = self.last_move else { return false };
         let due = self.resumption.may_end_short && self.resumption.completions < MAX_COMPLETIONS;
-        if !due || self.held || !self.setup_acknowledged || !self.commanded_path.is_between(position_mm) {
+        if !due || self.holding || !self.setup_acknowledged || !self.commanded_path.is_between(position_mm) {
             return false;
         }
         let displaced_mm = self.displaced_mm(target_mm, axis);
@@ -135,8 +135,8 @@ impl Controller {
         let (low_mm, high_mm) = self.settings.limits_mm(axis);
         let inwards = if target_mm[axis] > 0.5 * (low_mm + high_mm) { -1.0 } else { 1.0 };
         // A second attempt must differ from the first one.
-        let times = f64::from(self.resumption.completions + 1);
-        target_mm[axis] += inwards * (times * step_mm).min(MAX_DISPLACEMENT_MM);
+        let attempt = f64::from(self.resumption.completions + 1);
+        target_mm[axis] += inwards * (attempt * step_mm).min(MAX_DISPLACEMENT_MM);
         target_mm
     }
 }

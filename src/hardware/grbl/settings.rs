@@ -32,7 +32,7 @@ pub struct MotionSettings {
     /// Speed that every axis must reach, mm/min: follows from the limits of the commands, 0 if there are none.
     #[serde(skip)]
     #[schemars(skip)]
-    pub least_speed_mm_min: f64,
+    pub min_speed_mm_min: f64,
 }
 
 impl Default for MotionSettings {
@@ -47,7 +47,7 @@ impl Default for MotionSettings {
             max_speed_mm_min: 3000.0,
             homing_directions: 15,
             hold_when_idle: true,
-            least_speed_mm_min: 0.0,
+            min_speed_mm_min: 0.0,
         }
     }
 }

@@ -150,11 +150,11 @@ impl Rig {
         if !homed {
             self.parts.controller.start_homing(now_s);
         }
-        let words = match alarm {
+        let message = match alarm {
             Some(code) => format!("reset to clear alarm {code}, homing"),
             None => if homed { "already homed" } else { "homing" }.to_owned(),
         };
-        self.log_event(now_s, "", words);
+        self.log_event(now_s, "", message);
         Ok(())
     }
 

@@ -11,22 +11,23 @@ use crate::hardware::grbl::AXIS_NAMES;
 use crate::hardware::safety::StopReason;
 
 /// Poses whose mean is compared, which averages their noise.
-const AVERAGED: usize = 10;
+const AVERAGED_POSES: usize = 10;
 /// Distance of two means that counts as motion, metres, in addition to three standard deviations of the noise.
-const MOVED_M: f64 = 0.0015;
-const DEVIATIONS: f64 = 3.0;
+const MIN_MOTION_M: f64 = 0.0015;
+const NOISE_DEVIATIONS: f64 = 3.0;
 /// The tip is at rest if, meanwhile, a screw has moved by more than this, mm: more than backlash,
-const TURNED_MM: f64 = 3.0;
+const MIN_TURNED_MM: f64 = 3.0;
 /// the predicted tip by more than this, metres,
-const PREDICTED_M: f64 = 0.01;
+const MIN_PREDICTED_M: f64 = 0.01;
 /// and by more than this multiple of what counts as motion,
-const MULTIPLE: f64 = 3.0;
+const MIN_PREDICTED_MULTIPLE: f64 = 3.0;
 /// for this long, s: a robot follows with a delay.
-const LASTING_S: f64 = 0.3;
+const MIN_REST_S: f64 = 0.3;
 /// Weight of the newest pose in the running estimate of the noise.
-const NEWEST: f64 = 1.0 / 32.0;
-/// Second differences of a series with independent noise of variance 1 on each of three axes have this mean square.
-const SECOND_DIFFERENCE: f64 = 18.0;
+const NEWEST_WEIGHT: f64 = 1.0 / 32.0;
+/// Second differences of a series with independent noise of variance 1 on each of three axes have this mean square:
+/// 3 · (1 + 4 + 1).
+const SECOND_DIFFERENCE_SQUARE: f64 = 18.0;
 
 /// Where the tip, its prediction and the screws were when the tip last moved.
 #[derive(Clone, Copy, Debug)]
@@ -47,7 +48,7 @@ struct Unfollowed {
 impl Unfollowed {
     /// The screws that have moved, such as "X by 6.0 mm".
     fn screws(&self) -> String {
-        let each = AXIS_NAMES.iter().zip(&self.turned_mm).filter(|(_, turned_mm)| **turned_mm > TURNED_MM);
+        let each = AXIS_NAMES.iter().zip(&self.turned_mm).filter(|(_, turned_mm)| **turned_mm > MIN_TURNED_MM);
         each.map(|(name, turned_mm)| format!("{name} by {turned_mm:.1} mm")).collect::<Vec<String>>().join(", ")
     }
 }
@@ -68,49 +69,50 @@ impl TipFollowing {
     /// Adds a pose.
     fn push(&mut self, time_s: f64, tip_m: Point3) {
         self.last_time_s = time_s;
-        if self.recent_m.len() == AVERAGED {
+        if self.recent_m.len() == AVERAGED_POSES {
             self.recent_m.pop_front();
         }
         self.recent_m.push_back(tip_m);
         if let [.., a, b, c] = self.recent_m.make_contiguous() {
             let square: f64 = (0..3).map(|axis| (c[axis] - 2.0 * b[axis] + a[axis]).powi(2)).sum();
-            self.noise_m2 += NEWEST * (square / SECOND_DIFFERENCE - self.noise_m2);
+            self.noise_m2 += NEWEST_WEIGHT * (square / SECOND_DIFFERENCE_SQUARE - self.noise_m2);
         }
     }
 
     /// Mean of the recent poses; none before there are enough.
     fn mean_m(&self) -> Option<Point3> {
-        let mean = |axis: usize| self.recent_m.iter().map(|tip_m| tip_m[axis]).sum::<f64>() / AVERAGED as f64;
-        (self.recent_m.len() == AVERAGED).then(|| [0, 1, 2].map(mean))
+        let mean = |axis: usize| self.recent_m.iter().map(|tip_m| tip_m[axis]).sum::<f64>() / AVERAGED_POSES as f64;
+        (self.recent_m.len() == AVERAGED_POSES).then(|| [0, 1, 2].map(mean))
     }
 
     /// Distance of two means that counts as motion, metres.
     fn moved_m(&self) -> f64 {
-        let of_difference = 3.0 * 2.0 * self.noise_m2 / AVERAGED as f64;
-        MOVED_M + DEVIATIONS * of_difference.sqrt()
+        // Variance of the difference of two means, over three axes.
+        let of_difference = 3.0 * 2.0 * self.noise_m2 / AVERAGED_POSES as f64;
+        MIN_MOTION_M + NOISE_DEVIATIONS * of_difference.sqrt()
     }
 
     /// Compares the tip with its prediction and the screws; returns how far each has moved once the tip has been at rest for
     /// too long.
     fn compare(&mut self, expected_m: Point3, position_mm: [f64; AXES], now_s: f64) -> Option<Unfollowed> {
         let tip_m = self.mean_m()?;
-        let here = Anchor { tip_m, expected_m, position_mm };
-        let anchor = *self.anchor.get_or_insert(here);
-        let (moved_m, least_m) = (distance_m(&tip_m, &anchor.tip_m), self.moved_m());
-        if moved_m > least_m {
-            (self.anchor, self.since_s) = (Some(here), None);
+        let current = Anchor { tip_m, expected_m, position_mm };
+        let anchor = *self.anchor.get_or_insert(current);
+        let (moved_m, min_motion_m) = (distance_m(&tip_m, &anchor.tip_m), self.moved_m());
+        if moved_m > min_motion_m {
+            (self.anchor, self.since_s) = (Some(current), None);
             return None;
         }
         let predicted_m = distance_m(&expected_m, &anchor.expected_m);
         let turned_mm: [f64; AXES] = std::array::from_fn(|axis| (position_mm[axis] - anchor.position_mm[axis]).abs());
-        if turned_mm.iter().all(|turned_mm| *turned_mm <= TURNED_MM)
-            || predicted_m <= PREDICTED_M.max(MULTIPLE * least_m)
+        if turned_mm.iter().all(|turned_mm| *turned_mm <= MIN_TURNED_MM)
+            || predicted_m <= MIN_PREDICTED_M.max(MIN_PREDICTED_MULTIPLE * min_motion_m)
         {
             self.since_s = None;
             return None;
         }
         let since_s = *self.since_s.get_or_insert(now_s);
-        (now_s - since_s >= LASTING_S).then_some(Unfollowed { moved_m, predicted_m, turned_mm })
+        (now_s - since_s >= MIN_REST_S).then_some(Unfollowed { moved_m, predicted_m, turned_mm })
     }
 }
 
@@ -127,14 +129,14 @@ impl Rig {
             return None;
         };
         let position_mm = self.parts.controller.state().position_mm;
-        let found = self.tip_following.compare(expected_m, position_mm, now_s)?;
+        let unfollowed = self.tip_following.compare(expected_m, position_mm, now_s)?;
         Some(tracking(
             format!(
                 "the measured tip has moved by {:.1} mm while the axes moved ({}) and the predicted tip by {:.1} mm: the \
                  tracker repeats an old pose, its body has come off, a motor does not turn its screw, or the robot is stuck",
-                found.moved_m * 1e3,
-                found.screws(),
-                found.predicted_m * 1e3
+                unfollowed.moved_m * 1e3,
+                unfollowed.screws(),
+                unfollowed.predicted_m * 1e3
             ),
             "check the tip's body, the motors and the tendons with `spinebench doctor --move`",
         ))

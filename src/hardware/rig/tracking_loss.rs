@@ -10,11 +10,11 @@ use crate::hardware::safety::StopReason;
 use crate::hardware::tracking::TrackingStatus;
 
 /// An unchanged pose counts as frozen after this time, s,
-const FROZEN_S: f64 = 0.05;
+const MIN_FROZEN_S: f64 = 0.05;
 /// if a screw has moved by more than this meanwhile, mm,
-const FROZEN_MM: f64 = 1.0;
+const MIN_FROZEN_TURN_MM: f64 = 1.0;
 /// and the predicted tip by more than this, metres: noise and dry friction hide less.
-const FROZEN_TIP_M: f64 = 0.005;
+const MIN_FROZEN_TIP_M: f64 = 0.005;
 
 /// Time after a frame of a second source during which the robot is held, s.
 const SECOND_SOURCE_S: f64 = 0.5;
@@ -38,10 +38,10 @@ impl Rig {
     pub(super) fn tracking_loss(&mut self, now_s: f64) -> Option<StopReason> {
         let status = self.parts.tracking.status();
         // First, because the poses are old as well once only the other source streams.
-        if let Some((then_s, found)) = &status.second_source_last
+        if let Some((then_s, difference)) = &status.second_source_last
             && now_s - then_s <= SECOND_SOURCE_S
         {
-            return Some(second_source(found));
+            return Some(second_source(difference));
         }
         let hold_s = self.parts.limits.tracking_hold_s;
         let age_s = self.parts.tracking.age_s(now_s);
@@ -68,7 +68,9 @@ impl Rig {
         let turned_mm = position_mm.iter().zip(&self.last_pose_change.position_mm).map(|(to, from)| (to - from).abs());
         let turned_mm = turned_mm.fold(0.0, f64::max);
         let unchanged_s = status.unchanged_s;
-        let frozen = unchanged_s >= FROZEN_S && turned_mm > FROZEN_MM && distance_m(&from_m, &to_m) > FROZEN_TIP_M;
+        let frozen = unchanged_s >= MIN_FROZEN_S
+            && turned_mm > MIN_FROZEN_TURN_MM
+            && distance_m(&from_m, &to_m) > MIN_FROZEN_TIP_M;
         frozen.then(|| {
             tracking(
                 format!(

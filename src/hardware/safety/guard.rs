@@ -101,7 +101,7 @@ pub struct Guard {
 const STAND_S: f64 = 1.0;
 /// The same after a fault of the motors, whose position cannot be trusted anyway.
 const STAND_ANYWAY_S: f64 = 0.15;
-/// Window in which a robot may be held `most_holds` times, s.
+/// Window in which a robot may be held `most_holds` times, s: a person who passes the cameras causes one or two holds.
 const HOLDS_S: f64 = 10.0;
 
 impl Guard {
@@ -184,19 +184,19 @@ impl Guard {
         permitted
     }
 
-    fn enter(&mut self, state: GuardState, order: SafetyAction) -> SafetyAction {
+    fn enter(&mut self, state: GuardState, action: SafetyAction) -> SafetyAction {
         self.state = state;
-        order
+        action
     }
 
     /// Homing cannot be paused: its motion is discarded at once.
     fn stop(&mut self, reason: StopReason, now_s: f64) -> SafetyAction {
-        let order = match self.state {
+        let action = match self.state {
             GuardState::Homing => SafetyAction::Flush,
             _ => SafetyAction::Hold,
         };
-        self.stopping_s = (order == SafetyAction::Hold).then_some(now_s);
-        self.enter(GuardState::Stopped { reason, since_s: now_s }, order)
+        self.stopping_s = (action == SafetyAction::Hold).then_some(now_s);
+        self.enter(GuardState::Stopped { reason, since_s: now_s }, action)
     }
 
     /// Discards the queue once the axes stand, or should have for long, so that nothing starts again by itself.

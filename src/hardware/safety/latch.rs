@@ -10,8 +10,8 @@ use super::guard::StopReason;
 /// Latch and log of one robot, and whether its position is trusted.
 #[derive(Clone, Debug)]
 pub struct Latch {
-    stopped: PathBuf,
-    rehome: PathBuf,
+    stop_file: PathBuf,
+    rehome_file: PathBuf,
     log: PathBuf,
 }
 
@@ -19,26 +19,26 @@ impl Latch {
     /// Latch and log of the robot `name` in `folder`, which is created with the first line.
     pub fn new(folder: &Path, name: &str) -> Latch {
         let file = |ending: &str| folder.join(format!("{name}.{ending}"));
-        Latch { stopped: file("stopped"), rehome: file("rehome"), log: file("log") }
+        Latch { stop_file: file("stopped"), rehome_file: file("rehome"), log: file("log") }
     }
 
     /// Folder for the state of this user's programs (`XDG_STATE_HOME`, or `.local/state` in the home folder).
     pub fn folder() -> PathBuf {
-        let own = std::env::var_os("XDG_STATE_HOME").map(PathBuf::from);
+        let state_home = std::env::var_os("XDG_STATE_HOME").map(PathBuf::from);
         let home =
             || std::env::var_os("HOME").map_or_else(std::env::temp_dir, |home| Path::new(&home).join(".local/state"));
-        own.filter(|path| path.is_absolute()).unwrap_or_else(home).join("spinebench")
+        state_home.filter(|path| path.is_absolute()).unwrap_or_else(home).join("spinebench")
     }
 
     /// Why the robot is stopped, if it is. A latch that cannot be read counts as a stop.
     pub fn read(&self) -> Option<String> {
-        read(&self.stopped)
+        read(&self.stop_file)
     }
 
     /// Why homing is required whatever the controller reports; none if it is not. A file that cannot be read counts as
     /// present.
     pub fn homing_required(&self) -> Option<String> {
-        read(&self.rehome)
+        read(&self.rehome_file)
     }
 
     /// Requires homing before the next motion, also of later programs.
@@ -46,7 +46,7 @@ impl Latch {
     /// # Errors
     /// When the file cannot be written.
     pub fn require_homing(&self, why: &str) -> io::Result<()> {
-        self.put(&self.rehome, why)
+        self.write_file(&self.rehome_file, why)
     }
 
     /// Notes that the axes have been homed.
@@ -54,13 +54,13 @@ impl Latch {
     /// # Errors
     /// When the file cannot be removed.
     pub fn clear_homing_required(&self) -> io::Result<()> {
-        match fs::remove_file(&self.rehome) {
+        match fs::remove_file(&self.rehome_file) {
             Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
             _ => Ok(()),
         }
     }
 
-    fn put(&self, file: &Path, line: &str) -> io::Result<()> {
+    fn write_file(&self, file: &Path, line: &str) -> io::Result<()> {
         if let Some(folder) = file.parent() {
             fs::create_dir_all(folder)?;
         }
@@ -74,7 +74,7 @@ impl Latch {
     pub fn stop(&self, reason: &StopReason) -> io::Result<()> {
         let line = format!("{} UTC: {} [{}]", utc(SystemTime::now()), reason.what, reason.kind);
         // The latch first: the log is informative only, and its disk may be full.
-        let (latched, homing_required) = (self.put(&self.stopped, &line), self.require_homing(&line));
+        let (latched, homing_required) = (self.write_file(&self.stop_file, &line), self.require_homing(&line));
         latched.and(homing_required)?;
         self.write(&format!("stopped: {line}; {}", reason.remedy))
     }
@@ -85,7 +85,7 @@ impl Latch {
     /// When the file cannot be removed.
     pub fn release(&self) -> io::Result<Option<String>> {
         let Some(reason) = self.read() else { return Ok(None) };
-        fs::remove_file(&self.stopped)?;
+        fs::remove_file(&self.stop_file)?;
         self.write(&format!("armed by the operator: {} UTC", utc(SystemTime::now())))?;
         Ok(Some(reason))
     }
@@ -118,7 +118,7 @@ fn read(file: &Path) -> Option<String> {
 /// Date and time of day (Howard Hinnant's civil-from-days algorithm).
 fn utc(time: SystemTime) -> String {
     let seconds = time.duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
-    let (days, rest) = (seconds / 86_400 + 719_468, seconds % 86_400);
+    let (days, second_of_day) = (seconds / 86_400 + 719_468, seconds % 86_400);
     let era = days / 146_097;
     let day_of_era = days % 146_097;
     let year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
@@ -127,7 +127,12 @@ fn utc(time: SystemTime) -> String {
     let day = day_of_year - (153 * shifted + 2) / 5 + 1;
     let month = if shifted < 10 { shifted + 3 } else { shifted - 9 };
     let year = year_of_era + era * 400 + u64::from(month <= 2);
-    format!("{year:04}-{month:02}-{day:02} {:02}:{:02}:{:02}", rest / 3600, rest / 60 % 60, rest % 60)
+    format!(
+        "{year:04}-{month:02}-{day:02} {:02}:{:02}:{:02}",
+        second_of_day / 3600,
+        second_of_day / 60 % 60,
+        second_of_day % 60
+    )
 }
 
 #[cfg(test)]

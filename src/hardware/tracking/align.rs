@@ -40,17 +40,17 @@ pub struct Alignment {
     pub straight_pose: RigidPose,
 }
 
-/// Largest root mean square of the angles between directions that agree, radians.
+/// Largest root mean square of the angles between directions that agree, radians: 10°.
 const MAX_APART_RAD: f64 = 0.175;
 /// Smallest correlation along the robot of points that are no mirror image.
 const MIN_UPRIGHT: f64 = 0.5;
 /// Ratios that are a wrong stiffness or radius of the model, rather than another body or unit.
-const RATIOS: [f64; 2] = [0.4, 2.5];
+const BEND_RATIOS: [f64; 2] = [0.4, 2.5];
 
 impl Alignment {
     /// True if the directions of the points agree, however far they are.
     pub fn directions_agree(&self) -> bool {
-        let sized = (RATIOS[0]..=RATIOS[1]).contains(&self.ratio);
+        let sized = (BEND_RATIOS[0]..=BEND_RATIOS[1]).contains(&self.ratio);
         sized && self.apart_rad <= MAX_APART_RAD && self.upright >= MIN_UPRIGHT
     }
 }
@@ -105,10 +105,10 @@ pub fn align(robot_m: &[Point3], body_m: &[Point3]) -> Result<Alignment, Trackin
     let count = robot.len() as f64;
     let spread_m = (robot.iter().map(|point| point.norm_squared()).sum::<f64>() / count).sqrt();
     // About the axis of the largest spread, only the other two spreads determine the rotation; six numbers are fitted.
-    let [least, middle, _] = spreads(&robot);
+    let [smallest, middle, _] = spreads(&robot);
     let freedom = (3.0 * count - 6.0).max(1.0);
-    let noise2 = squares.iter().sum::<f64>() / freedom;
-    let turn_rad = NORMAL_95 * (noise2 / (least + middle)).sqrt();
+    let noise_variance_m2 = squares.iter().sum::<f64>() / freedom;
+    let turn_rad = NORMAL_95 * (noise_variance_m2 / (smallest + middle)).sqrt();
     let turned: Vec<Vector3<f64>> = robot.iter().map(|point| turn * point).collect();
     let Bends { ratio, apart_rad, upright, straightest } = compare_bends(&turned, &body);
     let straight_shift = body[straightest] + body_centre - turn * (robot[straightest] + robot_centre);
@@ -133,7 +133,7 @@ fn compare_bends(predicted: &[Vector3<f64>], measured: &[Vector3<f64>]) -> Bends
     let along: Vector3<f64> = eigen.eigenvectors.column(eigen.eigenvalues.imin()).into();
     let across = |point: &Vector3<f64>| point - along * along.dot(point);
     let (mut products, mut squares, mut angles, mut weights) = (0.0, 0.0, 0.0, 0.0);
-    let (mut both, mut one, mut other) = (0.0, 0.0, 0.0);
+    let (mut joint, mut predicted_squares, mut measured_squares) = (0.0, 0.0, 0.0);
     for (from, to) in predicted.iter().zip(measured) {
         let (a, b) = (across(from), across(to));
         products += a.dot(&b);
@@ -143,15 +143,19 @@ fn compare_bends(predicted: &[Vector3<f64>], measured: &[Vector3<f64>]) -> Bends
             angles += weight * a.angle(&b).powi(2);
             weights += weight;
         }
-        both += along.dot(from) * along.dot(to);
-        one += along.dot(from).powi(2);
-        other += along.dot(to).powi(2);
+        joint += along.dot(from) * along.dot(to);
+        predicted_squares += along.dot(from).powi(2);
+        measured_squares += along.dot(to).powi(2);
     }
     let nearest = |a: &usize, b: &usize| across(&predicted[*a]).norm().total_cmp(&across(&predicted[*b]).norm());
     Bends {
         ratio: products / squares,
         apart_rad: if weights > 0.0 { (angles / weights).sqrt() } else { f64::INFINITY },
-        upright: if one * other > 0.0 { both / (one * other).sqrt() } else { 0.0 },
+        upright: if predicted_squares * measured_squares > 0.0 {
+            joint / (predicted_squares * measured_squares).sqrt()
+        } else {
+            0.0
+        },
         straightest: (0..predicted.len()).min_by(nearest).unwrap_or(0),
     }
 }
@@ -178,6 +182,7 @@ fn spreads(points: &[Vector3<f64>]) -> [f64; 3] {
 
 /// The rotation that brings `from` closest to `to`.
 fn turn_between(from: &[Vector3<f64>], to: &[Vector3<f64>]) -> Rotation3<f64> {
+    // Kabsch: the singular vectors of the covariance give the closest orthogonal matrix.
     let covariance: Matrix3<f64> = from.iter().zip(to).map(|(from, to)| to * from.transpose()).sum();
     let svd = covariance.svd(true, true);
     let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else { return Rotation3::identity() };

@@ -10,7 +10,7 @@ use super::settings::{BodyName, TrackingSettings};
 const UNIT_TOLERANCE: f64 = 1e-3;
 
 /// Largest coordinate in a capture volume, metres.
-const LARGEST_M: f64 = 1000.0;
+const MAX_COORDINATE_M: f64 = 1000.0;
 
 /// Most bodies listed in an error.
 const MAX_LISTED: usize = 30;
@@ -55,32 +55,32 @@ impl TrackedBodies {
     /// Why [`TrackedBodies::poses`] returned none.
     pub(super) fn unseen(&self, frame: &FrameOfData) -> &'static str {
         let missing = |id| !frame.rigid_bodies.iter().any(|body| body.id == id);
-        let seen = |id| pose_of(id, frame).is_some();
+        let is_tracked = |id| pose_of(id, frame).is_some();
         match self.base {
             _ if missing(self.tip) => "frames without the tip's body",
             Some(base) if missing(base) => "frames without the base's body",
-            Some(base) if !seen(base) && !seen(self.tip) => "base and tip are not tracked",
-            Some(base) if !seen(base) => "the base is not tracked",
+            Some(base) if !is_tracked(base) && !is_tracked(self.tip) => "base and tip are not tracked",
+            Some(base) if !is_tracked(base) => "the base is not tracked",
             _ => "the tip is not tracked",
         }
     }
 
     /// True if the frame lists both, tracked or not.
     pub(super) fn are_in(&self, frame: &FrameOfData) -> bool {
-        let holds = |id| frame.rigid_bodies.iter().any(|body| body.id == id);
-        holds(self.tip) && self.base.is_none_or(holds)
+        let contains = |id| frame.rigid_bodies.iter().any(|body| body.id == id);
+        contains(self.tip) && self.base.is_none_or(contains)
     }
 }
 
 fn id_of(role: &'static str, body: &BodyName, model: &ModelDef) -> Result<i32, TrackingFault> {
     let is_it = |(name, id): &(&str, i32)| match body {
-        BodyName::Id(wanted) => id == wanted,
-        BodyName::Name(wanted) => name == wanted,
+        BodyName::Id(expected) => id == expected,
+        BodyName::Name(expected) => name == expected,
     };
-    let found: Vec<(&str, i32)> = model.rigid_bodies().filter(is_it).collect();
-    let [(_, id)] = found[..] else {
+    let matching: Vec<(&str, i32)> = model.rigid_bodies().filter(is_it).collect();
+    let [(_, id)] = matching[..] else {
         let (body, there_are) = (body.clone(), listed(model));
-        return Err(match found.len() {
+        return Err(match matching.len() {
             0 => TrackingFault::BodyMissing { role, body, there_are },
             count => TrackingFault::BodyDouble { role, body, count, there_are },
         });
@@ -117,6 +117,7 @@ fn pose(body: &RigidBody) -> Option<RigidPose> {
     let position_m = body.position.map(f64::from);
     let [x, y, z, w] = body.orientation.map(f64::from);
     let length2 = w * w + x * x + y * y + z * z;
-    let possible = position_m.iter().all(|value| value.abs() < LARGEST_M) && (length2 - 1.0).abs() < UNIT_TOLERANCE;
+    let possible =
+        position_m.iter().all(|value| value.abs() < MAX_COORDINATE_M) && (length2 - 1.0).abs() < UNIT_TOLERANCE;
     possible.then_some(RigidPose { position_m, quaternion: [w, x, y, z] })
 }

@@ -8,17 +8,17 @@ use std::collections::VecDeque;
 
 /// The minimum is taken over this many intervals of this length, s: long compared with bursts of delay, short enough
 /// that two quartz clocks drift apart by less than a millisecond.
-const STRETCHES: usize = 10;
-const STRETCH_S: f64 = 1.0;
+const INTERVALS: usize = 10;
+const INTERVAL_S: f64 = 1.0;
 
 /// Weight of the newest delay in the running mean.
-const MEAN_SHARE: f64 = 1.0 / 32.0;
+const NEWEST_WEIGHT: f64 = 1.0 / 32.0;
 
 /// Estimate of the clock offset.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ClockSync {
     /// Start of each interval and its minimum, s.
-    stretches: VecDeque<(f64, f64)>,
+    intervals: VecDeque<(f64, f64)>,
     jitter_s: f64,
 }
 
@@ -26,21 +26,21 @@ impl ClockSync {
     /// Adds a frame stamped `stamp_s` that was received at `received_s`. Returns the clock offset, s.
     pub(crate) fn update(&mut self, stamp_s: f64, received_s: f64) -> f64 {
         let difference_s = received_s - stamp_s;
-        match self.stretches.back_mut() {
-            Some((start_s, least_s)) if received_s - *start_s < STRETCH_S => *least_s = least_s.min(difference_s),
-            _ => self.stretches.push_back((received_s, difference_s)),
+        match self.intervals.back_mut() {
+            Some((start_s, min_s)) if received_s - *start_s < INTERVAL_S => *min_s = min_s.min(difference_s),
+            _ => self.intervals.push_back((received_s, difference_s)),
         }
-        let oldest_s = received_s - STRETCHES as f64 * STRETCH_S;
-        self.stretches.retain(|(start_s, _)| *start_s > oldest_s);
-        let offset_s = self.stretches.iter().fold(difference_s, |least, stretch| least.min(stretch.1));
-        self.jitter_s += MEAN_SHARE * (difference_s - offset_s - self.jitter_s);
+        let oldest_s = received_s - INTERVALS as f64 * INTERVAL_S;
+        self.intervals.retain(|(start_s, _)| *start_s > oldest_s);
+        let offset_s = self.intervals.iter().fold(difference_s, |min, interval| min.min(interval.1));
+        self.jitter_s += NEWEST_WEIGHT * (difference_s - offset_s - self.jitter_s);
         offset_s
     }
 
     /// The greatest stamp that a frame received at `now_s` can have, s; infinite before the first frame.
     pub(crate) fn present_stamp_s(&self, now_s: f64) -> f64 {
-        let least = self.stretches.iter().map(|stretch| stretch.1).reduce(f64::min);
-        least.map_or(f64::INFINITY, |offset_s| now_s - offset_s)
+        let min = self.intervals.iter().map(|interval| interval.1).reduce(f64::min);
+        min.map_or(f64::INFINITY, |offset_s| now_s - offset_s)
     }
 
     /// Mean delay of the frames beyond the smallest one, s.
@@ -64,6 +64,6 @@ mod tests {
         }
         assert!((offset_s + 1e6 - 0.003).abs() < 1e-9, "{offset_s}");
         assert!((map.jitter_s() - 0.024).abs() < 0.01);
-        assert!(map.stretches.len() <= STRETCHES);
+        assert!(map.intervals.len() <= INTERVALS);
     }
 }

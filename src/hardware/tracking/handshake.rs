@@ -11,10 +11,10 @@ use super::sockets::TrackerSockets;
 use crate::hardware::clock::Clock;
 
 /// Time after which a request is repeated, s: datagrams get lost.
-const ASK_AGAIN_S: f64 = 0.25;
+const REPEAT_S: f64 = 0.25;
 
 /// Interval at which the sockets are read, s.
-const LOOK_S: f64 = 0.002;
+const READ_INTERVAL_S: f64 = 0.002;
 
 /// Most datagrams read between two looks at the clock.
 const MAX_AT_ONCE: usize = 256;
@@ -34,10 +34,8 @@ pub(super) fn connect(
     clock: &dyn Clock,
 ) -> Result<ServerInfo, TrackingFault> {
     let read = |datagram: &[u8]| ServerInfo::parse_with_policy(datagram, ParsePolicy::Compatible).ok();
-    ask(sockets, settings, clock, connect_request(settings), read)?.map_err(|unreadable| TrackingFault::NoServer {
-        server: sockets.server(),
-        waited_s: settings.connect_s,
-        unreadable,
+    request_until_answered(sockets, settings, clock, connect_request(settings), read)?.map_err(|unreadable| {
+        TrackingFault::NoServer { server: sockets.server(), waited_s: settings.connect_s, unreadable }
     })
 }
 
@@ -49,15 +47,13 @@ pub(super) fn model(
     clock: &dyn Clock,
 ) -> Result<ModelDef, TrackingFault> {
     let read = |datagram: &[u8]| ModelDef::parse_with_policy(datagram, version, ParsePolicy::Compatible).ok();
-    ask(sockets, settings, clock, command::request_modeldef(), read)?.map_err(|unreadable| TrackingFault::NoModel {
-        server: sockets.server(),
-        waited_s: settings.connect_s,
-        unreadable,
+    request_until_answered(sockets, settings, clock, command::request_modeldef(), read)?.map_err(|unreadable| {
+        TrackingFault::NoModel { server: sockets.server(), waited_s: settings.connect_s, unreadable }
     })
 }
 
 /// Repeats a request until a valid answer arrives or the time is over; then returns the number of unreadable datagrams.
-fn ask<T>(
+fn request_until_answered<T>(
     sockets: &mut TrackerSockets,
     settings: &TrackingSettings,
     clock: &dyn Clock,
@@ -67,13 +63,13 @@ fn ask<T>(
     let fault = |source| TrackingFault::Socket { doing: format!("communicate with {}", settings.server), source };
     let request = request.map_err(|error| fault(std::io::Error::other(error)))?;
     let start_s = clock.now_s();
-    let (mut ask_s, mut unreadable) = (start_s, 0);
+    let (mut request_s, mut unreadable) = (start_s, 0);
     while clock.now_s() - start_s <= settings.connect_s {
-        if clock.now_s() >= ask_s {
+        if clock.now_s() >= request_s {
             sockets.send(request.as_bytes()).map_err(fault)?;
-            ask_s += ASK_AGAIN_S;
+            request_s += REPEAT_S;
         }
-        clock.sleep_until(clock.now_s() + LOOK_S);
+        clock.sleep_until(clock.now_s() + READ_INTERVAL_S);
         let server = SocketAddr::V4(sockets.server());
         for _ in 0..MAX_AT_ONCE {
             let Some((datagram, from)) = sockets.receive().map_err(fault)? else { break };

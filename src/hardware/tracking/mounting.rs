@@ -28,16 +28,16 @@ impl Mounting {
 
     /// The tip in the robot's base frame, from the poses of the two bodies in Motive. Motive's origin cancels out.
     pub fn tip(&self, base_body: &RigidPose, tip_body: &RigidPose) -> RigidPose {
-        let seen = base_body.motion().inv_mul(&tip_body.motion());
-        let turned = self.axes * seen * self.axes.inverse();
+        let tip_in_base = base_body.motion().inv_mul(&tip_body.motion());
+        let turned = self.axes * tip_in_base * self.axes.inverse();
         RigidPose::of(&(self.base.inv_mul(&turned) * self.tip))
     }
 
     /// The tip body in Motive when the tip is at `tip` in the robot's base frame: the inverse of [`Mounting::tip`].
     pub fn tip_body(&self, base_body: &RigidPose, tip: &RigidPose) -> RigidPose {
         let turned = self.base * tip.motion() * self.tip.inverse();
-        let seen = self.axes.inverse() * turned * self.axes;
-        RigidPose::of(&(base_body.motion() * seen))
+        let tip_in_base = self.axes.inverse() * turned * self.axes;
+        RigidPose::of(&(base_body.motion() * tip_in_base))
     }
 }
 

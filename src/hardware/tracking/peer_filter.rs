@@ -26,9 +26,10 @@ impl PeerFilter {
     pub(crate) fn accepts_frames(&self, from: SocketAddr) -> bool {
         let SocketAddr::V4(from) = from else { return false };
         let port = from.port();
-        let same = self.frames_port.is_none_or(|known| known == port);
-        let better = self.is_named_port(port) && !self.frames_port.is_some_and(|known| self.is_named_port(known));
-        from.ip() == self.command.ip() && (same || better)
+        let is_learnt = self.frames_port.is_none_or(|learnt_port| learnt_port == port);
+        let is_announced =
+            self.is_named_port(port) && !self.frames_port.is_some_and(|learnt_port| self.is_named_port(learnt_port));
+        from.ip() == self.command.ip() && (is_learnt || is_announced)
     }
 
     /// Accepts frames from this port only, after a valid frame came from it.
@@ -39,7 +40,7 @@ impl PeerFilter {
     /// Takes the `data_port` of a new handshake. A port that was never announced is discarded.
     pub(crate) fn reconnect(&mut self, data_port: u16) {
         self.data_port = data_port;
-        self.frames_port = self.frames_port.filter(|known| self.is_named_port(*known));
+        self.frames_port = self.frames_port.filter(|learnt_port| self.is_named_port(*learnt_port));
     }
 
     /// True for anything from the server's address.

@@ -58,9 +58,9 @@ impl RigidPose {
     pub fn check(&self, key: &'static str) -> Result<(), BadOption> {
         let length = self.quaternion.iter().map(|value| value * value).sum::<f64>().sqrt();
         let finite = self.position_m.iter().all(|value| value.is_finite());
-        let good = finite && (length - 1.0).abs() <= UNIT_TOLERANCE;
+        let valid = finite && (length - 1.0).abs() <= UNIT_TOLERANCE;
         let found = format!("position_m {:?}, quaternion {:?}", self.position_m, self.quaternion);
-        BadOption::unless(good, key, found, "a finite position and a quaternion (w, x, y, z) of length 1")
+        BadOption::unless(valid, key, found, "a finite position and a quaternion (w, x, y, z) of length 1")
     }
 }
 

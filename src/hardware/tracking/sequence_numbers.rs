@@ -5,19 +5,19 @@
 //! seconds newer.
 
 /// Duration, s, and number of frames with lower numbers after which the server counts as restarted.
-const RESTART_S: f64 = 1.0;
-const RESTART_FRAMES: u32 = 5;
+const MIN_RESTART_S: f64 = 1.0;
+const MIN_RESTART_FRAMES: u32 = 5;
 
 /// Difference of clocks or counts, s, above which a frame is of another source: far more than delays and gaps are.
-const JUMP_S: f64 = 1.0;
+const MIN_JUMP_S: f64 = 1.0;
 /// Ratio of the true frame rate to the configured one that is not taken for a jump.
-const RATE_RATIO: f64 = 5.0;
+const MAX_RATE_RATIO: f64 = 5.0;
 /// Frames from long before that alternate with new ones, after which they count as another source's.
-const ALTERNATING: u32 = 2;
+const MAX_ALTERNATING: u32 = 2;
 /// The same of frames that are at least this old, s, but not from long before: these must be in order among themselves,
 /// which delayed frames of one server are not.
-const BEHIND_S: f64 = 0.1;
-const ALTERNATING_IN_ORDER: u32 = 10;
+const MIN_BEHIND_S: f64 = 0.1;
+const MAX_ALTERNATING_IN_ORDER: u32 = 10;
 
 /// Number and time stamp of a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -124,21 +124,21 @@ impl FrameSequence {
         let passed_s = stamp.stamp_s - last.stamp_s;
         let ahead = f64::from(stamp.ahead(last));
         let counted_s = if self.rate_hz > 0.0 { ahead / self.rate_hz } else { passed_s };
-        let miscounted = ahead > 0.0 && passed_s > 0.0 && counted_s > JUMP_S + RATE_RATIO * passed_s;
-        stamp.stamp_s - present_s > JUMP_S || miscounted
+        let miscounted = ahead > 0.0 && passed_s > 0.0 && counted_s > MIN_JUMP_S + MAX_RATE_RATIO * passed_s;
+        stamp.stamp_s - present_s > MIN_JUMP_S || miscounted
     }
 
     /// An old frame, although newer ones have come since the last such frame.
     fn alternates(&mut self, stamp: &FrameStamp, last: &FrameStamp, now_s: f64) -> bool {
         let age_s = last.stamp_s - stamp.stamp_s;
-        if age_s <= BEHIND_S || self.refused.is_some() {
+        if age_s <= MIN_BEHIND_S || self.refused.is_some() {
             return false;
         }
-        let long_before = age_s > JUMP_S;
-        let before = self.behind.replace((*stamp, now_s)).filter(|(_, then_s)| now_s - then_s <= JUMP_S);
-        let goes_on = before.is_some_and(|(before, _)| long_before || stamp.follows(&before));
-        self.alternating = if goes_on { self.alternating + 1 } else { 1 };
-        self.alternating > if long_before { ALTERNATING } else { ALTERNATING_IN_ORDER }
+        let long_before = age_s > MIN_JUMP_S;
+        let before = self.behind.replace((*stamp, now_s)).filter(|(_, then_s)| now_s - then_s <= MIN_JUMP_S);
+        let continues = before.is_some_and(|(before, _)| long_before || stamp.follows(&before));
+        self.alternating = if continues { self.alternating + 1 } else { 1 };
+        self.alternating > if long_before { MAX_ALTERNATING } else { MAX_ALTERNATING_IN_ORDER }
     }
 
     /// Single stragglers are old; a consecutive run of frames that are all older than the last one is a restart.
@@ -150,10 +150,10 @@ impl FrameSequence {
         if stamp.follows(&run.last) {
             run.last = stamp;
             run.frames += 1;
-        } else if now_s - run.since_s > RESTART_S {
+        } else if now_s - run.since_s > MIN_RESTART_S {
             *run = RefusedRun { since_s: now_s, frames: 1, last: stamp };
         }
-        self.restart_expected || (run.frames >= RESTART_FRAMES && now_s - run.since_s >= RESTART_S)
+        self.restart_expected || (run.frames >= MIN_RESTART_FRAMES && now_s - run.since_s >= MIN_RESTART_S)
     }
 }
 

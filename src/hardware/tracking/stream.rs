@@ -25,13 +25,13 @@ const RATE_FRAMES: usize = 128;
 const MODEL_CHANGED: u16 = 0x02;
 
 /// Largest valid time stamp, s: three centuries, since the server's start or since 1970.
-const LATEST_STAMP_S: f64 = 1e10;
+const MAX_STAMP_S: f64 = 1e10;
 
 /// Time without a sample, s, after which unusable frames are reported as its reason.
 const UNSEEN_S: f64 = 0.04;
 
 /// Largest plausible camera latency, s.
-const LONGEST_CAMERA_LATENCY_S: f64 = 10.0;
+const MAX_CAMERA_LATENCY_S: f64 = 10.0;
 
 /// Kind of a processed datagram.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,7 +57,7 @@ pub struct FrameStream {
     sequence: FrameSequence,
     clock_sync: ClockSync,
     samples: TipBuffer,
-    recent: VecDeque<FrameStamp>,
+    recent_stamps: VecDeque<FrameStamp>,
     losses: RecentLosses,
     /// The tip's body when it was last tracked, and the stamp since when it has not changed.
     unchanged: Option<(RigidPose, f64)>,
@@ -86,7 +86,7 @@ impl FrameStream {
             sequence: FrameSequence::new(settings.rate_hz),
             clock_sync: ClockSync::default(),
             samples: TipBuffer::new(1.0 / settings.rate_hz),
-            recent: VecDeque::with_capacity(RATE_FRAMES),
+            recent_stamps: VecDeque::with_capacity(RATE_FRAMES),
             losses: RecentLosses::default(),
             unchanged: None,
             wants_model: false,
@@ -122,7 +122,7 @@ impl FrameStream {
 
     fn take_frame(&mut self, frame: &FrameOfData, from: SocketAddr, now_s: f64) -> Received {
         let stamp = FrameStamp { number: frame.frame_number, stamp_s: frame.timing.timestamp };
-        if !stamp.stamp_s.is_finite() || stamp.stamp_s.abs() > LATEST_STAMP_S {
+        if !stamp.stamp_s.is_finite() || stamp.stamp_s.abs() > MAX_STAMP_S {
             self.status.malformed += 1;
             self.status.unseen = Some("invalid time stamps");
             return Received::Nothing;
@@ -131,10 +131,10 @@ impl FrameStream {
         self.status.received += 1;
         let present_s = self.clock_sync.present_stamp_s(now_s);
         let order = self.sequence.classify(stamp, now_s, present_s);
-        let (old, why) = match order {
+        let (rejected_count, why) = match order {
             // Not of our server: silence of ours must be noticed.
             FrameOrder::Foreign => {
-                self.status.count_second_source(from, stamp, self.recent.back(), now_s);
+                self.status.count_second_source(from, stamp, self.recent_stamps.back(), now_s);
                 return Received::Nothing;
             }
             FrameOrder::New { lost } => {
@@ -153,7 +153,7 @@ impl FrameStream {
             FrameOrder::Old => (&mut self.status.out_of_order, "frames with lower numbers than the previous one"),
             FrameOrder::StuckClock => (&mut self.status.stuck_clock, "frames whose time stamps do not increase"),
         };
-        *old += 1;
+        *rejected_count += 1;
         if order == FrameOrder::Old {
             self.losses.arrived_late();
         }
@@ -169,7 +169,7 @@ impl FrameStream {
         self.status.restarts += 1;
         self.clock_sync = ClockSync::default();
         self.samples.clear();
-        self.recent.clear();
+        self.recent_stamps.clear();
         self.losses = RecentLosses::default();
         self.unchanged = None;
         self.wants_model = true;
@@ -198,16 +198,16 @@ impl FrameStream {
     }
 
     fn measure(&mut self, frame: &FrameOfData, stamp: FrameStamp) {
-        if self.recent.len() == RATE_FRAMES {
-            self.recent.pop_front();
+        if self.recent_stamps.len() == RATE_FRAMES {
+            self.recent_stamps.pop_front();
         }
-        self.recent.push_back(stamp);
-        let first = self.recent.front().unwrap_or(&stamp);
+        self.recent_stamps.push_back(stamp);
+        let first = self.recent_stamps.front().unwrap_or(&stamp);
         let (frames, time_s) = (stamp.number.wrapping_sub(first.number), stamp.stamp_s - first.stamp_s);
         self.status.rate_hz = (time_s > 0.0).then(|| f64::from(frames) / time_s);
         let (exposed, sent) = (frame.timing.camera_mid_exposure, frame.timing.transmit);
         let latency_s = sent.saturating_sub(exposed) as f64 / self.clock_hz.max(1) as f64;
-        let reported = exposed > 0 && sent >= exposed && latency_s < LONGEST_CAMERA_LATENCY_S;
+        let reported = exposed > 0 && sent >= exposed && latency_s < MAX_CAMERA_LATENCY_S;
         self.status.camera_latency_s = reported.then_some(latency_s);
     }
 
@@ -234,9 +234,9 @@ impl FrameStream {
     pub(super) fn set_model(&mut self, model: &ModelDef) {
         self.wants_model = false;
         self.status.models += 1;
-        let found = TrackedBodies::find(&self.settings, Some(model));
-        self.status.fault = found.as_ref().err().map(ToString::to_string);
-        self.bodies = found.ok();
+        let bodies = TrackedBodies::find(&self.settings, Some(model));
+        self.status.fault = bodies.as_ref().err().map(ToString::to_string);
+        self.bodies = bodies.ok();
     }
 
     /// True if the list of bodies has to be requested.

@@ -8,10 +8,10 @@ use super::pose::{RigidPose, TipPose};
 const MAX_POSES: usize = 512;
 
 /// Largest gap that is interpolated, in frame periods: one lost frame, with some tolerance.
-const WIDEST_GAP: f64 = 2.5;
+const MAX_INTERPOLATED_PERIODS: f64 = 2.5;
 
 /// Tolerance of times relative to the frame period.
-const PLAY: f64 = 1e-6;
+const PERIOD_TOLERANCE: f64 = 1e-6;
 
 /// Valid samples in the order of their stamps.
 #[derive(Clone, Debug)]
@@ -59,11 +59,13 @@ impl TipBuffer {
         let after = self.samples.partition_point(|sample| sample.time_s <= time_s);
         let before = *self.samples.get(after.checked_sub(1)?)?;
         let next = self.samples.get(after);
-        if let Some(next) = next.filter(|next| next.time_s - before.time_s <= (WIDEST_GAP + PLAY) * self.period_s) {
+        if let Some(next) = next
+            .filter(|next| next.time_s - before.time_s <= (MAX_INTERPOLATED_PERIODS + PERIOD_TOLERANCE) * self.period_s)
+        {
             let fraction = (time_s - before.time_s) / (next.time_s - before.time_s);
             let pose = before.pose().towards(&next.pose(), fraction);
             return Some(TipPose::new(time_s - self.offset_s, time_s, pose));
         }
-        (time_s - before.time_s <= (1.0 + PLAY) * self.period_s).then_some(before)
+        (time_s - before.time_s <= (1.0 + PERIOD_TOLERANCE) * self.period_s).then_some(before)
     }
 }

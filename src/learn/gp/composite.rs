@@ -22,6 +22,16 @@ struct Leaf {
     count: usize,
 }
 
+/// The training points of one row of a Gram matrix.
+#[derive(Clone, Copy)]
+pub(super) struct PointRun<'a> {
+    pub(super) points: &'a TrainingPoints,
+    /// Number of the first one.
+    pub(super) from: usize,
+    /// Place in the run of the point whose row it is; `None` for a new point.
+    pub(super) self_index: Option<usize>,
+}
+
 /// Values and derivatives of the factors for one row of the Gram matrix.
 pub(super) struct RowRates {
     values: Vec<Vec<f64>>,
@@ -40,7 +50,7 @@ impl Composite {
                 expected: "registered kernels",
             };
             let mut registered = STATIONARY.iter().chain(FACTORS).copied();
-            let component = registered.find(|one| one.name() == factor.kernel).ok_or_else(unknown)?;
+            let component = registered.find(|component| component.name() == factor.kernel).ok_or_else(unknown)?;
             let inputs = factor.inputs.of(inputs)?;
             let count = component.hyperparameters(inputs.len()).len();
             leaves.push(Leaf { component, inputs, from, count });
@@ -61,11 +71,11 @@ impl Composite {
             Hyperparameter::signal_variance(format!("signal variance of {}", names.join(" * ")))
         };
         let of_leaves = self.leaves.iter().flat_map(|leaf| {
-            let of = move |one: Hyperparameter| Hyperparameter {
-                name: format!("{} of {}", one.name, leaf.component.name()),
-                ..one
+            let of_leaf = move |parameter: Hyperparameter| Hyperparameter {
+                name: format!("{} of {}", parameter.name, leaf.component.name()),
+                ..parameter
             };
-            leaf.component.hyperparameters(leaf.inputs.len()).into_iter().map(of)
+            leaf.component.hyperparameters(leaf.inputs.len()).into_iter().map(of_leaf)
         });
         self.products.iter().map(signal).chain(of_leaves).collect()
     }
@@ -74,16 +84,10 @@ impl Composite {
         &natural[leaf.from..leaf.from + leaf.count]
     }
 
-    /// Writes the covariances of the point `at` with the training points from number `from` on; `own` is the place among
-    /// them of the point itself. `natural` are the hyper-parameters, not their logarithms.
-    pub(super) fn row(
-        &self,
-        natural: &[f64],
-        points: &TrainingPoints,
-        (from, self_index): (usize, Option<usize>),
-        at: &[f64],
-        out: &mut [f64],
-    ) {
+    /// Writes the covariances of the point `at` with a run of training points. `natural` are the hyper-parameters, not their
+    /// logarithms.
+    pub(super) fn row(&self, natural: &[f64], run: PointRun, at: &[f64], out: &mut [f64]) {
+        let PointRun { points, from, self_index } = run;
         let values: Vec<Vec<f64>> = self
             .leaves
             .iter()
@@ -108,8 +112,8 @@ impl Composite {
     /// Covariance of a new point with itself.
     pub(super) fn variance(&self, natural: &[f64], at: &[f64]) -> f64 {
         let of_leaf = |leaf: &Leaf| {
-            let seen: Vec<f64> = leaf.inputs.iter().map(|&d| at[d]).collect();
-            leaf.component.variance(self.parameters(leaf, natural), &seen)
+            let inputs: Vec<f64> = leaf.inputs.iter().map(|&d| at[d]).collect();
+            leaf.component.variance(self.parameters(leaf, natural), &inputs)
         };
         let values: Vec<f64> = self.leaves.iter().map(of_leaf).collect();
         let product = |(factors, signal): (&Vec<usize>, &f64)| {
@@ -119,13 +123,8 @@ impl Composite {
     }
 
     /// Values and derivatives of the factors, for [`Composite::rate`].
-    pub(super) fn row_rates(
-        &self,
-        natural: &[f64],
-        points: &TrainingPoints,
-        (from, self_index): (usize, Option<usize>),
-        at: &[f64],
-    ) -> RowRates {
+    pub(super) fn row_rates(&self, natural: &[f64], run: PointRun, at: &[f64]) -> RowRates {
+        let PointRun { points, from, self_index } = run;
         let count = points.n - from;
         let mut all = RowRates { values: Vec::new(), rates: Vec::new() };
         for leaf in &self.leaves {
@@ -154,11 +153,12 @@ impl Composite {
             }
             product.fill(natural[t]);
             for &leaf in factors {
-                let of = match varied {
+                // Product rule: the factor that depends on k is replaced by its derivative.
+                let values = match varied {
                     Some(&varied) if varied == leaf => &row.rates[leaf][k - self.leaves[leaf].from],
                     _ => &row.values[leaf],
                 };
-                product.iter_mut().zip(of).for_each(|(product, value)| *product *= value);
+                product.iter_mut().zip(values).for_each(|(product, value)| *product *= value);
             }
             out.iter_mut().zip(&product).for_each(|(out, product)| *out += product);
         }
@@ -172,7 +172,7 @@ impl KernelExpression {
     /// # Errors
     /// [`LearnError::Setting`] for inputs that the samples do not have.
     pub fn hyperparameter_names(&self, inputs: usize) -> Result<Vec<String>, LearnError> {
-        Ok(Composite::new(self, inputs)?.hyperparameters().into_iter().map(|one| one.name).collect())
+        Ok(Composite::new(self, inputs)?.hyperparameters().into_iter().map(|parameter| parameter.name).collect())
     }
 
     /// The Gram matrix of `samples` (N × N, without the noise of the process) under `parameters`, in the order of
@@ -187,7 +187,8 @@ impl KernelExpression {
         let mut out = Rows::new(points.n);
         let mut row = vec![0.0; points.n];
         for j in 0..points.n {
-            composite.row(parameters, &points, (0, Some(j)), samples.row(j), &mut row);
+            let run = PointRun { points: &points, from: 0, self_index: Some(j) };
+            composite.row(parameters, run, samples.row(j), &mut row);
             out.push(&row);
         }
         Ok(out)

@@ -1,6 +1,6 @@
 //! Gram matrix, gradient and derivative images of the likelihood for a kernel expression.
 
-use super::composite::Composite;
+use super::composite::{Composite, PointRun};
 use super::likelihood::Likelihood;
 use crate::learn::simd::dot;
 
@@ -16,7 +16,8 @@ impl Likelihood<'_> {
         for j in 0..self.points.n {
             let at = self.points.point(j);
             let column = self.factor.column_mut(j);
-            composite.row(&natural, self.points, (j, Some(0)), &at, column);
+            let run = PointRun { points: self.points, from: j, self_index: Some(0) };
+            composite.row(&natural, run, &at, column);
             column[0] += noise;
         }
     }
@@ -34,7 +35,11 @@ impl Likelihood<'_> {
             let mut w: Vec<f64> = self.alpha[j..].iter().zip(inverse).map(|(a, k)| a * self.alpha[j] - k).collect();
             trace += w[0];
             w[0] *= 0.5;
-            let row = composite.row_rates(&natural, self.points, (j, Some(0)), &self.points.point(j));
+            let row = composite.row_rates(
+                &natural,
+                PointRun { points: self.points, from: j, self_index: Some(0) },
+                &self.points.point(j),
+            );
             for (k, out) in out.iter_mut().enumerate().take(composite.len()) {
                 composite.rate(&natural, &row, k, &mut rates[..n - j]);
                 *out -= dot(&w, &rates[..n - j]);
@@ -50,7 +55,11 @@ impl Likelihood<'_> {
         let mut images = vec![0.0; n * count * (composite.len() + 1)];
         let mut rates = vec![0.0; n];
         for j in 0..n {
-            let row = composite.row_rates(&natural, self.points, (0, Some(j)), &self.points.point(j));
+            let row = composite.row_rates(
+                &natural,
+                PointRun { points: self.points, from: 0, self_index: Some(j) },
+                &self.points.point(j),
+            );
             for k in 0..composite.len() {
                 composite.rate(&natural, &row, k, &mut rates);
                 for (p, w) in probes.chunks_exact(n).enumerate() {

@@ -28,7 +28,7 @@ impl schemars::JsonSchema for KernelExpression {
 
     fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
         let names: Vec<&str> = kernels::names().collect();
-        let what = format!(
+        let description = format!(
             "A kernel or an expression of kernels with +, * and parentheses, such as `se_ard + linear[tendons]`: {}; \
              `_ard` may be left out.",
             names.join(", ")
@@ -37,7 +37,7 @@ impl schemars::JsonSchema for KernelExpression {
         let all: Vec<&str> = names.iter().copied().chain(short).collect();
         let factor = format!("[\\s(]*(?:{})(?:\\s*\\[[^\\]]*\\])?[\\s)]*", all.join("|"));
         let pattern = format!("^{factor}(?:[+*]{factor})*$");
-        schemars::json_schema!({ "description": what, "type": "string", "pattern": pattern })
+        schemars::json_schema!({ "description": description, "type": "string", "pattern": pattern })
     }
 }
 

@@ -57,7 +57,8 @@ pub(super) struct SearchObjective<L> {
 
 impl<L: LogLikelihood> SearchObjective<L> {
     pub(super) fn new(likelihood: L) -> Self {
-        let lengths = likelihood.covariance().hyperparameters(1.0).iter().map(|one| one.is_length).collect();
+        let lengths =
+            likelihood.covariance().hyperparameters(1.0).iter().map(|parameter| parameter.is_length).collect();
         SearchObjective { lengths, likelihood, stretch: Vec::new() }
     }
 }
@@ -65,6 +66,7 @@ impl<L: LogLikelihood> SearchObjective<L> {
 impl<L: LogLikelihood> Objective for SearchObjective<L> {
     fn value(&mut self, u: &[f64]) -> f64 {
         let theta = from_search_coordinates(&self.lengths, u);
+        // With λ = l⁻² the definition of u gives d ln l/du = 1 + ε/λ.
         let stretch = |(ln, is_length): (&f64, &bool)| if *is_length { 1.0 + BEND * (2.0 * ln).exp() } else { 1.0 };
         self.stretch = theta.iter().zip(&self.lengths).map(stretch).collect();
         self.likelihood.value(&theta)

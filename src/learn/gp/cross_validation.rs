@@ -15,8 +15,7 @@ impl Gp {
             let sum: f64 = if self.config.approximation.is_exact() {
                 folds.iter().flat_map(|fold| posterior.held_out_errors(fold)).map(f64::abs).sum()
             } else {
-                let of = (self.theta[c].as_slice(), posterior);
-                let likelihood = SparseLikelihood::of((&self.config, &self.covariance), &points, &columns[c], of);
+                let likelihood = SparseLikelihood::of(self, c, &points, &columns[c]);
                 folds.iter().flat_map(|fold| likelihood.held_out_errors(fold)).map(f64::abs).sum()
             };
             sum / n as f64 * self.output_standardiser.scale(c)

@@ -17,6 +17,7 @@ use crate::math::vectorised;
 
 /// Vectors in the average.
 const PROBES: usize = 8;
+
 impl Likelihood<'_> {
     /// Estimated Fisher information at the latest value, row-major.
     pub(super) fn information(&mut self) -> Vec<f64> {

@@ -239,8 +239,8 @@ impl Parser<'_> {
             let place = self.peek_at();
             let first = self.number()?;
             let last = if self.takes('-') { self.number()? } else { first };
-            let again = ranges.iter().any(|&(from, to)| first <= to && from <= last);
-            if last < first || again {
+            let overlaps = ranges.iter().any(|&(from, to)| first <= to && from <= last);
+            if last < first || overlaps {
                 self.at = place;
                 return Err(self.error("expected each input once, in ranges that rise"));
             }
@@ -264,16 +264,16 @@ impl Parser<'_> {
     /// Letters, digits and `_`.
     fn word(&mut self) -> String {
         let start = self.peek_at();
-        let rest = &self.text[start..];
-        let length = rest.find(|c: char| !(c.is_ascii_alphanumeric() || c == '_')).unwrap_or(rest.len());
+        let remaining = &self.text[start..];
+        let length = remaining.find(|c: char| !(c.is_ascii_alphanumeric() || c == '_')).unwrap_or(remaining.len());
         self.at = start + length;
-        rest[..length].to_owned()
+        remaining[..length].to_owned()
     }
 
     /// Offset of the next character that is not blank.
     fn peek_at(&mut self) -> usize {
-        let rest = &self.text[self.at..];
-        self.at += rest.len() - rest.trim_start().len();
+        let remaining = &self.text[self.at..];
+        self.at += remaining.len() - remaining.trim_start().len();
         self.at
     }
 
@@ -282,9 +282,9 @@ impl Parser<'_> {
         self.text[at..].chars().next()
     }
 
-    fn takes(&mut self, wanted: char) -> bool {
-        let matches = self.peek() == Some(wanted);
-        self.at += if matches { wanted.len_utf8() } else { 0 };
+    fn takes(&mut self, expected: char) -> bool {
+        let matches = self.peek() == Some(expected);
+        self.at += if matches { expected.len_utf8() } else { 0 };
         matches
     }
 

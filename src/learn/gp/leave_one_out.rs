@@ -23,19 +23,18 @@ impl Gp {
     pub fn leave_one_out(&self) -> LeaveOneOut {
         let n = self.points();
         let (points, columns) = Self::prepare(&self.inputs, &self.outputs);
-        let each: Vec<Vec<(f64, f64)>> = (self.posteriors.iter().enumerate())
+        let errors: Vec<Vec<(f64, f64)>> = (self.posteriors.iter().enumerate())
             .map(|(c, posterior)| {
                 if self.config.approximation.is_exact() {
                     return posterior.leave_one_out_errors();
                 }
-                let of = (self.theta[c].as_slice(), posterior);
-                SparseLikelihood::of((&self.config, &self.covariance), &points, &columns[c], of).leave_one_out_errors()
+                SparseLikelihood::of(self, c, &points, &columns[c]).leave_one_out_errors()
             })
             .collect();
         let [mut mean, mut variance, mut log_probability] = [(); 3].map(|()| Rows::new(self.outputs()));
         for i in 0..n {
             let predicted = |c: usize| {
-                let ((error, variance), scale) = (each[c][i], self.output_standardiser.scale(c));
+                let ((error, variance), scale) = (errors[c][i], self.output_standardiser.scale(c));
                 (self.outputs.row(i)[c] - error * scale, variance * scale * scale)
             };
             let (means, variances): (Vec<f64>, Vec<f64>) = (0..self.outputs()).map(predicted).unzip();
@@ -55,12 +54,12 @@ impl Posterior {
     /// Error and variance of every sample of an exact process when it is held out, standardised: `α_i / (K⁻¹)_ii` and
     /// `1 / (K⁻¹)_ii`.
     fn leave_one_out_errors(&self) -> Vec<(f64, f64)> {
-        let of = |(i, alpha): (usize, &f64)| {
+        let error_and_variance = |(i, alpha): (usize, &f64)| {
             let column = self.inverse_factor.column(i);
-            let precision = dot(column, column) - self.of_mean(i, i);
+            let precision = dot(column, column) - self.mean_correction(i, i);
             (alpha / precision, 1.0 / precision)
         };
-        self.alpha.iter().enumerate().map(of).collect()
+        self.alpha.iter().enumerate().map(error_and_variance).collect()
     }
 }
 

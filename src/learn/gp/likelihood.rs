@@ -32,7 +32,7 @@ pub(super) struct Likelihood<'a> {
 }
 
 impl<'a> Likelihood<'a> {
-    pub(super) fn new(covariance: Covariance, points: &'a TrainingPoints, y: &'a [f64]) -> Self {
+    pub(super) fn new(covariance: Covariance, mean: MeanFunction, points: &'a TrainingPoints, y: &'a [f64]) -> Self {
         let n = points.n;
         Likelihood {
             covariance,
@@ -44,14 +44,8 @@ impl<'a> Likelihood<'a> {
             factor: Lower::zeros(n),
             inverse: Lower::zeros(n),
             memory: FactorBuffers::new(n),
-            mean: MeanRegression::default(),
+            mean: MeanRegression::new(mean, points),
         }
-    }
-
-    /// With a mean function.
-    pub(super) fn with_mean(mut self, mean: MeanFunction) -> Self {
-        self.mean = MeanRegression::new(mean, self.points);
-        self
     }
 
     /// What the mean function adds to predictions at the latest value.
@@ -95,13 +89,13 @@ impl Objective for Likelihood<'_> {
         }
         self.alpha.copy_from_slice(self.y);
         self.factor.solve(&mut self.alpha, &mut self.memory);
-        let fit = 0.5 * dot(self.y, &self.alpha);
-        let size = 0.5 * self.points.n as f64 * (2.0 * std::f64::consts::PI).ln();
+        let data_fit = 0.5 * dot(self.y, &self.alpha);
+        let normalisation = 0.5 * self.points.n as f64 * (2.0 * std::f64::consts::PI).ln();
         if self.mean.is_zero() {
-            return fit + self.factor.half_log_determinant() + size;
+            return data_fit + self.factor.half_log_determinant() + normalisation;
         }
-        let Some(of_mean) = self.mean.regress(&self.factor, self.y, &mut self.alpha) else { return f64::INFINITY };
-        0.5 * dot(self.y, &self.alpha) + self.factor.half_log_determinant() + size + of_mean
+        let Some(mean_term) = self.mean.regress(&self.factor, self.y, &mut self.alpha) else { return f64::INFINITY };
+        0.5 * dot(self.y, &self.alpha) + self.factor.half_log_determinant() + normalisation + mean_term
     }
 
     fn gradient(&mut self, out: &mut [f64]) {
@@ -122,6 +116,7 @@ impl Likelihood<'_> {
         let shape = layout.shape(&self.theta);
         let signal = layout.signal_variance(&self.theta);
         out.fill(0.0);
+        // A pair below the diagonal stands for both sides: no factor ½ but on the diagonal.
         let mut trace = 0.0;
         let mut rows = [(); 3].map(|()| vec![0.0; n]);
         for j in 0..n {
@@ -205,13 +200,17 @@ mod tests {
         for expression in expressions() {
             let covariance = Covariance::new(&expression, 3).unwrap();
             let theta = somewhere(&covariance);
-            check_gradient(&mut Likelihood::new(covariance.clone(), &points, &y), &theta, expression.name());
+            check_gradient(
+                &mut Likelihood::new(covariance.clone(), MeanFunction::Zero, &points, &y),
+                &theta,
+                expression.name(),
+            );
             let lengths: Vec<bool> = covariance.hyperparameters(1.0).iter().map(|one| one.is_length).collect();
             let mut far = theta.clone();
             if let Some(length) = lengths.iter().position(|is_length| *is_length) {
                 far[length] = 3.5;
             }
-            let mut bent = SearchObjective::new(Likelihood::new(covariance, &points, &y));
+            let mut bent = SearchObjective::new(Likelihood::new(covariance, MeanFunction::Zero, &points, &y));
             check_gradient(&mut bent, &to_search_coordinates(&lengths, &far), expression.name());
         }
     }
@@ -225,7 +224,7 @@ mod tests {
             let slow = Covariance::Composite(Arc::new(Composite::new(&KernelExpression::of(*kernel), 3).unwrap()));
             let theta = somewhere(&quick);
             let [(a, of_a), (b, of_b)] = [quick, slow].map(|covariance| {
-                let mut likelihood = Likelihood::new(covariance, &points, &y);
+                let mut likelihood = Likelihood::new(covariance, MeanFunction::Zero, &points, &y);
                 let value = likelihood.value(&theta);
                 let mut gradient = vec![0.0; theta.len()];
                 likelihood.gradient(&mut gradient);
@@ -243,7 +242,7 @@ mod tests {
         for expression in expressions() {
             let covariance = Covariance::new(&expression, 3).unwrap();
             let (theta, count) = (somewhere(&covariance), covariance.len());
-            let mut likelihood = Likelihood::new(covariance.clone(), &points, &y);
+            let mut likelihood = Likelihood::new(covariance.clone(), MeanFunction::Zero, &points, &y);
             likelihood.value(&theta);
             let estimated = likelihood.information();
             // The noise entry is ½ σ_n⁴ tr(K⁻²), which the inverse gives exactly.

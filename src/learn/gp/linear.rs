@@ -6,8 +6,8 @@ use faer::linalg::triangular_inverse::invert_lower_triangular;
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::{MatMut, MatRef, Par};
 
-/// A square matrix of which only the lower triangle is used, column-major. The columns start a few numbers apart
-/// from a power of two, which caches cannot take.
+/// A square matrix of which only the lower triangle is used, column-major. Columns are padded: at distances
+/// of a power of two they would compete for the same sets of a cache.
 #[derive(Clone, Debug)]
 pub(super) struct Lower {
     n: usize,
@@ -50,8 +50,9 @@ impl Lower {
     /// Replaces a symmetric matrix by its Cholesky factor L; false when it is not positive definite.
     pub(super) fn factor(&mut self, memory: &mut FactorBuffers) -> bool {
         let stack = MemStack::new(&mut memory.0);
-        let done = factor::cholesky_in_place(self.view_mut(), Default::default(), Par::Seq, stack, Default::default());
-        done.is_ok() && (0..self.n).all(|j| self.column(j)[0] > 0.0)
+        let result =
+            factor::cholesky_in_place(self.view_mut(), Default::default(), Par::Seq, stack, Default::default());
+        result.is_ok() && (0..self.n).all(|j| self.column(j)[0] > 0.0)
     }
 
     /// Of a Cholesky factor: `x ← (L Lᵀ)⁻¹ x`.
@@ -62,25 +63,29 @@ impl Lower {
 
     /// Of a Cholesky factor: `L⁻¹` applied to every column of n numbers in `columns`.
     pub(super) fn solve_half(&self, columns: &mut [f64]) {
-        let count = columns.len() / self.n;
+        let count = columns.len() / self.n.max(1);
         let right = MatMut::from_column_major_slice_mut(columns, self.n, count);
         solve_lower_triangular_in_place(self.view(), right, Par::Seq);
     }
 
     /// Of a Cholesky factor: `L⁻ᵀ` applied to every column of n numbers in `columns`.
     pub(super) fn solve_transposed_half(&self, columns: &mut [f64]) {
-        let count = columns.len() / self.n;
+        let count = columns.len() / self.n.max(1);
         let right = MatMut::from_column_major_slice_mut(columns, self.n, count);
         solve_upper_triangular_in_place(self.view().transpose(), right, Par::Seq);
     }
 
-    /// Of a Cholesky factor: `L⁻¹` applied to a matrix of n rows.
-    pub(super) fn solve_half_of(&self, right: MatMut<'_, f64>) {
+    /// Of a Cholesky factor: `L⁻¹` applied to every row of n numbers of the column-major `rows`.
+    pub(super) fn solve_half_rows(&self, rows: &mut [f64]) {
+        let count = rows.len() / self.n.max(1);
+        let right = MatMut::from_column_major_slice_mut(rows, count, self.n).transpose_mut();
         solve_lower_triangular_in_place(self.view(), right, Par::Seq);
     }
 
-    /// Of a Cholesky factor: `L⁻ᵀ` applied to a matrix of n rows.
-    pub(super) fn solve_transposed_half_of(&self, right: MatMut<'_, f64>) {
+    /// Of a Cholesky factor: `L⁻ᵀ` applied to every row of n numbers of the column-major `rows`.
+    pub(super) fn solve_transposed_half_rows(&self, rows: &mut [f64]) {
+        let count = rows.len() / self.n.max(1);
+        let right = MatMut::from_column_major_slice_mut(rows, count, self.n).transpose_mut();
         solve_upper_triangular_in_place(self.view().transpose(), right, Par::Seq);
     }
 

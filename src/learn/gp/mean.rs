@@ -65,14 +65,14 @@ impl MeanBasis {
         for d in 0..inputs {
             let mut remainder = points.input(d).to_vec();
             let size = dot(&remainder, &remainder).sqrt();
-            // Twice, because once leaves rounding errors as large as the threshold.
+            // Gram & Schmidt, twice: once leaves rounding errors as large as the threshold.
             for direction in directions.iter().chain(&directions) {
                 let share = dot(direction, &remainder);
-                remainder.iter_mut().zip(direction).for_each(|(remainder, of)| *remainder -= share * of);
+                remainder.iter_mut().zip(direction).for_each(|(remainder, unit)| *remainder -= share * unit);
             }
-            let rest = dot(&remainder, &remainder).sqrt();
-            if rest > INDEPENDENCE_TOLERANCE * size {
-                remainder.iter_mut().for_each(|remainder| *remainder /= rest);
+            let independent_size = dot(&remainder, &remainder).sqrt();
+            if independent_size > INDEPENDENCE_TOLERANCE * size {
+                remainder.iter_mut().for_each(|remainder| *remainder /= independent_size);
                 directions.push(remainder);
                 slopes.push(d);
             }

@@ -48,17 +48,18 @@ impl MeanRegression {
         if n <= count || !factor.factor(&mut memory) {
             return None;
         }
+        // β = A⁻¹ Hᵀ K⁻¹ y (Rasmussen & Williams 2006, eq. 2.41).
         self.weights = self.columns.chunks_exact(n).map(|column| dot(column, alpha)).collect();
         factor.solve(&mut self.weights, &mut memory);
         for (weight, solved) in self.weights.iter().zip(self.solved.chunks_exact(n)) {
             alpha.iter_mut().zip(solved).for_each(|(alpha, solved)| *alpha -= weight * solved);
         }
-        let size = 0.5 * count as f64 * (2.0 * std::f64::consts::PI).ln();
-        let added = factor.half_log_determinant() - size;
+        let normalisation = 0.5 * count as f64 * (2.0 * std::f64::consts::PI).ln();
+        let mean_term = factor.half_log_determinant() - normalisation;
         self.halves = self.solved.clone();
-        factor.solve_half_of(faer::MatMut::from_column_major_slice_mut(&mut self.halves, n, count).transpose_mut());
+        factor.solve_half_rows(&mut self.halves);
         self.factor = Some(factor);
-        Some(added)
+        Some(mean_term)
     }
 
     /// Takes what the weights explain out of the inverse of the Gram matrix: `K⁻¹ − K⁻¹ H A⁻¹ Hᵀ K⁻¹`.
@@ -89,7 +90,7 @@ impl MeanRegression {
             row.iter_mut().zip(half).for_each(|(row, half)| *row = -half);
             row[n + k] = 1.0;
         }
-        factor.solve_half_of(faer::MatMut::from_column_major_slice_mut(&mut rows, width, count).transpose_mut());
+        factor.solve_half_rows(&mut rows);
         Some(AddedTerm { basis: self.basis.clone(), weights: self.weights.clone(), rows })
     }
 }
@@ -126,7 +127,7 @@ mod tests {
             let mut theta: Vec<f64> = (0..covariance.len()).map(|k| 0.3 * (k as f64).cos()).collect();
             theta[covariance.len() - 1] = -3.0;
             for mean in MEANS {
-                let mut likelihood = Likelihood::new(covariance.clone(), &points, &y).with_mean(mean);
+                let mut likelihood = Likelihood::new(covariance.clone(), mean, &points, &y);
                 for (k, [found, expected]) in both_gradients(&mut likelihood, &theta).into_iter().enumerate() {
                     let apart = (found - expected).abs() / (1.0 + expected.abs());
                     assert!(apart < 1e-5, "{text} {mean:?} {k}: {found} {expected}");

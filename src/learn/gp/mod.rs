@@ -112,7 +112,7 @@ impl Gp {
         for (output, (y, theta)) in columns.iter().zip(&theta).enumerate() {
             LearnError::unless_shape("hyper-parameters", theta.len(), covariance.len())?;
             let posterior = match config.approximation {
-                Approximation::Exact => Posterior::exact((&covariance, config.mean), &points, y, theta),
+                Approximation::Exact => Posterior::exact(&covariance, config.mean, &points, y, theta),
                 Approximation::Sgpr | Approximation::Fitc => Posterior::sparse(config, &covariance, &points, y, theta),
             };
             posteriors.push(posterior.ok_or(LearnError::NotPositiveDefinite { output })?);
@@ -133,16 +133,16 @@ impl Gp {
 
     /// Enough rows for kernel, noise and mean function, and not more than the process can take.
     fn check_rows(inputs: &Rows, config: &GpConfig) -> Result<(), LearnError> {
-        let (found, needed) = (inputs.len(), config.mean.least_rows(inputs.width()));
-        if found < needed {
+        let (rows, needed) = (inputs.len(), config.mean.least_rows(inputs.width()));
+        if rows < needed {
             let why = if config.mean.is_zero() {
                 "a Gaussian process and its noise"
             } else {
                 "a Gaussian process, its noise and the weights of its mean function"
             };
-            return Err(LearnError::TooFewRows { found, needed, why });
+            return Err(LearnError::TooFewRows { found: rows, needed, why });
         }
-        config.check_points(found)
+        config.check_points(rows)
     }
 
     /// Standardised inputs and output columns.
@@ -218,7 +218,7 @@ impl Gp {
 
     /// Names of the hyper-parameters in the order of [`Gp::theta`].
     pub fn hyperparameter_names(&self) -> Vec<String> {
-        self.covariance.hyperparameters(self.config.noise_floor).into_iter().map(|one| one.name).collect()
+        self.covariance.hyperparameters(self.config.noise_floor).into_iter().map(|parameter| parameter.name).collect()
     }
 
     /// Logarithms of the hyper-parameters of each output in standardised units: for one stationary kernel signal variance,
@@ -229,7 +229,7 @@ impl Gp {
     }
 
     /// Most points that the prediction of an output compares with.
-    fn room(&self) -> usize {
+    fn max_points(&self) -> usize {
         self.posteriors.iter().map(Posterior::points).max().unwrap_or(0)
     }
 
@@ -248,9 +248,10 @@ impl Gp {
     pub fn mean(&self, input: &[f64]) -> Result<Vec<f64>, LearnError> {
         self.check_width(input.len())?;
         let x = self.standardised(input);
-        let mut k = vec![0.0; self.room()];
-        let one = |(c, p): (usize, &Posterior)| self.output_standardiser.invert(c, p.mean(&x, &mut k[..p.points()]));
-        Ok(self.posteriors.iter().enumerate().map(one).collect())
+        let mut k = vec![0.0; self.max_points()];
+        let mean_of =
+            |(c, p): (usize, &Posterior)| self.output_standardiser.invert(c, p.mean(&x, &mut k[..p.points()]));
+        Ok(self.posteriors.iter().enumerate().map(mean_of).collect())
     }
 
     /// Posterior mean and variance (of the noise-free function) of every output at one point (paper eq. 19).
@@ -260,7 +261,7 @@ impl Gp {
     pub fn predict(&self, input: &[f64]) -> Result<(Vec<f64>, Vec<f64>), LearnError> {
         self.check_width(input.len())?;
         let x = self.standardised(input);
-        let (mut k, mut v) = (vec![0.0; self.room()], vec![0.0; self.room()]);
+        let (mut k, mut v) = (vec![0.0; self.max_points()], vec![0.0; self.max_points()]);
         let both = self.posteriors.iter().enumerate().map(|(c, posterior)| {
             let n = posterior.points();
             let (mean, variance) = posterior.mean_variance(&x, &mut k[..n], &mut v[..n]);
@@ -293,7 +294,7 @@ impl Gp {
         check_finite("inputs", inputs)?;
         let width = self.outputs();
         let (mut mean, mut variance) = (Rows::new(width), Rows::new(width));
-        let (mut k, mut v) = (vec![0.0; self.room() * BLOCK], vec![0.0; self.room() * BLOCK]);
+        let (mut k, mut v) = (vec![0.0; self.max_points() * BLOCK], vec![0.0; self.max_points() * BLOCK]);
         for block in inputs.values().chunks(BLOCK * self.inputs()) {
             let count = block.len() / self.inputs();
             let queries: Vec<f64> = block.chunks_exact(self.inputs()).flat_map(|row| self.standardised(row)).collect();

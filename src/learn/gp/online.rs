@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Gp;
 use super::covariance::TrainingPoints;
-use super::posterior::FittedPrior;
+use super::posterior::{FittedPrior, PosteriorFeatures};
 use super::sparse::CovarianceAt;
 use crate::base::Rows;
 use crate::learn::LearnError;
@@ -41,26 +41,25 @@ pub struct OnlineGp {
 #[derive(Clone)]
 struct AddedSamples {
     prior: FittedPrior,
-    /// `v` and `E (v, h)` of each: see `Posterior::features`.
-    features: Vec<(Vec<f64>, Vec<f64>)>,
+    features: Vec<PosteriorFeatures>,
     /// Rows of the Cholesky factor of their covariance, each as long as its number.
     factor: Vec<Vec<f64>>,
-    /// Measured less foretold value of each.
+    /// Measured less predicted value of each.
     residuals: Vec<f64>,
     alpha: Vec<f64>,
 }
 
 impl AddedSamples {
     /// Covariances of the standardised query `x` with the added samples.
-    fn covariances(&self, features: &(Vec<f64>, Vec<f64>), x: &[f64]) -> Vec<f64> {
+    fn covariances(&self, features: &PosteriorFeatures, x: &[f64]) -> Vec<f64> {
         let mut k = vec![0.0; self.residuals.len()];
         if k.is_empty() {
             return k;
         }
         self.prior.covariances(x, &mut k);
         let scale = self.prior.scale();
-        for (k, (projection, added)) in k.iter_mut().zip(&self.features) {
-            *k = scale * *k - dot(projection, &features.0) + dot(added, &features.1);
+        for (k, added) in k.iter_mut().zip(&self.features) {
+            *k = scale * *k - dot(&added.projection, &features.projection) + dot(&added.image, &features.image);
         }
         k
     }
@@ -75,8 +74,8 @@ impl AddedSamples {
         out
     }
 
-    /// Weights of the added samples, `(L Lᵀ)⁻¹` applied to what is left.
-    fn weigh(&mut self) {
+    /// Weights of the added samples, `(L Lᵀ)⁻¹` applied to the residuals.
+    fn update_weights(&mut self) {
         let mut alpha = self.solve_half(&self.residuals);
         for i in (0..alpha.len()).rev() {
             alpha[i] /= self.factor[i][i];
@@ -109,21 +108,21 @@ impl AddedSamples {
 }
 
 impl OnlineGp {
-    /// A process that knows what `gp` knows and holds at most `most` further samples.
+    /// A process that knows what `gp` knows and holds at most `capacity` further samples.
     ///
     /// # Errors
     /// [`LearnError::Setting`] for no samples.
     pub fn new(gp: &Gp, capacity: usize, leaving: Leaving) -> Result<OnlineGp, LearnError> {
         LearnError::unless_setting(capacity > 0, "points", capacity, "at least 1 point")?;
         let nothing = TrainingPoints::of(&Rows::new(gp.inputs()));
-        let of = |theta: &Vec<f64>| AddedSamples {
+        let empty = |theta: &Vec<f64>| AddedSamples {
             prior: FittedPrior::new(&gp.covariance, theta, &nothing),
             features: Vec::new(),
             factor: Vec::new(),
             residuals: Vec::new(),
             alpha: Vec::new(),
         };
-        let outputs = gp.theta.iter().map(of).collect();
+        let outputs = gp.theta.iter().map(empty).collect();
         Ok(OnlineGp { gp: gp.clone(), capacity, leaving, inputs: Vec::new(), outputs })
     }
 
@@ -155,28 +154,31 @@ impl OnlineGp {
         LearnError::unless_finite("outputs", self.added(), output)?;
         let x = self.gp.standardised(input);
         if self.added() == self.capacity {
-            let leaves = match self.leaving {
+            let leaving_index = match self.leaving {
                 Leaving::Oldest => 0,
-                Leaving::MostAlike => self.most_alike(&x),
+                Leaving::MostAlike => self.most_correlated(&x),
             };
-            self.remove(leaves);
+            self.remove(leaving_index);
         }
         self.inputs.push(x.clone());
         let points = self.points();
-        for (c, one) in self.outputs.iter_mut().enumerate() {
+        for (c, samples) in self.outputs.iter_mut().enumerate() {
             let posterior = &self.gp.posteriors[c];
             let features = posterior.features(&x);
-            let covariances = one.covariances(&features, &x);
-            let mut row = one.solve_half(&covariances);
-            let variance = posterior.prior.variance(&x) - dot(&features.0, &features.0) + dot(&features.1, &features.1);
+            let covariances = samples.covariances(&features, &x);
+            // The new row of the Cholesky factor: L⁻¹ times the covariances, and the root of what
+            // they leave of the variance.
+            let mut row = samples.solve_half(&covariances);
+            let PosteriorFeatures { projection, image } = &features;
+            let variance = posterior.prior.variance(&x) - dot(projection, projection) + dot(image, image);
             let variance = variance.max(0.0) + noise(&self.gp, c, &points);
             row.push((variance - dot(&row, &row)).max(f64::MIN_POSITIVE).sqrt());
-            let foretold = posterior.mean(&x, &mut vec![0.0; posterior.points()]);
-            one.residuals.push(self.gp.output_standardiser.apply(c, output[c]) - foretold);
-            one.factor.push(row);
-            one.features.push(features);
-            one.prior = FittedPrior::new(&self.gp.covariance, &self.gp.theta[c], &points);
-            one.weigh();
+            let predicted = posterior.mean(&x, &mut vec![0.0; posterior.points()]);
+            samples.residuals.push(self.gp.output_standardiser.apply(c, output[c]) - predicted);
+            samples.factor.push(row);
+            samples.features.push(features);
+            samples.prior = FittedPrior::new(&self.gp.covariance, &self.gp.theta[c], &points);
+            samples.update_weights();
         }
         Ok(())
     }
@@ -199,11 +201,11 @@ impl OnlineGp {
     pub fn predict(&self, input: &[f64]) -> Result<(Vec<f64>, Vec<f64>), LearnError> {
         let (mut means, mut variances) = self.gp.predict(input)?;
         let x = self.gp.standardised(input);
-        for (c, one) in self.outputs.iter().enumerate() {
-            let k = one.covariances(&self.gp.posteriors[c].features(&x), &x);
-            let half = one.solve_half(&k);
+        for (c, samples) in self.outputs.iter().enumerate() {
+            let k = samples.covariances(&self.gp.posteriors[c].features(&x), &x);
+            let half = samples.solve_half(&k);
             let scale = self.gp.output_standardiser.scale(c);
-            means[c] += scale * dot(&k, &one.alpha);
+            means[c] += scale * dot(&k, &samples.alpha);
             variances[c] = (variances[c] - scale * scale * dot(&half, &half)).max(0.0);
         }
         Ok((means, variances))
@@ -218,24 +220,25 @@ impl OnlineGp {
     fn remove(&mut self, index: usize) {
         self.inputs.remove(index);
         let points = self.points();
-        for (one, theta) in self.outputs.iter_mut().zip(&self.gp.theta) {
-            one.remove(index);
-            one.prior = FittedPrior::new(&self.gp.covariance, theta, &points);
-            one.weigh();
+        for (samples, theta) in self.outputs.iter_mut().zip(&self.gp.theta) {
+            samples.remove(index);
+            samples.prior = FittedPrior::new(&self.gp.covariance, theta, &points);
+            samples.update_weights();
         }
     }
 
     /// The added sample that is most strongly correlated with the new one.
-    fn most_alike(&self, x: &[f64]) -> usize {
-        let mut alike = vec![0.0; self.added()];
-        for (posterior, one) in self.gp.posteriors.iter().zip(&self.outputs) {
-            let k = one.covariances(&posterior.features(x), x);
-            for ((alike, k), (projection, added)) in alike.iter_mut().zip(k).zip(&one.features) {
-                let variance = posterior.prior.variance(x) - dot(projection, projection) + dot(added, added);
-                *alike += k * k / variance.max(1e-12);
+    fn most_correlated(&self, x: &[f64]) -> usize {
+        let mut correlations = vec![0.0; self.added()];
+        for (posterior, samples) in self.gp.posteriors.iter().zip(&self.outputs) {
+            let k = samples.covariances(&posterior.features(x), x);
+            for ((correlation, k), features) in correlations.iter_mut().zip(k).zip(&samples.features) {
+                let PosteriorFeatures { projection, image } = features;
+                let variance = posterior.prior.variance(x) - dot(projection, projection) + dot(image, image);
+                *correlation += k * k / variance.max(1e-12);
             }
         }
-        (1..alike.len()).fold(0, |best, i| if alike[i] > alike[best] { i } else { best })
+        (1..correlations.len()).fold(0, |best, i| if correlations[i] > correlations[best] { i } else { best })
     }
 }
 
@@ -283,8 +286,7 @@ mod tests {
         let points = TrainingPoints::standardised(&all.inputs, &gp.input_standardiser);
         for (c, theta) in gp.theta.iter().enumerate() {
             let y: Vec<f64> = all.outputs.iter().map(|row| gp.output_standardiser.apply(c, row[c])).collect();
-            let mean = (&gp.covariance, gp.config.mean);
-            all.posteriors[c] = Posterior::exact(mean, &points, &y, theta).unwrap();
+            all.posteriors[c] = Posterior::exact(&gp.covariance, gp.config.mean, &points, &y, theta).unwrap();
         }
         all
     }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
 
-use super::composite::Composite;
+use super::composite::{Composite, PointRun};
 use super::composite_likelihood::natural;
 use super::covariance::{Covariance, TrainingPoints};
 use super::kernels::Kernel;
@@ -45,6 +45,15 @@ pub(super) struct AddedTerm {
     pub(super) weights: Vec<f64>,
     /// E, row after row.
     pub(super) rows: Vec<f64>,
+}
+
+/// What the posterior covariance of a point with others is made of: see [`Posterior::features`].
+#[derive(Clone)]
+pub(super) struct PosteriorFeatures {
+    /// v.
+    pub(super) projection: Vec<f64>,
+    /// `E (v, h)`.
+    pub(super) image: Vec<f64>,
 }
 
 impl AddedTerm {
@@ -104,7 +113,9 @@ impl FittedPrior {
                 scaled.squared_distances(0, |d| x[d] / length_scales[d], k);
                 kernel.correlations(shape, k);
             }
-            FittedPrior::Composite { composite, natural, points } => composite.row(natural, points, (0, None), x, k),
+            FittedPrior::Composite { composite, natural, points } => {
+                composite.row(natural, PointRun { points, from: 0, self_index: None }, x, k)
+            }
         }
     }
 
@@ -127,12 +138,13 @@ impl FittedPrior {
 impl Posterior {
     /// Conditions an exact process on the points; `None` when the covariance matrix is not positive definite.
     pub(super) fn exact(
-        (covariance, mean): (&Covariance, MeanFunction),
+        covariance: &Covariance,
+        mean: MeanFunction,
         points: &TrainingPoints,
         y: &[f64],
         theta: &[f64],
     ) -> Option<Self> {
-        let mut likelihood = Likelihood::new(covariance.clone(), points, y).with_mean(mean);
+        let mut likelihood = Likelihood::new(covariance.clone(), mean, points, y);
         let value = likelihood.value(theta);
         value.is_finite().then(|| Posterior {
             prior: FittedPrior::new(covariance, theta, points),
@@ -163,15 +175,16 @@ impl Posterior {
         let mean = self.mean(x, k);
         let explained = vectorised!({
             v.fill(0.0);
-            let (panels, rest) = k.as_chunks::<4>();
+            // Four columns at once, because v is read and written for each.
+            let (panels, tail) = k.as_chunks::<4>();
             for (p, k) in panels.iter().enumerate() {
                 let [a, b, c, d] = self.inverse_factor.panel(4 * p);
                 for ((((v, a), b), c), d) in v[4 * p..].iter_mut().zip(a).zip(b).zip(c).zip(d) {
                     *v = k[0].mul_add(*a, k[1].mul_add(*b, k[2].mul_add(*c, k[3].mul_add(*d, *v))));
                 }
             }
-            let done = k.len() - rest.len();
-            for (j, &k) in rest.iter().enumerate().map(|(j, k)| (done + j, k)) {
+            let tail_start = k.len() - tail.len();
+            for (j, &k) in tail.iter().enumerate().map(|(j, k)| (tail_start + j, k)) {
                 for (v, l) in v[j..].iter_mut().zip(self.inverse_factor.column(j)) {
                     *v = k.mul_add(*l, *v);
                 }
@@ -183,13 +196,13 @@ impl Posterior {
 
     /// `v` and `E (v, h)` at the standardised point `x`: the posterior covariance of two points is that before any sample, less the
     /// product of their `v`, plus that of their `E (v, h)`.
-    pub(super) fn features(&self, x: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    pub(super) fn features(&self, x: &[f64]) -> PosteriorFeatures {
         let (mut k, mut v) = (vec![0.0; self.points()], vec![0.0; self.points()]);
         self.mean_variance(x, &mut k, &mut v);
         let scale = self.prior.scale();
         let image = self.added.as_ref().map_or_else(Vec::new, |added| added.image(x, &v, scale));
         v.iter_mut().for_each(|v| *v *= scale);
-        (v, image)
+        PosteriorFeatures { projection: v, image }
     }
 
     /// Variance at `x` when the points explain `explained` of it, which is `‖v‖²`; both over the prior's scale.
@@ -235,7 +248,7 @@ impl Posterior {
                 let ((i, l_i), (j, l_j)) = (column(a), column(b));
                 let from = i.max(j);
                 let product = vectorised!(dot(&l_i[from - i..n - i], &l_j[from - j..n - j]));
-                block.column_mut(q)[p - q] = product - self.of_mean(i, j);
+                block.column_mut(q)[p - q] = product - self.mean_correction(i, j);
             }
         }
         let mut memory = FactorBuffers::new(fold.len());
@@ -249,7 +262,7 @@ impl Posterior {
     }
 
     /// What the unknown mean function takes from the inverse of the Gram matrix of an exact process at rows i and j.
-    pub(super) fn of_mean(&self, i: usize, j: usize) -> f64 {
+    pub(super) fn mean_correction(&self, i: usize, j: usize) -> f64 {
         let Some(added) = &self.added else { return 0.0 };
         let n = self.alpha.len();
         let image = |row: &[f64], i: usize| dot(&row[i..n], self.inverse_factor.column(i));

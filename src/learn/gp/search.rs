@@ -27,8 +27,8 @@ pub(super) fn search(
     points: &TrainingPoints,
     y: &[f64],
 ) -> Option<FittedHyperparameters> {
-    let all = covariance.hyperparameters(config.noise_floor);
-    let lengths: Vec<bool> = all.iter().map(|one| one.is_length).collect();
+    let parameters = covariance.hyperparameters(config.noise_floor);
+    let lengths: Vec<bool> = parameters.iter().map(|parameter| parameter.is_length).collect();
     // The likelihood costs the cube of the rows: few rows tell poor starts apart at little cost.
     let mut sizes = vec![points.n];
     let min_rows = config.start_rows.max(config.mean.least_rows(points.inputs));
@@ -36,16 +36,14 @@ pub(super) fn search(
         sizes.insert(0, sizes[0].div_ceil(GROWTH).max(min_rows));
     }
     let mut evaluations = 0;
-    let starts = starts(config.starts, &all);
+    let starts = starts(config.starts, &parameters);
     let mut candidates: Vec<Vec<f64>> = starts.iter().map(|theta| to_search_coordinates(&lengths, theta)).collect();
     for (stage, &rows) in sizes.iter().enumerate() {
         let last = stage + 1 == sizes.len();
-        // Rows at equal distances, since neighbours of a recording resemble each other.
-        let which: Vec<usize> = (0..rows).map(|i| i * points.n / rows).collect();
-        let (few, y): (TrainingPoints, Vec<f64>) = (points.select(&which), which.iter().map(|&i| y[i]).collect());
-        let mut likelihood = SearchObjective::new(Likelihood::new(covariance.clone(), &few, &y).with_mean(config.mean));
+        let (subset, y) = evenly_spaced(points, y, rows);
+        let mut likelihood = SearchObjective::new(Likelihood::new(covariance.clone(), config.mean, &subset, &y));
         let mut climb = |start: &[f64], tolerance: f64| {
-            let minimum = minimise(&mut likelihood, start, &limits(&all, &lengths, tolerance));
+            let minimum = minimise(&mut likelihood, start, &limits(&parameters, &lengths, tolerance));
             evaluations += minimum.evaluations;
             minimum
         };
@@ -65,11 +63,17 @@ pub(super) fn search(
     candidates.first().map(|u| FittedHyperparameters { theta: from_search_coordinates(&lengths, u), evaluations })
 }
 
+/// So many of the points, at equal distances: neighbours of a recording resemble each other.
+pub(super) fn evenly_spaced(points: &TrainingPoints, y: &[f64], rows: usize) -> (TrainingPoints, Vec<f64>) {
+    let which: Vec<usize> = (0..rows).map(|i| i * points.n / rows).collect();
+    (points.select(&which), which.iter().map(|&i| y[i]).collect())
+}
+
 /// The best few distinct optima.
 fn distinct(minima: Vec<Minimum>) -> Vec<Vec<f64>> {
     let mut out: Vec<Minimum> = Vec::new();
     for minimum in minima {
-        let same = |kept: &Minimum| (kept.value - minimum.value).abs() < 2.0 * COARSE_TOLERANCE;
+        let same = |better: &Minimum| (better.value - minimum.value).abs() < 2.0 * COARSE_TOLERANCE;
         if out.len() < MAX_CANDIDATES && !out.iter().any(same) {
             out.push(minimum);
         }
@@ -77,24 +81,25 @@ fn distinct(minima: Vec<Minimum>) -> Vec<Vec<f64>> {
     out.into_iter().map(|minimum| minimum.x).collect()
 }
 
-pub(super) fn limits(all: &[Hyperparameter], lengths: &[bool], tolerance: f64) -> Bfgs {
-    let (low, high): (Vec<f64>, Vec<f64>) = all.iter().map(|one| (one.bounds.0.ln(), one.bounds.1.ln())).unzip();
+pub(super) fn limits(parameters: &[Hyperparameter], lengths: &[bool], tolerance: f64) -> Bfgs {
+    let (low, high): (Vec<f64>, Vec<f64>) =
+        parameters.iter().map(|parameter| (parameter.bounds.0.ln(), parameter.bounds.1.ln())).unzip();
     let bounds = to_search_coordinates(lengths, &low).into_iter().zip(to_search_coordinates(lengths, &high)).collect();
     Bfgs { bounds, tolerance, max_evaluations: 300, max_step: 2.0 }
 }
 
 /// The conventional start, then a low-discrepancy sequence in the plausible box: the additive recurrence with powers of
 /// the root of `x^(d+1) = x + 1`, which needs no seed.
-fn starts(count: usize, all: &[Hyperparameter]) -> Vec<Vec<f64>> {
-    let mut out: Vec<Vec<f64>> = vec![all.iter().map(|one| one.start.ln()).collect()];
-    let root = (0..64).fold(2.0_f64, |root, _| (1.0 + root).powf(1.0 / (all.len() as f64 + 1.0)));
+fn starts(count: usize, parameters: &[Hyperparameter]) -> Vec<Vec<f64>> {
+    let mut out: Vec<Vec<f64>> = vec![parameters.iter().map(|parameter| parameter.start.ln()).collect()];
+    let root = (0..64).fold(2.0_f64, |root, _| (1.0 + root).powf(1.0 / (parameters.len() as f64 + 1.0)));
     for i in 1..count {
-        let coordinate = |(k, one): (usize, &Hyperparameter)| {
-            let (low, high) = one.plausible;
+        let coordinate = |(k, parameter): (usize, &Hyperparameter)| {
+            let (low, high) = parameter.plausible;
             let share = (0.5 + i as f64 * root.powi(-(k as i32) - 1)).fract();
             low.ln() + share * (high.ln() - low.ln())
         };
-        out.push(all.iter().enumerate().map(coordinate).collect());
+        out.push(parameters.iter().enumerate().map(coordinate).collect());
     }
     out
 }

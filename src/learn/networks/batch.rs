@@ -2,8 +2,8 @@
 //! Goodfellow, Bengio & Courville 2016, section 10.2.2.
 
 use super::config::Loss;
-use super::kinds::{HiddenUnit, MAX_KEPT, MAX_SUMS, Past};
-use super::tiles::{Chunk, ChunkTable, LANES, accumulate, each, fma, outer, total};
+use super::kinds::{HiddenUnit, MAX_SAVED, MAX_SUMS, Past};
+use super::tiles::{Chunk, ChunkTable, LANES, TableRows, accumulate, each, fma, outer, total};
 use super::weights::{Sizes, TILE, Weights};
 use crate::learn::simd::Real;
 use crate::math::vectorised;
@@ -25,7 +25,7 @@ pub(super) struct SequenceBatch<T> {
     /// Their memories, likewise, where the kind has them.
     memory: ChunkTable<T>,
     /// What steps kept for the way back: the units' first numbers, then their second, …
-    kept: ChunkTable<T>,
+    saved: ChunkTable<T>,
     /// ∂loss/∂output.
     errors: ChunkTable<T>,
     /// ∂loss/∂(sums of the units), block after block.
@@ -53,7 +53,7 @@ impl<T: Real> SequenceBatch<T> {
             targets: ChunkTable::zeros(sizes.ports(), width),
             hidden: ChunkTable::zeros(units, width + groups),
             memory: table(units, kind.has_memory(), width + groups),
-            kept: ChunkTable::zeros(kind.kept() * units, width),
+            saved: ChunkTable::zeros(kind.saved() * units, width),
             errors: ChunkTable::zeros(sizes.ports(), width),
             deltas: ChunkTable::zeros(sizes.row_len(), width),
             carried: [table(units, kind.carries(), width), table(units, kind.has_memory(), width)],
@@ -111,6 +111,7 @@ impl<T: Real> SequenceBatch<T> {
                     if block.inputs {
                         accumulate(sums, from_inputs, stride, first, &self.inputs, at, inputs);
                     }
+                    // The state before the window is zero.
                     if block.state && at >= self.groups {
                         accumulate(sums, from_state, stride, first, &self.hidden, at, hidden);
                     }
@@ -129,21 +130,21 @@ impl<T: Real> SequenceBatch<T> {
         let place = unit * self.hidden.width + at;
         let before = if C::CARRIES { self.hidden.chunks[place] } else { zero };
         let memory_before = if C::MEMORY { self.memory.chunks[place] } else { zero };
-        let (mut value, mut memory, mut kept) = (zero, zero, [zero; MAX_KEPT]);
+        let (mut value, mut memory, mut saved) = (zero, zero, [zero; MAX_SAVED]);
         for lane in 0..LANES {
             let sums = std::array::from_fn(|block| sums[block][lane]);
             let after = C::forward(&sums, before[lane], memory_before[lane]);
             (value[lane], memory[lane]) = (after.value, after.memory);
-            for k in 0..C::KEPT {
-                kept[k][lane] = after.kept[k];
+            for k in 0..C::SAVED {
+                saved[k][lane] = after.saved[k];
             }
         }
         self.hidden.chunks[place + self.groups] = value;
         if C::MEMORY {
             self.memory.chunks[place + self.groups] = memory;
         }
-        for (k, kept) in kept.iter().enumerate().take(C::KEPT) {
-            self.kept.chunks[(k * self.sizes.units() + unit) * self.kept.width + at] = *kept;
+        for (k, saved) in saved.iter().enumerate().take(C::SAVED) {
+            self.saved.chunks[(k * self.sizes.units() + unit) * self.saved.width + at] = *saved;
         }
     }
 
@@ -155,29 +156,30 @@ impl<T: Real> SequenceBatch<T> {
         let (from_hidden, bias) = weights.output().split_at(hidden * ports);
         let first_row = if self.loss == Loss::LastRow { self.window - 1 } else { 0 };
         let counted = (self.filled * outputs * (self.window - first_row)) as f64;
+        // The derivative of a mean of squares is 2/n times each residual.
         let (scale, mut loss) = (T::of(2.0 / counted), [T::default(); LANES]);
         for at in 0..self.window * self.groups {
             let group = at % self.groups;
-            let live = if at / self.groups < first_row { 0 } else { self.filled.saturating_sub(group * LANES) };
+            let active = if at / self.groups < first_row { 0 } else { self.filled.saturating_sub(group * LANES) };
             for first in (0..outputs).step_by(U) {
                 let mut acc: [Chunk<T>; U] = std::array::from_fn(|u| [bias[first + u]; LANES]);
-                if live > 0 {
+                if active > 0 {
                     accumulate(&mut acc, from_hidden, ports, first, &self.hidden, at + self.groups, hidden);
                 }
                 for (u, acc) in acc.iter().enumerate().take(outputs - first) {
                     let place = (first + u) * self.errors.width + at;
                     let target = self.targets.chunks[place];
-                    let miss: Chunk<T> = each(
+                    let residual: Chunk<T> = each(
                         #[inline(always)]
                         |lane| {
-                            if lane < live { acc[lane] - target[lane] } else { T::default() }
+                            if lane < active { acc[lane] - target[lane] } else { T::default() }
                         },
                     );
                     self.errors.chunks[place] = each(
                         #[inline(always)]
-                        |lane| miss[lane] * scale,
+                        |lane| residual[lane] * scale,
                     );
-                    fma(&mut loss, &miss, &miss);
+                    fma(&mut loss, &residual, &residual);
                 }
             }
         }
@@ -196,6 +198,7 @@ impl<T: Real> SequenceBatch<T> {
         for at in (0..self.window * self.groups).rev() {
             let later = at + self.groups;
             for first in (0..units).step_by(U) {
+                // ∂loss/∂value by way of the outputs, then by way of the sums of the next step.
                 let mut acc = [[T::default(); LANES]; U];
                 accumulate(&mut acc, &self.output_t, units, first, &self.errors, at, outputs);
                 if later < self.window * self.groups {
@@ -226,9 +229,9 @@ impl<T: Real> SequenceBatch<T> {
             |on: bool, table: &ChunkTable<T>| if on && !is_last { table.chunks[carried + later] } else { zero };
         let carried_value = from_later(C::CARRIES, &self.carried[0]);
         let carried_memory = from_later(C::MEMORY, &self.carried[1]);
-        let kept: [Chunk<T>; MAX_KEPT] = std::array::from_fn(
+        let saved: [Chunk<T>; MAX_SAVED] = std::array::from_fn(
             #[inline(always)]
-            |k| if k < C::KEPT { self.kept.chunks[(k * units + unit) * self.kept.width + at] } else { zero },
+            |k| if k < C::SAVED { self.saved.chunks[(k * units + unit) * self.saved.width + at] } else { zero },
         );
         let (mut d_sums, mut d_before, mut d_memory) = ([zero; MAX_SUMS], zero, zero);
         for lane in 0..LANES {
@@ -237,7 +240,7 @@ impl<T: Real> SequenceBatch<T> {
                 value: value[lane],
                 value_before: value_before[lane],
                 memory_before: memory_before[lane],
-                kept: std::array::from_fn(|k| kept[k][lane]),
+                saved: std::array::from_fn(|k| saved[k][lane]),
                 d_value,
                 d_memory: carried_memory[lane],
             });
@@ -265,27 +268,34 @@ impl<T: Real> SequenceBatch<T> {
         let width = self.window * self.groups;
         gradient.values.fill(T::default());
         let (hidden_layer, output_layer) = gradient.layers_mut();
-        let (from_inputs, rest) = hidden_layer.split_at_mut(inputs * stride);
-        let (from_state, bias) = rest.split_at_mut(hidden * stride);
+        let (from_inputs, state_and_bias) = hidden_layer.split_at_mut(inputs * stride);
+        let (from_state, bias) = state_and_bias.split_at_mut(hidden * stride);
         // The state before the first row is zero.
         let later = width - self.groups;
+        // The gradient of a weight: its input times ∂loss/∂sum, over all samples and times.
         for (number, block) in C::SUMS.iter().enumerate() {
             let (column, row) = (number * units, number * units * width);
             if block.inputs {
                 let out = &mut from_inputs[column..];
-                outer(out, stride, (&self.inputs, 0, inputs), (&self.deltas, row, units), width);
+                outer(out, stride, rows(&self.inputs, 0, inputs), rows(&self.deltas, row, units), width);
             }
             if block.state && later > 0 {
-                let after = (&self.deltas, row + self.groups, units);
-                outer(&mut from_state[column..], stride, (&self.hidden, self.groups, hidden), after, later);
+                let (before, after) =
+                    (rows(&self.hidden, self.groups, hidden), rows(&self.deltas, row + self.groups, units));
+                outer(&mut from_state[column..], stride, before, after, later);
             }
         }
         sum_rows(&self.deltas, bias);
         let (from_hidden, bias) = output_layer.split_at_mut(hidden * ports);
-        let errors = (&self.errors, 0, outputs.next_multiple_of(2));
-        outer(from_hidden, ports, (&self.hidden, self.groups, hidden), errors, width);
+        let errors = rows(&self.errors, 0, outputs.next_multiple_of(2));
+        outer(from_hidden, ports, rows(&self.hidden, self.groups, hidden), errors, width);
         sum_rows(&self.errors, bias);
     }
+}
+
+#[inline(always)]
+fn rows<T>(table: &ChunkTable<T>, from: usize, count: usize) -> TableRows<'_, T> {
+    TableRows { table, from, count }
 }
 
 /// `out[c][r] = from[r][c]`.

@@ -82,6 +82,7 @@ pub struct NetworkConfig {
 }
 
 impl Default for NetworkConfig {
+    /// Chosen by validation errors on one recording (docs/learning.md).
     fn default() -> Self {
         NetworkConfig {
             kind: NetworkKind::default(),
@@ -138,15 +139,15 @@ impl NetworkConfig {
             ("max_epochs", self.max_epochs, 1_000_000),
             ("stop_check_updates", self.stop_check_updates, 1_000_000),
         ];
-        for (key, found, most) in counts {
-            let expected = match most {
+        for (key, found, max) in counts {
+            let expected = match max {
                 100 => "1 to 100",
                 1000 => "1 to 1000",
                 1024 => "1 to 1024",
                 4096 => "1 to 4096",
                 _ => "1 to 1000000",
             };
-            LearnError::unless_setting((1..=most).contains(&found), key, found, expected)?;
+            LearnError::unless_setting((1..=max).contains(&found), key, found, expected)?;
         }
         let ranges = [
             ("train_share", self.train_share, 0.05, 0.95, "0.05 to 0.95"),

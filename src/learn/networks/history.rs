@@ -22,7 +22,7 @@ impl InputHistory {
     pub(super) fn push(&mut self, row: impl Iterator<Item = f32>) -> &[f32] {
         let (columns, len) = (self.columns, self.rows.len());
         self.rows.copy_within(..len - columns, columns);
-        self.rows.iter_mut().zip(row).for_each(|(kept, new)| *kept = new);
+        self.rows.iter_mut().zip(row).for_each(|(saved, new)| *saved = new);
         if std::mem::take(&mut self.is_empty) {
             let (newest, older) = self.rows.split_at_mut(columns);
             older.chunks_exact_mut(columns).for_each(|row| row.copy_from_slice(newest));

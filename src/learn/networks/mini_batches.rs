@@ -48,8 +48,8 @@ impl Epochs for MiniBatches {
             sum += f64::from(loss) * starts.len() as f64;
             self.adam.step(&mut session.weights().values, &self.gradient.values, rate);
             session.updates += 1;
-            let look = config.stop_at_validation_mae_m.is_some();
-            if look && session.updates.is_multiple_of(config.stop_check_updates) && session.reaches()? {
+            let has_target = config.stop_at_validation_mae_m.is_some();
+            if has_target && session.updates.is_multiple_of(config.stop_check_updates) && session.reaches()? {
                 return Ok(end(sum, Some(Stopped::Reached)));
             }
         }

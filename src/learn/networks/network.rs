@@ -96,14 +96,14 @@ impl Network {
     fn advance(&self, state: &mut NetworkState, input: &[f64], out: &mut [f64]) {
         let NetworkState { history, members, answer } = state;
         let standardised = input.iter().enumerate().map(|(i, &x)| self.inputs.apply(i, x) as f32);
-        let seen = history.push(standardised);
+        let inputs = history.push(standardised);
         let advance = self.sizes.kind.advance();
         out.fill(0.0);
         for (weights, member) in self.members.iter().zip(members) {
             if !self.recurrent {
                 member.reset();
             }
-            advance(weights, member, seen, answer);
+            advance(weights, member, inputs, answer);
             out.iter_mut().zip(answer.iter()).for_each(|(sum, y)| *sum += f64::from(*y));
         }
         let share = 1.0 / self.members.len() as f64;

@@ -6,7 +6,7 @@ use super::windows::Split;
 use crate::base::Rows;
 use crate::learn::LearnError;
 
-/// TrainingSamples, divided into those that train and those that validate.
+/// Samples, divided into those that train and those that validate.
 pub(super) struct TrainingSamples {
     pub(super) split: Split,
     /// Standardised inputs with their history, and outputs, row-major.
@@ -21,7 +21,7 @@ impl TrainingSamples {
         let pick = |rows: &Rows, run: &std::ops::Range<usize>| rows.select(&run.clone().collect::<Vec<_>>());
         let targets = outputs.values().iter().enumerate();
         TrainingSamples {
-            inputs: seen(network, inputs, sequences),
+            inputs: with_history(network, inputs, sequences),
             targets: targets.map(|(i, v)| network.outputs.apply(i % outputs.width(), *v) as f32).collect(),
             held_out: split.validate.iter().map(|run| (pick(inputs, run), pick(outputs, run))).collect(),
             split,
@@ -40,8 +40,8 @@ impl TrainingSamples {
     }
 }
 
-/// What the network sees at each row.
-fn seen(network: &Network, inputs: &Rows, sequences: &[usize]) -> Vec<f32> {
+/// The inputs of each row with their history.
+fn with_history(network: &Network, inputs: &Rows, sequences: &[usize]) -> Vec<f32> {
     let mut history = InputHistory::new(inputs.width(), network.history);
     let mut starts = sequences.iter().copied().peekable();
     let mut table = Vec::with_capacity(inputs.values().len() * network.history);

@@ -58,7 +58,7 @@ impl<'a> Session<'a> {
         };
         let mut history = Vec::new();
         let mut rate = self.config.learning_rate;
-        let mut waited = 0;
+        let mut epochs_on_plateau = 0;
         for epoch in 1..=self.config.max_epochs {
             interruption_point();
             let end = optimiser.epoch(&mut self, epoch, rate)?;
@@ -75,9 +75,9 @@ impl<'a> Session<'a> {
             }
             // The rate decays on a plateau, counted anew after each decay; training ends on the epochs
             // since the best one, which a decay does not reset.
-            waited = if better { 0 } else { waited + 1 };
-            if waited >= self.config.decay_patience {
-                (rate, waited) = (rate * self.config.decay, 0);
+            epochs_on_plateau = if better { 0 } else { epochs_on_plateau + 1 };
+            if epochs_on_plateau >= self.config.decay_patience {
+                (rate, epochs_on_plateau) = (rate * self.config.decay, 0);
             }
             if epoch - self.best_epoch >= self.config.patience {
                 return Ok(self.finish(history, Stopped::Patience));

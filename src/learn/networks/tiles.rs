@@ -2,7 +2,7 @@
 
 use crate::learn::simd::Real;
 
-/// TrainingSamples per chunk.
+/// Samples per chunk.
 pub(super) const LANES: usize = 16;
 
 /// Sixteen samples of one quantity.
@@ -48,41 +48,43 @@ pub(super) fn accumulate<T: Real, const U: usize>(
     }
 }
 
-/// `out[r][u] += Σ_l a[r][l] · b[u][l]` over all lanes of the chunks `a_from..a_from+len` and `b_from..b_from+len`,
-/// for the rows `0..rows` of `a` and `0..columns` of `b`; `out` has rows of `stride` numbers. `b_from` may lie beyond the
-/// first row's chunks: the rows that follow are then meant.
+/// Rows of a table, each from chunk `from` on. `from` may lie beyond a row's chunks: the rows that follow are then meant.
+#[derive(Clone, Copy)]
+pub(super) struct TableRows<'a, T> {
+    pub(super) table: &'a ChunkTable<T>,
+    pub(super) from: usize,
+    pub(super) count: usize,
+}
+
+/// `out[r][u] += Σ_l a[r][l] · b[u][l]` over all lanes of `len` chunks, for the rows of `a` and of `b`; `out` has rows of
+/// `stride` numbers.
 #[inline(always)]
-#[allow(clippy::too_many_arguments)]
-pub(super) fn outer<T: Real>(
-    out: &mut [T],
-    stride: usize,
-    (a, a_from, rows): (&ChunkTable<T>, usize, usize),
-    (b, b_from, columns): (&ChunkTable<T>, usize, usize),
-    len: usize,
-) {
+pub(super) fn outer<T: Real>(out: &mut [T], stride: usize, a: TableRows<T>, b: TableRows<T>, len: usize) {
     let mut r = 0;
-    while r + 3 <= rows {
-        outer_rows::<T, 3>(out, stride, (a, a_from, r), (b, b_from, columns), len);
+    while r + 3 <= a.count {
+        outer_rows::<T, 3>(out, stride, a, r, b, len);
         r += 3;
     }
-    while r < rows {
-        outer_rows::<T, 1>(out, stride, (a, a_from, r), (b, b_from, columns), len);
+    while r < a.count {
+        outer_rows::<T, 1>(out, stride, a, r, b, len);
         r += 1;
     }
 }
 
+/// [`outer`] for the rows `row..row + R` of `a`.
 #[inline(always)]
 fn outer_rows<T: Real, const R: usize>(
     out: &mut [T],
     stride: usize,
-    (a, a_from, row): (&ChunkTable<T>, usize, usize),
-    (b, b_from, columns): (&ChunkTable<T>, usize, usize),
+    a: TableRows<T>,
+    row: usize,
+    b: TableRows<T>,
     len: usize,
 ) {
-    let lines: [&[Chunk<T>]; R] = std::array::from_fn(|r| &a.row(row + r)[a_from..a_from + len]);
-    for u in (0..columns).step_by(2) {
-        let left = &b.chunks[u * b.width + b_from..][..len];
-        let right = &b.chunks[(u + 1) * b.width + b_from..][..len];
+    let lines: [&[Chunk<T>]; R] = std::array::from_fn(|r| &a.table.row(row + r)[a.from..a.from + len]);
+    for u in (0..b.count).step_by(2) {
+        let left = &b.table.chunks[u * b.table.width + b.from..][..len];
+        let right = &b.table.chunks[(u + 1) * b.table.width + b.from..][..len];
         let mut acc = [[[T::default(); LANES]; 2]; R];
         for l in 0..len {
             for r in 0..R {

@@ -125,15 +125,15 @@ impl Network {
         let mut all: Option<Trained> = None;
         for (number, member) in self.members.iter().enumerate() {
             let alone = Network { members: vec![member.clone()], ..self.clone() };
-            let mut one = Session::new(alone, samples, config, member_seed(seed, number)).run()?;
+            let mut trained = Session::new(alone, samples, config, member_seed(seed, number)).run()?;
             all = Some(match all {
-                None => one,
+                None => trained,
                 Some(mut all) => {
-                    all.network.members.append(&mut one.network.members);
-                    all.history.append(&mut one.history);
-                    all.epochs += one.epochs;
-                    all.updates += one.updates;
-                    all.stopped = all.stopped.max(one.stopped);
+                    all.network.members.append(&mut trained.network.members);
+                    all.history.append(&mut trained.history);
+                    all.epochs += trained.epochs;
+                    all.updates += trained.updates;
+                    all.stopped = all.stopped.max(trained.stopped);
                     all.validation_mae = samples.validation_mae(&all.network)?;
                     all
                 }

@@ -47,7 +47,7 @@ impl Sizes {
     }
 
     /// Whether row `row` of the hidden layer is seen by block `block`.
-    fn seen(&self, row: usize, block: usize) -> bool {
+    fn connects(&self, row: usize, block: usize) -> bool {
         let block = self.kind.weighted_sums()[block];
         if row < self.inputs { block.inputs } else { row == self.inputs + self.hidden || block.state }
     }
@@ -73,7 +73,7 @@ impl<T: Real> Weights<T> {
         let (hidden, output) = weights.layers_mut();
         for (row, values) in hidden.chunks_exact_mut(sizes.row_len()).enumerate() {
             for (block, values) in values.chunks_exact_mut(sizes.units()).enumerate() {
-                if sizes.seen(row, block) {
+                if sizes.connects(row, block) {
                     values[..sizes.hidden].iter_mut().for_each(|w| *w = T::of(rng.random_range(-reach..reach)));
                 }
             }
@@ -86,9 +86,9 @@ impl<T: Real> Weights<T> {
 
     /// The hidden layer's input weights, recurrent weights and biases.
     pub(super) fn hidden(&self) -> [&[T]; 3] {
-        let (from_inputs, rest) =
+        let (from_inputs, state_and_bias) =
             self.values[..self.sizes.hidden_len()].split_at(self.sizes.inputs * self.sizes.row_len());
-        let (from_state, bias) = rest.split_at(self.sizes.hidden * self.sizes.row_len());
+        let (from_state, bias) = state_and_bias.split_at(self.sizes.hidden * self.sizes.row_len());
         [from_inputs, from_state, bias]
     }
 

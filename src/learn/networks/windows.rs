@@ -13,11 +13,11 @@ pub(super) struct Split {
 /// Checks that start rows increase and exist.
 pub(super) fn check_sequences(sequences: &[usize], rows: usize) -> Result<(), LearnError> {
     let mut previous = None;
-    for (place, &found) in sequences.iter().enumerate() {
-        if found >= rows || previous.is_some_and(|p| found <= p) {
-            return Err(LearnError::Sequences { place, found, rows });
+    for (place, &start) in sequences.iter().enumerate() {
+        if start >= rows || previous.is_some_and(|p| start <= p) {
+            return Err(LearnError::Sequences { place, found: start, rows });
         }
-        previous = Some(found);
+        previous = Some(start);
     }
     Ok(())
 }
@@ -35,8 +35,8 @@ impl Split {
             split.validate.extend(cut(middle..to, sequences));
         }
         let windows: usize = split.train.iter().map(|run| (run.len() + 1).saturating_sub(config.window)).sum();
-        let held: usize = split.validate.iter().map(ExactSizeIterator::len).sum();
-        if windows == 0 || held == 0 {
+        let validation_rows: usize = split.validate.iter().map(ExactSizeIterator::len).sum();
+        if windows == 0 || validation_rows == 0 {
             let why = "a window of training rows within one sequence and a row to validate on";
             let needed = ((config.window as f64 / config.train_share).ceil() as usize + 1) * config.split_blocks;
             return Err(LearnError::TooFewRows { found: rows, needed, why });

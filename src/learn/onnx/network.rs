@@ -60,23 +60,23 @@ impl OnnxNetwork {
     /// [`OnnxError::Shape`] for another number of inputs.
     pub fn evaluate(&self, input: &[f64]) -> Result<Vec<f64>, OnnxError> {
         let dims = if self.sampled { vec![1, input.len()] } else { vec![input.len()] };
-        let given = Tensor { dims, values: input.to_vec() };
-        let mut made: BTreeMap<&str, Tensor> = BTreeMap::from([(self.graph.inputs[0].name.as_str(), given)]);
+        let input = Tensor { dims, values: input.to_vec() };
+        let mut values: BTreeMap<&str, Tensor> = BTreeMap::from([(self.graph.inputs[0].name.as_str(), input)]);
         for node in &self.graph.nodes {
             let read = |name: &String| {
                 if name.is_empty() {
                     return Ok(None);
                 }
-                let found = made.get(name.as_str()).or_else(|| self.graph.constants.get(name));
-                found.map(Some).ok_or_else(|| OnnxError::Missing(name.clone()))
+                let value = values.get(name.as_str()).or_else(|| self.graph.constants.get(name));
+                value.map(Some).ok_or_else(|| OnnxError::Missing(name.clone()))
             };
             let inputs: Vec<Option<&Tensor>> = node.inputs.iter().map(read).collect::<Result<_, _>>()?;
             let output = apply(node, &inputs)?;
             if let Some(name) = node.outputs.first() {
-                made.insert(name, output);
+                values.insert(name, output);
             }
         }
         let name = &self.graph.outputs[0].name;
-        made.remove(name.as_str()).map(|output| output.values).ok_or_else(|| OnnxError::Missing(name.clone()))
+        values.remove(name.as_str()).map(|output| output.values).ok_or_else(|| OnnxError::Missing(name.clone()))
     }
 }

@@ -54,8 +54,8 @@ pub(super) fn apply(node: &OnnxNode, inputs: &[Option<&Tensor>]) -> Result<Tenso
         "Cast" | "Dropout" | "Identity" => at(0).cloned(),
         "Clip" => {
             let bound = |place: usize, key: &str, default: f64| {
-                let given = inputs.get(place).copied().flatten().and_then(|tensor| tensor.values.first().copied());
-                given.unwrap_or_else(|| node.float(key, default))
+                let input = inputs.get(place).copied().flatten().and_then(|tensor| tensor.values.first().copied());
+                input.unwrap_or_else(|| node.float(key, default))
             };
             let (low, high) = (bound(1, "min", f64::NEG_INFINITY), bound(2, "max", f64::INFINITY));
             // A value that is not a number stays one.
@@ -172,15 +172,15 @@ fn concatenated(inputs: &[Option<&Tensor>], axis: i64, name: &str) -> Result<Ten
     Ok(Tensor { dims, values })
 }
 
-/// The array in another shape, in which 0 keeps an axis and −1 takes what is left.
-fn reshaped(input: &Tensor, asked: &[f64], name: &str) -> Result<Tensor, OnnxError> {
-    let kept = |(axis, size): (usize, &f64)| {
+/// The array in another shape, in which 0 keeps an axis and −1 takes what remains.
+fn reshaped(input: &Tensor, requested: &[f64], name: &str) -> Result<Tensor, OnnxError> {
+    let explicit = |(axis, size): (usize, &f64)| {
         if *size == 0.0 { input.dims.get(axis).map_or(1.0, |&dim| dim as f64) } else { *size }
     };
-    let sizes: Vec<f64> = asked.iter().enumerate().map(kept).collect();
-    let known: f64 = sizes.iter().filter(|size| **size > 0.0).product();
-    let left = input.values.len() as f64 / known;
-    let dims = sizes.iter().map(|&size| if size < 0.0 { left as usize } else { size as usize }).collect();
+    let sizes: Vec<f64> = requested.iter().enumerate().map(explicit).collect();
+    let explicit_count: f64 = sizes.iter().filter(|size| **size > 0.0).product();
+    let inferred = input.values.len() as f64 / explicit_count;
+    let dims = sizes.iter().map(|&size| if size < 0.0 { inferred as usize } else { size as usize }).collect();
     let wrong = || shape(name, format!("found {} numbers for the shape {sizes:?}", input.values.len()));
     Tensor::new(dims, input.values.clone()).ok_or_else(wrong)
 }

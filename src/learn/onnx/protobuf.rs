@@ -88,8 +88,9 @@ const TRUNCATED: OnnxError = OnnxError::NotOnnx("it ends within a field");
 fn varint(bytes: &mut &[u8]) -> Result<u64, OnnxError> {
     let mut value = 0_u64;
     for place in 0..10 {
-        let (&byte, rest) = bytes.split_first().ok_or(TRUNCATED)?;
-        *bytes = rest;
+        let (&byte, remaining) = bytes.split_first().ok_or(TRUNCATED)?;
+        *bytes = remaining;
+        // Seven bits a byte, the lowest first; the eighth says that more follow.
         value |= u64::from(byte & 0x7f) << (7 * place).min(63);
         if byte & 0x80 == 0 {
             return Ok(value);
@@ -100,16 +101,17 @@ fn varint(bytes: &mut &[u8]) -> Result<u64, OnnxError> {
 
 fn take<'a>(bytes: &mut &'a [u8], count: u64) -> Result<&'a [u8], OnnxError> {
     let count = usize::try_from(count).ok().filter(|count| *count <= bytes.len()).ok_or(TRUNCATED)?;
-    let (taken, rest) = bytes.split_at(count);
-    *bytes = rest;
-    Ok(taken)
+    let (front, remaining) = bytes.split_at(count);
+    *bytes = remaining;
+    Ok(front)
 }
 
 /// The fields of a message, in their order.
 pub(super) fn fields(mut bytes: &[u8]) -> Result<Vec<(u64, WireValue<'_>)>, OnnxError> {
-    let mut found = Vec::new();
+    let mut parsed = Vec::new();
     while !bytes.is_empty() {
         let tag = varint(&mut bytes)?;
+        // A tag is the field number and, in its lowest three bits, the wire type.
         let value = match tag & 7 {
             0 => WireValue::Number(varint(&mut bytes)?),
             1 => WireValue::Eight(take(&mut bytes, 8)?.try_into().map_err(|_| TRUNCATED)?),
@@ -120,7 +122,7 @@ pub(super) fn fields(mut bytes: &[u8]) -> Result<Vec<(u64, WireValue<'_>)>, Onnx
             5 => WireValue::Four(take(&mut bytes, 4)?.try_into().map_err(|_| TRUNCATED)?),
             _ => return Err(OnnxError::NotOnnx("a field of an unknown kind")),
         };
-        found.push((tag >> 3, value));
+        parsed.push((tag >> 3, value));
     }
-    Ok(found)
+    Ok(parsed)
 }

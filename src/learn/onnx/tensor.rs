@@ -72,19 +72,20 @@ impl Tensor {
                 _ => return Err(shape(operator, format!("found shapes {:?} and {:?}", self.dims, other.dims))),
             }
         }
-        let at = |own: &[usize], place: usize| {
-            let (mut rest, mut index, mut stride) = (place, 0, 1);
+        let index_in = |source: &[usize], place: usize| {
+            let (mut remainder, mut index, mut stride) = (place, 0, 1);
             for axis in (0..axes).rev() {
-                let along = rest % dims[axis];
-                rest /= dims[axis];
-                index += if own[axis] == 1 { 0 } else { along * stride };
-                stride *= own[axis];
+                let along = remainder % dims[axis];
+                remainder /= dims[axis];
+                index += if source[axis] == 1 { 0 } else { along * stride };
+                stride *= source[axis];
             }
             index
         };
         let count: usize = dims.iter().product();
-        let values =
-            (0..count).map(|place| function(self.values[at(&left, place)], other.values[at(&right, place)])).collect();
+        let values = (0..count)
+            .map(|place| function(self.values[index_in(&left, place)], other.values[index_in(&right, place)]))
+            .collect();
         Ok(Tensor { dims, values })
     }
 }

@@ -19,10 +19,10 @@ pub(super) fn choose(inputs: &Rows, count: usize, seed: Seed) -> Vec<usize> {
         }
         owners = nearest;
         for (k, centre) in centres.iter_mut().enumerate() {
-            let own: Vec<&[f64]> =
+            let members: Vec<&[f64]> =
                 inputs.iter().zip(&owners).filter(|(_, owner)| **owner == k).map(|(row, _)| row).collect();
-            if !own.is_empty() {
-                let mean = |d: usize| own.iter().map(|row| row[d]).sum::<f64>() / own.len() as f64;
+            if !members.is_empty() {
+                let mean = |d: usize| members.iter().map(|row| row[d]).sum::<f64>() / members.len() as f64;
                 *centre = (0..inputs.width()).map(mean).collect();
             }
         }
@@ -50,10 +50,10 @@ fn starts(inputs: &Rows, count: usize, random: &mut Generator) -> Vec<Vec<f64>> 
         for (distance, row) in nearest.iter_mut().zip(inputs.iter()) {
             *distance = distance.min(squared_distance(row, last));
         }
-        let mut left = random.random_range(0.0..1.0) * nearest.iter().sum::<f64>();
+        let mut remaining = random.random_range(0.0..1.0) * nearest.iter().sum::<f64>();
         let passed = |distance: &f64| {
-            left -= distance;
-            left <= 0.0
+            remaining -= distance;
+            remaining <= 0.0
         };
         let drawn = nearest.iter().position(passed).unwrap_or(inputs.len() - 1);
         centres.push(inputs.row(drawn).to_vec());

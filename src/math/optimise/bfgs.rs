@@ -8,6 +8,11 @@
 use super::quadratic::minimise_quadratic;
 use crate::base::interruption_point;
 
+/// Share of the decrease along the slope that a step must reach: the usual c₁ (Nocedal & Wright, section 3.1).
+const ARMIJO: f64 = 1e-4;
+/// Shortenings of a step after which no shorter one helps: converged to rounding.
+const MAX_SHORTENINGS: usize = 30;
+
 /// A function to minimise.
 pub trait Objective {
     /// Value at `x`; infinite where it is not defined.
@@ -66,34 +71,34 @@ pub fn minimise(objective: &mut dyn Objective, start: &[f64], limits: &Bfgs) -> 
     let n = start.len();
     let x: Vec<f64> = start.iter().zip(&limits.bounds).map(|(x, b)| x.clamp(b.0, b.1)).collect();
     let value = objective.value(&x);
-    let mut at = Minimum { x, value, hessian: Vec::new(), evaluations: 1, stop: Stop::BadStart };
+    let mut current = Minimum { x, value, hessian: Vec::new(), evaluations: 1, stop: Stop::BadStart };
     if !value.is_finite() {
-        return at;
+        return current;
     }
     let mut gradient = vec![0.0; n];
     objective.gradient(&mut gradient);
     let estimate = objective.curvature();
-    let mut first = estimate.is_none();
-    at.hessian = estimate.unwrap_or_else(|| first_hessian(&gradient));
+    let mut is_first = estimate.is_none();
+    current.hessian = estimate.unwrap_or_else(|| first_hessian(&gradient));
     loop {
-        let Some((step, promised)) = direction(&at, &gradient, limits) else {
-            at.hessian = first_hessian(&gradient);
+        let Some((step, predicted_decrease)) = direction(&current, &gradient, limits) else {
+            current.hessian = first_hessian(&gradient);
             continue;
         };
-        if promised < limits.tolerance {
-            at.stop = Stop::Converged;
-            return at;
+        if predicted_decrease < limits.tolerance {
+            current.stop = Stop::Converged;
+            return current;
         }
-        let Some((x, value)) = search(objective, &mut at, &gradient, &step, limits) else {
-            return at;
+        let Some((x, value)) = search(objective, &mut current, &gradient, &step, limits) else {
+            return current;
         };
         let mut new_gradient = vec![0.0; n];
         objective.gradient(&mut new_gradient);
-        let s: Vec<f64> = x.iter().zip(&at.x).map(|(a, b)| a - b).collect();
+        let s: Vec<f64> = x.iter().zip(&current.x).map(|(a, b)| a - b).collect();
         let y: Vec<f64> = new_gradient.iter().zip(&gradient).map(|(a, b)| a - b).collect();
-        update(&mut at.hessian, &s, &y, first);
-        first = false;
-        (at.x, at.value, gradient) = (x, value, new_gradient);
+        update(&mut current.hessian, &s, &y, is_first);
+        is_first = false;
+        (current.x, current.value, gradient) = (x, value, new_gradient);
     }
 }
 
@@ -106,56 +111,56 @@ fn first_hessian(gradient: &[f64]) -> Vec<f64> {
 
 /// The step that minimises the quadratic model within the box and the longest step, and the decrease that the model
 /// promises for it; `None` when the approximation is no longer positive definite.
-fn direction(at: &Minimum, gradient: &[f64], limits: &Bfgs) -> Option<(Vec<f64>, f64)> {
+fn direction(current: &Minimum, gradient: &[f64], limits: &Bfgs) -> Option<(Vec<f64>, f64)> {
     let n = gradient.len();
-    let room: Vec<(f64, f64)> = (at.x.iter().zip(&limits.bounds))
+    let room: Vec<(f64, f64)> = (current.x.iter().zip(&limits.bounds))
         .map(|(x, (low, high))| ((low - x).max(-limits.max_step), (high - x).min(limits.max_step)))
         .collect();
-    let step = minimise_quadratic(&at.hessian, gradient, &room)?;
-    let curved = |i: usize| (0..n).map(|j| at.hessian[i * n + j] * step[j]).sum::<f64>();
-    let promised: f64 = (0..n).map(|i| -step[i] * (gradient[i] + 0.5 * curved(i))).sum();
-    (promised >= 0.0).then_some((step, promised))
+    let step = minimise_quadratic(&current.hessian, gradient, &room)?;
+    let curved = |i: usize| (0..n).map(|j| current.hessian[i * n + j] * step[j]).sum::<f64>();
+    let predicted_decrease: f64 = (0..n).map(|i| -step[i] * (gradient[i] + 0.5 * curved(i))).sum();
+    (predicted_decrease >= 0.0).then_some((step, predicted_decrease))
 }
 
-/// Shortens the step until the function decreases enough; sets `at.stop` and returns `None` otherwise.
+/// Shortens the step until the function decreases enough; sets `current.stop` and returns `None` otherwise.
 fn search(
     objective: &mut dyn Objective,
-    at: &mut Minimum,
+    current: &mut Minimum,
     gradient: &[f64],
     step: &[f64],
     limits: &Bfgs,
 ) -> Option<(Vec<f64>, f64)> {
     let mut length = 1.0_f64;
-    for _ in 0..30 {
-        if at.evaluations >= limits.max_evaluations {
-            at.stop = Stop::Evaluations;
+    for _ in 0..MAX_SHORTENINGS {
+        if current.evaluations >= limits.max_evaluations {
+            current.stop = Stop::Evaluations;
             return None;
         }
         let x: Vec<f64> = (0..step.len())
-            .map(|i| length.mul_add(step[i], at.x[i]).clamp(limits.bounds[i].0, limits.bounds[i].1))
+            .map(|i| length.mul_add(step[i], current.x[i]).clamp(limits.bounds[i].0, limits.bounds[i].1))
             .collect();
-        let slope: f64 = (0..x.len()).map(|i| gradient[i] * (x[i] - at.x[i])).sum();
+        let slope: f64 = (0..x.len()).map(|i| gradient[i] * (x[i] - current.x[i])).sum();
         interruption_point();
         let value = objective.value(&x);
-        at.evaluations += 1;
-        if value <= at.value + 1e-4 * slope && slope < 0.0 {
+        current.evaluations += 1;
+        if value <= current.value + ARMIJO * slope && slope < 0.0 {
             return Some((x, value));
         }
         // The minimum of the parabola through both values and the slope, kept within a tenth and a half.
-        let curvature = value - at.value - slope;
+        let curvature = value - current.value - slope;
         let shorter = if curvature.is_finite() && curvature > 0.0 { -0.5 * slope / curvature } else { 0.1 };
         length *= shorter.clamp(0.1, 0.5);
     }
-    at.stop = Stop::NoDecrease;
+    current.stop = Stop::NoDecrease;
     None
 }
 
 /// Damped BFGS update of B (Nocedal & Wright, procedure 18.2); the first one rescales B to the curvature seen.
-fn update(b: &mut [f64], s: &[f64], y: &[f64], first: bool) {
+fn update(b: &mut [f64], s: &[f64], y: &[f64], is_first: bool) {
     let n = s.len();
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let sy = dot(s, y);
-    if first && sy > 0.0 {
+    if is_first && sy > 0.0 {
         let scale = dot(y, y) / sy;
         b.fill(0.0);
         b.iter_mut().step_by(n + 1).for_each(|diagonal| *diagonal = scale);
@@ -165,6 +170,7 @@ fn update(b: &mut [f64], s: &[f64], y: &[f64], first: bool) {
     if sbs <= 0.0 {
         return;
     }
+    // Powell's damping keeps B positive definite.
     let theta = if sy >= 0.2 * sbs { 1.0 } else { 0.8 * sbs / (sbs - sy) };
     let r: Vec<f64> = (0..n).map(|i| theta * y[i] + (1.0 - theta) * bs[i]).collect();
     let sr = dot(s, &r);

@@ -3,11 +3,15 @@
 
 use std::collections::VecDeque;
 
+/// The usual c₁ and c₂ of the Wolfe conditions (Nocedal & Wright, section 3.1).
+const ARMIJO: f64 = 1e-4;
+const CURVATURE: f64 = 0.9;
+
 /// Pairs of steps and changes of the gradient that are remembered.
-const MEMORY: usize = 20;
+const MAX_PAIRS: usize = 20;
 
 /// Most evaluations of a line search.
-const EVALUATIONS: usize = 40;
+const MAX_EVALUATIONS: usize = 40;
 
 /// A step and the change of the gradient along it.
 struct Pair {
@@ -48,31 +52,33 @@ impl Lbfgs {
         if self.pairs.is_empty() && self.value.is_nan() {
             self.value = function(&self.point, &mut self.gradient);
         }
-        let found = self.search(self.direction(), function);
-        if found.is_none() && !self.pairs.is_empty() {
+        let length = self.search(self.direction(), function);
+        if length.is_none() && !self.pairs.is_empty() {
+            // Old pairs may point nowhere downhill: begin again along the gradient.
             self.pairs.clear();
             return self.search(self.direction(), function);
         }
-        found
+        length
     }
 
     /// The two-loop recursion.
     fn direction(&self) -> Vec<f64> {
         let mut direction: Vec<f64> = self.gradient.iter().map(|slope| -slope).collect();
-        let mut shares = Vec::with_capacity(self.pairs.len());
+        let mut alphas = Vec::with_capacity(self.pairs.len());
         for pair in self.pairs.iter().rev() {
-            let share = pair.rho * dot(&pair.step, &direction);
-            add(&mut direction, -share, &pair.change);
-            shares.push(share);
+            let alpha = pair.rho * dot(&pair.step, &direction);
+            add(&mut direction, -alpha, &pair.change);
+            alphas.push(alpha);
         }
+        // The recursion starts from a Hessian with the curvature of the last step.
         let scale = match self.pairs.back() {
             Some(last) => 1.0 / (last.rho * dot(&last.change, &last.change)),
             None => 1.0 / dot(&self.gradient, &self.gradient).sqrt().max(1.0),
         };
         direction.iter_mut().for_each(|value| *value *= scale);
-        for (pair, share) in self.pairs.iter().zip(shares.into_iter().rev()) {
-            let back = pair.rho * dot(&pair.change, &direction);
-            add(&mut direction, share - back, &pair.step);
+        for (pair, alpha) in self.pairs.iter().zip(alphas.into_iter().rev()) {
+            let beta = pair.rho * dot(&pair.change, &direction);
+            add(&mut direction, alpha - beta, &pair.step);
         }
         direction
     }
@@ -85,16 +91,16 @@ impl Lbfgs {
         }
         let (mut low, mut high, mut length) = (0.0, f64::INFINITY, 1.0);
         let mut gradient = vec![0.0; direction.len()];
-        for _ in 0..EVALUATIONS {
+        for _ in 0..MAX_EVALUATIONS {
             let mut point = self.point.clone();
             add(&mut point, length, &direction);
             let value = function(&point, &mut gradient);
-            if value.is_nan() || value > self.value + 1e-4 * length * slope {
+            if value.is_nan() || value > self.value + ARMIJO * length * slope {
                 high = length;
-            } else if dot(&gradient, &direction) < 0.9 * slope {
+            } else if dot(&gradient, &direction) < CURVATURE * slope {
                 low = length;
             } else {
-                self.arrive(point, gradient, value);
+                self.accept(point, gradient, value);
                 return Some(length);
             }
             length = if high.is_finite() { 0.5 * (low + high) } else { 2.0 * low };
@@ -102,12 +108,13 @@ impl Lbfgs {
         None
     }
 
-    fn arrive(&mut self, point: Vec<f64>, gradient: Vec<f64>, value: f64) {
+    fn accept(&mut self, point: Vec<f64>, gradient: Vec<f64>, value: f64) {
         let difference = |to: &[f64], from: &[f64]| to.iter().zip(from).map(|(a, b)| a - b).collect::<Vec<f64>>();
         let (step, change) = (difference(&point, &self.point), difference(&gradient, &self.gradient));
         let curvature = dot(&step, &change);
+        // Only such pairs keep the approximation positive definite.
         if curvature > 0.0 {
-            if self.pairs.len() == MEMORY {
+            if self.pairs.len() == MAX_PAIRS {
                 self.pairs.pop_front();
             }
             self.pairs.push_back(Pair { step, change, rho: 1.0 / curvature });

@@ -4,15 +4,16 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// Relative change of the sum of squares below which a fit has converged.
-const CONVERGED: f64 = 1e-10;
+const CONVERGENCE_TOLERANCE: f64 = 1e-10;
+/// Most accepted steps.
 const MAX_ITERATIONS: usize = 60;
 /// Largest damping; where no step helps up to it, the parameters are the minimum to rounding.
 const MAX_DAMPING: f64 = 1e10;
 /// Directions whose singular value is below this share of the largest (columns scaled to unit length) are not
 /// identifiable.
-const UNSEEN_DIRECTION: f64 = 1e-7;
+const MIN_SINGULAR_VALUE_RATIO: f64 = 1e-7;
 /// A parameter with more than this share in an unidentifiable direction has no interval.
-const UNSEEN_SHARE: f64 = 1e-4;
+const MAX_UNIDENTIFIABLE_SHARE: f64 = 1e-4;
 
 /// A fit.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,7 +49,7 @@ pub fn fit(residuals: &Residuals, derivative: &ResidualJacobian, start: &[f64]) 
         let before = current.norm_squared();
         (at, current) = (next, residual);
         jacobian = derivative(&at)?;
-        converged = 1.0 - current.norm_squared() / before.max(f64::MIN_POSITIVE) < CONVERGED;
+        converged = 1.0 - current.norm_squared() / before.max(f64::MIN_POSITIVE) < CONVERGENCE_TOLERANCE;
         if converged {
             break;
         }
@@ -61,8 +62,8 @@ pub fn fit(residuals: &Residuals, derivative: &ResidualJacobian, start: &[f64]) 
 /// `jacobian` with zero columns for parameters without influence: those whose change by `step` changes the residuals by
 /// less than their `accuracy`, in the root mean square.
 pub fn unseen_left_out(mut jacobian: DMatrix<f64>, step: f64, accuracy: f64) -> DMatrix<f64> {
-    let least = accuracy * (jacobian.nrows() as f64).sqrt() / step;
-    for mut column in jacobian.column_iter_mut().filter(|column| column.norm() <= least) {
+    let min_norm = accuracy * (jacobian.nrows() as f64).sqrt() / step;
+    for mut column in jacobian.column_iter_mut().filter(|column| column.norm() <= min_norm) {
         column.fill(0.0);
     }
     jacobian
@@ -95,43 +96,45 @@ fn improve(
         let mut damped = normal.clone();
         for k in 0..at.len() {
             // A parameter without influence has a zero gradient and does not move.
+            // Marquardt's scaling does not depend on the units of parameters.
             damped[(k, k)] += if normal[(k, k)] > 0.0 { damping * normal[(k, k)] } else { 1.0 };
         }
         let step = Cholesky::new(damped)?.solve(&gradient);
-        let there: Vec<f64> = at.iter().zip(step.iter()).map(|(x, dx)| x - dx).collect();
-        let residual = DVector::from_vec(residuals(&there)?);
-        (residual.norm_squared() <= current.norm_squared()).then_some((there, residual))
+        let candidate: Vec<f64> = at.iter().zip(step.iter()).map(|(x, dx)| x - dx).collect();
+        let residual = DVector::from_vec(residuals(&candidate)?);
+        (residual.norm_squared() <= current.norm_squared()).then_some((candidate, residual))
     })
 }
 
 /// Intervals from the covariance s² (JᵀJ)⁺; infinite for parameters with a share in an unidentifiable direction.
 fn intervals(jacobian: &DMatrix<f64>, residual: &DVector<f64>, at: &[f64]) -> Vec<[f64; 2]> {
     let unbounded = [f64::NEG_INFINITY, f64::INFINITY];
-    let seen: Vec<usize> = (0..at.len()).filter(|&k| jacobian.column(k).norm() > 0.0).collect();
+    let active: Vec<usize> = (0..at.len()).filter(|&k| jacobian.column(k).norm() > 0.0).collect();
     let mut intervals = vec![unbounded; at.len()];
-    if seen.is_empty() {
+    if active.is_empty() {
         return intervals;
     }
-    let freedom = residual.len() as f64 - seen.len() as f64;
+    let freedom = residual.len() as f64 - active.len() as f64;
     let Ok(student) = StudentsT::new(0.0, 1.0, freedom) else { return intervals };
     let variance = residual.norm_squared() / freedom;
     let quantile = student.inverse_cdf(0.975);
-    let lengths: Vec<f64> = seen.iter().map(|&k| jacobian.column(k).norm()).collect();
-    let scaled = DMatrix::from_fn(residual.len(), seen.len(), |row, k| jacobian[(row, seen[k])] / lengths[k]);
+    // Columns of unit length, so that units of parameters do not decide what is identifiable.
+    let lengths: Vec<f64> = active.iter().map(|&k| jacobian.column(k).norm()).collect();
+    let scaled = DMatrix::from_fn(residual.len(), active.len(), |row, k| jacobian[(row, active[k])] / lengths[k]);
     let parts = scaled.svd(false, true);
     let Some(directions) = parts.v_t else { return intervals };
-    let smallest = UNSEEN_DIRECTION * parts.singular_values.max();
-    for (k, &parameter) in seen.iter().enumerate() {
-        let mut unseen = false;
+    let smallest = MIN_SINGULAR_VALUE_RATIO * parts.singular_values.max();
+    for (k, &parameter) in active.iter().enumerate() {
+        let mut is_unidentifiable = false;
         let mut inverse = 0.0;
         for (direction, &size) in directions.row_iter().zip(parts.singular_values.iter()) {
             if size > smallest {
                 inverse += (direction[k] / size).powi(2);
             } else {
-                unseen |= direction[k].abs() > UNSEEN_SHARE;
+                is_unidentifiable |= direction[k].abs() > MAX_UNIDENTIFIABLE_SHARE;
             }
         }
-        if !unseen {
+        if !is_unidentifiable {
             let half = quantile * (variance * inverse).sqrt() / lengths[k];
             intervals[parameter] = [at[parameter] - half, at[parameter] + half];
         }

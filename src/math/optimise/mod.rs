@@ -19,6 +19,6 @@ pub(crate) fn both_gradients(objective: &mut dyn Objective, at: &[f64]) -> Vec<[
         x[k] += by;
         objective.value(&x)
     };
-    let difference = |(k, given): (usize, f64)| [given, (moved(k, 1e-5) - moved(k, -1e-5)) / 2e-5];
+    let difference = |(k, analytic): (usize, f64)| [analytic, (moved(k, 1e-5) - moved(k, -1e-5)) / 2e-5];
     gradient.into_iter().enumerate().map(difference).collect()
 }

@@ -5,30 +5,33 @@
 /// bound; those with a negative multiplier are released.
 pub(crate) fn minimise_quadratic(b: &[f64], g: &[f64], room: &[(f64, f64)]) -> Option<Vec<f64>> {
     let n = g.len();
-    let mut wall: Vec<Option<f64>> = vec![None; n];
+    let mut fixed: Vec<Option<f64>> = vec![None; n];
     let mut d = vec![0.0; n];
+    // A limit on changes of the active set: rounding could make it cycle.
     for _ in 0..4 * n + 4 {
-        let free: Vec<usize> = (0..n).filter(|&i| wall[i].is_none()).collect();
-        let pull = |i: usize| g[i] + (0..n).filter_map(|j| wall[j].map(|w| b[i * n + j] * w)).sum::<f64>();
+        // The minimum of the free unknowns, with the others at their bounds.
+        let free: Vec<usize> = (0..n).filter(|&i| fixed[i].is_none()).collect();
+        let reduced_gradient = |i: usize| g[i] + (0..n).filter_map(|j| fixed[j].map(|w| b[i * n + j] * w)).sum::<f64>();
         let matrix: Vec<f64> = free.iter().flat_map(|&i| free.iter().map(move |&j| b[i * n + j])).collect();
-        let right: Vec<f64> = free.iter().map(|&i| -pull(i)).collect();
-        let solved = solve_spd(&matrix, &right)?;
+        let rhs: Vec<f64> = free.iter().map(|&i| -reduced_gradient(i)).collect();
+        let solved = solve_spd(&matrix, &rhs)?;
         free.iter().zip(&solved).for_each(|(&i, s)| d[i] = s.clamp(room[i].0, room[i].1));
         let outside = |(&i, s): (&usize, &f64)| (*s < room[i].0 || *s > room[i].1).then_some(i);
         let leaving: Vec<usize> = free.iter().zip(&solved).filter_map(outside).collect();
         if !leaving.is_empty() {
-            leaving.into_iter().for_each(|i| wall[i] = Some(d[i]));
+            leaving.into_iter().for_each(|i| fixed[i] = Some(d[i]));
             continue;
         }
-        let slope = |i: usize| g[i] + (0..n).map(|j| b[i * n + j] * d[j]).sum::<f64>();
-        let inward = |i: &usize| match wall[*i] {
-            Some(w) if w <= room[*i].0 => -slope(*i),
-            Some(_) => slope(*i),
+        // A fixed unknown is released where the model falls towards the inside of the box.
+        let model_gradient = |i: usize| g[i] + (0..n).map(|j| b[i * n + j] * d[j]).sum::<f64>();
+        let descent = |i: &usize| match fixed[*i] {
+            Some(w) if w <= room[*i].0 => -model_gradient(*i),
+            Some(_) => model_gradient(*i),
             None => 0.0,
         };
-        let released = (0..n).filter(|i| inward(i) > 1e-12).max_by(|a, b| inward(a).total_cmp(&inward(b)));
+        let released = (0..n).filter(|i| descent(i) > 1e-12).max_by(|a, b| descent(a).total_cmp(&descent(b)));
         match released {
-            Some(i) => wall[i] = None,
+            Some(i) => fixed[i] = None,
             None => break,
         }
     }
@@ -38,6 +41,7 @@ pub(crate) fn minimise_quadratic(b: &[f64], g: &[f64], room: &[(f64, f64)]) -> O
 /// Solves `A x = b` for symmetric `a` (row-major, n×n); `None` when `a` is not positive definite.
 fn solve_spd(a: &[f64], b: &[f64]) -> Option<Vec<f64>> {
     let n = b.len();
+    // Cholesky, then forward and backward substitution.
     let mut l = a.to_vec();
     for j in 0..n {
         for i in j..n {

@@ -35,24 +35,24 @@ pub struct RefusedRow {
 /// # Errors
 /// [`RefusedRow`]: the first command that the robot would refuse.
 pub fn dry_run(limits: &SafetyLimits, commands: &Recording, step_s: f64) -> Result<DryRun, RefusedRow> {
-    let mut foreseen = DryRun::default();
+    let mut summary = DryRun::default();
     for (_, rows) in commands.trials() {
-        foreseen.trials += 1;
+        summary.trials += 1;
         let mut last_m = vec![0.0; commands.tendons()];
         for row in rows.start..rows.end - 1 {
             let pulls_m = commands.commands.row(row);
             let ticks = limits.check_in_ticks(pulls_m, &last_m, step_s);
-            foreseen.ticks += ticks.map_err(|refusal| RefusedRow { row, refusal })?;
-            foreseen.commands += 1;
+            summary.ticks += ticks.map_err(|refusal| RefusedRow { row, refusal })?;
+            summary.commands += 1;
             let changes = pulls_m.iter().zip(&last_m).map(|(to, from)| (to - from).abs());
             let step_m = changes.fold(0.0, f64::max);
-            if step_m > foreseen.largest_step_m {
-                (foreseen.largest_step_m, foreseen.largest_row) = (step_m, row);
+            if step_m > summary.largest_step_m {
+                (summary.largest_step_m, summary.largest_row) = (step_m, row);
             }
-            let [low, high] = foreseen.reach_m;
-            foreseen.reach_m = pulls_m.iter().fold([low, high], |[low, high], &pull| [low.min(pull), high.max(pull)]);
+            let [low, high] = summary.reach_m;
+            summary.reach_m = pulls_m.iter().fold([low, high], |[low, high], &pull| [low.min(pull), high.max(pull)]);
             last_m = pulls_m.to_vec();
         }
     }
-    Ok(foreseen)
+    Ok(summary)
 }

@@ -70,8 +70,8 @@ impl Hardware {
     ) -> Result<Hardware, String> {
         let OpenedDevices { serial, clock, latch, interrupt } = opened;
         // Every axis has to be fast enough for the largest step in a tick.
-        let least_speed_mm_min = slowest_axis_mm_min(&options.safety, step_s);
-        let motion = MotionSettings { least_speed_mm_min, ..options.motion.clone() };
+        let min_speed_mm_min = slowest_axis_mm_min(&options.safety, step_s);
+        let motion = MotionSettings { min_speed_mm_min, ..options.motion.clone() };
         let controller = Controller::open(serial, &motion, clock.as_ref()).map_err(|fault| fault.to_string());
         let tracking = TrackerClient::open(tracking.clone(), clock.as_ref()).map_err(|fault| fault.to_string());
         let ready = match (controller, tracking) {

@@ -10,11 +10,11 @@ use crate::hardware::interrupt::Interrupt;
 
 /// Whether a part of this program uses the robot, and what is attached to it.
 struct SharedRobot {
-    taken: bool,
+    in_use: bool,
     attached: Vec<EffectSpec>,
 }
 
-static ROBOT: Mutex<SharedRobot> = Mutex::new(SharedRobot { taken: false, attached: Vec::new() });
+static ROBOT: Mutex<SharedRobot> = Mutex::new(SharedRobot { in_use: false, attached: Vec::new() });
 static FREE: Condvar = Condvar::new();
 
 /// Exclusive use of the robot, until it is dropped.
@@ -27,21 +27,21 @@ impl RobotLock {
     /// A message, if no operator answers.
     pub(crate) fn new(attached: &[EffectSpec]) -> Result<RobotLock, String> {
         let mut robot = ROBOT.lock().unwrap_or_else(PoisonError::into_inner);
-        while robot.taken {
+        while robot.in_use {
             robot = FREE.wait(robot).unwrap_or_else(PoisonError::into_inner);
         }
         if robot.attached != attached {
             attach(attached)?;
             robot.attached = attached.to_vec();
         }
-        robot.taken = true;
+        robot.in_use = true;
         Ok(RobotLock(()))
     }
 }
 
 impl Drop for RobotLock {
     fn drop(&mut self) {
-        ROBOT.lock().unwrap_or_else(PoisonError::into_inner).taken = false;
+        ROBOT.lock().unwrap_or_else(PoisonError::into_inner).in_use = false;
         FREE.notify_one();
     }
 }
@@ -57,7 +57,7 @@ fn attach(attached: &[EffectSpec]) -> Result<(), String> {
 }
 
 /// Interval at which requests to end are checked, s.
-const LOOK_S: f64 = 0.05;
+const CHECK_INTERVAL_S: f64 = 0.05;
 
 /// Asks the operator for an action and waits for Enter.
 ///
@@ -74,7 +74,7 @@ pub fn ask_operator(what: &str) -> Result<(), String> {
         let _ = sender.send(matches!(stdin().read_line(&mut line), Ok(count) if count > 0));
     });
     loop {
-        match answer.recv_timeout(Duration::from_secs_f64(LOOK_S)) {
+        match answer.recv_timeout(Duration::from_secs_f64(CHECK_INTERVAL_S)) {
             Ok(true) => return Ok(()),
             Err(RecvTimeoutError::Timeout) if !interrupt.raised() => {}
             Err(RecvTimeoutError::Timeout) => {

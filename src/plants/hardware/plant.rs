@@ -8,18 +8,18 @@ use crate::hardware::rig::MoveError;
 use crate::hardware::safety::GuardState;
 
 /// Longest duration of homing and of the way home, s.
-const HOMING_S: f64 = 120.0;
+const MAX_HOMING_S: f64 = 120.0;
 /// Longest wait for a pose after a tick, s.
-const POSE_S: f64 = 0.03;
+const MAX_POSE_WAIT_S: f64 = 0.03;
 /// Share of a tick by which a command may be late without shifting the following ticks: it has to wait for the pose of
 /// the last tick.
-const LATE_SHARE: f64 = 0.1;
+const MAX_LATE_SHARE: f64 = 0.1;
 
 impl Hardware {
     /// Homes the robot unless it is homed, and moves its tendons home.
     pub(super) fn go_home(&mut self) -> Result<(), PlantError> {
         self.supervised.rig().set_expected_tip(None);
-        let deadline_s = self.supervised.clock.now_s() + HOMING_S;
+        let deadline_s = self.supervised.clock.now_s() + MAX_HOMING_S;
         if *self.supervised.rig().state() == GuardState::Idle {
             let now_s = self.supervised.clock.now_s();
             self.supervised.rig().start(now_s).map_err(plant_error)?;
@@ -49,9 +49,9 @@ impl Hardware {
     /// it was held.
     fn wait_until_active(&self, events: usize, deadline_s: f64) -> Result<bool, PlantError> {
         let ended = self.supervised.wait(deadline_s, |rig, _| {
-            let held = rig.events().iter().skip(events).any(|event| event.state == "held");
+            let was_held = rig.events().iter().skip(events).any(|event| event.state == "held");
             match rig.state() {
-                GuardState::Active => (!held || rig.stands()).then_some(Ok(held)),
+                GuardState::Active => (!was_held || rig.stands()).then_some(Ok(was_held)),
                 state => stop_error(state).map(Err),
             }
         });
@@ -65,10 +65,10 @@ impl Hardware {
 
     /// Stops a robot that exceeded a time limit.
     pub(super) fn stop_overdue(&self, what: &str) -> PlantError {
-        let words = format!("{what} took too long; inspect the robot");
+        let message = format!("{what} took too long; inspect the robot");
         let now_s = self.supervised.clock.now_s();
-        self.supervised.rig().stop(words.clone(), now_s);
-        PlantError::Stopped(words)
+        self.supervised.rig().stop(message.clone(), now_s);
+        PlantError::Stopped(message)
     }
 
     /// Refuses a command before the model moves, so that both stay where they are. The model decides how far following
@@ -92,21 +92,21 @@ impl Hardware {
     fn drive_in_ticks(&mut self, pulls_m: &[f64], called_s: f64, begin_s: f64) -> Result<bool, PlantError> {
         let from_m = self.supervised.rig().commanded_m();
         let ticks = self.safety.ticks(pulls_m, &from_m, self.step_s).max(1);
-        let (mut held, mut called_s) = (false, called_s);
+        let (mut was_held, mut called_s) = (false, called_s);
         for tick in 1..=ticks {
             let share = tick as f64 / ticks as f64;
-            let there_m: Vec<f64> =
+            let tick_pulls_m: Vec<f64> =
                 pulls_m.iter().zip(&from_m).map(|(to, from)| share * to + (1.0 - share) * from).collect();
             let events = self.event_count();
-            self.send(&there_m, called_s)?;
+            self.send(&tick_pulls_m, called_s)?;
             let end_s = begin_s + self.step_s * tick as f64;
             self.supervised.clock.sleep_until(end_s);
             called_s = self.supervised.clock.now_s();
             self.timing.jitter.push(called_s - end_s);
-            held |= self.wait_until_active(events, end_s + self.patience_s)?;
+            was_held |= self.wait_until_active(events, end_s + self.patience_s)?;
             self.due_s = end_s;
         }
-        Ok(held)
+        Ok(was_held)
     }
 
     /// Sends the command of a tick once the robot is active and the controller's queue has room.
@@ -126,12 +126,12 @@ impl Hardware {
 
     /// The tracker's present measurement; not valid without a pose.
     fn observe(&self, pulls_m: Vec<f64>) -> Observation {
-        let asked_s = self.supervised.clock.now_s();
-        let between = self.supervised.wait(asked_s + POSE_S, |rig, _| rig.tip_at(asked_s));
+        let requested_s = self.supervised.clock.now_s();
+        let between = self.supervised.wait(requested_s + MAX_POSE_WAIT_S, |rig, _| rig.tip_at(requested_s));
         // If several frames in a row are lost, the last pose is used while it is plausible.
-        let pose = between.or_else(|| self.supervised.rig().fresh_tip(asked_s));
+        let pose = between.or_else(|| self.supervised.rig().fresh_tip(requested_s));
         Observation {
-            time_s: asked_s - self.trial_s,
+            time_s: requested_s - self.trial_s,
             tip_m: pose.as_ref().map_or([f64::NAN; 3], |pose| pose.position_m),
             tip_quaternion: pose.as_ref().map(|pose| pose.quaternion),
             points: Vec::new(),
@@ -205,7 +205,7 @@ impl Plant for Hardware {
         admitted.map_err(|refusal| PlantError::Refused(refusal.to_string()))?;
         self.model = model;
         self.supervised.rig().set_expected_tip(Some(predicted.tip_m));
-        let in_time = now_s <= self.due_s + LATE_SHARE * self.step_s;
+        let in_time = now_s <= self.due_s + MAX_LATE_SHARE * self.step_s;
         let begin_s = if in_time { self.due_s } else { now_s };
         if self.drive_in_ticks(&pulls_m, now_s, begin_s)? {
             self.timing.held += 1;

@@ -17,10 +17,10 @@ use crate::simulators::{
 use super::options::{HardwareOptions, RehearsalOptions};
 
 /// Speed (mm/min) and acceleration (mm/s²) of the simulated axes, sufficient for steps of 3 mm at 5 Hz.
-const FAST: [(u16, &str); 2] = [(110, "3000"), (120, "500")];
+const AXIS_SETTINGS: [(u16, &str); 2] = [(110, "3000"), (120, "500")];
 
 /// Interval of gaps of the simulated tracker, s.
-const GAP_EVERY_S: f64 = 3.0;
+const GAP_INTERVAL_S: f64 = 3.0;
 
 /// The running simulators of a rehearsal.
 pub struct Rehearsal {
@@ -40,11 +40,11 @@ impl Rehearsal {
     ) -> Result<(Rehearsal, Box<dyn SerialLine>, TrackingSettings), String> {
         let clock: Arc<dyn Clock> = Arc::new(RehearsalClock::default());
         // A pseudo-terminal delivers with a delay, which is late on a clock that does not wait for it.
-        let (theirs, ours) = pipe();
-        let (simulator, tracking) = build_simulator(options, rehearsal, Box::new(theirs), seed)?;
+        let (simulator_end, driver_end) = pipe();
+        let (simulator, tracking) = build_simulator(options, rehearsal, Box::new(simulator_end), seed)?;
         clock.join();
         let running = RunningSimulator::start(simulator, Arc::clone(&clock)).map_err(|error| error.to_string())?;
-        Ok((Rehearsal { running, clock, interrupt: Interrupt::default() }, Box::new(ours), tracking))
+        Ok((Rehearsal { running, clock, interrupt: Interrupt::default() }, Box::new(driver_end), tracking))
     }
 
     /// The clock of the simulators.
@@ -72,7 +72,7 @@ pub(super) fn build_simulator(
     seed: Seed,
 ) -> Result<(Simulator, TrackingSettings), String> {
     let mut controller_options = ControllerOptions { seed: seed.0, ..ControllerOptions::default() };
-    for (first, value) in FAST {
+    for (first, value) in AXIS_SETTINGS {
         controller_options.settings.extend((first..first + 4).map(|number| (number, value.to_owned())));
     }
     controller_options.settings.insert(23, options.motion.homing_directions.to_string());
@@ -84,7 +84,7 @@ pub(super) fn build_simulator(
     let faults = [
         (rehearsal.loss, TrackerFault::Loss(rehearsal.loss)),
         (rehearsal.jitter_s, TrackerFault::Jitter(rehearsal.jitter_s)),
-        (rehearsal.gap_s, TrackerFault::Gaps { every_s: GAP_EVERY_S, lasting_s: rehearsal.gap_s }),
+        (rehearsal.gap_s, TrackerFault::Gaps { every_s: GAP_INTERVAL_S, lasting_s: rehearsal.gap_s }),
     ];
     faults.into_iter().filter(|(amount, _)| *amount > 0.0).for_each(|(_, fault)| tracker.inject(fault));
     let tracking = TrackingSettings {
@@ -96,8 +96,8 @@ pub(super) fn build_simulator(
     let truth = TrackingSettings { alignment: rehearsal.alignment.unwrap_or(tracking.alignment), ..tracking.clone() };
     let mounting = Mounting::of(&truth);
     let body = RehearsalRobot::new(&rehearsal.model, &options.attached);
-    let seen = Box::new(move |base: &RigidPose, tip: &RigidPose| mounting.tip_body(base, tip));
-    Ok((Simulator::new(controller, tracker, Box::new(body), options.axes, seen), tracking))
+    let tip_body = Box::new(move |base: &RigidPose, tip: &RigidPose| mounting.tip_body(base, tip));
+    Ok((Simulator::new(controller, tracker, Box::new(body), options.axes, tip_body), tracking))
 }
 
 /// A simulated robot whose tendons are moved by simulated lead screws.
@@ -110,7 +110,7 @@ struct RehearsalRobot {
     tip: RigidPose,
     pulls_m: [f64; AXES],
     /// Time without a change, s.
-    still_s: f64,
+    unchanged_s: f64,
 }
 
 /// Time step of the robot, s: lead screws are slow compared with it.
@@ -127,7 +127,7 @@ impl RehearsalRobot {
             waiting_s: 0.0,
             tip: RigidPose::default(),
             pulls_m: [0.0; AXES],
-            still_s: 0.0,
+            unchanged_s: 0.0,
         };
         // Before homing the screws have arbitrary positions; the robot starts with its tendons at home.
         let _ = robot.driven.home();
@@ -140,9 +140,11 @@ impl RehearsalRobot {
     }
 
     fn update_tip(&mut self) {
-        let seen = self.driven.observation(&self.commands(), 0.0);
-        self.tip =
-            RigidPose { position_m: seen.tip_m, quaternion: seen.tip_quaternion.unwrap_or([1.0, 0.0, 0.0, 0.0]) };
+        let observation = self.driven.observation(&self.commands(), 0.0);
+        self.tip = RigidPose {
+            position_m: observation.tip_m,
+            quaternion: observation.tip_quaternion.unwrap_or([1.0, 0.0, 0.0, 0.0]),
+        };
     }
 }
 
@@ -156,8 +158,8 @@ impl SimulatedRobot for RehearsalRobot {
             return self.tip;
         }
         let moved = *pulls_m != self.pulls_m;
-        self.still_s = if moved { 0.0 } else { self.still_s + self.waiting_s };
-        if self.still_s < AT_REST_S && pulls_m.iter().all(|pull_m| pull_m.abs() < OFF_SPOOL_M) {
+        self.unchanged_s = if moved { 0.0 } else { self.unchanged_s + self.waiting_s };
+        if self.unchanged_s < AT_REST_S && pulls_m.iter().all(|pull_m| pull_m.abs() < OFF_SPOOL_M) {
             self.pulls_m = *pulls_m;
             // A rod without an equilibrium keeps its shape, as if stuck.
             if self.driven.advance(&self.commands(), self.waiting_s).is_ok() {
@@ -170,13 +172,13 @@ impl SimulatedRobot for RehearsalRobot {
 
     /// The weight is applied quasi-statically: the robot is at rest under it at once.
     fn hang_weight(&mut self, load_kg: f64) {
-        let hung = (load_kg > 0.0).then(|| EffectSpec::tip_load(load_kg));
-        let all: Vec<EffectSpec> = self.attached.iter().cloned().chain(hung).collect();
+        let load = (load_kg > 0.0).then(|| EffectSpec::tip_load(load_kg));
+        let all: Vec<EffectSpec> = self.attached.iter().cloned().chain(load).collect();
         self.driven = DrivenModel::new(&self.model, &all);
         let rests = self.driven.home().and_then(|()| self.driven.settle(&self.commands()));
         if rests.is_ok() {
             self.update_tip();
         }
-        self.still_s = 0.0;
+        self.unchanged_s = 0.0;
     }
 }

@@ -9,36 +9,36 @@ use crate::hardware::realtime::{Priority, RealTime};
 use crate::hardware::rig::Rig;
 
 /// Interval at which the rig is polled, s.
-const WATCH_S: f64 = 0.005;
+const POLL_INTERVAL_S: f64 = 0.005;
 /// Longest wait at the end until the robot stands and its queue is discarded, s: a late answer of the controller must
 /// still arrive.
-const LEAVE_S: f64 = 5.0;
+const MAX_SHUTDOWN_S: f64 = 5.0;
 
 /// A rig that a thread of its own polls, whatever its user does.
 pub(crate) struct SupervisedRig {
     rig: Arc<Mutex<Rig>>,
     pub(crate) clock: Arc<dyn Clock>,
-    over: Arc<AtomicBool>,
+    ended: Arc<AtomicBool>,
     watch: Option<JoinHandle<()>>,
 }
 
 impl SupervisedRig {
     /// Supervises `rig` from now on. The calling thread is registered with the clock, and deregistered on drop.
     pub(crate) fn new(rig: Rig, clock: Arc<dyn Clock>) -> SupervisedRig {
-        let (rig, over) = (Arc::new(Mutex::new(rig)), Arc::new(AtomicBool::new(false)));
+        let (rig, ended) = (Arc::new(Mutex::new(rig)), Arc::new(AtomicBool::new(false)));
         clock.join();
         let watch = std::thread::spawn({
-            let (rig, clock, over) = (Arc::clone(&rig), Arc::clone(&clock), Arc::clone(&over));
+            let (rig, clock, ended) = (Arc::clone(&rig), Arc::clone(&clock), Arc::clone(&ended));
             move || {
                 let _priority = clock.is_real().then(|| RealTime::new(Priority::Supervisor));
-                while !over.load(Ordering::SeqCst) {
+                while !ended.load(Ordering::SeqCst) {
                     lock(&rig).poll(clock.now_s());
-                    clock.sleep_until(clock.now_s() + WATCH_S);
+                    clock.sleep_until(clock.now_s() + POLL_INTERVAL_S);
                 }
                 clock.leave();
             }
         });
-        SupervisedRig { rig, clock, over, watch: Some(watch) }
+        SupervisedRig { rig, clock, ended, watch: Some(watch) }
     }
 
     /// The locked rig.
@@ -60,7 +60,7 @@ impl SupervisedRig {
             if now_s >= deadline_s {
                 return None;
             }
-            self.clock.sleep_until(f64::min(now_s + WATCH_S, deadline_s));
+            self.clock.sleep_until(f64::min(now_s + POLL_INTERVAL_S, deadline_s));
         }
     }
 }
@@ -76,9 +76,9 @@ impl Drop for SupervisedRig {
         let why = if std::thread::panicking() { "the program failed" } else { "the program ended" };
         let now_s = self.clock.now_s();
         if self.rig().shut_down(why, now_s) {
-            self.wait(now_s + LEAVE_S, |rig, now_s| (!rig.shut_down(why, now_s)).then_some(()));
+            self.wait(now_s + MAX_SHUTDOWN_S, |rig, now_s| (!rig.shut_down(why, now_s)).then_some(()));
         }
-        self.over.store(true, Ordering::SeqCst);
+        self.ended.store(true, Ordering::SeqCst);
         self.clock.leave();
         if let Some(watch) = self.watch.take() {
             // A panic of the supervising thread has been noticed by the next lock of the rig.

@@ -3,22 +3,22 @@
 /// The shortest time that is distinguished from 0, s.
 const MIN_S: f64 = 1e-6;
 /// Bins per decade: neighbours differ by 2.3 %.
-const PER_DECADE: usize = 100;
+const BINS_PER_DECADE: usize = 100;
 /// Bins from a microsecond to a hundred seconds; longer times fall into the last one.
-const CLASSES: usize = 8 * PER_DECADE + 1;
+const BINS: usize = 8 * BINS_PER_DECADE + 1;
 
 /// Distribution of delays: number, maximum, and a histogram of constant size.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lateness {
     count: u64,
     most_s: f64,
-    /// Counts in each bin of [`class`].
-    classes: Vec<u64>,
+    /// Counts in each bin of [`bin`].
+    bins: Vec<u64>,
 }
 
 impl Default for Lateness {
     fn default() -> Self {
-        Lateness { count: 0, most_s: 0.0, classes: vec![0; CLASSES] }
+        Lateness { count: 0, most_s: 0.0, bins: vec![0; BINS] }
     }
 }
 
@@ -27,7 +27,7 @@ impl Lateness {
     pub fn push(&mut self, time_s: f64) {
         self.count += 1;
         self.most_s = self.most_s.max(time_s);
-        self.classes[class(time_s)] += 1;
+        self.bins[bin(time_s)] += 1;
     }
 
     /// Number of times.
@@ -42,28 +42,28 @@ impl Lateness {
 
     /// Quantile `share` of the times, s: at most 2.3 % above the exact one, never below it; 0 if there are none.
     pub fn quantile_s(&self, share: f64) -> f64 {
-        let wanted = (share * self.count as f64).ceil();
+        let rank = (share * self.count as f64).ceil();
         let mut below = 0;
-        for (class, number) in self.classes.iter().enumerate() {
+        for (bin, number) in self.bins.iter().enumerate() {
             below += number;
-            if *number > 0 && below as f64 >= wanted {
-                return upper_s(class).min(self.most_s);
+            if *number > 0 && below as f64 >= rank {
+                return upper_s(bin).min(self.most_s);
             }
         }
         self.most_s
     }
 }
 
-fn class(time_s: f64) -> usize {
+fn bin(time_s: f64) -> usize {
     if time_s <= MIN_S {
         return 0;
     }
     let decades = (time_s / MIN_S).log10();
-    ((decades * PER_DECADE as f64).floor() as usize + 1).min(CLASSES - 1)
+    ((decades * BINS_PER_DECADE as f64).floor() as usize + 1).min(BINS - 1)
 }
 
-fn upper_s(class: usize) -> f64 {
-    if class + 1 == CLASSES { f64::INFINITY } else { MIN_S * 10_f64.powf(class as f64 / PER_DECADE as f64) }
+fn upper_s(bin: usize) -> f64 {
+    if bin + 1 == BINS { f64::INFINITY } else { MIN_S * 10_f64.powf(bin as f64 / BINS_PER_DECADE as f64) }
 }
 
 /// Delays of ticks and of commands.

@@ -28,11 +28,11 @@ struct PolynomialElement {
 impl Basis {
     pub(crate) fn new(nodes: &[Node], modes: [usize; COMPONENTS]) -> Basis {
         let points = nodes.len();
-        let most = modes.iter().copied().max().unwrap_or(0);
-        let mut rows = vec![0.0; most * points];
+        let max_modes = modes.iter().copied().max().unwrap_or(0);
+        let mut rows = vec![0.0; max_modes * points];
         let mut elements: Vec<PolynomialElement> = Vec::new();
         for (g, node) in nodes.iter().enumerate() {
-            (0..most).for_each(|j| rows[j * points + g] = node.basis[j]);
+            (0..max_modes).for_each(|j| rows[j * points + g] = node.basis[j]);
             match elements.last_mut().filter(|element| element.offset == node.offset) {
                 Some(element) => element.points.end = g + 1,
                 None => elements.push(PolynomialElement { points: g..g + 1, offset: node.offset }),
@@ -73,7 +73,7 @@ impl Basis {
     /// Adds the sums over the Gauss points of `weights` times the polynomials of components `row` and `column` to the
     /// block of a square matrix that belongs to them.
     #[inline(always)]
-    pub(crate) fn test_pair(&self, weights: &[f64], (row, column): (usize, usize), matrix: &mut [f64], size: usize) {
+    pub(crate) fn test_pair(&self, weights: &[f64], row: usize, column: usize, matrix: &mut [f64], size: usize) {
         for element in &self.elements {
             let weights = &weights[element.points.clone()];
             for i in 0..self.modes[row] {
@@ -91,29 +91,29 @@ impl Basis {
 /// Dot product in eight partial sums: the result does not depend on the vector width.
 #[inline(always)]
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut strands = [0.0; 8];
+    let mut partial_sums = [0.0; 8];
     let (a_chunks, b_chunks) = (a.chunks_exact(8), b.chunks_exact(8));
-    let rest: f64 = a_chunks.remainder().iter().zip(b_chunks.remainder()).map(|(x, y)| x * y).sum();
+    let tail: f64 = a_chunks.remainder().iter().zip(b_chunks.remainder()).map(|(x, y)| x * y).sum();
     for (x, y) in a_chunks.zip(b_chunks) {
         for k in 0..8 {
-            strands[k] += x[k] * y[k];
+            partial_sums[k] += x[k] * y[k];
         }
     }
-    let [s0, s1, s2, s3, s4, s5, s6, s7] = strands;
-    ((s0 + s4) + (s1 + s5)) + ((s2 + s6) + (s3 + s7)) + rest
+    let [s0, s1, s2, s3, s4, s5, s6, s7] = partial_sums;
+    ((s0 + s4) + (s1 + s5)) + ((s2 + s6) + (s3 + s7)) + tail
 }
 
 /// Sum of triple products in four partial sums.
 #[inline(always)]
 fn triple_dot(a: &[f64], b: &[f64], c: &[f64]) -> f64 {
-    let mut strands = [0.0; 4];
+    let mut partial_sums = [0.0; 4];
     let (a_chunks, b_chunks, c_chunks) = (a.chunks_exact(4), b.chunks_exact(4), c.chunks_exact(4));
     let remainder = a_chunks.remainder().iter().zip(b_chunks.remainder()).zip(c_chunks.remainder());
-    let rest: f64 = remainder.map(|((x, y), z)| x * y * z).sum();
+    let tail: f64 = remainder.map(|((x, y), z)| x * y * z).sum();
     for ((x, y), z) in a_chunks.zip(b_chunks).zip(c_chunks) {
         for k in 0..4 {
-            strands[k] += x[k] * y[k] * z[k];
+            partial_sums[k] += x[k] * y[k] * z[k];
         }
     }
-    (strands[0] + strands[2]) + (strands[1] + strands[3]) + rest
+    (partial_sums[0] + partial_sums[2]) + (partial_sums[1] + partial_sums[3]) + tail
 }

@@ -1,18 +1,10 @@
-//! A cell of the rod and its two Gauss–Legendre points.
+//! The two Gauss–Legendre points of a cell.
 
 /// Half the distance between the two Gauss points, as a share of the cell: √3/6.
 pub(crate) const GAUSS: f64 = 0.288_675_134_594_812_9;
 
 /// Internal wrench components in the body frame: moments about x, y, z, then forces along x, y, z.
 pub(crate) const COMPONENTS: usize = 6;
-
-/// An integration cell. No property jumps inside it unless [`Resolution::blended`](crate::rod::Resolution::blended) is
-/// set.
-#[derive(Clone, Debug)]
-pub(crate) struct Cell {
-    /// Length, metres.
-    pub(crate) length_m: f64,
-}
 
 /// A Gauss point.
 #[derive(Clone, Debug)]

@@ -1,7 +1,7 @@
 //! The grid along the rod: cells with two Gauss–Legendre points each, and the polynomials on them.
 
 use super::basis::Basis;
-use super::cell::{COMPONENTS, Cell, GAUSS, Node};
+use super::cell::{COMPONENTS, GAUSS, Node};
 use crate::math::polynomial::legendre;
 use crate::rod::params::resolution::Resolution;
 use crate::rod::params::rod_params::RodParams;
@@ -12,13 +12,15 @@ use crate::rod::params::tendon::Tendon;
 const SAME_END_M: f64 = 1e-6;
 /// … but at most this share of the length.
 const SAME_END_SHARE: f64 = 1e-4;
-/// Cell ends closer than this are merged, metres: they differ by rounding only.
+/// Cell ends closer than this are merged, metres: they differ by rounding only. Merging ends 0.8 µm apart moved a tip by
+/// 15 µm (docs/robustness.md).
 const SAME_PLACE_M: f64 = 1e-10;
 
 /// The discretisation of one rod.
 #[derive(Clone, Debug)]
 pub(crate) struct Grid {
-    pub(crate) cells: Vec<Cell>,
+    /// Lengths of the integration cells, metres. No property jumps inside one unless cells are blended.
+    pub(crate) cell_lengths_m: Vec<f64>,
     /// Two per cell.
     pub(crate) nodes: Vec<Node>,
     /// Ends of the cells; one more than there are cells.
@@ -28,7 +30,7 @@ pub(crate) struct Grid {
     /// Number of polynomial coefficients in all.
     pub(crate) unknowns: usize,
     /// The polynomials at all nodes at once.
-    pub(crate) all: Basis,
+    pub(crate) basis: Basis,
     /// Where the polynomials begin and end, metres.
     pub(crate) elements_m: Vec<f64>,
 }
@@ -72,26 +74,26 @@ impl Grid {
             resolution.shear_modes,
             resolution.axial_modes,
         ];
-        let most = modes.iter().copied().max().unwrap_or(0);
+        let max_modes = modes.iter().copied().max().unwrap_or(0);
         let per_element: usize = modes.iter().sum();
         let mut grid = Grid {
-            cells: Vec::new(),
+            cell_lengths_m: Vec::new(),
             nodes: Vec::new(),
             unknowns: per_element * (elements.len() - 1),
             modes,
             boundaries_m,
-            all: Basis::new(&[], modes),
+            basis: Basis::new(&[], modes),
             elements_m: elements.to_vec(),
         };
         for window in grid.boundaries_m.windows(2) {
             let (start, length) = (window[0], window[1] - window[0]);
-            grid.cells.push(Cell { length_m: length });
+            grid.cell_lengths_m.push(length);
             let middle = start + 0.5 * length;
             let element = elements.iter().rposition(|&end| end < middle).unwrap_or(0).min(elements.len() - 2);
             let (low, high) = (elements[element], elements[element + 1]);
             for sign in [-1.0, 1.0] {
                 let position_m = middle + sign * GAUSS * length;
-                let mut basis = vec![0.0; most];
+                let mut basis = vec![0.0; max_modes];
                 legendre(2.0 * (position_m - low) / (high - low) - 1.0, &mut basis);
                 let mut offset = [0; COMPONENTS];
                 let mut next = element * per_element;
@@ -102,7 +104,7 @@ impl Grid {
                 grid.nodes.push(Node { position_m, weight_m: 0.5 * length, offset, basis });
             }
         }
-        grid.all = Basis::new(&grid.nodes, modes);
+        grid.basis = Basis::new(&grid.nodes, modes);
         grid
     }
 
@@ -184,8 +186,9 @@ fn subdivided(params: &RodParams, elements: &[f64], cuts: &[f64], places: &[f64]
         let element = elements.windows(2).find(|element| window[0] < element[1] - 0.5 * SAME_PLACE_M);
         let share = element.map_or(1.0, |element| length / (element[1] - element[0]));
         // With too few Gauss points the polynomials of an element would be linearly dependent.
-        let least = (share * resolution.least_cells() as f64 - 1e-9).ceil();
-        let count = (length / resolution.cell_m - 1e-9).ceil().max(least).max(1.0) as usize;
+        let min_count = (share * resolution.min_cells() as f64 - 1e-9).ceil();
+        // Rounding must not add a cell.
+        let count = (length / resolution.cell_m - 1e-9).ceil().max(min_count).max(1.0) as usize;
         ends.extend((1..=count).map(|k| place[0] + (place[1] - place[0]) * k as f64 / count as f64));
     }
     ends
@@ -198,8 +201,8 @@ fn moved_along(places: &[f64], from: &[f64], to: &[f64], same_m: f64) -> Option<
         return None;
     }
     let moved = places.iter().map(|&place| {
-        let here = from.iter().zip(to).filter(|&(&cut, _)| (place..place + same_m).contains(&cut));
-        let shifts: Vec<f64> = here.map(|(cut, then)| then - cut).collect();
+        let cuts_here = from.iter().zip(to).filter(|&(&cut, _)| (place..place + same_m).contains(&cut));
+        let shifts: Vec<f64> = cuts_here.map(|(cut, target)| target - cut).collect();
         let first = *shifts.first()?;
         let together = shifts.iter().all(|shift| (shift - first).abs() <= 1e-4 * first.abs() + 1e-14);
         together.then_some(place + first)

@@ -11,16 +11,17 @@ impl Grid {
         target[..self.unknowns].fill(0.0);
         let mut basis = vec![0.0; from.modes.into_iter().max().unwrap_or(0)];
         for node in &self.nodes {
-            let at = element_of(&from.elements_m, node.position_m);
-            legendre(at.place, &mut basis);
-            let own = element_of(&self.elements_m, node.position_m);
-            let mut offset = at.index * from.modes.iter().sum::<usize>();
+            let source_element = element_of(&from.elements_m, node.position_m);
+            legendre(source_element.local, &mut basis);
+            let element = element_of(&self.elements_m, node.position_m);
+            let mut offset = source_element.index * from.modes.iter().sum::<usize>();
             for c in 0..COMPONENTS {
                 let coefficients = &source[offset..offset + from.modes[c]];
                 let value: f64 = coefficients.iter().zip(&basis).map(|(x, p)| x * p).sum();
-                for (k, own_basis) in node.basis[..self.modes[c]].iter().enumerate() {
-                    let norm = own.length_m / (2 * k + 1) as f64;
-                    target[node.offset[c] + k] += node.weight_m * value * own_basis / norm;
+                for (k, value_here) in node.basis[..self.modes[c]].iter().enumerate() {
+                    // ∫ of the square of the k-th Legendre polynomial over the element.
+                    let norm = element.length_m / (2 * k + 1) as f64;
+                    target[node.offset[c] + k] += node.weight_m * value * value_here / norm;
                 }
                 offset += from.modes[c];
             }
@@ -31,7 +32,8 @@ impl Grid {
     /// Interpolates histories from the Gauss points of `from` to those of this grid, linearly within each cell.
     pub(crate) fn interpolate_histories(&self, from: &Grid, states: &[HistoryState]) -> Vec<HistoryState> {
         let state = |position_m: f64| {
-            let cell = from.boundaries_m.partition_point(|&end| end <= position_m).clamp(1, from.cells.len()) - 1;
+            let cell =
+                from.boundaries_m.partition_point(|&end| end <= position_m).clamp(1, from.cell_lengths_m.len()) - 1;
             let [a, b] = [2 * cell, 2 * cell + 1];
             let (start, end) = (from.nodes[a].position_m, from.nodes[b].position_m);
             let share = (position_m - start) / (end - start);
@@ -45,11 +47,11 @@ impl Grid {
 struct ElementPosition {
     index: usize,
     length_m: f64,
-    place: f64,
+    local: f64,
 }
 
 fn element_of(ends_m: &[f64], position_m: f64) -> ElementPosition {
     let index = ends_m.partition_point(|&end| end <= position_m).clamp(1, ends_m.len() - 1) - 1;
     let length_m = ends_m[index + 1] - ends_m[index];
-    ElementPosition { index, length_m, place: 2.0 * (position_m - ends_m[index]) / length_m - 1.0 }
+    ElementPosition { index, length_m, local: 2.0 * (position_m - ends_m[index]) / length_m - 1.0 }
 }

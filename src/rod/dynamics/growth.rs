@@ -20,55 +20,57 @@ const SAFE_MARGIN: f64 = 0.15;
 impl Rod {
     /// The longest step that growing deviations allow after the step of `h` seconds to `drives` that has just been solved,
     /// as a share of `h`: infinite where none grow, below 1 if the step was too long.
-    pub(crate) fn growth_fit(&mut self, drives: &dyn Fn(f64) -> Vec<Drive>, h: f64) -> f64 {
+    pub(crate) fn growth_step_ratio(&mut self, drives: &dyn Fn(f64) -> Vec<Drive>, h: f64) -> f64 {
         // A derivative may serve the iteration and know nothing of a load that has come to push along the rod.
         let knows_load = self.solver.differentiated_under == self.tip_load;
         let is_stable = self.is_below_buckling() || (knows_load && self.solver.is_stable_derivative(&self.state.taut));
-        let holds = if is_stable { None } else { self.holds(&drives(h)) };
-        let fit = match holds {
+        let constraints = if is_stable { None } else { self.constraints(&drives(h)) };
+        let step_ratio = match constraints {
             None => f64::INFINITY,
-            Some(holds) if self.has_follower_loads() => self.fit_of_eigenvalues(&holds, h),
-            Some(holds) => self.fit_of_growth(&holds, h, knows_load),
+            Some(constraints) if self.has_follower_loads() => self.step_ratio_of_eigenvalues(&constraints, h),
+            Some(constraints) => self.step_ratio_of_energy(&constraints, h, knows_load),
         };
-        if fit == f64::INFINITY {
+        if step_ratio == f64::INFINITY {
             self.step_size.deviates = false;
         }
-        fit
+        step_ratio
     }
 
     /// The same where an energy decides; `knows_load`: whether the derivative is one under the present load.
-    fn fit_of_growth(&mut self, holds: &[TendonConstraint], h: f64, knows_load: bool) -> f64 {
-        if knows_load && self.tangent(holds, 0.0).exceeds(SAFE_MARGIN) {
+    fn step_ratio_of_energy(&mut self, constraints: &[TendonConstraint], h: f64, knows_load: bool) -> f64 {
+        if knows_load && self.tangent(constraints, 0.0).exceeds(SAFE_MARGIN) {
             self.solver.mark_derivative_stable(&self.state.taut);
             return f64::INFINITY;
         }
-        self.refresh_motion(holds);
-        let tangent = self.tangent(holds, 0.0);
+        self.refresh_motion(constraints);
+        let tangent = self.tangent(constraints, 0.0);
         if tangent.exceeds(0.0) {
             if tangent.exceeds(SAFE_MARGIN) {
                 self.solver.mark_derivative_stable(&self.state.taut);
             }
             return f64::INFINITY;
         }
+        // K + s·D + s²·M is positive definite where nothing grows faster than s (docs/rod.md).
         let rate = MAX_GROWTH_PER_STEP / h;
-        if !self.tangent(holds, rate).exceeds(0.0) {
+        if !self.tangent(constraints, rate).exceeds(0.0) {
             return 0.5;
         }
         if let Some(direction) = self.preferred_direction(&tangent.descents()) {
             self.deviate_once(&direction, rate);
         }
-        if self.tangent(holds, 0.5 * rate).exceeds(0.0) { 2.0 } else { 1.0 }
+        // Growth slower than half the rate lets the next step be twice as long.
+        if self.tangent(constraints, 0.5 * rate).exceeds(0.0) { 2.0 } else { 1.0 }
     }
 
     /// The same under loads without a potential.
-    fn fit_of_eigenvalues(&mut self, holds: &[TendonConstraint], h: f64) -> f64 {
-        if let Some(limit) = self.step_size.flutter.as_mut().filter(|limit| limit.steps_left > 0) {
-            limit.steps_left -= 1;
+    fn step_ratio_of_eigenvalues(&mut self, constraints: &[TendonConstraint], h: f64) -> f64 {
+        if let Some(limit) = self.step_size.flutter.as_mut().filter(|limit| limit.remaining_steps > 0) {
+            limit.remaining_steps -= 1;
             return limit.longest_s / h;
         }
         self.step_size.flutter = None;
-        self.refresh_motion(holds);
-        let (rate, most) = match self.growth(holds) {
+        self.refresh_motion(constraints);
+        let (rate, max_per_step) = match self.growth(constraints) {
             Some(Growth::Divergence(rate)) => (rate, MAX_GROWTH_PER_STEP),
             Some(Growth::Flutter(rate)) => (rate, MAX_ANGLE_PER_STEP),
             Some(Growth::None) | None => {
@@ -76,13 +78,13 @@ impl Rod {
                 return f64::INFINITY;
             }
         };
-        let fit = most / (rate * h);
-        self.step_size.flutter = Some(FlutterLimit { longest_s: most / rate, steps_left: FLUTTER_STEPS });
-        if fit >= 1.0 {
+        let step_ratio = max_per_step / (rate * h);
+        self.step_size.flutter = Some(FlutterLimit { longest_s: max_per_step / rate, remaining_steps: FLUTTER_STEPS });
+        if step_ratio >= 1.0 {
             let sideways = self.sideways();
             self.deviate_once(&sideways, rate);
         }
-        fit
+        step_ratio
     }
 
     /// [`Rod::deviate`] when deviations begin to grow.
@@ -104,8 +106,8 @@ impl Rod {
     }
 
     /// The derivative at the end of the step that has just been solved.
-    fn refresh_motion(&mut self, holds: &[TendonConstraint]) {
-        let (load, gravity) = (self.tip_load, self.system.params.gravity_m_s2);
-        self.refresh(holds, (&load, 1.0), gravity, false);
+    fn refresh_motion(&mut self, constraints: &[TendonConstraint]) {
+        let loads = self.full_loads();
+        self.refresh(constraints, &loads, false);
     }
 }

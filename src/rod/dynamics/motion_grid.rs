@@ -31,7 +31,7 @@ impl Rod {
             return 0.0;
         };
         let mut coarse = self.on_grid(0);
-        match coarse.solve_static(&rest.holds, 1.0) {
+        match coarse.solve_static(&rest.constraints, 1.0) {
             SolveStatus::Converged => distance_m(&coarse.state.shape, &self.state.shape, self.system.params.length_m()),
             _ => 0.0,
         }

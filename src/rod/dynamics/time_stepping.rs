@@ -9,16 +9,16 @@ const STAGE_SHARE: f64 = 1e-2;
 /// … and for constant steps, metres.
 const STAGE_TOLERANCE_M: f64 = 1e-8;
 /// Shortest step as a share of the longest. A step of this length is accepted whatever its error …
-const SHORTEST_STEP: f64 = 1.0 / 1024.0;
+const MIN_STEP_SHARE: f64 = 1.0 / 1024.0;
 /// … and the number of halvings of a failing constant step.
 const MAX_HALVINGS: i32 = 6;
 /// Safety factor on the step length that the error would allow.
 const SAFETY: f64 = 0.9;
 /// A step is repeated when its allowed length is below this share of its length …
-const REPEAT_BELOW: f64 = 0.7;
+const MIN_ACCEPTED_RATIO: f64 = 0.7;
 /// … and the length is kept up to this growth factor, since LU factors belong to one length.
-const KEEP_UP_TO: f64 = 1.3;
-const LARGEST_GROWTH: f64 = 2.0;
+const MAX_KEPT_RATIO: f64 = 1.3;
+const MAX_GROWTH: f64 = 2.0;
 
 impl Rod {
     /// Moves the rod for `duration_s` with `drives` held.
@@ -33,27 +33,28 @@ impl Rod {
         let resolution = self.system.params.resolution;
         let owed_s = std::mem::take(&mut self.step_size.owed_s);
         // The solver's error of position, which a step corrects, is one of velocity that is larger by 1/h.
-        if owed_s + duration_s < SHORTEST_STEP * resolution.time_step_s {
+        if owed_s + duration_s < MIN_STEP_SHARE * resolution.time_step_s {
             self.step_size.owed_s = owed_s + duration_s;
-            let is_command = self.holds(&drives(duration_s)).is_some();
+            let is_command = self.constraints(&drives(duration_s)).is_some();
             return if is_command { SolveStatus::Converged } else { SolveStatus::BadCommand };
         }
         self.choose_motion_grid();
-        let mut now = -owed_s;
-        let mut left = owed_s + duration_s;
-        while left > 1e-9 * duration_s {
-            let wanted = self.step_size.next_s.min(resolution.time_step_s);
-            let count = (left / wanted - 1e-9).ceil().max(1.0);
-            let h = if count <= 2.0 { left / count } else { wanted };
-            let (mut status, taken) = self.step(&|t| drives(f64::max(0.0, now + t)), h);
+        let mut elapsed_s = -owed_s;
+        let mut remaining_s = owed_s + duration_s;
+        while remaining_s > 1e-9 * duration_s {
+            let target_s = self.step_size.next_s.min(resolution.time_step_s);
+            let count = (remaining_s / target_s - 1e-9).ceil().max(1.0);
+            // The last two steps share what remains, so that none is tiny.
+            let h = if count <= 2.0 { remaining_s / count } else { target_s };
+            let (mut status, step_s) = self.step(&|t| drives(f64::max(0.0, elapsed_s + t)), h);
             if status == SolveStatus::Converged {
                 status = self.verify_motion();
             }
             if status != SolveStatus::Converged {
                 return status;
             }
-            now += taken;
-            left -= taken;
+            elapsed_s += step_s;
+            remaining_s -= step_s;
         }
         SolveStatus::Converged
     }
@@ -61,27 +62,29 @@ impl Rod {
     /// One time step of at most `h` seconds, shortened on failure or excessive error; returns its length as well.
     fn step(&mut self, drives: &dyn Fn(f64) -> Vec<Drive>, mut h: f64) -> (SolveStatus, f64) {
         let resolution = self.system.params.resolution;
-        let share = if resolution.motion_tolerance_m.is_finite() { SHORTEST_STEP } else { 0.5_f64.powi(MAX_HALVINGS) };
-        let mut floor = share * resolution.time_step_s;
-        let mut shortest = 0.999 * floor.min(h);
+        let share = if resolution.motion_tolerance_m.is_finite() { MIN_STEP_SHARE } else { 0.5_f64.powi(MAX_HALVINGS) };
+        let mut min_step_s = share * resolution.time_step_s;
+        // Rounding must not forbid a step of the shortest length.
+        let mut min_retry_s = 0.999 * min_step_s.min(h);
         let mut before = std::mem::take(&mut self.before);
         before.copy_from(&self.state);
         let status = loop {
             let status = self.try_step(drives, h, &before);
-            let mut fit = if status == SolveStatus::Converged { self.fit(&before, h) } else { 0.0 };
-            if fit >= REPEAT_BELOW {
-                let growth_fit = self.growth_fit(drives, h);
-                if growth_fit < REPEAT_BELOW {
-                    floor *= growth_fit;
-                    shortest = 0.999 * floor.min(h);
+            let mut ratio = if status == SolveStatus::Converged { self.step_ratio(&before, h) } else { 0.0 };
+            if ratio >= MIN_ACCEPTED_RATIO {
+                let growth_step_ratio = self.growth_step_ratio(drives, h);
+                if growth_step_ratio < MIN_ACCEPTED_RATIO {
+                    min_step_s *= growth_step_ratio;
+                    min_retry_s = 0.999 * min_step_s.min(h);
                 }
-                fit = fit.min(growth_fit);
+                ratio = ratio.min(growth_step_ratio);
             }
-            let again = h * fit.clamp(0.5, REPEAT_BELOW);
-            if status == SolveStatus::BadCommand || fit >= REPEAT_BELOW || again < shortest {
+            let retry_s = h * ratio.clamp(0.5, MIN_ACCEPTED_RATIO);
+            if status == SolveStatus::BadCommand || ratio >= MIN_ACCEPTED_RATIO || retry_s < min_retry_s {
                 if status == SolveStatus::Converged {
-                    let factor = if (1.0..KEEP_UP_TO).contains(&fit) { 1.0 } else { fit.clamp(0.3, LARGEST_GROWTH) };
-                    self.step_size.next_s = (h * factor).max(floor);
+                    let factor =
+                        if (1.0..MAX_KEPT_RATIO).contains(&ratio) { 1.0 } else { ratio.clamp(0.3, MAX_GROWTH) };
+                    self.step_size.next_s = (h * factor).max(min_step_s);
                     self.finish_step(h);
                 } else {
                     self.state.copy_from(&before);
@@ -89,7 +92,7 @@ impl Rod {
                 break status;
             }
             self.state.copy_from(&before);
-            h = again;
+            h = retry_s;
             self.step_size.next_s = h;
         };
         self.before = before;
@@ -98,18 +101,19 @@ impl Rod {
 
     /// Takes the last stage as the new state.
     fn finish_step(&mut self, h: f64) {
-        self.step_size.taken += 1;
+        self.step_size.steps += 1;
         self.state.rates.copy_from(&self.stages[self.stages.len() - 1]);
         self.commit_histories(h);
         self.log.iter_mut().for_each(|log| log.accept(h));
     }
 
     /// Allowed step length as a share of the last one, from its error.
-    fn fit(&self, start: &RodState, h: f64) -> f64 {
+    fn step_ratio(&self, start: &RodState, h: f64) -> f64 {
         let tolerance_m = self.system.params.resolution.motion_tolerance_m;
         if tolerance_m.is_infinite() {
             return f64::INFINITY;
         }
+        // The estimate falls with the third power of the step.
         SAFETY * (tolerance_m / self.step_error_m(start, h).max(1e-12)).cbrt()
     }
 
@@ -120,8 +124,8 @@ impl Rod {
     /// the last stage, which is insensitive to a jump of drive speed at the start of the step. The weights make the tip
     /// error of the paper's robot under random commands about equal to the tolerance (`docs/rod.md`).
     fn step_error_m(&self, start: &RodState, h: f64) -> f64 {
-        const TRAPEZOID: f64 = 0.1;
-        const SPREAD: f64 = 0.02;
+        const TRAPEZOID_WEIGHT: f64 = 0.1;
+        const SPREAD_WEIGHT: f64 = 0.02;
         let (first, last) = (&self.stages[0].node_v, &self.stages[self.stages.len() - 1].node_v);
         let (mut missed, mut spread) = (0.0_f64, 0.0_f64);
         for (g, p) in self.state.shape.node_p.iter().enumerate() {
@@ -130,23 +134,22 @@ impl Rod {
             missed = missed.max(defect.norm_squared());
             spread = spread.max((last[g] - first[g]).norm_squared());
         }
-        f64::min(TRAPEZOID * missed.sqrt(), SPREAD * h * spread.sqrt())
+        f64::min(TRAPEZOID_WEIGHT * missed.sqrt(), SPREAD_WEIGHT * h * spread.sqrt())
     }
 
     fn try_step(&mut self, drives: &dyn Fn(f64) -> Vec<Drive>, h: f64, start: &RodState) -> SolveStatus {
-        let load = self.tip_load;
-        let gravity = self.system.params.gravity_m_s2;
+        let loads = self.full_loads();
         let allowed_m = self.system.params.resolution.motion_tolerance_m;
         let tolerance_m = if allowed_m.is_finite() { STAGE_SHARE * allowed_m } else { STAGE_TOLERANCE_M };
         self.settled_under = None;
         self.log.iter_mut().for_each(|log| log.stages.clear());
         for i in 0..self.tableau.rows.len() {
-            let Some(holds) = self.holds(&drives(self.step_size.stage_times[i] * h)) else {
+            let Some(constraints) = self.constraints(&drives(self.step_size.stage_times[i] * h)) else {
                 return SolveStatus::BadCommand;
             };
-            self.seed_tensions(&holds);
+            self.seed_tensions(&constraints);
             self.motion.prepare(start, &self.system.masses, &self.tableau.rows[i], &self.stages, h);
-            let status = self.solve(&holds, (&load, 1.0), gravity, false, tolerance_m);
+            let status = self.solve(&constraints, &loads, false, tolerance_m);
             if status != SolveStatus::Converged {
                 return status;
             }

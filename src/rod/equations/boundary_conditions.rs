@@ -17,16 +17,22 @@ pub(crate) enum TendonConstraint {
     Tension(f64),
 }
 
-/// Data that stay fixed during a solve.
-pub(crate) struct SolveConditions<'a> {
-    pub(crate) holds: &'a [TendonConstraint],
-    /// For tendons held by length: whether it is taut.
-    pub(crate) taut: &'a [bool],
-    pub(crate) tip_load: &'a TipWrench,
+/// Loads of one solve, obstacles left out.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct AppliedLoads {
+    pub(crate) tip: TipWrench,
     /// Share of the rod's constant loads; below 1 only during continuation.
-    pub(crate) load_share: f64,
+    pub(crate) share: f64,
     /// Acceleration of gravity, m/s² (the robot's, or a share of it during continuation).
     pub(crate) gravity_m_s2: Vector3<f64>,
+}
+
+/// Data that stay fixed during a solve.
+pub(crate) struct SolveConditions<'a> {
+    pub(crate) constraints: &'a [TendonConstraint],
+    /// For tendons held by length: whether it is taut.
+    pub(crate) taut: &'a [bool],
+    pub(crate) loads: &'a AppliedLoads,
     pub(crate) motion: &'a Motion,
     /// Histories, indexed by moment law and Gauss point.
     pub(crate) histories: &'a [Vec<HistoryState>],
@@ -38,6 +44,6 @@ pub(crate) struct SolveConditions<'a> {
     pub(crate) fixed_touches: Option<&'a [Touch]>,
     /// Share of the stiffness of obstacles; below 1 only on the way to an equilibrium.
     pub(crate) obstacle_share: f64,
-    /// Whether rate-dependent moment laws have relaxed.
-    pub(crate) settled: bool,
+    /// Whether the rod is at rest: rate-dependent moment laws have relaxed.
+    pub(crate) at_rest: bool,
 }

@@ -16,18 +16,19 @@ use super::system::{RodEquations, Workspace};
 use super::world_vectors::VectorDerivative;
 use crate::rod::discretisation::grid::Grid;
 use crate::rod::params::contact::ContactSurface;
+use crate::rod::params::obstacle::Obstacle;
 use crate::rod::params::rod_params::RodParams;
 
 /// Points of contact in each cell, evenly spread; the last one lies at its end.
 const POINTS_PER_CELL: usize = 8;
 /// Stiffness of a rigid obstacle at rest, in units of E·I/L³: the force E·I/L², which bends the rod by about its length,
 /// penetrates it by 10⁻⁵ lengths …
-const RIGID_AT_REST: f64 = 1e5;
+const RIGID_STIFFNESS_AT_REST: f64 = 1e5;
 /// … and in motion, where a stiffer one makes contacts come and go within a step (docs/rod.md).
-const RIGID_IN_MOTION: f64 = 3e3;
+const RIGID_STIFFNESS_IN_MOTION: f64 = 3e3;
 
 /// Penetration of an unloaded rod that is rounding, metres.
-const AT_HOME_M: f64 = 1e-9;
+const HOME_PENETRATION_TOLERANCE_M: f64 = 1e-9;
 
 /// A point of the rod that may touch.
 #[derive(Clone, Copy, Debug)]
@@ -140,17 +141,17 @@ impl ContactPoint {
     }
 }
 
-/// Weights of the two positions and the two unit tangents at `share` of a cell.
+/// Cubic Hermite weights of the two positions and the two unit tangents at `share` of a cell.
 fn hermite(share: f64, length_m: f64) -> [f64; 4] {
-    let (t, rest) = (share, 1.0 - share);
-    [(1.0 + 2.0 * t) * rest * rest, t * t * (3.0 - 2.0 * t), length_m * t * rest * rest, -length_m * t * t * rest]
+    let (t, u) = (share, 1.0 - share);
+    [(1.0 + 2.0 * t) * u * u, t * t * (3.0 - 2.0 * t), length_m * t * u * u, -length_m * t * t * u]
 }
 
 impl Touch {
     /// The same contact on another grid of the rod.
     pub(crate) fn on_grid(&self, grid: &Grid) -> Touch {
         let ContactPoint { s_m, radius_m, .. } = self.point;
-        let last = grid.cells.len() - 1;
+        let last = grid.cell_lengths_m.len() - 1;
         let cell = grid.boundaries_m[1..=last].partition_point(|&end| end < s_m);
         Touch { point: ContactPoint::in_cell(cell, &grid.boundaries_m[cell..cell + 2], s_m, radius_m), ..*self }
     }
@@ -159,7 +160,7 @@ impl Touch {
 impl ContactMemory {
     /// Ends a step: the rod is at `shape` and touches at `touches`.
     pub(crate) fn commit(&mut self, contact: &ContactSurface, grid: &Grid, shape: &Shape, touches: &[Touch]) {
-        if !contact.rubs() {
+        if !contact.has_friction() {
             return;
         }
         self.boundaries_m.clone_from(&grid.boundaries_m);
@@ -181,10 +182,10 @@ impl ContactMemory {
 
     /// Stretch of the nearest point that touched this obstacle, metres.
     fn stretch_m(&self, s_m: f64, obstacle: usize) -> Vector3<f64> {
-        let own = self.stretches.iter().filter(|stretch| stretch.obstacle == obstacle);
-        let nearest = own.min_by(|a, b| (a.s_m - s_m).abs().total_cmp(&(b.s_m - s_m).abs()));
+        let on_obstacle = self.stretches.iter().filter(|stretch| stretch.obstacle == obstacle);
+        let nearest = on_obstacle.min_by(|a, b| (a.s_m - s_m).abs().total_cmp(&(b.s_m - s_m).abs()));
         let spacing_m = self.boundaries_m.get(1).map_or(0.0, |end| end - self.boundaries_m[0]);
-        nearest.filter(|found| (found.s_m - s_m).abs() < spacing_m).map_or(Vector3::zeros(), |found| found.stretch_m)
+        nearest.filter(|near| (near.s_m - s_m).abs() < spacing_m).map_or(Vector3::zeros(), |near| near.stretch_m)
     }
 }
 
@@ -197,7 +198,7 @@ impl RodEquations {
 
     /// Stiffness of an obstacle at each point, N/m.
     fn obstacle_stiffness_n_m(&self, obstacle: usize, conditions: &SolveConditions) -> f64 {
-        let rigid = if conditions.settled { RIGID_AT_REST } else { RIGID_IN_MOTION };
+        let rigid = if conditions.at_rest { RIGID_STIFFNESS_AT_REST } else { RIGID_STIFFNESS_IN_MOTION };
         let rigid_n_m = || rigid * self.bending_force_n() / self.params.length_m();
         conditions.obstacle_share * self.params.contact.obstacles[obstacle].stiffness_n_m.unwrap_or_else(rigid_n_m)
     }
@@ -217,7 +218,7 @@ impl RodEquations {
     /// The share of the stiffness of a rigid obstacle below which the force E·I/L² would push the rod through the thinnest
     /// one.
     pub(crate) fn softest_obstacle_share(&self) -> f64 {
-        self.params.length_m() / (RIGID_AT_REST * self.thinnest_obstacle_m())
+        self.params.length_m() / (RIGID_STIFFNESS_AT_REST * self.thinnest_obstacle_m())
     }
 
     /// The largest force of an obstacle on one point of `shape`, N; negative where the rod touches nothing.
@@ -243,7 +244,7 @@ impl RodEquations {
             HomePenetration { obstacle, s_m: point.s_m, penetration_m: point.radius_m - surface.distance_m }
         });
         let deepest = all.max_by(|a, b| a.penetration_m.total_cmp(&b.penetration_m))?;
-        (deepest.penetration_m > AT_HOME_M).then_some(deepest)
+        (deepest.penetration_m > HOME_PENETRATION_TOLERANCE_M).then_some(deepest)
     }
 
     /// Updates the contacts for the shape in `workspace`.
@@ -256,7 +257,7 @@ impl RodEquations {
         for obstacle in 0..self.params.contact.obstacles.len() {
             let stiffness_n_m = self.obstacle_stiffness_n_m(obstacle, conditions);
             for point in &self.contact_points {
-                let touch = self.touch(point, (obstacle, stiffness_n_m), conditions, &workspace.shape);
+                let touch = self.touch(point, obstacle, stiffness_n_m, conditions, &workspace.shape);
                 workspace.touches.extend(touch);
             }
         }
@@ -266,13 +267,14 @@ impl RodEquations {
     fn touch(
         &self,
         point: &ContactPoint,
-        (obstacle, stiffness_n_m): (usize, f64),
+        obstacle: usize,
+        stiffness_n_m: f64,
         conditions: &SolveConditions,
         shape: &Shape,
     ) -> Option<Touch> {
         let place_m = point.place_m(shape);
-        let own = &self.params.contact.obstacles[obstacle];
-        let surface = own.shape.surface(&place_m);
+        let Obstacle { shape: obstacle_shape, friction_coefficient, .. } = &self.params.contact.obstacles[obstacle];
+        let surface = obstacle_shape.surface(&place_m);
         let penetration_m = point.radius_m - surface.distance_m;
         if penetration_m <= 0.0 {
             return None;
@@ -288,17 +290,19 @@ impl RodEquations {
             energy_j: 0.5 * normal_n * penetration_m,
             stretch_m: Vector3::zeros(),
         };
-        let limit_n = own.friction_coefficient * normal_n;
+        let limit_n = friction_coefficient * normal_n;
         if let (true, Some(before_m)) = (limit_n > 0.0, conditions.contact_memory.place_m(point.s_m)) {
-            let along = Matrix3::identity() - normal * normal.transpose();
-            let stretch_m = along * (conditions.contact_memory.stretch_m(point.s_m, obstacle) + place_m - before_m);
+            let tangential = Matrix3::identity() - normal * normal.transpose();
+            let stretch_m =
+                tangential * (conditions.contact_memory.stretch_m(point.s_m, obstacle) + place_m - before_m);
+            // Return mapping: a trial stretch sticks within the Coulomb limit, else it slips.
             let trial_n = stiffness_n_m * stretch_m.norm();
             if trial_n <= limit_n {
-                touch.stiffness_n_m += along * stiffness_n_m;
+                touch.stiffness_n_m += tangential * stiffness_n_m;
                 touch.stretch_m = stretch_m;
             } else {
                 let direction = stretch_m.normalize();
-                let turning = along - direction * direction.transpose();
+                let turning = tangential - direction * direction.transpose();
                 // That the limit grows with the normal force is left out: K stays symmetric, and the iteration contracts.
                 touch.stiffness_n_m += turning * (limit_n / stretch_m.norm());
                 touch.stretch_m = stretch_m * (limit_n / trial_n);
@@ -330,7 +334,7 @@ pub(crate) fn add_contact_loads(
 impl Derivative {
     /// Adds what the contact forces change with the shape. Their geometric part, as of dead loads, is in the loads.
     pub(super) fn add_contact(&mut self, system: &RodEquations, workspace: &Workspace) {
-        let rows = (system.grid.unknowns, system.size());
+        let (n, size) = (system.grid.unknowns, system.size());
         let mut moved = VectorDerivative::zeros(system.grid.unknowns);
         for touch in &workspace.touches {
             let ContactPoint { cell, weights: [a, b, c, d], .. } = touch.point;
@@ -343,9 +347,9 @@ impl Derivative {
                 // The moment of the force about the end turns with the tangent: (δθ × t) × f = t (δθ·f) − δθ (t·f).
                 let force_n = touch.force_n * tangent;
                 let turning = Matrix3::identity() * direction.dot(&force_n) - force_n * direction.transpose();
-                add_gram(&mut self.stiffness, rows, turn, &turning);
+                add_gram(&mut self.stiffness, n, size, turn, &turning);
             }
-            add_gram(&mut self.stiffness, rows, &moved, &touch.stiffness_n_m.transpose());
+            add_gram(&mut self.stiffness, n, size, &moved, &touch.stiffness_n_m.transpose());
         }
     }
 }

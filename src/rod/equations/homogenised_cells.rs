@@ -49,14 +49,15 @@ fn equivalent_section(params: &RodParams, points: &[Point], side: f64) -> Sectio
         points.iter().map(|p| p.share * p.place / GAUSS * of(&p.section)).sum()
     };
     // If most of a property lies beyond the Gauss point, that point takes the largest admissible share.
-    let most = |of: &dyn Fn(&Section) -> f64| ((1.0 - MIN_SHARE) * mean(of) / first_moment(of).abs()).min(1.0);
+    let admissible_share =
+        |of: &dyn Fn(&Section) -> f64| ((1.0 - MIN_SHARE) * mean(of) / first_moment(of).abs()).min(1.0);
     let positive = |of: &dyn Fn(&Section) -> f64| {
-        if mean(of) == 0.0 { 0.0 } else { mean(of) + side * most(of) * first_moment(of) }
+        if mean(of) == 0.0 { 0.0 } else { mean(of) + side * admissible_share(of) * first_moment(of) }
     };
     let signed = |of: &dyn Fn(&Section) -> [f64; 3], share: f64| -> [f64; 3] {
         std::array::from_fn(|k| mean(&|s| of(s)[k]) + side * share * first_moment(&|s| of(s)[k]))
     };
-    let share = most(&|s| s.bend[0]).min(most(&|s| s.bend[2]));
+    let share = admissible_share(&|s| s.bend[0]).min(admissible_share(&|s| s.bend[2]));
     // Where principal axes rotate within a cell, the full first moment may leave no positive definite compliance.
     let bends = [share, 0.5 * share, 0.0].map(|share| signed(&|s| s.bend, share));
     let [_, _, even] = bends;

@@ -23,9 +23,9 @@ use crate::rod::discretisation::grid::Grid;
 pub(crate) struct Derivative {
     pub(crate) variation: ShapeVariation,
     /// Row-major K with the borders d balance / d tension and d length / d unknown.
-    pub(super) stiffness: Vec<f64>,
-    /// D and M.
-    rates: RateMatrices,
+    pub(crate) stiffness: Vec<f64>,
+    /// D and M: of the last derivative in motion, or of the last call of [`Derivative::update_rates`].
+    pub(crate) rates: RateMatrices,
     /// Σ δp × f of all loads distal to a cell end, and the same including the rest of the cell distal to a Gauss point.
     beyond: VectorDerivative,
     moment: VectorDerivative,
@@ -41,7 +41,7 @@ impl Derivative {
     pub(crate) fn new(system: &RodEquations) -> Derivative {
         let n = system.grid.unknowns;
         let zero = VectorDerivative::zeros(n);
-        let follows = system.constant.points.iter().any(|(_, load)| load.follows);
+        let follows = system.constant_loads.points.iter().any(|(_, load)| load.follows);
         Derivative {
             variation: ShapeVariation::new(&system.grid),
             stiffness: vec![0.0; system.size() * system.size()],
@@ -79,13 +79,14 @@ impl Derivative {
         self.stiffness.fill(0.0);
         self.beyond.fill_zero();
         self.follower.iter_mut().flatten().for_each(VectorDerivative::fill_zero);
-        for c in (0..system.grid.cells.len()).rev() {
+        // From tip to base, so that `beyond` holds the loads that a cross-section carries.
+        for c in (0..system.grid.cell_lengths_m.len()).rev() {
             self.add_end_loads(system, c + 1, conditions, workspace);
             for row in 0..2 {
                 self.node_moment(system, c, row, workspace);
                 self.node_rows(system, 2 * c + row, unknowns, workspace);
             }
-            let half = 0.5 * system.grid.cells[c].length_m;
+            let half = 0.5 * system.grid.cell_lengths_m[c];
             for g in [2 * c, 2 * c + 1] {
                 self.beyond.add_cross(&self.variation.node_move[g], &workspace.loads.node_f[g], half);
             }
@@ -111,24 +112,14 @@ impl Derivative {
                 column.iter_mut().zip(self.rates.row(row)).for_each(|(k, (d, m))| *k += rate * (d + rate * m));
             }
         }
-        for (i, hold) in conditions.holds.iter().enumerate() {
-            if !matches!(hold, TendonConstraint::Length(_)) || !conditions.taut[i] {
+        for (i, constraint) in conditions.constraints.iter().enumerate() {
+            if !matches!(constraint, TendonConstraint::Length(_)) || !conditions.taut[i] {
                 matrix.column_mut(n + i).fill(0.0);
                 matrix[(n + i, n + i)] = 1.0;
             }
         }
         matrix.transpose_mut();
         matrix
-    }
-
-    /// Row-major K with the borders d balance / d tension and d length / d unknown.
-    pub(crate) fn stiffness(&self) -> &[f64] {
-        &self.stiffness
-    }
-
-    /// D and M: of the last derivative in motion, or of the last call of [`Derivative::update_rates`].
-    pub(crate) fn rates(&self) -> &RateMatrices {
-        &self.rates
     }
 
     /// D and M of a rod at rest, for the shape of the last derivative.
@@ -156,8 +147,8 @@ impl Derivative {
             self.beyond.add_cross(&self.variation.end_move[end], force, 1.0);
         }
         let Some([force, moment]) = &mut self.follower else { return };
-        for (_, load) in system.constant.points.iter().filter(|(own, load)| *own == end && load.follows) {
-            let (f, m) = load.in_world(&workspace.shape.end_r[end], conditions.load_share);
+        for (_, load) in system.constant_loads.points.iter().filter(|(carrier, load)| *carrier == end && load.follows) {
+            let (f, m) = load.in_world(&workspace.shape.end_r[end], conditions.loads.share);
             let turn = &self.variation.end_turn[end];
             force.add_cross(turn, &f, 1.0);
             moment.add_cross(turn, &m, 1.0);
@@ -168,12 +159,12 @@ impl Derivative {
     /// Σ δp × f of all loads distal to Gauss point `row` of cell `c`.
     #[inline(always)]
     fn node_moment(&mut self, system: &RodEquations, c: usize, row: usize, workspace: &Workspace) {
-        let h = system.grid.cells[c].length_m;
+        let h = system.grid.cell_lengths_m[c];
         let partial = Grid::partial_weights(h);
         self.moment.copy_from(&self.beyond);
-        for other in 0..2 {
-            let k = 2 * c + other;
-            let weight = 0.5 * h - partial[row][other];
+        for source in 0..2 {
+            let k = 2 * c + source;
+            let weight = 0.5 * h - partial[row][source];
             self.moment.add_cross(&self.variation.node_move[k], &workspace.loads.node_f[k], weight);
         }
     }
@@ -206,7 +197,7 @@ impl Derivative {
     fn add_followers(&mut self, g: usize, workspace: &Workspace) {
         let Some([force, moment]) = &self.follower else { return };
         let mut about = moment.clone();
-        about.add_fixed_cross(&-workspace.shape.node_p[g], force);
+        about.add_cross(force, &workspace.shape.node_p[g], 1.0);
         let back = workspace.shape.node_r[g].transpose();
         for axis in 0..3 {
             for k in 0..self.wrench_rows[0].len() {
@@ -276,28 +267,28 @@ impl Derivative {
     /// tendon has friction).
     #[inline(always)]
     fn tendon_border(&mut self, system: &RodEquations, conditions: &SolveConditions, workspace: &Workspace) {
-        let (n, size, points) = (system.grid.unknowns, system.size(), system.grid.all.points);
-        for (i, hold) in conditions.holds.iter().enumerate() {
+        let (n, size, points) = (system.grid.unknowns, system.size(), system.grid.basis.points);
+        for (i, constraint) in conditions.constraints.iter().enumerate() {
             for (g, node) in system.grid.nodes.iter().enumerate() {
                 let strain = workspace.shape.compliance[g].apply(&system.tendon_wrench(g, i, workspace));
                 (0..COMPONENTS).for_each(|c| self.field[c * points + g] = node.weight_m * strain[c]);
             }
             self.border.fill(0.0);
-            system.grid.all.test(&self.field, &mut self.border);
+            system.grid.basis.test(&self.field, &mut self.border);
             self.stiffness[(n + i) * size..][..n].copy_from_slice(&self.border);
-            if workspace.weights_held || system.params.tendons[i].rubs() {
+            if workspace.weights_frozen || system.params.tendons[i].has_friction() {
                 for (g, node) in system.grid.nodes.iter().enumerate() {
                     let strain = workspace.weighted_strain(g, &system.tendon_wrench(g, i, workspace));
                     let weight_m = node.weight_m * workspace.tension_shares[g * system.params.tendons.len() + i];
                     (0..COMPONENTS).for_each(|c| self.field[c * points + g] = weight_m * strain[c]);
                 }
                 self.border.fill(0.0);
-                system.grid.all.test(&self.field, &mut self.border);
+                system.grid.basis.test(&self.field, &mut self.border);
             }
             for (k, value) in self.border.iter().enumerate() {
                 self.stiffness[k * size + n + i] = *value;
             }
-            let pull = if let TendonConstraint::Length(pull) = *hold { pull } else { 0.0 };
+            let pull = if let TendonConstraint::Length(pull) = *constraint { pull } else { 0.0 };
             self.stiffness[(n + i) * size + n + i] = -system.params.tendons[i].compliance_at(pull);
         }
     }

@@ -43,47 +43,48 @@ impl Loads {
     /// Sums the loads on `shape` under the given conditions.
     #[inline(always)]
     pub(crate) fn update(&mut self, rod: &LoadedRod, shape: &Shape, conditions: &SolveConditions) {
-        let (gravity, motion) = (conditions.gravity_m_s2, conditions.motion);
+        let (gravity, motion) = (conditions.loads.gravity_m_s2, conditions.motion);
         for (g, section) in rod.sections.iter().enumerate() {
             let mut f = section.mass_kg_m * (gravity - motion.node_acceleration(g, &shape.node_p[g]));
             if rod.params.drag_n_s2_m3 > 0.0 {
+                // Quadratic drag on each body axis (Till et al. 2019, eq. 5).
                 let body = shape.node_r[g].transpose() * motion.node_velocity(g, &shape.node_p[g]);
                 f -= shape.node_r[g] * body.component_mul(&body.abs()) * rod.params.drag_n_s2_m3;
             }
             self.node_f[g] = f;
         }
-        if !rod.constant.line.is_empty() {
-            self.node_f.iter_mut().zip(&rod.constant.line).for_each(|(f, own)| *f += own * conditions.load_share);
-        }
-        self.lump(rod, shape, conditions);
+        // Empty without line loads.
+        let lines = self.node_f.iter_mut().zip(&rod.constant_loads.line);
+        lines.for_each(|(f, line)| *f += line * conditions.loads.share);
+        self.update_end_loads(rod, shape, conditions);
         let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
-        for (c, cell) in rod.grid.cells.iter().enumerate().rev() {
+        for (c, &cell_m) in rod.grid.cell_lengths_m.iter().enumerate().rev() {
             force += self.end_f[c + 1];
             moment += self.end_m[c + 1];
-            (force, moment) = self.through_cell(c, cell.length_m, shape, force, moment);
+            (force, moment) = self.through_cell(c, cell_m, shape, force, moment);
         }
     }
 
     /// Forces and moments at the cell ends: lumped masses, point loads, and the load at the tip.
     #[inline(always)]
-    fn lump(&mut self, rod: &LoadedRod, shape: &Shape, conditions: &SolveConditions) {
+    fn update_end_loads(&mut self, rod: &LoadedRod, shape: &Shape, conditions: &SolveConditions) {
         let motion = conditions.motion;
         self.end_f.fill(Vector3::zeros());
         self.end_m.fill(Vector3::zeros());
         for (k, mass) in rod.masses.iter().enumerate() {
             let acceleration = motion.mass_acceleration(k, &shape.end_p[mass.end]);
-            self.end_f[mass.end] += mass.mass_kg * (conditions.gravity_m_s2 - acceleration);
+            self.end_f[mass.end] += mass.mass_kg * (conditions.loads.gravity_m_s2 - acceleration);
             self.end_m[mass.end] += motion.spin_moment(mass, k, &shape.end_r[mass.end]);
         }
-        for (end, load) in &rod.constant.points {
-            let (f, m) = load.in_world(&shape.end_r[*end], conditions.load_share);
+        for (end, load) in &rod.constant_loads.points {
+            let (f, m) = load.in_world(&shape.end_r[*end], conditions.loads.share);
             self.end_f[*end] += f;
             self.end_m[*end] += m;
         }
         add_contact_loads(rod.touches, shape, &mut self.end_f, &mut self.end_m);
         let tip = self.end_f.len() - 1;
-        self.end_f[tip] += conditions.tip_load.force_n;
-        self.end_m[tip] += conditions.tip_load.moment_nm;
+        self.end_f[tip] += conditions.loads.tip.force_n;
+        self.end_m[tip] += conditions.loads.tip.moment_nm;
     }
 
     /// Transfers the wrench at the end of cell `c` (moment about that end) to its Gauss points and its start.
@@ -102,10 +103,11 @@ impl Loads {
             let g = 2 * c + row;
             let p = shape.node_p[g];
             let (mut n, mut m) = (force, moment + (end - p).cross(&force));
-            for (other, weight) in partial[row].iter().enumerate() {
-                let f = self.node_f[2 * c + other] * (0.5 * h - weight);
+            // Beyond the Gauss point: the whole cell less what lies before it.
+            for (source, weight) in partial[row].iter().enumerate() {
+                let f = self.node_f[2 * c + source] * (0.5 * h - weight);
                 n += f;
-                m += (shape.node_p[2 * c + other] - p).cross(&f);
+                m += (shape.node_p[2 * c + source] - p).cross(&f);
             }
             self.force[g] = n;
             self.moment[g] = m;
@@ -127,7 +129,7 @@ pub(crate) struct LoadedRod<'a> {
     pub(crate) grid: &'a Grid,
     pub(crate) sections: &'a [Section],
     pub(crate) masses: &'a [EndMass],
-    pub(crate) constant: &'a ConstantLoads,
+    pub(crate) constant_loads: &'a ConstantLoads,
     pub(crate) touches: &'a [Touch],
 }
 
@@ -153,8 +155,8 @@ impl ConstantLoads {
 
 /// Sum of the line loads at `position_m`, N/m.
 fn line_force(params: &RodParams, position_m: f64) -> Vector3<f64> {
-    let here = params.line_loads.iter().filter(|load| (load.start_m..load.end_m).contains(&position_m));
-    here.map(|load| load.force_n_m).sum()
+    let acting = params.line_loads.iter().filter(|load| (load.start_m..load.end_m).contains(&position_m));
+    acting.map(|load| load.force_n_m).sum()
 }
 
 impl PointLoad {

@@ -73,7 +73,7 @@ impl Section {
         let spine = section.map_or(0.0, |section| section.compliance_m_per_n / section.length_m);
         let axial = 1.0 / span.axial_n;
         let bending = 0.5 * (k1 + k2);
-        let time = params.damping_time_s;
+        let damping_s = params.damping_time_s;
         Section {
             rest: span.rest_curvature_rad_m.into(),
             home: span.home_curvature_rad_m.into(),
@@ -84,12 +84,12 @@ impl Section {
             spine,
             saturation_n: section.map_or(f64::INFINITY, |section| section.saturation_n),
             viscosity: [
-                time * bending,
-                time * bending,
-                time * span.torsion_n_m2,
-                time * span.shear_n,
-                time * span.shear_n,
-                time / (axial + spine),
+                damping_s * bending,
+                damping_s * bending,
+                damping_s * span.torsion_n_m2,
+                damping_s * span.shear_n,
+                damping_s * span.shear_n,
+                damping_s / (axial + spine),
             ],
             bending_n_m2: bending,
             mass_kg_m: span.mass_kg_m + span.spread_mass_kg_m,
@@ -123,6 +123,7 @@ impl Section {
         let spine = if self.spine == 0.0 {
             0.0
         } else if w[5] < -self.saturation_n {
+            // Beyond saturation the spine keeps its length, and with it its energy.
             self.spine * self.saturation_n * self.saturation_n
         } else {
             self.spine * w[5] * w[5]
@@ -131,7 +132,7 @@ impl Section {
     }
 
     /// The larger of the bending compliances about the principal axes and the torsional one, 1/(N m²).
-    pub(crate) fn softest_turn(&self) -> f64 {
+    pub(crate) fn max_turning_compliance(&self) -> f64 {
         let [a, b, c] = self.bend;
         (0.5 * (a + c) + (0.5 * (a - c)).hypot(b)).max(self.twist)
     }
@@ -139,11 +140,13 @@ impl Section {
     /// Quadrature error of a cell of length `h` in which the spine begins to saturate, metres of stretch: the exact
     /// integral of the law under an axial force linear between `a` and `b`, minus the two-point rule.
     pub(crate) fn kink_m(&self, a: f64, b: f64, h: f64) -> f64 {
+        // The axial force is extrapolated from the Gauss points to the ends of the cell.
         let half = 0.5 / (2.0 * GAUSS) * (b - a).abs();
         let (low, high) = (0.5 * (a + b) - half + self.saturation_n, 0.5 * (a + b) + half + self.saturation_n);
         if self.spine == 0.0 || low >= 0.0 || high <= 0.0 {
             return 0.0;
         }
+        // Mean over the cell of the part of a linear force that lies above the kink.
         let exact = 0.5 * high * high / (high - low);
         let rule = 0.5 * ((a + self.saturation_n).max(0.0) + (b + self.saturation_n).max(0.0));
         self.spine * h * (exact - rule)

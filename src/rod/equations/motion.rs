@@ -83,6 +83,7 @@ impl Motion {
             return Vector3::zeros();
         }
         let (w, dw) = self.spin(k, r);
+        // Euler's equations of a rigid body in body axes.
         let momentum = mass.inertia_kg_m2.component_mul(&w);
         -(r * (mass.inertia_kg_m2.component_mul(&dw) + w.cross(&momentum)))
     }

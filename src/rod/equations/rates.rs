@@ -64,7 +64,7 @@ impl RateMatrices {
             if weights.iter().all(|weight| *weight == 0.0) {
                 continue;
             }
-            system.grid.all.test_pair(weights, (row, column), &mut self.viscosity, system.grid.unknowns);
+            system.grid.basis.test_pair(weights, row, column, &mut self.viscosity, system.grid.unknowns);
         }
     }
 
@@ -85,7 +85,7 @@ impl RateMatrices {
             let velocity = r.tr_mul(&conditions.motion.node_velocity(g, &workspace.shape.node_p[g]));
             let damping = Matrix3::from_diagonal(&(velocity.abs() * (2.0 * drag * node.weight_m)));
             let n = system.grid.unknowns;
-            add_gram(&mut self.viscosity, (n, n), &variation.node_move[g], &(r * damping * r.transpose()));
+            add_gram(&mut self.viscosity, n, n, &variation.node_move[g], &(r * damping * r.transpose()));
         }
     }
 
@@ -97,6 +97,7 @@ impl RateMatrices {
         let length = self.gathered.len() / n.max(1);
         let mut next = 0;
         for (g, section) in system.sections.iter().enumerate() {
+            // √m on both factors of a product weights it by m.
             let root = (section.mass_kg_m * system.grid.nodes[g].weight_m).sqrt();
             gather(&mut self.gathered, length, &mut next, &variation.node_move[g], root);
         }
@@ -104,9 +105,9 @@ impl RateMatrices {
             gather(&mut self.gathered, length, &mut next, &variation.end_move[mass.end], mass.mass_kg.sqrt());
         }
         for row in 0..n {
-            let left = &self.gathered[row * length..(row + 1) * length];
+            let row_moves = &self.gathered[row * length..(row + 1) * length];
             for column in row..n {
-                let sum = dot(left, &self.gathered[column * length..(column + 1) * length]);
+                let sum = dot(row_moves, &self.gathered[column * length..(column + 1) * length]);
                 self.inertia[row * n + column] = sum;
                 self.inertia[column * n + row] = sum;
             }
@@ -114,7 +115,7 @@ impl RateMatrices {
         for mass in system.masses.iter().filter(|mass| mass.turns()) {
             let r = &workspace.shape.end_r[mass.end];
             let inertia = r * Matrix3::from_diagonal(&mass.inertia_kg_m2) * r.transpose();
-            add_gram(&mut self.inertia, (n, n), &variation.end_turn[mass.end], &inertia);
+            add_gram(&mut self.inertia, n, n, &variation.end_turn[mass.end], &inertia);
         }
     }
 }
@@ -132,12 +133,7 @@ fn gather(rows: &mut [f64], length: usize, next: &mut usize, from: &VectorDeriva
 }
 
 /// Adds `directionᵀ weightᵀ direction` to the first `n` rows and columns of a row-major matrix with rows of `size`.
-pub(super) fn add_gram(
-    out: &mut [f64],
-    (n, size): (usize, usize),
-    direction: &VectorDerivative,
-    weight: &Matrix3<f64>,
-) {
+pub(super) fn add_gram(out: &mut [f64], n: usize, size: usize, direction: &VectorDerivative, weight: &Matrix3<f64>) {
     let [x, y, z] = direction.rows().map(|row| &row[..n]);
     for i in 0..n {
         let w = weight * Vector3::new(x[i], y[i], z[i]);

@@ -44,7 +44,7 @@ impl Shape {
             end_r: vec![base_r; ends],
             end_p: vec![base_p; ends],
             field: vec![0.0; 6 * nodes],
-            turns: Turns::new(3 * grid.cells.len()),
+            turns: Turns::new(3 * grid.cell_lengths_m.len()),
         }
     }
 
@@ -62,8 +62,8 @@ impl Shape {
     /// Computes everything from the polynomial coefficients.
     #[inline(always)]
     pub(crate) fn update(&mut self, grid: &Grid, sections: &[Section], coefficients: &[f64]) {
-        grid.all.expand(coefficients, &mut self.field);
-        let points = grid.all.points;
+        grid.basis.expand(coefficients, &mut self.field);
+        let points = grid.basis.points;
         for g in 0..points {
             let wrench: Components = std::array::from_fn(|c| self.field[c * points + g]);
             (self.strain[g], self.compliance[g]) = sections[g].strain(&wrench);
@@ -76,15 +76,15 @@ impl Shape {
     /// the spine begins to saturate get the exact length.
     #[inline(always)]
     pub(crate) fn update_from(&mut self, grid: &Grid, sections: &[Section], wrench: &[Components]) {
-        for (g, own) in wrench.iter().enumerate() {
-            self.strain[g] = sections[g].strain(own).0;
-            self.wrench[g] = *own;
+        for (g, local) in wrench.iter().enumerate() {
+            self.strain[g] = sections[g].strain(local).0;
+            self.wrench[g] = *local;
         }
-        for (c, cell) in grid.cells.iter().enumerate() {
+        for (c, &cell_m) in grid.cell_lengths_m.iter().enumerate() {
             let [a, b] = [2 * c, 2 * c + 1];
-            let missed = sections[a].kink_m(wrench[a][5], wrench[b][5], cell.length_m) / cell.length_m;
-            self.strain[a][5] += missed;
-            self.strain[b][5] += missed;
+            let missing_stretch = sections[a].kink_m(wrench[a][5], wrench[b][5], cell_m) / cell_m;
+            self.strain[a][5] += missing_stretch;
+            self.strain[b][5] += missing_stretch;
         }
         self.integrate(grid);
     }
@@ -92,12 +92,12 @@ impl Shape {
     /// Poses from the strains.
     #[inline(always)]
     fn integrate(&mut self, grid: &Grid) {
-        for (c, cell) in grid.cells.iter().enumerate() {
-            self.read_turns(c, cell.length_m);
+        for (c, &cell_m) in grid.cell_lengths_m.iter().enumerate() {
+            self.read_turns(c, cell_m);
         }
         self.turns.exponentiate();
-        for (c, cell) in grid.cells.iter().enumerate() {
-            self.advance(c, cell.length_m);
+        for (c, &cell_m) in grid.cell_lengths_m.iter().enumerate() {
+            self.advance(c, cell_m);
         }
     }
 
@@ -137,9 +137,9 @@ impl Shape {
     /// positions by two Gauss points from the start of the cell to the place. Of fourth order in the turn of the cell,
     /// of third in how strains bend within it.
     pub(crate) fn pose_at(&self, grid: &Grid, position_m: f64) -> (Vector3<f64>, Matrix3<f64>) {
-        let last = grid.cells.len() - 1;
+        let last = grid.cell_lengths_m.len() - 1;
         let c = grid.boundaries_m[1..=last].partition_point(|&end| end <= position_m);
-        let h = grid.cells[c].length_m;
+        let h = grid.cell_lengths_m[c];
         let x = (position_m - grid.boundaries_m[c]).clamp(0.0, h);
         let part = |g: usize, from: usize| Vector3::from_row_slice(&self.strain[g][from..from + 3]);
         let (u1, u2) = (part(2 * c, 0), part(2 * c + 1, 0));

@@ -27,7 +27,7 @@ pub(crate) struct RodEquations {
     pub(crate) sections: Vec<Section>,
     pub(crate) masses: Vec<EndMass>,
     /// Constant loads.
-    pub(crate) constant: ConstantLoads,
+    pub(crate) constant_loads: ConstantLoads,
     /// Points that may touch obstacles; none without obstacles.
     pub(crate) contact_points: Vec<ContactPoint>,
     /// For each Gauss point and tendon: where the tendon passes.
@@ -53,7 +53,7 @@ pub(crate) struct Workspace {
     pub(crate) tangents: Vec<Vector3<f64>>,
     /// For each Gauss point and tendon: length per backbone length (0 past the tendon's end), and one over it.
     pub(crate) stretches: Vec<f64>,
-    shrinks: Vec<f64>,
+    inverse_stretches: Vec<f64>,
     /// For each Gauss point and tendon: tension as a share of that at the drive.
     pub(crate) tension_shares: Vec<f64>,
     /// Sliding of the tendons with friction.
@@ -70,7 +70,7 @@ pub(crate) struct Workspace {
     pub(crate) axial_weight: Vec<f64>,
     /// Whether these weights are frozen. They jump where the spine saturates; with a wrench that is not a polynomial,
     /// the equations could otherwise alternate without a solution.
-    pub(crate) weights_held: bool,
+    pub(crate) weights_frozen: bool,
     /// Equations of balance, then one a tendon.
     pub(crate) residual: Vec<f64>,
 }
@@ -110,26 +110,28 @@ impl RodEquations {
         let length = params.length_m();
         for (node, section) in grid.nodes.iter().zip(&sections) {
             for (c, scale) in section.scales().into_iter().enumerate() {
+                // A curvature along the whole rod moves the tip by up to the square of the length.
                 let lever = if c < 3 { length * length } else { length };
-                let own = node.offset[c]..node.offset[c] + grid.modes[c];
-                scales[own.clone()].iter_mut().for_each(|slot| *slot = slot.max(scale * lever));
+                let columns = node.offset[c]..node.offset[c] + grid.modes[c];
+                scales[columns.clone()].iter_mut().for_each(|slot| *slot = slot.max(scale * lever));
                 let squares = node.basis.iter().map(|basis| node.weight_m * scale * basis * basis);
-                elastic_diagonal[own].iter_mut().zip(squares).for_each(|(slot, square)| *slot += square);
+                elastic_diagonal[columns].iter_mut().zip(squares).for_each(|(slot, square)| *slot += square);
             }
         }
-        let at = |node: &Node| params.tendons.iter().map(|tendon| tendon.guide(node.position_m)).collect::<Vec<_>>();
-        let guides: Vec<TendonGuide> = grid.nodes.iter().flat_map(at).collect();
+        let guides_at =
+            |node: &Node| params.tendons.iter().map(|tendon| tendon.guide(node.position_m)).collect::<Vec<_>>();
+        let guides: Vec<TendonGuide> = grid.nodes.iter().flat_map(guides_at).collect();
         let home_lengths_m =
-            (0..params.tendons.len()).map(|i| home_length_m(&params.tendons, (&grid, &sections), &guides, i)).collect();
+            (0..params.tendons.len()).map(|i| home_length_m(&params.tendons, &grid, &sections, &guides, i)).collect();
         let reach_m_per_n = (0..params.tendons.len()).map(|i| reach_m_per_n(&params, &sections, &guides, i)).collect();
-        let constant = ConstantLoads::new(&params, &grid);
+        let constant_loads = ConstantLoads::new(&params, &grid);
         let contact_points = ContactPoint::all(&params, &grid);
         RodEquations {
             params,
             grid,
             sections,
             masses,
-            constant,
+            constant_loads,
             contact_points,
             guides,
             home_lengths_m,
@@ -153,7 +155,7 @@ impl RodEquations {
             touches: Vec::new(),
             tangents: vec![Vector3::zeros(); nodes * tendons],
             stretches: vec![0.0; nodes * tendons],
-            shrinks: vec![0.0; nodes * tendons],
+            inverse_stretches: vec![0.0; nodes * tendons],
             tension_shares: vec![1.0; nodes * tendons],
             sliding: self.tendons_at_home(),
             lengths_m: vec![0.0; tendons],
@@ -161,7 +163,7 @@ impl RodEquations {
             field: vec![0.0; COMPONENTS * nodes],
             imbalance: vec![[0.0; COMPONENTS]; nodes],
             axial_weight: vec![0.0; nodes],
-            weights_held: false,
+            weights_frozen: false,
             residual: vec![0.0; self.size()],
         }
     }
@@ -179,9 +181,9 @@ impl RodEquations {
     #[inline(always)]
     fn evaluate_all(&self, unknowns: &[f64], conditions: &SolveConditions, workspace: &mut Workspace) {
         workspace.shape.update(&self.grid, &self.sections, &unknowns[..self.grid.unknowns]);
-        if !workspace.weights_held {
+        if !workspace.weights_frozen {
             let axial = workspace.shape.compliance.iter().map(|compliance| compliance.diagonal[3]);
-            workspace.axial_weight.iter_mut().zip(axial).for_each(|(weight, own)| *weight = own);
+            workspace.axial_weight.iter_mut().zip(axial).for_each(|(weight, compliance)| *weight = compliance);
         }
         self.balance(unknowns, conditions, workspace);
     }
@@ -199,26 +201,27 @@ impl RodEquations {
             grid: &self.grid,
             sections: &self.sections,
             masses: &self.masses,
-            constant: &self.constant,
+            constant_loads: &self.constant_loads,
             touches,
         };
         loads.update(&rod, shape, conditions);
         workspace.residual.fill(0.0);
-        let points = self.grid.all.points;
+        let points = self.grid.basis.points;
         for (g, node) in self.grid.nodes.iter().enumerate() {
             let imbalance = self.imbalance(g, tensions, conditions, workspace);
             let strain = workspace.weighted_strain(g, &imbalance);
             (0..COMPONENTS).for_each(|c| workspace.field[c * points + g] = node.weight_m * strain[c]);
             workspace.imbalance[g] = imbalance;
         }
-        self.grid.all.test(&workspace.field, &mut workspace.residual);
-        for (i, hold) in conditions.holds.iter().enumerate() {
-            workspace.residual[self.grid.unknowns + i] = match *hold {
+        self.grid.basis.test(&workspace.field, &mut workspace.residual);
+        for (i, constraint) in conditions.constraints.iter().enumerate() {
+            workspace.residual[self.grid.unknowns + i] = match *constraint {
                 TendonConstraint::Length(_) if conditions.taut[i] => {
-                    self.overstretch_m(i, hold, tensions[i], workspace)
+                    self.overstretch_m(i, constraint, tensions[i], workspace)
                 }
+                // A slack tendon has no tension.
                 TendonConstraint::Length(_) => tensions[i],
-                TendonConstraint::Tension(wanted) => tensions[i] - wanted,
+                TendonConstraint::Tension(tension_n) => tensions[i] - tension_n,
             };
         }
     }
@@ -227,12 +230,12 @@ impl RodEquations {
     pub(crate) fn overstretch_m(
         &self,
         i: usize,
-        hold: &TendonConstraint,
+        constraint: &TendonConstraint,
         tension_n: f64,
         workspace: &Workspace,
     ) -> f64 {
         let tendon = &self.params.tendons[i];
-        let pull = if let TendonConstraint::Length(pull) = *hold { pull } else { 0.0 };
+        let pull = if let TendonConstraint::Length(pull) = *constraint { pull } else { 0.0 };
         workspace.lengths_m[i] + pull - self.home_lengths_m[i] - tendon.compliance_at(pull) * tension_n
     }
 
@@ -248,16 +251,18 @@ impl RodEquations {
         let section = &self.sections[g];
         let strain = workspace.shape.strain[g];
         let mut total = workspace.shape.wrench[g];
+        // The terms of the balance in docs/rod.md: first the viscous wrench …
         let motion = conditions.motion;
         if motion.rate > 0.0 {
             for c in 0..COMPONENTS {
                 total[c] += section.viscosity[c] * (strain[c] * motion.rate + motion.strain_v[g][c]);
             }
         }
+        // … then the moments with a memory …
         workspace.history_tangent[g] = [[0.0; 2]; 2];
         for (law, states) in self.params.moment_laws.iter().zip(conditions.histories) {
             let bend = section.bending(&strain);
-            let history = if conditions.settled {
+            let history = if conditions.at_rest {
                 law.settled(&states[g], bend, section.bending_n_m2)
             } else {
                 law.moment(&states[g], bend, section.bending_n_m2)
@@ -269,6 +274,7 @@ impl RodEquations {
                 }
             }
         }
+        // … then the tendons …
         for (i, &tension) in tensions.iter().enumerate() {
             if tension != 0.0 {
                 let pull = self.tendon_wrench(g, i, workspace);
@@ -278,6 +284,7 @@ impl RodEquations {
                 }
             }
         }
+        // … less what the loads beyond the cross-section put on it.
         let r = &workspace.shape.node_r[g];
         let moment = matrix3::transpose_times(r, &workspace.loads.moment[g]);
         let force = matrix3::transpose_times(r, &workspace.loads.force[g]);
@@ -333,11 +340,12 @@ impl RodEquations {
             }
         }
         // Square roots and quotients in one pass, for vector instructions.
-        for (stretch, shrink) in workspace.stretches.iter_mut().zip(&mut workspace.shrinks) {
+        for (stretch, inverse) in workspace.stretches.iter_mut().zip(&mut workspace.inverse_stretches) {
             *stretch = stretch.sqrt();
-            *shrink = if *stretch > 0.0 { 1.0 / *stretch } else { 0.0 };
+            *inverse = if *stretch > 0.0 { 1.0 / *stretch } else { 0.0 };
         }
-        workspace.tangents.iter_mut().zip(&workspace.shrinks).for_each(|(tangent, &shrink)| *tangent *= shrink);
+        let tangents = workspace.tangents.iter_mut().zip(&workspace.inverse_stretches);
+        tangents.for_each(|(tangent, &inverse)| *tangent *= inverse);
         workspace.lengths_m.fill(0.0);
         for (node, stretches) in self.grid.nodes.iter().zip(workspace.stretches.chunks_exact(count)) {
             workspace
@@ -367,8 +375,8 @@ impl RodEquations {
         let axial = length * workspace.axial_weight.iter().copied().fold(0.0, f64::max);
         let (per_element, axial_modes) = (self.grid.modes.iter().sum::<usize>(), self.grid.modes[5]);
         let mut largest = 0.0_f64;
-        for (own, scales) in step.chunks(per_element).zip(self.scales.chunks(per_element)) {
-            let (others, forces) = own.split_at(per_element - axial_modes);
+        for (element_step, scales) in step.chunks(per_element).zip(self.scales.chunks(per_element)) {
+            let (others, forces) = element_step.split_at(per_element - axial_modes);
             largest = others.iter().zip(scales).map(|(x, scale)| (x * scale).abs()).fold(largest, f64::max);
             largest = forces.iter().map(|x| (x * axial).abs()).fold(largest, f64::max);
         }
@@ -402,15 +410,17 @@ fn reach_m_per_n(params: &RodParams, sections: &[Section], guides: &[TendonGuide
     let passing = sections.iter().zip(guides.iter().skip(i).step_by(params.tendons.len()));
     let of = |(section, guide): (&Section, &TendonGuide)| {
         let ([x, y], scales) = (guide.offset_m, section.scales());
-        0.5 * section.softest_turn() * x.hypot(y) * length * length + scales[5] * length
+        // A constant curvature κ moves the tip by κ L²/2.
+        0.5 * section.max_turning_compliance() * x.hypot(y) * length * length + scales[5] * length
     };
     passing.filter(|(_, guide)| guide.present).map(of).fold(0.0, f64::max)
 }
 
 /// Path length of tendon `i` on the rod at home, metres.
-fn home_length_m(tendons: &[Tendon], (grid, sections): (&Grid, &[Section]), guides: &[TendonGuide], i: usize) -> f64 {
+fn home_length_m(tendons: &[Tendon], grid: &Grid, sections: &[Section], guides: &[TendonGuide], i: usize) -> f64 {
     let along = grid.nodes.iter().zip(sections).zip(guides.iter().skip(i).step_by(tendons.len()));
     let passing = along.filter(|(_, guide)| guide.present);
+    // As long as its part of the rod: exact, where the quadrature would round.
     if passing.clone().all(|((_, section), guide)| guide.slope == [0.0; 2] && section.home == [0.0; 3]) {
         return tendons[i].end_m - tendons[i].start_m;
     }

@@ -23,6 +23,16 @@ pub(crate) struct TendonSliding {
     tension_n: f64,
 }
 
+/// A tendon as the solver has it.
+struct PulledTendon {
+    /// Tension at the drive, N.
+    tension_n: f64,
+    /// Angle by which the whole path turns, radians.
+    turn_rad: f64,
+    /// How much shorter the path is than at home, metres.
+    shortening_m: f64,
+}
+
 /// Tension below which a tendon under a prescribed tension carries no friction, N.
 const MIN_TENSION_N: f64 = 1e-9;
 
@@ -32,23 +42,19 @@ impl TendonSliding {
         TendonSliding { share: 0.0, pull_m: tendon.pretension_m, tension_n: 0.0 }
     }
 
-    /// After the drive has gone to `hold`; the path has turned by `turn_rad` in all and is `shorter_m` shorter than at
-    /// home.
-    fn moved(
-        self,
-        tendon: &Tendon,
-        hold: &TendonConstraint,
-        (tension_n, turn_rad, shorter_m): (f64, f64, f64),
-    ) -> TendonSliding {
-        match *hold {
+    /// After the drive has gone to `constraint`, with the tendon as it is `now`.
+    fn moved(self, tendon: &Tendon, constraint: &TendonConstraint, now: PulledTendon) -> TendonSliding {
+        let PulledTendon { tension_n, turn_rad, shortening_m } = now;
+        match *constraint {
             TendonConstraint::Length(pull_m) => {
                 let change = (pull_m - self.pull_m) / tendon.presliding_m;
                 TendonSliding { share: (self.share + change).clamp(-1.0, 1.0), pull_m, tension_n }
             }
             TendonConstraint::Tension(tension_n) => {
+                // This change holds the tension at the tip while the tendon sticks.
                 let ratio = (tension_n.max(MIN_TENSION_N) / self.tension_n.max(MIN_TENSION_N)).ln();
                 let change = ratio / (tendon.friction_coefficient * turn_rad).max(f64::MIN_POSITIVE);
-                TendonSliding { share: (self.share + change).clamp(-1.0, 1.0), pull_m: shorter_m, tension_n }
+                TendonSliding { share: (self.share + change).clamp(-1.0, 1.0), pull_m: shortening_m, tension_n }
             }
         }
     }
@@ -68,12 +74,13 @@ impl RodEquations {
         conditions: &SolveConditions,
         workspace: &mut Workspace,
     ) {
-        for (i, tendon) in self.params.tendons.iter().enumerate().filter(|(_, tendon)| tendon.rubs()) {
+        for (i, tendon) in self.params.tendons.iter().enumerate().filter(|(_, tendon)| tendon.has_friction()) {
             let turn_rad = self.turn_along(i, workspace);
-            let shorter_m = self.home_lengths_m[i] - workspace.lengths_m[i];
-            let now = conditions.sliding[i].moved(tendon, &conditions.holds[i], (tensions_n[i], turn_rad, shorter_m));
-            workspace.sliding[i] = now;
-            let exponent = -tendon.friction_coefficient * now.share;
+            let shortening_m = self.home_lengths_m[i] - workspace.lengths_m[i];
+            let now = PulledTendon { tension_n: tensions_n[i], turn_rad, shortening_m };
+            let sliding = conditions.sliding[i].moved(tendon, &conditions.constraints[i], now);
+            workspace.sliding[i] = sliding;
+            let exponent = -tendon.friction_coefficient * sliding.share;
             let shares = workspace.tension_shares.iter_mut().skip(i).step_by(self.params.tendons.len());
             shares.for_each(|share| *share = (exponent * *share).exp());
         }
@@ -97,6 +104,7 @@ impl RodEquations {
                         shape.end_r[0] * Vector3::new(x, y, 1.0).normalize()
                     }
                 });
+                // Angle between two unit vectors, accurate where it is small.
                 turned_rad += 2.0 * (0.5 * (direction - before).norm()).min(1.0).asin();
                 last = Some(direction);
             }

@@ -37,14 +37,15 @@ impl ShapeVariation {
     /// Computes the variations of `shape`; the base does not move.
     #[inline(always)]
     pub(crate) fn update(&mut self, grid: &Grid, shape: &Shape) {
-        for (c, cell) in grid.cells.iter().enumerate() {
-            let half = 0.5 * cell.length_m;
-            let partial = Grid::partial_weights(cell.length_m);
+        for (c, &cell_m) in grid.cell_lengths_m.iter().enumerate() {
+            let half = 0.5 * cell_m;
+            let partial = Grid::partial_weights(cell_m);
             for row in 0..2 {
                 let (turn, moved) = (&mut self.turn_rate[row], &mut self.move_rate[row]);
                 strain_rates(grid, shape, 2 * c + row, turn, moved);
             }
             for row in 0..2 {
+                // Turns first: the stretch of a Gauss point turns with it.
                 let g = 2 * c + row;
                 let weights = partial[row];
                 let rates = [(&self.turn_rate[0], weights[0]), (&self.turn_rate[1], weights[1])];

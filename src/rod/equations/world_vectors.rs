@@ -38,8 +38,8 @@ impl VectorDerivative {
     /// All three components.
     #[inline(always)]
     pub(crate) fn rows(&self) -> [&[f64]; 3] {
-        let (x, rest) = self.values.split_at(self.values.len() / 3);
-        let (y, z) = rest.split_at(x.len());
+        let (x, yz) = self.values.split_at(self.values.len() / 3);
+        let (y, z) = yz.split_at(x.len());
         [x, y, z]
     }
 
@@ -47,8 +47,8 @@ impl VectorDerivative {
     #[inline(always)]
     pub(crate) fn rows_mut(&mut self) -> [&mut [f64]; 3] {
         let n = self.values.len() / 3;
-        let (x, rest) = self.values.split_at_mut(n);
-        let (y, z) = rest.split_at_mut(n);
+        let (x, yz) = self.values.split_at_mut(n);
+        let (y, z) = yz.split_at_mut(n);
         [x, y, z]
     }
 
@@ -106,10 +106,5 @@ impl VectorDerivative {
                 self.values[axis * n + k] += moment[axis];
             }
         }
-    }
-
-    /// Adds `fixed × other`.
-    pub(crate) fn add_fixed_cross(&mut self, fixed: &Vector3<f64>, other: &VectorDerivative) {
-        self.add_cross(other, fixed, -1.0);
     }
 }

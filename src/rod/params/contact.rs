@@ -31,13 +31,13 @@ const SAME_PLACE_M: f64 = 1e-9;
 impl ContactSurface {
     /// Distance of the surface from the backbone at `position_m`, metres.
     pub fn radius_at(&self, position_m: f64) -> f64 {
-        let here =
+        let covers =
             |disk: &&DiskSurface| position_m >= disk.start_m - SAME_PLACE_M && position_m <= disk.end_m + SAME_PLACE_M;
-        self.disks.iter().filter(here).map(|disk| disk.radius_m).fold(self.radius_m, f64::max)
+        self.disks.iter().filter(covers).map(|disk| disk.radius_m).fold(self.radius_m, f64::max)
     }
 
     /// Whether an obstacle has friction.
-    pub(crate) fn rubs(&self) -> bool {
+    pub(crate) fn has_friction(&self) -> bool {
         self.obstacles.iter().any(|obstacle| obstacle.friction_coefficient > 0.0)
     }
 }

@@ -95,18 +95,20 @@ impl ObstacleShape {
 
 /// The surface at `radius_m` from the origin, or from the line along `axis` through it, seen from `arm`.
 fn around(arm: &Vector3<f64>, radius_m: f64, axis: Option<Vector3<f64>>) -> Surface {
-    let far_m = arm.norm();
+    let from_center_m = arm.norm();
     // From the very middle every direction is as good.
-    let normal = if far_m > 0.0 { arm / far_m } else { any_normal_to(axis) };
+    let normal = if from_center_m > 0.0 { arm / from_center_m } else { any_normal_to(axis) };
     let across = Matrix3::identity() - normal * normal.transpose();
     let across = axis.map_or(across, |axis| across - axis * axis.transpose());
-    Surface { distance_m: far_m - radius_m, normal, curvature_1_m: across / far_m.max(radius_m * 1e-3) }
+    // Towards the middle the curvature would grow without bound.
+    Surface { distance_m: from_center_m - radius_m, normal, curvature_1_m: across / from_center_m.max(radius_m * 1e-3) }
 }
 
 fn any_normal_to(axis: Option<Vector3<f64>>) -> Vector3<f64> {
     let Some(axis) = axis else { return Vector3::x() };
-    let other = if axis.x.abs() < 0.9 { Vector3::x() } else { Vector3::y() };
-    axis.cross(&other).normalize()
+    // A reference that is not parallel to the axis, so that the cross product keeps its digits.
+    let reference = if axis.x.abs() < 0.9 { Vector3::x() } else { Vector3::y() };
+    axis.cross(&reference).normalize()
 }
 
 /// The surface of a cylinder about the origin: its side, a flat end, or the rim between them.
@@ -114,19 +116,21 @@ fn cylinder(arm: &Vector3<f64>, axis: &Vector3<f64>, radius_m: f64, half_length_
     let along_m = arm.dot(axis);
     let across = arm - axis * along_m;
     let side = around(&across, radius_m, Some(*axis));
-    let beyond_m = along_m.abs() - half_length_m;
+    let past_end_m = along_m.abs() - half_length_m;
     let outwards = axis * along_m.signum();
-    if beyond_m > 0.0 && side.distance_m > 0.0 {
-        let from_rim = side.normal * side.distance_m + outwards * beyond_m;
+    // Nearest point on the rim. The normal turns about the rim in the plane of the axis, and about
+    // the axis along the rim.
+    if past_end_m > 0.0 && side.distance_m > 0.0 {
+        let from_rim = side.normal * side.distance_m + outwards * past_end_m;
         let distance_m = from_rim.norm();
         let normal = from_rim / distance_m;
         let tangent = side.normal.cross(axis);
-        let bent = Matrix3::identity() - normal * normal.transpose() - tangent * tangent.transpose();
-        let round = tangent * tangent.transpose() * (normal.dot(&side.normal) / across.norm());
-        return Surface { distance_m, normal, curvature_1_m: bent / distance_m + round };
+        let about_rim = Matrix3::identity() - normal * normal.transpose() - tangent * tangent.transpose();
+        let about_axis = tangent * tangent.transpose() * (normal.dot(&side.normal) / across.norm());
+        return Surface { distance_m, normal, curvature_1_m: about_rim / distance_m + about_axis };
     }
-    if beyond_m > side.distance_m {
-        return Surface { distance_m: beyond_m, normal: outwards, curvature_1_m: Matrix3::zeros() };
+    if past_end_m > side.distance_m {
+        return Surface { distance_m: past_end_m, normal: outwards, curvature_1_m: Matrix3::zeros() };
     }
     side
 }

@@ -56,7 +56,7 @@ impl Default for Resolution {
 
 impl Resolution {
     /// Least number of cells per element: one Gauss point for each polynomial.
-    pub(crate) fn least_cells(&self) -> usize {
+    pub(crate) fn min_cells(&self) -> usize {
         let bend_or_twist = self.bending_modes.max(self.torsion_modes);
         bend_or_twist.max(self.shear_modes).max(self.axial_modes).div_ceil(2)
     }

@@ -72,10 +72,10 @@ impl RodParams {
         if position_m > start_m {
             let span = &self.spans[index];
             let second = span.from(start_m, position_m);
-            let middle = |[from, _]: [f64; 2], [to, _]: [f64; 2]| [from, to];
+            let up_to_split = |[from, _]: [f64; 2], [to, _]: [f64; 2]| [from, to];
             let taper = Taper {
-                outer: middle(span.taper.outer, second.taper.outer),
-                inner: middle(span.taper.inner, second.taper.inner),
+                outer: up_to_split(span.taper.outer, second.taper.outer),
+                inner: up_to_split(span.taper.inner, second.taper.inner),
             };
             let first = Span { end_m: position_m, taper, ..span.clone() };
             self.spans[index] = second;

@@ -51,6 +51,7 @@ impl Taper {
         let ratio = |power: i32| {
             (outer.powi(power) - inner.powi(power)) / (self.outer[0].powi(power) - self.inner[0].powi(power))
         };
+        // Areas go with the square, second moments with the fourth power of the radius.
         if *self == Taper::NONE { (1.0, 1.0) } else { (ratio(2), ratio(4)) }
     }
 }
@@ -64,6 +65,7 @@ impl Span {
             end_m,
             bending_n_m2: [youngs_modulus_pa * second_moment; 2],
             principal_angle_rad: 0.0,
+            // The polar second moment of a circle is twice the axial one.
             torsion_n_m2: 2.0 * shear_modulus_pa * second_moment,
             shear_n: shear_modulus_pa * area,
             axial_n: youngs_modulus_pa * area,
@@ -82,14 +84,14 @@ impl Span {
         }
         let share = (position_m - start_m) / (self.end_m - start_m);
         let (area, second_moment) = self.taper.ratios(share);
-        let rest = |[from, to]: [f64; 2]| [from + (to - from) * share, to];
+        let remaining = |[from, to]: [f64; 2]| [from + (to - from) * share, to];
         Span {
             bending_n_m2: self.bending_n_m2.map(|stiffness| stiffness * second_moment),
             torsion_n_m2: self.torsion_n_m2 * second_moment,
             shear_n: self.shear_n * area,
             axial_n: self.axial_n * area,
             mass_kg_m: self.mass_kg_m * area,
-            taper: Taper { outer: rest(self.taper.outer), inner: rest(self.taper.inner) },
+            taper: Taper { outer: remaining(self.taper.outer), inner: remaining(self.taper.inner) },
             ..self.clone()
         }
     }

@@ -60,7 +60,7 @@ impl Tendon {
     }
 
     /// Whether it has friction in its guides.
-    pub(crate) fn rubs(&self) -> bool {
+    pub(crate) fn has_friction(&self) -> bool {
         self.friction_coefficient > 0.0
     }
 

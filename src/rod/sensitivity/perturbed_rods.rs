@@ -8,7 +8,7 @@
 use nalgebra::{DVector, Dyn, LU};
 
 use crate::rod::discretisation::grid::Grid;
-use crate::rod::equations::boundary_conditions::TendonConstraint;
+use crate::rod::equations::boundary_conditions::{SolveConditions, TendonConstraint};
 use crate::rod::equations::motion::Motion;
 use crate::rod::equations::system::RodEquations;
 use crate::rod::params::loads::TipWrench;
@@ -16,7 +16,7 @@ use crate::rod::params::rod_params::RodParams;
 use crate::rod::solver::status::SolveStatus;
 use crate::rod::state::rates::Rates;
 use crate::rod::state::rod::{Drive, Rod};
-use crate::rod::state::solve_log::{SolveLog, SolvedStep};
+use crate::rod::state::solve_log::{SolveLog, SolvedStage, SolvedStep};
 
 /// A rod cannot follow the leader: it has other parts, or coincident parts have separated. Holds its number, from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -29,8 +29,8 @@ pub struct PerturbedRods {
     leader: Rod,
     /// A copy of the leader at the solve that the followers are at.
     followed: Rod,
-    others: Vec<Rod>,
-    kept: Option<LeaderDerivative>,
+    followers: Vec<Rod>,
+    leader_derivative: Option<LeaderDerivative>,
 }
 
 /// The leader's equations at one of its solutions.
@@ -38,7 +38,7 @@ struct LeaderSolution<'a> {
     unknowns: &'a [f64],
     taut: &'a [bool],
     residual: DVector<f64>,
-    settled: bool,
+    at_rest: bool,
     /// Contraction of the corrections, once measured.
     contraction: Option<f64>,
 }
@@ -60,18 +60,18 @@ impl PerturbedRods {
     /// [`NotPerturbable`] names the first one that cannot follow.
     pub fn new(params: RodParams, others: Vec<RodParams>) -> Result<PerturbedRods, NotPerturbable> {
         let PerturbedRods { leader, .. } = PerturbedRods::alone(params);
-        let other = |(index, changed): (usize, RodParams)| {
+        let follower = |(index, changed): (usize, RodParams)| {
             let grid = Grid::moved(&leader.system.params, &changed).ok_or(NotPerturbable(index + 1))?;
             Ok(Rod::on(RodEquations::on(grid, changed)))
         };
-        let others = others.into_iter().enumerate().map(other).collect::<Result<_, _>>()?;
-        Ok(PerturbedRods { followed: leader.clone(), leader, others, kept: None })
+        let followers = others.into_iter().enumerate().map(follower).collect::<Result<_, _>>()?;
+        Ok(PerturbedRods { followed: leader.clone(), leader, followers, leader_derivative: None })
     }
 
     /// A rod without followers.
     pub fn alone(params: RodParams) -> PerturbedRods {
         let leader = Rod::new(params);
-        PerturbedRods { followed: leader.clone(), leader, others: Vec::new(), kept: None }
+        PerturbedRods { followed: leader.clone(), leader, followers: Vec::new(), leader_derivative: None }
     }
 
     /// Whether a rod of `changed` could follow one of `params`.
@@ -86,7 +86,7 @@ impl PerturbedRods {
 
     /// The followers.
     pub fn others(&self) -> &[Rod] {
-        &self.others
+        &self.followers
     }
 
     /// All straight, unloaded, at rest, without history.
@@ -95,7 +95,7 @@ impl PerturbedRods {
         // Every follower has a grid at the initial level.
         let _ = self.match_leader_grid();
         self.all().for_each(Rod::restart);
-        self.kept = None;
+        self.leader_derivative = None;
     }
 
     /// Replaces the load at the tips from now on; `load` gives a rod's own.
@@ -121,23 +121,23 @@ impl PerturbedRods {
 
     /// Brings the followers to the leader's grid; `None` when one of them has no such grid.
     fn match_leader_grid(&mut self) -> Option<()> {
-        let PerturbedRods { leader, followed, others, kept } = self;
+        let PerturbedRods { leader, followed, followers, leader_derivative } = self;
         let level = leader.grid_level.level;
         if followed.grid_level.level == level {
             return Some(());
         }
-        *kept = None;
+        *leader_derivative = None;
         *followed = followed.on_grid(level);
-        for other in others {
-            let params = other.system.params.refined(&leader.grid_level.base, level);
+        for follower in followers {
+            let params = follower.system.params.refined(&leader.grid_level.base, level);
             let grid = Grid::moved(&leader.system.params, &params)?;
-            *other = other.with_state_on(Rod::on(RodEquations::on(grid, params)), level);
+            *follower = follower.with_state_on(Rod::on(RodEquations::on(grid, params)), level);
         }
         Some(())
     }
 
     fn all(&mut self) -> impl Iterator<Item = &mut Rod> {
-        [&mut self.leader, &mut self.followed].into_iter().chain(&mut self.others)
+        [&mut self.leader, &mut self.followed].into_iter().chain(&mut self.followers)
     }
 
     /// Moves the leader; the followers then take the solves in its log.
@@ -147,7 +147,7 @@ impl PerturbedRods {
         scale: &dyn Fn(usize) -> f64,
         movement: impl FnOnce(&mut Rod) -> SolveStatus,
     ) -> SolveStatus {
-        if self.others.is_empty() {
+        if self.followers.is_empty() {
             return movement(&mut self.leader);
         }
         self.leader.log = Some(SolveLog::default());
@@ -174,12 +174,12 @@ impl PerturbedRods {
         drives: &dyn Fn(usize, f64) -> Vec<Drive>,
         scale: &dyn Fn(usize) -> f64,
     ) -> Option<()> {
-        let PerturbedRods { followed, others, kept, .. } = self;
+        let PerturbedRods { followed, followers, leader_derivative, .. } = self;
         let at_rest = solved.duration_s.is_infinite();
-        for Rod { state, before, .. } in std::iter::once(&mut *followed).chain(&mut *others) {
+        for Rod { state, before, .. } in std::iter::once(&mut *followed).chain(&mut *followers) {
             before.copy_from(state);
         }
-        for (i, (unknowns, taut)) in solved.stages.iter().enumerate() {
+        for (i, SolvedStage { unknowns, taut }) in solved.stages.iter().enumerate() {
             let share: f64 = followed.tableau.rows[i].iter().sum();
             let prepare = |rod: &mut Rod, number: usize| {
                 let duration_s = solved.duration_s * scale(number);
@@ -189,32 +189,32 @@ impl PerturbedRods {
                     let Rod { motion, system, tableau, stages, before, .. } = rod;
                     motion.prepare(before, &system.masses, &tableau.rows[i], stages, duration_s);
                 }
-                rod.holds(&drives(number, if at_rest { 0.0 } else { share * duration_s }))
+                rod.constraints(&drives(number, if at_rest { 0.0 } else { share * duration_s }))
             };
-            let holds = prepare(followed, 0)?;
-            let mut solution = followed.at_solution(unknowns, taut, &holds, at_rest);
-            followed.take(unknowns, taut, i, at_rest);
-            let each: Vec<Vec<TendonConstraint>> =
-                others.iter_mut().enumerate().map(|(index, rod)| prepare(rod, index + 1)).collect::<Option<_>>()?;
-            let old = kept.take().filter(|kept| kept.serves(followed.motion.rate, taut, others.len()));
-            let corrected = old.and_then(|mut old| {
-                let all = old.correct(others, &each, &mut solution, OLD_FACTORS_TOLERANCE)?;
-                *kept = Some(old);
-                Some(all)
+            let constraints = prepare(followed, 0)?;
+            let mut solution = followed.at_solution(unknowns, taut, &constraints, at_rest);
+            followed.adopt(unknowns, taut, i, at_rest);
+            let all_constraints: Vec<Vec<TendonConstraint>> =
+                followers.iter_mut().enumerate().map(|(index, rod)| prepare(rod, index + 1)).collect::<Option<_>>()?;
+            let reused = leader_derivative.take().filter(|old| old.serves(followed.motion.rate, taut, followers.len()));
+            let corrected = reused.and_then(|mut reused| {
+                let corrected = reused.correct(followers, &all_constraints, &mut solution, OLD_FACTORS_TOLERANCE)?;
+                *leader_derivative = Some(reused);
+                Some(corrected)
             });
             let corrected = match corrected {
-                Some(all) => all,
+                Some(corrected) => corrected,
                 None => {
                     solution.contraction = None;
-                    let fresh = kept.insert(followed.linearise(&solution, &holds));
-                    fresh.correct(others, &each, &mut solution, FRESH_FACTORS_TOLERANCE)?
+                    let fresh = leader_derivative.insert(followed.linearise(&solution, &constraints));
+                    fresh.correct(followers, &all_constraints, &mut solution, FRESH_FACTORS_TOLERANCE)?
                 }
             };
-            for (other, unknowns) in others.iter_mut().zip(corrected) {
-                other.take(&unknowns, taut, i, at_rest);
+            for (follower, unknowns) in followers.iter_mut().zip(corrected) {
+                follower.adopt(&unknowns, taut, i, at_rest);
             }
         }
-        for (number, rod) in std::iter::once(followed).chain(others).enumerate() {
+        for (number, rod) in std::iter::once(followed).chain(followers).enumerate() {
             if at_rest {
                 rod.state.rates = Rates::zero(&rod.system.grid, &rod.system.masses);
             } else {
@@ -231,7 +231,7 @@ impl PerturbedRods {
 const FRESH_FACTORS_TOLERANCE: f64 = 1e-5;
 const OLD_FACTORS_TOLERANCE: f64 = 1e-7;
 /// Non-decreasing corrections below this, in lengths of the rod, are rounding.
-const ROUNDING: f64 = 1e-13;
+const ROUNDING_LENGTHS: f64 = 1e-13;
 const MAX_CORRECTIONS: usize = 8;
 /// Cost of a new derivative in corrections of one rod.
 const DERIVATIVE_COST: usize = 8;
@@ -246,13 +246,13 @@ impl LeaderDerivative {
     fn correct(
         &mut self,
         rods: &mut [Rod],
-        holds: &[Vec<TendonConstraint>],
+        constraints: &[Vec<TendonConstraint>],
         solution: &mut LeaderSolution,
         tolerance: f64,
     ) -> Option<Vec<Vec<f64>>> {
         self.corrections = 1;
-        let each = rods.iter_mut().zip(holds).map(|(rod, holds)| {
-            let (unknowns, corrections) = rod.corrected(&self.factors, tolerance, solution, holds)?;
+        let each = rods.iter_mut().zip(constraints).map(|(rod, constraints)| {
+            let (unknowns, corrections) = rod.corrected(&self.factors, tolerance, solution, constraints)?;
             self.corrections = self.corrections.max(corrections);
             Some(unknowns)
         });
@@ -266,27 +266,29 @@ impl Rod {
         &mut self,
         unknowns: &'a [f64],
         taut: &'a [bool],
-        holds: &[TendonConstraint],
-        settled: bool,
+        constraints: &[TendonConstraint],
+        at_rest: bool,
     ) -> LeaderSolution<'a> {
-        let Rod { system, solver, state, motion, tip_load, .. } = self;
-        let conditions = state.under_full_load(&system.params, (motion, tip_load), (holds, taut), settled);
+        let loads = self.full_loads();
+        let Rod { system, solver, state, motion, .. } = self;
+        let conditions = SolveConditions { taut, ..state.conditions(motion, constraints, &loads, at_rest) };
         system.evaluate(unknowns, &conditions, &mut solver.workspace);
         let residual = DVector::from_column_slice(&solver.workspace.residual);
-        LeaderSolution { unknowns, taut, residual, settled, contraction: None }
+        LeaderSolution { unknowns, taut, residual, at_rest, contraction: None }
     }
 
     /// The factorised derivative at `solution`, whose residual has just been evaluated.
-    fn linearise(&mut self, solution: &LeaderSolution, holds: &[TendonConstraint]) -> LeaderDerivative {
-        let Rod { system, solver, state, motion, tip_load, .. } = self;
-        let &LeaderSolution { unknowns, taut, settled, .. } = solution;
-        let conditions = state.under_full_load(&system.params, (motion, tip_load), (holds, taut), settled);
+    fn linearise(&mut self, solution: &LeaderSolution, constraints: &[TendonConstraint]) -> LeaderDerivative {
+        let loads = self.full_loads();
+        let Rod { system, solver, state, motion, .. } = self;
+        let &LeaderSolution { unknowns, taut, at_rest, .. } = solution;
+        let conditions = SolveConditions { taut, ..state.conditions(motion, constraints, &loads, at_rest) };
         solver.derivative.update(system, unknowns, &conditions, &solver.workspace);
         let factors = solver.derivative.matrix(system, &conditions).lu();
         LeaderDerivative { factors, rate: motion.rate, taut: taut.to_vec(), corrections: 1 }
     }
 
-    /// This follower's unknowns at the leader's `solution` and the number of corrections, until at most `left` of the
+    /// This follower's unknowns at the leader's `solution` and the number of corrections, until at most `tolerance` of the
     /// first correction remains. The contraction is measured on the first follower with a nonzero correction; it is
     /// nearly zero at the derivative's own solution, except for drag and rotary inertia, which the derivative omits.
     fn corrected(
@@ -294,14 +296,15 @@ impl Rod {
         factors: &LU<f64, Dyn, Dyn>,
         tolerance: f64,
         solution: &mut LeaderSolution,
-        holds: &[TendonConstraint],
+        constraints: &[TendonConstraint],
     ) -> Option<(Vec<f64>, usize)> {
         let mut unknowns = solution.unknowns.to_vec();
-        let Rod { system, solver, state, motion, tip_load, .. } = self;
-        let &mut LeaderSolution { taut, settled, .. } = solution;
-        let conditions = state.under_full_load(&system.params, (motion, tip_load), (holds, taut), settled);
+        let loads = self.full_loads();
+        let Rod { system, solver, state, motion, .. } = self;
+        let &mut LeaderSolution { taut, at_rest, .. } = solution;
+        let conditions = SolveConditions { taut, ..state.conditions(motion, constraints, &loads, at_rest) };
         let (mut first_m, mut last_m) = (0.0, f64::NAN);
-        for done in 1..=MAX_CORRECTIONS {
+        for count in 1..=MAX_CORRECTIONS {
             // Chord iteration: the factors stay those of the leader or of an earlier solution.
             system.evaluate(&unknowns, &conditions, &mut solver.workspace);
             let mut step = DVector::from_column_slice(&solver.workspace.residual) - &solution.residual;
@@ -311,19 +314,19 @@ impl Rod {
             unknowns.iter_mut().zip(step.iter()).for_each(|(x, dx)| *x -= dx);
             let size_m = system.size_of_step_m(&step.as_slice()[..system.grid.unknowns], &solver.workspace);
             // Corrections that no longer shrink are rounding.
-            let rounding = size_m > 0.3 * last_m && size_m < ROUNDING * system.params.length_m();
+            let rounding = size_m > 0.3 * last_m && size_m < ROUNDING_LENGTHS * system.params.length_m();
             if size_m == 0.0 || rounding {
-                return Some((unknowns, done));
+                return Some((unknowns, count));
             }
-            if done == 1 {
+            if count == 1 {
                 first_m = size_m;
             } else if solution.contraction.is_none() {
                 solution.contraction = Some(size_m / last_m);
             }
-            let contraction = if done == 1 { solution.contraction.unwrap_or(1.0) } else { size_m / last_m };
+            let contraction = if count == 1 { solution.contraction.unwrap_or(1.0) } else { size_m / last_m };
             // A linear iteration leaves about its contraction times the last correction.
             if contraction * size_m < tolerance * first_m {
-                return Some((unknowns, done));
+                return Some((unknowns, count));
             }
             last_m = size_m;
         }
@@ -331,7 +334,7 @@ impl Rod {
     }
 
     /// Adopts `unknowns` as the new state.
-    fn take(&mut self, unknowns: &[f64], taut: &[bool], stage: usize, at_rest: bool) {
+    fn adopt(&mut self, unknowns: &[f64], taut: &[bool], stage: usize, at_rest: bool) {
         let n = self.system.grid.unknowns;
         self.state.unknowns.copy_from_slice(unknowns);
         self.state.taut.copy_from_slice(taut);

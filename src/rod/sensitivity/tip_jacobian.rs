@@ -58,7 +58,7 @@ impl TipRate {
 }
 
 /// Step of the central difference that refines a derivative, in lengths of the rod.
-const PROBE: f64 = 1e-5;
+const PROBE_LENGTHS: f64 = 1e-5;
 /// Step of the central difference with respect to a command to a tendon with friction: a share of its presliding, and
 /// newtons.
 const PRESLIDING_SHARE: f64 = 1e-3;
@@ -67,6 +67,16 @@ const TENSION_STEP_N: f64 = 1e-5;
 /// derivative.
 const MAX_REFINEMENTS: usize = 40;
 const REFINEMENT_TOLERANCE: f64 = 1e-7;
+
+/// The equations and the poses at unknowns beside a solution.
+struct ShiftedSolution {
+    residual: DVector<f64>,
+    tip: SectionPose,
+    points: Vec<SectionPose>,
+}
+
+/// Position (metres) and orientation.
+type SectionPose = (Vector3<f64>, Matrix3<f64>);
 
 /// The equations at a solution.
 struct Linearised<'a> {
@@ -88,19 +98,13 @@ impl Rod {
     pub fn pose_jacobian(&mut self, directions: &[Direction], places_m: &[f64]) -> Option<Vec<PoseRates>> {
         let rest = self.settled_under.as_ref()?;
         let motion = Motion::rest(&self.system.grid, &self.system.masses);
+        let loads = self.full_loads();
+        // Histories, sliding and contacts as they were before the rest was committed.
         let conditions = SolveConditions {
-            holds: &rest.holds,
-            taut: &self.state.taut,
-            tip_load: &self.tip_load,
-            load_share: 1.0,
-            gravity_m_s2: self.system.params.gravity_m_s2,
-            motion: &motion,
             histories: &rest.histories,
             sliding: &rest.sliding,
             contact_memory: &rest.contact_memory,
-            fixed_touches: None,
-            obstacle_share: 1.0,
-            settled: true,
+            ..self.state.conditions(&motion, &rest.constraints, &loads, true)
         };
         let mut workspace = self.solver.workspace.clone();
         let mut derivative = Derivative::new(&self.system);
@@ -135,41 +139,54 @@ impl Rod {
         if size_m == 0.0 {
             return Some(PoseRates { tip: TipRate::ZERO, points: vec![TipRate::ZERO; places_m.len()] });
         }
-        let share = PROBE * self.system.params.length_m() / size_m;
-        if self.system.params.tendons.iter().any(Tendon::rubs) {
+        let share = PROBE_LENGTHS * self.system.params.length_m() / size_m;
+        if self.system.params.tendons.iter().any(Tendon::has_friction) {
             self.refine(&mut change, explicit, solution, shifted)?;
         }
         let mut at = |along: &DVector<f64>, sign: f64| {
-            let unknowns: Vec<f64> =
-                self.state.unknowns.iter().zip(along.iter()).map(|(x, dx)| x + sign * share * dx).collect();
-            self.system.evaluate(&unknowns, conditions, shifted);
+            self.evaluate_shifted(along, sign * share, conditions, shifted);
             let shape = &shifted.shape;
-            let poses: Vec<(Vector3<f64>, Matrix3<f64>)> =
-                places_m.iter().map(|&place_m| shape.pose_at(&self.system.grid, place_m)).collect();
-            (DVector::from_column_slice(&shifted.residual), (shape.tip_m(), shape.tip_rotation()), poses)
+            ShiftedSolution {
+                residual: DVector::from_column_slice(&shifted.residual),
+                tip: (shape.tip_m(), shape.tip_rotation()),
+                points: places_m.iter().map(|&place_m| shape.pose_at(&self.system.grid, place_m)).collect(),
+            }
         };
-        let between = |after: (Vector3<f64>, Matrix3<f64>), before: (Vector3<f64>, Matrix3<f64>)| TipRate {
-            position_m: (after.0 - before.0) / (2.0 * share),
-            rotation_rad: rotation::log(&(after.1 * before.1.transpose())) / (2.0 * share),
+        let between = |(after_m, after_r): SectionPose, (before_m, before_r): SectionPose| TipRate {
+            position_m: (after_m - before_m) / (2.0 * share),
+            rotation_rad: rotation::log(&(after_r * before_r.transpose())) / (2.0 * share),
         };
         let (after, before) = (at(&change, 1.0), at(&change, -1.0));
-        let mut remainder = -(explicit + (after.0 - before.0) / (2.0 * share));
+        let mut remainder = -(explicit + (after.residual - before.residual) / (2.0 * share));
         if !factors.solve_mut(&mut remainder) {
             return None;
         }
         let last = derivative.variation.end_move.len() - 1;
-        let more = &remainder.as_slice()[..n];
-        let mut tip = between(after.1, before.1);
-        tip.position_m += derivative.variation.end_move[last].times(more);
-        tip.rotation_rad += derivative.variation.end_turn[last].times(more);
+        let correction = &remainder.as_slice()[..n];
+        let mut tip = between(after.tip, before.tip);
+        tip.position_m += derivative.variation.end_move[last].times(correction);
+        tip.rotation_rad += derivative.variation.end_turn[last].times(correction);
         let points = if places_m.is_empty() {
             Vec::new()
         } else {
             let refined = &change + &remainder;
             let (after, before) = (at(&refined, 1.0), at(&refined, -1.0));
-            after.2.into_iter().zip(before.2).map(|(after, before)| between(after, before)).collect()
+            after.points.into_iter().zip(before.points).map(|(after, before)| between(after, before)).collect()
         };
         Some(PoseRates { tip, points })
+    }
+
+    /// Evaluates the equations at the present unknowns plus `share` of a change.
+    fn evaluate_shifted(
+        &self,
+        change: &DVector<f64>,
+        share: f64,
+        conditions: &SolveConditions,
+        shifted: &mut Workspace,
+    ) {
+        let shift = self.state.unknowns.iter().zip(change.iter());
+        let unknowns: Vec<f64> = shift.map(|(x, dx)| x + share * dx).collect();
+        self.system.evaluate(&unknowns, conditions, shifted);
     }
 
     /// Refines `change` until dF along it and `explicit` cancel; `None` when that does not converge.
@@ -183,11 +200,9 @@ impl Rod {
         let n = self.system.grid.unknowns;
         for _ in 0..MAX_REFINEMENTS {
             let size_m = self.system.size_of_step_m(&change.as_slice()[..n], shifted);
-            let share = PROBE * self.system.params.length_m() / size_m;
+            let share = PROBE_LENGTHS * self.system.params.length_m() / size_m;
             let mut residual = |sign: f64| {
-                let unknowns: Vec<f64> =
-                    self.state.unknowns.iter().zip(change.iter()).map(|(x, dx)| x + sign * share * dx).collect();
-                self.system.evaluate(&unknowns, solution.conditions, shifted);
+                self.evaluate_shifted(change, sign * share, solution.conditions, shifted);
                 DVector::from_column_slice(&shifted.residual)
             };
             // Iterative refinement: central differences along `change` show what the factors, an approximation,
@@ -206,9 +221,9 @@ impl Rod {
 
     /// Writes ∂F/∂direction for the command to tendon `i`, which has friction, into `rate`: zero for a tendon that is
     /// slack or held otherwise.
-    fn rate_of_hold(&self, direction: Direction, i: usize, conditions: &SolveConditions, rate: &mut DVector<f64>) {
+    fn rate_of_command(&self, direction: Direction, i: usize, conditions: &SolveConditions, rate: &mut DVector<f64>) {
         let tendon = &self.system.params.tendons[i];
-        let step = match (direction, conditions.holds[i]) {
+        let step = match (direction, conditions.constraints[i]) {
             (Direction::Pull(_), TendonConstraint::Length(_)) if conditions.taut[i] => {
                 PRESLIDING_SHARE * tendon.presliding_m
             }
@@ -217,12 +232,12 @@ impl Rod {
         };
         let mut workspace = self.solver.workspace.clone();
         let mut residual = |change: f64| {
-            let mut holds = conditions.holds.to_vec();
-            holds[i] = match holds[i] {
+            let mut constraints = conditions.constraints.to_vec();
+            constraints[i] = match constraints[i] {
                 TendonConstraint::Length(pull_m) => TendonConstraint::Length(pull_m + change),
                 TendonConstraint::Tension(tension_n) => TendonConstraint::Tension(tension_n + change),
             };
-            let shifted = SolveConditions { holds: &holds, ..*conditions };
+            let shifted = SolveConditions { constraints: &constraints, ..*conditions };
             self.system.evaluate(&self.state.unknowns, &shifted, &mut workspace);
             DVector::from_column_slice(&workspace.residual)
         };
@@ -235,19 +250,19 @@ impl Rod {
         let mut rate = DVector::zeros(self.system.size());
         match direction {
             Direction::Pull(i) | Direction::Tension(i)
-                if self.system.params.tendons.get(i).is_some_and(Tendon::rubs) =>
+                if self.system.params.tendons.get(i).is_some_and(Tendon::has_friction) =>
             {
-                self.rate_of_hold(direction, i, conditions, &mut rate);
+                self.rate_of_command(direction, i, conditions, &mut rate);
             }
             Direction::Pull(i) => {
-                if matches!(conditions.holds.get(i), Some(TendonConstraint::Length(_))) && conditions.taut[i] {
+                if matches!(conditions.constraints.get(i), Some(TendonConstraint::Length(_))) && conditions.taut[i] {
                     let tendon = &self.system.params.tendons[i];
                     rate[n + i] =
                         1.0 + tendon.compliance_m_per_n / tendon.elastic_length_m * self.state.unknowns[n + i];
                 }
             }
             Direction::Tension(i) => {
-                if matches!(conditions.holds.get(i), Some(TendonConstraint::Tension(_))) {
+                if matches!(conditions.constraints.get(i), Some(TendonConstraint::Tension(_))) {
                     rate[n + i] = -1.0;
                 }
             }

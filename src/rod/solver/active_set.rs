@@ -6,6 +6,12 @@ use super::newton_state::{DerivativeUse, LuFactors, NewtonSolver};
 use crate::rod::equations::boundary_conditions::TendonConstraint;
 use crate::rod::equations::system::RodEquations;
 
+/// Tendon constraints of two solves.
+pub(crate) struct ConstraintChange<'a> {
+    pub(crate) from: &'a [TendonConstraint],
+    pub(crate) to: &'a [TendonConstraint],
+}
+
 /// Violations below this share of the solve's tolerance are ignored: the excess length of a slack tendon, and the tip
 /// displacement due to a negative tension of a taut one.
 const SET_TOLERANCE: f64 = 0.1;
@@ -17,57 +23,59 @@ impl NewtonSolver {
         &self,
         system: &RodEquations,
         unknowns: &mut [f64],
-        (taut, holds): (&mut [bool], &[TendonConstraint]),
+        taut: &mut [bool],
+        constraints: &[TendonConstraint],
         step: &DVector<f64>,
         tolerance_m: f64,
     ) -> bool {
         let n = system.grid.unknowns;
-        let (mut worst, mut offence) = (None, SET_TOLERANCE * tolerance_m);
-        for (i, hold) in holds.iter().enumerate() {
-            let own = match hold {
+        let (mut worst_tendon, mut max_violation_m) = (None, SET_TOLERANCE * tolerance_m);
+        for (i, constraint) in constraints.iter().enumerate() {
+            let violation_m = match constraint {
                 TendonConstraint::Tension(_) => continue,
                 TendonConstraint::Length(_) if taut[i] => -unknowns[n + i] * system.reach_m_per_n[i],
                 TendonConstraint::Length(_) => {
                     // Length after the step, to first order.
                     let shift = self.derivative.length_change_m(system, i, &step.as_slice()[..n]);
-                    system.overstretch_m(i, hold, 0.0, &self.workspace) - shift
+                    system.overstretch_m(i, constraint, 0.0, &self.workspace) - shift
                 }
             };
-            if own > offence {
-                (worst, offence) = (Some(i), own);
+            if violation_m > max_violation_m {
+                (worst_tendon, max_violation_m) = (Some(i), violation_m);
             }
         }
-        if let Some(i) = worst {
+        if let Some(i) = worst_tendon {
             taut[i] = !taut[i];
             unknowns[n + i] = 0.0;
         }
-        worst.is_some()
+        worst_tendon.is_some()
     }
 
-    /// Predicts the first residual of the next solve: the change of the tendon constraints from `was` to `will`. Valid
+    /// Predicts the first residual of the next solve: the change of the tendon constraints. Valid
     /// when `unknowns` and `taut` are the solution that the current derivative has led to.
     pub(crate) fn predict_residual(
         &mut self,
         system: &RodEquations,
-        (unknowns, taut): (&[f64], &[bool]),
-        (was, will): (&[TendonConstraint], &[TendonConstraint]),
+        unknowns: &[f64],
+        taut: &[bool],
+        change: &ConstraintChange,
     ) {
-        let led = |factors: &LuFactors| factors.rate == 0.0 && factors.taut == taut;
-        if self.kept != DerivativeUse::Rest || self.unreliable || !self.factors.last().is_some_and(led) {
+        let led_here = |factors: &LuFactors| factors.rate == 0.0 && factors.taut == taut;
+        if self.derivative_use != DerivativeUse::Rest || self.unreliable || !self.factors.last().is_some_and(led_here) {
             return;
         }
         let n = system.grid.unknowns;
-        let alike = was.iter().zip(will).all(|pair| match pair {
+        let same_kinds = change.from.iter().zip(change.to).all(|pair| match pair {
             (TendonConstraint::Length(_), TendonConstraint::Length(_)) => true,
             (before, after) => before == after,
         });
-        if !alike {
+        if !same_kinds {
             return;
         }
         self.workspace.residual.fill(0.0);
-        for (i, (before, after)) in was.iter().zip(will).enumerate().filter(|&(i, _)| taut[i]) {
+        for (i, (before, after)) in change.from.iter().zip(change.to).enumerate().filter(|&(i, _)| taut[i]) {
             let overstretch_m =
-                |hold: &TendonConstraint| system.overstretch_m(i, hold, unknowns[n + i], &self.workspace);
+                |constraint: &TendonConstraint| system.overstretch_m(i, constraint, unknowns[n + i], &self.workspace);
             self.workspace.residual[n + i] = overstretch_m(after) - overstretch_m(before);
         }
         self.residual_predicted = true;

@@ -46,6 +46,7 @@ impl ContactSearch<'_> {
         for attempt in 0..MAX_ATTEMPTS {
             // Regula falsi for half the limit, with bisections, since the force may rise steeply.
             let secant = (0.5 * limit_n - free.force_n) / (pressed.force_n - free.force_n);
+            // A secant point at an end of the bracket would not shrink it.
             let part = if attempt % 2 == 0 { secant.clamp(0.05, 0.95) } else { 0.5 };
             let between = self.probe(free.share + part * (pressed.share - free.share));
             if between.force_n > limit_n {
@@ -73,21 +74,21 @@ impl NewtonSolver {
         if system.contact_points.is_empty() {
             return 1.0;
         }
-        let here = &self.workspace.shape;
-        let now = Probe { share: 0.0, force_n: system.hardest_contact_n(conditions, here) };
-        let limit_n = now.force_n.max(MAX_CONTACT_FORCE * system.bending_force_n());
-        let mut search = ContactSearch { system, conditions, unknowns, correction, shape: here.clone() };
-        let whole = search.probe(1.0);
+        let shape = &self.workspace.shape;
+        let current = Probe { share: 0.0, force_n: system.hardest_contact_n(conditions, shape) };
+        let limit_n = current.force_n.max(MAX_CONTACT_FORCE * system.bending_force_n());
+        let mut search = ContactSearch { system, conditions, unknowns, correction, shape: shape.clone() };
+        let full_step = search.probe(1.0);
         // A thin obstacle must not be jumped over.
-        let moved_m = system.contact_motion_m(here, &search.shape);
+        let moved_m = system.contact_motion_m(shape, &search.shape);
         let parts = (moved_m / system.thinnest_obstacle_m()).ceil().clamp(1.0, MAX_PARTS) as usize;
-        let mut free = now;
+        let mut free = current;
         for part in 1..=parts {
-            let next = if part == parts { whole } else { search.probe(part as f64 / parts as f64) };
+            let next = if part == parts { full_step } else { search.probe(part as f64 / parts as f64) };
             if next.force_n > limit_n {
                 return search.touch(free, next, limit_n);
             }
-            if next.force_n > 0.0 && now.force_n <= 0.0 {
+            if next.force_n > 0.0 && current.force_n <= 0.0 {
                 return next.share;
             }
             free = next;

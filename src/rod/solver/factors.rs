@@ -15,8 +15,8 @@ impl NewtonSolver {
     /// Moves the factors for the rate and the taut set of `conditions` to the end of the list; factorises if needed.
     pub(super) fn factor(&mut self, system: &RodEquations, conditions: &SolveConditions) {
         let rate = conditions.motion.rate;
-        let known = self.factors.iter().position(|f| f.rate == rate && f.taut == conditions.taut);
-        let newest = match known {
+        let cached = self.factors.iter().position(|f| f.rate == rate && f.taut == conditions.taut);
+        let newest = match cached {
             Some(index) => self.factors.remove(index),
             None => {
                 self.factorisations += 1;
@@ -50,7 +50,7 @@ impl NewtonSolver {
     }
 
     /// Solves with the factors that the last solve ended with; false when they are singular.
-    pub(crate) fn divide(&self, residual: &mut DVector<f64>) -> bool {
+    pub(crate) fn solve_with_last_factors(&self, residual: &mut DVector<f64>) -> bool {
         self.factors.last().is_some_and(|factors| factors.lu.solve_mut(residual))
     }
 }

@@ -16,12 +16,13 @@ use crate::rod::equations::system::RodEquations;
 const MAX_ITERATIONS_WITH_ONE_SET: usize = 30;
 /// Changes of the taut set during the iteration; after this many, each set is solved for first.
 const QUICK_SET_CHANGES: usize = 10;
-/// Iterations after which the axial weights of the balance are frozen.
-const HOLD_WEIGHTS_AFTER: usize = 12;
+/// Iterations after which the axial weights of the balance are frozen (docs/robustness.md).
+const FREEZE_WEIGHTS_AFTER: usize = 12;
+/// Changes of the taut set after which it counts as unsettled.
 const MAX_SET_CHANGES: usize = 30;
 /// Largest step, in lengths of the rod; longer ones are shortened.
-const LARGEST_STEP: f64 = 0.5;
-/// Contraction above which the derivative is recomputed.
+const MAX_STEP_LENGTHS: f64 = 0.5;
+/// Contraction above which the derivative is recomputed (docs/rod.md).
 const POOR_CONTRACTION: f64 = 0.1;
 
 /// Assumed contraction of a reused derivative before the first measurement.
@@ -30,8 +31,9 @@ const UNPROVEN_CONTRACTION: f64 = 0.1;
 /// A step at rest that is smaller than the imbalance over this stiffening factor is suspicious …
 const MAX_STIFFENING: f64 = 1e4;
 /// … unless both are rounding, in lengths of the rod.
-const ROUNDING: f64 = 1e-8;
-/// Imbalance (an angle) beyond which a derivative is not reused.
+const ROUNDING_LENGTHS: f64 = 1e-8;
+/// Imbalance (an angle) beyond which a derivative is not reused: it belongs to a shape under extreme tensions, from
+/// which every step is small (docs/robustness.md).
 const UNRELIABLE_IMBALANCE: f64 = 1e8;
 
 /// The correction that was subtracted from the unknowns.
@@ -55,24 +57,24 @@ impl NewtonSolver {
         tolerance_m: f64,
     ) -> SolveStatus {
         let length_m = system.params.length_m();
-        let mut last_step = f64::INFINITY;
-        let (mut set_changes, mut set_since) = (0, 0);
+        let mut last_size = f64::INFINITY;
+        let (mut set_changes, mut set_changed_at) = (0, 0);
         self.steps.clear();
         self.damping = NewtonDamping::new();
-        let need = if conditions.motion.rate > 0.0 { DerivativeUse::Motion } else { DerivativeUse::Rest };
-        let mut stale = self.kept != need;
-        self.workspace.weights_held = false;
+        let needed = if conditions.motion.rate > 0.0 { DerivativeUse::Motion } else { DerivativeUse::Rest };
+        let mut stale = self.derivative_use != needed;
+        self.workspace.weights_frozen = false;
         for iteration in 0..self.max_iterations {
             // A time step can be shortened instead; a static solve has no such way out and goes on.
-            if need == DerivativeUse::Motion && iteration - set_since == MAX_ITERATIONS_WITH_ONE_SET {
+            if needed == DerivativeUse::Motion && iteration - set_changed_at == MAX_ITERATIONS_WITH_ONE_SET {
                 break;
             }
             self.iterations += 1;
             let residual_predicted = self.residual_predicted;
             // Weights that follow the tensions can make the iteration jump to and fro without a solution.
-            let hold_weights = iteration == HOLD_WEIGHTS_AFTER;
-            self.workspace.weights_held |= hold_weights;
-            let fresh = stale || hold_weights;
+            let freeze_weights = iteration == FREEZE_WEIGHTS_AFTER;
+            self.workspace.weights_frozen |= freeze_weights;
+            let fresh = stale || freeze_weights;
             let current = SolveConditions { taut, ..*conditions };
             let Correction { step, size, shortened } = match self.correct(system, unknowns, &current, fresh) {
                 Ok(correction) => correction,
@@ -80,43 +82,44 @@ impl NewtonSolver {
             };
             stale = shortened || self.unreliable;
             // Once the sets alternate, each is solved for before the next one is tried.
-            let ripe = set_changes <= QUICK_SET_CHANGES || (!shortened && size < 1e-3 * length_m);
-            if ripe && self.change_set(system, unknowns, (taut, conditions.holds), &step, tolerance_m) {
+            let may_change_set = set_changes <= QUICK_SET_CHANGES || (!shortened && size < 1e-3 * length_m);
+            if may_change_set && self.change_set(system, unknowns, taut, conditions.constraints, &step, tolerance_m) {
                 set_changes += 1;
-                set_since = iteration + 1;
+                set_changed_at = iteration + 1;
                 if set_changes > MAX_SET_CHANGES {
                     return self.fail(SolveStatus::TendonSetUnsettled);
                 }
-                (stale, last_step) = (self.unreliable, f64::INFINITY);
+                (stale, last_size) = (self.unreliable, f64::INFINITY);
                 self.steps.clear();
                 self.damping = NewtonDamping::new();
                 continue;
             }
-            let contraction = if last_step.is_finite() { size / last_step } else { UNPROVEN_CONTRACTION };
+            let contraction = if last_size.is_finite() { size / last_size } else { UNPROVEN_CONTRACTION };
             // The next error is quadratic in the step with a fresh derivative, linear with a reused one.
             let remaining_m = if fresh { size * (size / length_m).min(1.0) } else { size * contraction.min(1.0) };
             if shortened {
                 self.steps.clear();
-            } else if remaining_m < tolerance_m && !residual_predicted && !self.step_is_suspicious(system, size, need) {
+            } else if remaining_m < tolerance_m && !residual_predicted && !self.step_is_suspicious(system, size, needed)
+            {
                 self.residual_m = remaining_m;
                 return SolveStatus::Converged;
             } else {
                 self.steps.push(step);
             }
             // A poor contraction, or convergence by a predicted residual, is judged again with a fresh derivative.
-            stale |= contraction > POOR_CONTRACTION && last_step.is_finite();
+            stale |= contraction > POOR_CONTRACTION && last_size.is_finite();
             stale |= remaining_m < tolerance_m && !residual_predicted;
-            last_step = size;
+            last_size = size;
         }
         self.fail(SolveStatus::NotConverged)
     }
 
     /// Whether a step of `size` metres at rest is too small for the present imbalance: then the derivative belongs to
     /// another shape, under extreme tensions.
-    fn step_is_suspicious(&self, system: &RodEquations, size: f64, need: DerivativeUse) -> bool {
+    fn step_is_suspicious(&self, system: &RodEquations, size: f64, needed: DerivativeUse) -> bool {
         let length_m = system.params.length_m();
-        need == DerivativeUse::Rest
-            && self.largest_imbalance(system) * length_m > MAX_STIFFENING * size + ROUNDING * length_m
+        needed == DerivativeUse::Rest
+            && self.largest_imbalance(system) * length_m > MAX_STIFFENING * size + ROUNDING_LENGTHS * length_m
     }
 
     /// The largest residual of the balance: approximately the missing angle, or the missing share of the length.
@@ -148,7 +151,7 @@ impl NewtonSolver {
         if !size.is_finite() {
             return Err(SolveStatus::NotFinite);
         }
-        let limit = LARGEST_STEP * system.params.length_m();
+        let limit = MAX_STEP_LENGTHS * system.params.length_m();
         let share = if size > limit {
             limit / size
         } else if !(system.params.moment_laws.is_empty() && system.contact_points.is_empty()) {
@@ -168,13 +171,13 @@ impl NewtonSolver {
     /// Computes the derivative of the residual in the workspace.
     fn differentiate(&mut self, system: &RodEquations, unknowns: &[f64], conditions: &SolveConditions) {
         self.derivatives += 1;
-        self.differentiated_under = *conditions.tip_load;
+        self.differentiated_under = conditions.loads.tip;
         self.contact_set.clone_from(&self.workspace.contact_set());
         self.unreliable = self.largest_imbalance(system) > UNRELIABLE_IMBALANCE;
         self.derivative.update(system, unknowns, conditions, &self.workspace);
         self.factors.clear();
         self.steps.clear();
-        self.kept = if conditions.motion.rate > 0.0 { DerivativeUse::Motion } else { DerivativeUse::Rest };
+        self.derivative_use = if conditions.motion.rate > 0.0 { DerivativeUse::Motion } else { DerivativeUse::Rest };
     }
 
     /// Evaluates the equations at `unknowns` and their derivative, with D and M also at rest.
@@ -189,7 +192,7 @@ impl NewtonSolver {
 
     /// Discards the derivative of a failed solve.
     fn fail(&mut self, status: SolveStatus) -> SolveStatus {
-        self.kept = DerivativeUse::Nothing;
+        self.discard_derivative();
         status
     }
 }

@@ -7,15 +7,15 @@ use nalgebra::DVector;
 use crate::rod::equations::system::RodEquations;
 
 /// A correction reverses the previous one if the cosine between them is below this …
-const BACK: f64 = -0.5;
+const REVERSAL_COSINE: f64 = -0.5;
 /// … and its size is at least this share of the previous one.
-const AS_LARGE: f64 = 0.3;
+const MIN_REVERSAL_RATIO: f64 = 0.3;
 /// A correction larger than the previous one by this factor has changed branch as well.
-const GROWN: f64 = 1.5;
+const MAX_GROWTH_RATIO: f64 = 1.5;
 /// After this many changes of branch the share no longer doubles but grows …
-const FEW: i32 = 6;
+const FREE_BRANCH_CHANGES: i32 = 6;
 /// … by a factor that decays geometrically with this ratio, so that no cycle persists.
-const CALMER: f64 = 0.8;
+const GROWTH_DECAY: f64 = 0.8;
 /// Smallest share of a correction.
 const MIN_SHARE: f64 = 0.05;
 
@@ -26,26 +26,28 @@ pub(crate) struct NewtonDamping {
     last: Option<(DVector<f64>, f64)>,
     share: f64,
     /// Changes of branch so far.
-    turns: i32,
+    branch_changes: i32,
 }
 
 impl NewtonDamping {
     /// Starts with full corrections.
     pub(crate) fn new() -> NewtonDamping {
-        NewtonDamping { last: None, share: 1.0, turns: 0 }
+        NewtonDamping { last: None, share: 1.0, branch_changes: 0 }
     }
 
     /// The share of the correction `step` of `size` metres to apply: half the previous share after a change of branch,
     /// otherwise a larger one.
     pub(crate) fn share(&mut self, system: &RodEquations, step: &DVector<f64>, size: f64) -> f64 {
-        let turns = self.last.as_ref().is_some_and(|(last, last_size)| {
+        let changes_branch = self.last.as_ref().is_some_and(|(last, last_size)| {
             let norms = (system.product_m2(last, last) * system.product_m2(step, step)).sqrt();
-            let back = system.product_m2(last, step) < BACK * norms && size > AS_LARGE * last_size;
-            back || size > GROWN * last_size
+            let reverses =
+                system.product_m2(last, step) < REVERSAL_COSINE * norms && size > MIN_REVERSAL_RATIO * last_size;
+            reverses || size > MAX_GROWTH_RATIO * last_size
         });
-        self.turns += i32::from(turns);
-        let by = if turns { 0.5 } else { 1.0 + CALMER.powi((self.turns - FEW).max(0)) };
-        self.share = (by * self.share).clamp(MIN_SHARE, 1.0);
+        self.branch_changes += i32::from(changes_branch);
+        let excess = (self.branch_changes - FREE_BRANCH_CHANGES).max(0);
+        let factor = if changes_branch { 0.5 } else { 1.0 + GROWTH_DECAY.powi(excess) };
+        self.share = (factor * self.share).clamp(MIN_SHARE, 1.0);
         self.last = Some((step.clone(), size));
         self.share
     }

@@ -7,6 +7,7 @@ use crate::rod::equations::jacobian::Derivative;
 use crate::rod::equations::system::{RodEquations, Workspace};
 use crate::rod::params::loads::TipWrench;
 
+/// Iteration limit of a solve, unless its caller sets a lower one.
 const MAX_ITERATIONS: usize = 150;
 
 /// The Newton solver with its buffers and factors.
@@ -17,7 +18,7 @@ pub(crate) struct NewtonSolver {
     /// LU factors by rate and taut set; the most recent last.
     pub(super) factors: Vec<LuFactors>,
     /// Problem type that the derivative was computed for.
-    pub(super) kept: DerivativeUse,
+    pub(super) derivative_use: DerivativeUse,
     /// Whether the derivative was taken at an extreme imbalance and must not be reused.
     pub(super) unreliable: bool,
     /// Whether the residual in `workspace` is that of the next solve's first iteration.
@@ -74,7 +75,7 @@ impl NewtonSolver {
             workspace: system.workspace(),
             derivative: Derivative::new(system),
             factors: Vec::new(),
-            kept: DerivativeUse::Nothing,
+            derivative_use: DerivativeUse::Nothing,
             unreliable: false,
             residual_predicted: false,
             contact_set: Vec::new(),
@@ -101,7 +102,7 @@ impl NewtonSolver {
     }
 
     /// Forces the next solve to recompute the derivative.
-    pub(crate) fn forget(&mut self) {
-        self.kept = DerivativeUse::Nothing;
+    pub(crate) fn discard_derivative(&mut self) {
+        self.derivative_use = DerivativeUse::Nothing;
     }
 }

@@ -23,17 +23,20 @@ impl Rod {
         if !self.solver.workspace.touches.is_empty() {
             return false;
         }
-        let (mut first, mut second, mut beyond) = (0.0, 0.0, 0.0);
+        let (mut force_integral, mut squared_force_integral, mut distal_force_integral) = (0.0, 0.0, 0.0);
         for (node, force) in self.system.grid.nodes.iter().zip(&self.solver.workspace.loads.force).rev() {
             let (s, weight, n) = (node.position_m, node.weight_m, force.norm());
-            beyond += 0.5 * weight * n;
-            first += weight * n * s;
-            second += weight * s * beyond * beyond;
-            beyond += 0.5 * weight * n;
+            // Up to a Gauss point: half of its own part, the other half afterwards.
+            distal_force_integral += 0.5 * weight * n;
+            force_integral += weight * n * s;
+            squared_force_integral += weight * s * distal_force_integral * distal_force_integral;
+            distal_force_integral += 0.5 * weight * n;
         }
         let length = params.length_m();
-        let bound = first + second.sqrt() + self.tip_load.moment_nm.norm() * length * std::f64::consts::FRAC_1_SQRT_2;
-        bound * self.grid_level.softest < SAFE_SHARE
+        let bound = force_integral
+            + squared_force_integral.sqrt()
+            + self.tip_load.moment_nm.norm() * length * std::f64::consts::FRAC_1_SQRT_2;
+        bound * self.grid_level.max_turning_compliance < SAFE_SHARE
     }
 
     /// Whether a load turns with the rod, so that no energy decides about stability.

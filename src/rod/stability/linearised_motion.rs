@@ -33,25 +33,26 @@ pub(crate) enum Growth {
 impl Rod {
     /// What grows by the derivative that the solver holds, D and M included; `None` when the iteration fails or the rod has
     /// neither mass nor damping.
-    pub(crate) fn growth(&self, holds: &[TendonConstraint]) -> Option<Growth> {
+    pub(crate) fn growth(&self, constraints: &[TendonConstraint]) -> Option<Growth> {
         let n = self.system.grid.unknowns;
-        let stiffness = self.tangent(holds, 0.0).matrix;
-        // D and M from the tangent at two rates.
-        let (once, twice) =
-            (self.tangent(holds, 1.0).matrix - &stiffness, self.tangent(holds, 2.0).matrix - &stiffness);
-        let inertia = (&twice - &once * 2.0) * 0.5;
-        let damping = once - &inertia;
+        let stiffness = self.tangent(constraints, 0.0).matrix;
+        // D and M from the tangent K + s·D + s²·M at the rates 1 and 2.
+        let (rate_one, rate_two) =
+            (self.tangent(constraints, 1.0).matrix - &stiffness, self.tangent(constraints, 2.0).matrix - &stiffness);
+        let inertia = (&rate_two - &rate_one * 2.0) * 0.5;
+        let damping = rate_one - &inertia;
         let factors = stiffness.lu();
+        // Companion matrix of the quadratic eigenvalue problem in μ.
         let mut companion = DMatrix::zeros(2 * n, 2 * n);
         companion.view_mut((0, 0), (n, n)).copy_from(&-factors.solve(&damping)?);
         companion.view_mut((0, n), (n, n)).copy_from(&-factors.solve(&inertia)?);
         companion.view_mut((n, 0), (n, n)).fill_with_identity();
         let values = eigenvalues(companion)?;
-        let slowest = values.iter().map(|value| value.norm()).fold(0.0, f64::max);
-        if slowest == 0.0 {
+        let lowest_frequency_mu = values.iter().map(|value| value.norm()).fold(0.0, f64::max);
+        if lowest_frequency_mu == 0.0 {
             return None;
         }
-        let judged = values.iter().filter(|value| value.norm() * MAX_FREQUENCY_RATIO > slowest);
+        let judged = values.iter().filter(|value| value.norm() * MAX_FREQUENCY_RATIO > lowest_frequency_mu);
         let growing: Vec<&Complex<f64>> = judged.filter(|value| value.re > GROWTH_TOLERANCE * value.norm()).collect();
         let Some(rate) = growing.iter().map(|value| value.norm().recip()).reduce(f64::max) else {
             return Some(Growth::None);
@@ -67,7 +68,8 @@ pub(crate) fn all_positive(matrix: DMatrix<f64>) -> bool {
 }
 
 fn eigenvalues(matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
-    let most = SCHUR_ITERATIONS * matrix.nrows();
-    let schur = SCHUR_PRECISIONS.iter().find_map(|&precision| Schur::try_new(matrix.clone(), precision, most))?;
+    let max_iterations = SCHUR_ITERATIONS * matrix.nrows();
+    let schur =
+        SCHUR_PRECISIONS.iter().find_map(|&precision| Schur::try_new(matrix.clone(), precision, max_iterations))?;
     Some(schur.complex_eigenvalues().iter().copied().collect())
 }

@@ -7,7 +7,7 @@ use crate::rod::equations::system::RodEquations;
 use crate::rod::state::rod::Rod;
 
 /// Deviation in lengths of the rod that a motion gets where deviations grow.
-const DEVIATION: f64 = 1e-6;
+const DEVIATION_LENGTHS: f64 = 1e-6;
 
 impl Rod {
     /// The combination of `directions` (from [`super::tangent::Tangent::descents`]) that moves the tip towards the
@@ -15,20 +15,21 @@ impl Rod {
     pub(crate) fn preferred_direction(&self, directions: &[Vec<f64>]) -> Option<Vec<f64>> {
         let variation = &self.solver.derivative.variation;
         let last = variation.end_move.len() - 1;
-        let moves: Vec<Vector3<f64>> = directions.iter().map(|own| variation.end_move[last].times(own)).collect();
+        let moves: Vec<Vector3<f64>> =
+            directions.iter().map(|direction| variation.end_move[last].times(direction)).collect();
         let largest = moves.iter().map(Vector3::norm).fold(0.0, f64::max);
-        let reach = |axis: usize| moves.iter().map(|own| own[axis] * own[axis]).sum::<f64>().sqrt();
+        let reach = |axis: usize| moves.iter().map(|moved| moved[axis] * moved[axis]).sum::<f64>().sqrt();
         let first = directions.first()?;
         let Some(axis) = (0..3).find(|&axis| reach(axis) > 1e-3 * largest) else { return Some(first.clone()) };
         let mut combined = vec![0.0; first.len()];
-        for (own, moved) in directions.iter().zip(&moves) {
-            combined.iter_mut().zip(own).for_each(|(sum, x)| *sum += moved[axis] * x);
+        for (direction, moved) in directions.iter().zip(&moves) {
+            combined.iter_mut().zip(direction).for_each(|(sum, x)| *sum += moved[axis] * x);
         }
         Some(combined)
     }
 
     /// Gives the rod at the end of the present step a velocity along `direction` where it has next to none, so that a
-    /// deviation that grows with `rate` (1/s) begins with about [`DEVIATION`] lengths.
+    /// deviation that grows with `rate` (1/s) begins with about [`DEVIATION_LENGTHS`] lengths.
     pub(crate) fn deviate(&mut self, direction: &[f64], rate: f64) {
         let Rod { system, solver, state, stages, .. } = self;
         let Some(rates) = stages.last_mut() else { return };
@@ -40,11 +41,11 @@ impl Rod {
         };
         let squares = weighted(&|g| moves[g].norm_squared());
         let speed = weighted(&|g| moves[g].dot(&rates.node_v[g])) / squares * largest;
-        let least = DEVIATION * system.params.length_m() * rate;
-        if !(speed.abs() < least && squares > 0.0) {
+        let min_speed = DEVIATION_LENGTHS * system.params.length_m() * rate;
+        if !(speed.abs() < min_speed && squares > 0.0) {
             return;
         }
-        let share = (least - speed) / largest;
+        let share = (min_speed - speed) / largest;
         moves.iter().zip(&mut rates.node_v).for_each(|(moved, v)| *v += moved * share);
         for (k, mass) in system.masses.iter().enumerate() {
             rates.mass_v[k] += variation.end_move[mass.end].times(direction) * share;
@@ -62,9 +63,9 @@ impl Rod {
 
 /// Change of the strains at the Gauss points along a change of the coefficients.
 fn strain_changes(system: &RodEquations, compliances: &[Compliance], direction: &[f64]) -> Vec<Components> {
-    let points = system.grid.all.points;
+    let points = system.grid.basis.points;
     let mut field = vec![0.0; 6 * points];
-    system.grid.all.expand(direction, &mut field);
+    system.grid.basis.expand(direction, &mut field);
     let change =
         |(g, compliance): (usize, &Compliance)| compliance.apply(&std::array::from_fn(|c| field[c * points + g]));
     compliances.iter().enumerate().map(change).collect()

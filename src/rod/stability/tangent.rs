@@ -12,15 +12,15 @@ use crate::rod::equations::system::RodEquations;
 use crate::rod::state::rod::Rod;
 
 /// Compliance assigned to an inextensible tendon, as a share of the compliance of the rod along it.
-const STIFF: f64 = 1e-6;
+const MIN_COMPLIANCE_SHARE: f64 = 1e-6;
 /// An eigenvalue above this, in units of the elastic stiffness, is not told from zero: a buckled rod turns about the axis
 /// of its load as easily as the lateral load lets it.
-pub(crate) const NEUTRAL: f64 = 1e-5;
+pub(crate) const NEUTRAL_EIGENVALUE: f64 = 1e-5;
 /// Iterations for an eigenvalue, per row.
 const EIGEN_ITERATIONS: usize = 40;
 /// Eigenvalues this close to the lowest one, in units of the elastic stiffness, belong to the same loss of stability: a
 /// round rod buckles in any direction.
-const SAME_EIGENVALUE: f64 = 1e-6;
+const EIGENVALUE_TOLERANCE: f64 = 1e-6;
 
 /// K + s·D + s²·M, scaled so that the unloaded rod has a unit diagonal.
 pub(crate) struct Tangent {
@@ -32,18 +32,19 @@ pub(crate) struct Tangent {
 impl Rod {
     /// The tangent at growth rate `rate` (1/s), from the derivative that the solver holds. D and M are those of the
     /// last derivative in motion.
-    pub(crate) fn tangent(&self, holds: &[TendonConstraint], rate: f64) -> Tangent {
-        Tangent::new(&self.system, &self.solver.derivative, (holds, &self.state.taut), rate)
+    pub(crate) fn tangent(&self, constraints: &[TendonConstraint], rate: f64) -> Tangent {
+        Tangent::new(&self.system, &self.solver.derivative, constraints, &self.state.taut, rate)
     }
 
-    /// The tangent of a rest under `holds` and the whole load at other `unknowns`; the solver stays as it is.
-    pub(crate) fn tangent_at(&self, holds: &[TendonConstraint], unknowns: &[f64]) -> Tangent {
-        let Rod { system, state, motion, tip_load, .. } = self;
-        let conditions = state.under_full_load(&system.params, (motion, tip_load), (holds, &state.taut), true);
+    /// The tangent of a rest under `constraints` and the whole load at other `unknowns`; the solver stays as it is.
+    pub(crate) fn tangent_at(&self, constraints: &[TendonConstraint], unknowns: &[f64]) -> Tangent {
+        let Rod { system, state, motion, .. } = self;
+        let loads = self.full_loads();
+        let conditions = state.conditions(motion, constraints, &loads, true);
         let (mut workspace, mut derivative) = (system.workspace(), Derivative::new(system));
         system.evaluate(unknowns, &conditions, &mut workspace);
         derivative.update(system, unknowns, &conditions, &workspace);
-        Tangent::new(system, &derivative, (holds, &state.taut), 0.0)
+        Tangent::new(system, &derivative, constraints, &state.taut, 0.0)
     }
 }
 
@@ -51,11 +52,12 @@ impl Tangent {
     fn new(
         system: &RodEquations,
         derivative: &Derivative,
-        (holds, taut): (&[TendonConstraint], &[bool]),
+        constraints: &[TendonConstraint],
+        taut: &[bool],
         rate: f64,
     ) -> Tangent {
         let (n, size) = (system.grid.unknowns, system.size());
-        let bordered = derivative.stiffness();
+        let bordered = &derivative.stiffness;
         let scale: Vec<f64> = system.elastic_diagonal.iter().map(|k| k.sqrt().recip()).collect();
         let mut matrix = DMatrix::zeros(n, n);
         for row in 0..n {
@@ -64,7 +66,7 @@ impl Tangent {
             let column = &mut matrix.as_mut_slice()[row * n..(row + 1) * n];
             column.iter_mut().zip(entries).for_each(|(entry, (k, s))| *entry = factor * s * k);
             if rate > 0.0 {
-                let rates = derivative.rates().row(row).zip(&scale);
+                let rates = derivative.rates.row(row).zip(&scale);
                 column
                     .iter_mut()
                     .zip(rates)
@@ -72,12 +74,13 @@ impl Tangent {
             }
         }
         matrix.transpose_mut();
-        for (i, hold) in holds.iter().enumerate() {
-            if matches!(hold, TendonConstraint::Length(_)) && taut[i] {
+        for (i, constraint) in constraints.iter().enumerate() {
+            if matches!(constraint, TendonConstraint::Length(_)) && taut[i] {
                 let row = &bordered[(n + i) * size..(n + i) * size + n];
+                // A taut tendon adds its stiffness along the change of its length.
                 let pull = DVector::from_iterator(n, row.iter().zip(&scale).map(|(x, s)| x * s));
                 let compliance = -bordered[(n + i) * size + n + i];
-                let stiffness = 1.0 / compliance.max(STIFF * pull.norm_squared()).max(f64::MIN_POSITIVE);
+                let stiffness = 1.0 / compliance.max(MIN_COMPLIANCE_SHARE * pull.norm_squared()).max(f64::MIN_POSITIVE);
                 matrix.ger(stiffness, &pull, &pull, 1.0);
             }
         }
@@ -96,11 +99,11 @@ impl Tangent {
     pub(crate) fn descents(&self) -> Vec<Vec<f64>> {
         let Some(eigen) = self.eigen() else { return Vec::new() };
         let lowest = eigen.eigenvalues.min();
-        if lowest >= -NEUTRAL {
+        if lowest >= -NEUTRAL_EIGENVALUE {
             return Vec::new();
         }
-        let alike = (0..self.scale.len()).filter(|&index| eigen.eigenvalues[index] < lowest + SAME_EIGENVALUE);
-        alike.map(|index| self.direction(&eigen, index)).collect()
+        let critical = (0..self.scale.len()).filter(|&index| eigen.eigenvalues[index] < lowest + EIGENVALUE_TOLERANCE);
+        critical.map(|index| self.direction(&eigen, index)).collect()
     }
 
     /// The direction of the lowest eigenvalue, as a change of the polynomial coefficients.

@@ -63,11 +63,11 @@ impl Rod {
         let rate = |g: usize| shape.node_r[g] * Vector3::from_row_slice(&rates.strain_v[g][..3]);
         let mut below = Vector3::zeros();
         let mut all = Vec::with_capacity(shape.node_r.len());
-        for (c, cell) in self.system.grid.cells.iter().enumerate() {
+        for (c, &cell_m) in self.system.grid.cell_lengths_m.iter().enumerate() {
             let both = [rate(2 * c), rate(2 * c + 1)];
-            let partial = Grid::partial_weights(cell.length_m);
+            let partial = Grid::partial_weights(cell_m);
             all.extend(partial.map(|[first, second]| below + both[0] * first + both[1] * second));
-            below += (both[0] + both[1]) * (0.5 * cell.length_m);
+            below += (both[0] + both[1]) * (0.5 * cell_m);
         }
         all
     }
@@ -96,17 +96,17 @@ impl Rod {
 
     /// Energy of a rest and of the loads on it, J: its minima are the stable rests. Moments that keep their direction and
     /// loads that turn with the rod have none.
-    pub(crate) fn potential_energy_j(&self, holds: &[TendonConstraint]) -> f64 {
+    pub(crate) fn potential_energy_j(&self, constraints: &[TendonConstraint]) -> f64 {
         let energy = self.energy();
         let mut total = energy.elastic_j + energy.gravitational_j - self.tip_load.force_n.dot(&self.tip_m());
-        let dead = self.system.constant.points.iter().filter(|(_, load)| !load.follows);
+        let dead = self.system.constant_loads.points.iter().filter(|(_, load)| !load.follows);
         total -= dead.map(|(end, load)| load.force_n.dot(&self.state.shape.end_p[*end])).sum::<f64>();
-        for (g, force) in self.system.constant.line.iter().enumerate() {
+        for (g, force) in self.system.constant_loads.line.iter().enumerate() {
             total -= self.system.grid.nodes[g].weight_m * force.dot(&self.state.shape.node_p[g]);
         }
         total += self.solver.workspace.contact_energy_j();
-        for (hold, length_m) in holds.iter().zip(self.system.lengths_m(&self.state.shape)) {
-            if let TendonConstraint::Tension(tension_n) = hold {
+        for (constraint, length_m) in constraints.iter().zip(self.system.lengths_m(&self.state.shape)) {
+            if let TendonConstraint::Tension(tension_n) = constraint {
                 total += tension_n * length_m;
             }
         }

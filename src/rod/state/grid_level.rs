@@ -18,7 +18,7 @@ pub(crate) struct GridLevel {
     /// Estimated tip error due to the grid, metres.
     pub(crate) error_m: f64,
     /// Largest rotational compliance along the rod, 1/(N m²).
-    pub(crate) softest: f64,
+    pub(crate) max_turning_compliance: f64,
     /// The same polynomials on twice as many cells, built on first use.
     halved: Arc<OnceLock<RodEquations>>,
     /// The last shape that was reconstructed.
@@ -27,12 +27,12 @@ pub(crate) struct GridLevel {
 
 impl GridLevel {
     pub(crate) fn new(system: &RodEquations) -> GridLevel {
-        let softest = system.sections.iter().map(Section::softest_turn).fold(0.0, f64::max);
+        let max_turning_compliance = system.sections.iter().map(Section::max_turning_compliance).fold(0.0, f64::max);
         GridLevel {
             base: system.params.resolution,
             level: 0,
             error_m: 0.0,
-            softest,
+            max_turning_compliance,
             halved: Arc::default(),
             confirmed: None,
         }

@@ -48,7 +48,7 @@ impl Rod {
     pub fn following_pulls_m(&self) -> Vec<f64> {
         let lengths_m = self.system.lengths_m(&self.state.shape);
         let homes = lengths_m.iter().zip(&self.system.home_lengths_m);
-        homes.zip(&self.system.params.tendons).map(|((now, home), t)| home - now - t.pretension_m).collect()
+        homes.zip(&self.system.params.tendons).map(|((now, home), tendon)| home - now - tendon.pretension_m).collect()
     }
 
     /// How the last equilibrium is connected with the one before.
@@ -77,6 +77,6 @@ impl Rod {
     /// Solver statistics so far.
     pub fn effort(&self) -> Effort {
         let NewtonSolver { iterations, derivatives, factorisations, .. } = self.solver;
-        Effort { steps: self.step_size.taken, iterations, derivatives, factorisations }
+        Effort { steps: self.step_size.steps, iterations, derivatives, factorisations }
     }
 }

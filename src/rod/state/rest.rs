@@ -9,7 +9,7 @@ use crate::rod::params::loads::TipWrench;
 /// Commands and loads of a static solve.
 #[derive(Clone, Debug)]
 pub(crate) struct SettledConditions {
-    pub(crate) holds: Vec<TendonConstraint>,
+    pub(crate) constraints: Vec<TendonConstraint>,
     pub(crate) tip_load: TipWrench,
     /// Histories before relaxation.
     pub(crate) histories: Vec<Vec<HistoryState>>,

@@ -1,22 +1,21 @@
 //! The tendon-driven rod: parameters, equations, solver and state.
 
-use nalgebra::Vector3;
-
 use super::branch::RestBranch;
 use super::grid_level::GridLevel;
 use super::rates::Rates;
 use super::rest::SettledConditions;
 use super::rod_state::RodState;
-use super::solve_log::SolveLog;
+use super::solve_log::{SolveLog, SolvedStage};
 use super::step_size::StepSize;
 use crate::math::vectorised;
-use crate::rod::equations::boundary_conditions::{SolveConditions, TendonConstraint};
+use crate::rod::equations::boundary_conditions::{AppliedLoads, SolveConditions, TendonConstraint};
 use crate::rod::equations::contact::ContactMemory;
 use crate::rod::equations::motion::Motion;
 use crate::rod::equations::system::RodEquations;
 use crate::rod::params::loads::TipWrench;
 use crate::rod::params::rod_params::RodParams;
 use crate::rod::params::scheme::{Scheme, Tableau};
+use crate::rod::params::tendon::Tendon;
 use crate::rod::solver::newton_state::NewtonSolver;
 use crate::rod::solver::status::SolveStatus;
 
@@ -122,29 +121,32 @@ impl Rod {
         self.tip_load = load;
     }
 
+    /// All loads at their full value.
+    pub(crate) fn full_loads(&self) -> AppliedLoads {
+        AppliedLoads { tip: self.tip_load, share: 1.0, gravity_m_s2: self.system.params.gravity_m_s2 }
+    }
+
+    /// Solves the equations from the present unknowns.
     pub(crate) fn solve(
         &mut self,
-        holds: &[TendonConstraint],
-        (tip_load, load_share): (&TipWrench, f64),
-        gravity_m_s2: Vector3<f64>,
-        settled: bool,
+        constraints: &[TendonConstraint],
+        loads: &AppliedLoads,
+        at_rest: bool,
         tolerance_m: f64,
     ) -> SolveStatus {
         let RodState { unknowns, taut, histories, sliding, contact_memory, .. } = &mut self.state;
         let guess = taut.clone();
         let conditions = SolveConditions {
-            holds,
+            constraints,
             taut: &guess,
-            tip_load,
-            load_share,
-            gravity_m_s2,
+            loads,
             motion: &self.motion,
             histories,
             sliding,
             contact_memory,
             fixed_touches: None,
             obstacle_share: self.obstacle_share,
-            settled,
+            at_rest,
         };
         let status = self.solver.solve(&self.system, unknowns, taut, &conditions, tolerance_m);
         if status == SolveStatus::Converged {
@@ -158,16 +160,10 @@ impl Rod {
     }
 
     /// Evaluates the equations at the present unknowns, and their derivative with D and M.
-    pub(crate) fn refresh(
-        &mut self,
-        holds: &[TendonConstraint],
-        (tip_load, load_share): (&TipWrench, f64),
-        gravity_m_s2: Vector3<f64>,
-        settled: bool,
-    ) {
+    pub(crate) fn refresh(&mut self, constraints: &[TendonConstraint], loads: &AppliedLoads, at_rest: bool) {
         let Rod { system, solver, state, motion, obstacle_share, .. } = self;
-        let full = state.under_full_load(&system.params, (motion, tip_load), (holds, &state.taut), settled);
-        let conditions = SolveConditions { load_share, gravity_m_s2, obstacle_share: *obstacle_share, ..full };
+        let conditions = state.conditions(motion, constraints, loads, at_rest);
+        let conditions = SolveConditions { obstacle_share: *obstacle_share, ..conditions };
         solver.refresh(system, &state.unknowns, &conditions);
     }
 
@@ -187,12 +183,12 @@ impl Rod {
     }
 
     /// Checks the drives and adds the pretension.
-    pub(crate) fn holds(&self, drives: &[Drive]) -> Option<Vec<TendonConstraint>> {
+    pub(crate) fn constraints(&self, drives: &[Drive]) -> Option<Vec<TendonConstraint>> {
         let tendons = &self.system.params.tendons;
         if drives.len() != tendons.len() {
             return None;
         }
-        let hold = |(drive, tendon): (&Drive, &crate::rod::params::tendon::Tendon)| match *drive {
+        let constraint = |(drive, tendon): (&Drive, &Tendon)| match *drive {
             Drive::Pull(pull) if pull.is_finite() => Some(TendonConstraint::Length(pull + tendon.pretension_m)),
             Drive::Tension(tension) if tension.is_finite() && tension >= 0.0 => {
                 Some(TendonConstraint::Tension(tension))
@@ -200,14 +196,14 @@ impl Rod {
             Drive::Follow => Some(TendonConstraint::Tension(0.0)),
             _ => None,
         };
-        drives.iter().zip(tendons).map(hold).collect()
+        drives.iter().zip(tendons).map(constraint).collect()
     }
 
     /// Sets prescribed tensions before the first iteration.
-    pub(crate) fn seed_tensions(&mut self, holds: &[TendonConstraint]) {
+    pub(crate) fn seed_tensions(&mut self, constraints: &[TendonConstraint]) {
         let n = self.system.grid.unknowns;
-        for (i, hold) in holds.iter().enumerate() {
-            if let TendonConstraint::Tension(tension) = *hold {
+        for (i, constraint) in constraints.iter().enumerate() {
+            if let TendonConstraint::Tension(tension) = *constraint {
                 self.state.unknowns[n + i] = tension;
                 self.state.taut[i] = false;
             }
@@ -217,6 +213,8 @@ impl Rod {
     /// Logs the stage that has just been solved.
     pub(crate) fn log_stage(&mut self) {
         let RodState { unknowns, taut, .. } = &self.state;
-        self.log.iter_mut().for_each(|log| log.stages.push((unknowns.clone(), taut.clone())));
+        let stage =
+            |log: &mut SolveLog| log.stages.push(SolvedStage { unknowns: unknowns.clone(), taut: taut.clone() });
+        self.log.iter_mut().for_each(stage);
     }
 }

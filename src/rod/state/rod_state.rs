@@ -1,14 +1,12 @@
 //! The state of a rod at one instant.
 
 use super::rates::Rates;
-use crate::rod::equations::boundary_conditions::{SolveConditions, TendonConstraint};
+use crate::rod::equations::boundary_conditions::{AppliedLoads, SolveConditions, TendonConstraint};
 use crate::rod::equations::contact::ContactMemory;
 use crate::rod::equations::motion::Motion;
 use crate::rod::equations::shape::Shape;
 use crate::rod::equations::tendon_friction::TendonSliding;
 use crate::rod::params::hysteresis_law::HistoryState;
-use crate::rod::params::loads::TipWrench;
-use crate::rod::params::rod_params::RodParams;
 
 /// Position, velocity and history of a rod at one instant.
 #[derive(Clone, Debug, Default)]
@@ -26,27 +24,25 @@ pub(crate) struct RodState {
 }
 
 impl RodState {
-    /// The conditions of a solve under the whole load that goes on from this state.
-    pub(crate) fn under_full_load<'a>(
+    /// The conditions of a solve that goes on from this state, with the tendons taut that are taut now.
+    pub(crate) fn conditions<'a>(
         &'a self,
-        params: &RodParams,
-        (motion, tip_load): (&'a Motion, &'a TipWrench),
-        (holds, taut): (&'a [TendonConstraint], &'a [bool]),
-        settled: bool,
+        motion: &'a Motion,
+        constraints: &'a [TendonConstraint],
+        loads: &'a AppliedLoads,
+        at_rest: bool,
     ) -> SolveConditions<'a> {
         SolveConditions {
-            holds,
-            taut,
-            tip_load,
-            load_share: 1.0,
-            gravity_m_s2: params.gravity_m_s2,
+            constraints,
+            taut: &self.taut,
+            loads,
             motion,
             histories: &self.histories,
             sliding: &self.sliding,
             contact_memory: &self.contact_memory,
             fixed_touches: None,
             obstacle_share: 1.0,
-            settled,
+            at_rest,
         }
     }
 

@@ -34,7 +34,7 @@ impl Rod {
             for (j, q) in shape.end_p.iter().enumerate().skip(i + 1) {
                 let apart_m = boundaries_m[j] - boundaries_m[i];
                 let penetration_m = width_m - (p - q).norm();
-                let deeper = deepest.is_none_or(|known| penetration_m > known.penetration_m);
+                let deeper = deepest.is_none_or(|contact| penetration_m > contact.penetration_m);
                 if apart_m > 0.5 * NEIGHBOURS * width_m && penetration_m > 0.0 && deeper {
                     deepest = Some(SelfContact { s_m: [boundaries_m[i], boundaries_m[j]], penetration_m });
                 }

@@ -3,8 +3,8 @@
 /// Solved stages and steps.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SolveLog {
-    /// Unknowns and taut set of each stage of the step under way.
-    pub(crate) stages: Vec<(Vec<f64>, Vec<bool>)>,
+    /// Stages of the step under way.
+    pub(crate) stages: Vec<SolvedStage>,
     /// Equilibria (of infinite duration) and steps that were accepted.
     pub(crate) solved: Vec<SolvedStep>,
 }
@@ -13,7 +13,14 @@ pub(crate) struct SolveLog {
 #[derive(Clone, Debug)]
 pub(crate) struct SolvedStep {
     pub(crate) duration_s: f64,
-    pub(crate) stages: Vec<(Vec<f64>, Vec<bool>)>,
+    pub(crate) stages: Vec<SolvedStage>,
+}
+
+/// The solution of one stage.
+#[derive(Clone, Debug)]
+pub(crate) struct SolvedStage {
+    pub(crate) unknowns: Vec<f64>,
+    pub(crate) taut: Vec<bool>,
 }
 
 impl SolveLog {

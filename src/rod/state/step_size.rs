@@ -14,7 +14,7 @@ pub(crate) struct StepSize {
     /// Longest step that growing oscillations allow, s, and the steps for which it holds.
     pub(crate) flutter: Option<FlutterLimit>,
     /// Steps since the rod was made or restarted.
-    pub(crate) taken: u64,
+    pub(crate) steps: u64,
     /// Time of each stage as a share of the step.
     pub(crate) stage_times: Vec<f64>,
 }
@@ -25,12 +25,12 @@ pub(crate) struct FlutterLimit {
     /// Longest step, s.
     pub(crate) longest_s: f64,
     /// Steps until it is computed again.
-    pub(crate) steps_left: u32,
+    pub(crate) remaining_steps: u32,
 }
 
 impl StepSize {
     pub(crate) fn new(tableau: &Tableau) -> StepSize {
         let stage_times: Vec<f64> = tableau.rows.iter().map(|row| row.iter().sum()).collect();
-        StepSize { next_s: f64::INFINITY, owed_s: 0.0, deviates: false, flutter: None, taken: 0, stage_times }
+        StepSize { next_s: f64::INFINITY, owed_s: 0.0, deviates: false, flutter: None, steps: 0, stage_times }
     }
 }

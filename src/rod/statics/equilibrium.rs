@@ -3,6 +3,7 @@
 use crate::rod::equations::boundary_conditions::TendonConstraint;
 use crate::rod::equations::motion::Motion;
 use crate::rod::params::tendon::Tendon;
+use crate::rod::solver::active_set::ConstraintChange;
 use crate::rod::solver::status::SolveStatus;
 use crate::rod::state::rates::Rates;
 use crate::rod::state::rest::SettledConditions;
@@ -13,7 +14,7 @@ use super::stable_branch::RestBefore;
 impl Rod {
     /// Brings the rod to rest under `drives`, one per tendon. Histories relax completely.
     pub fn settle(&mut self, drives: &[Drive]) -> SolveStatus {
-        let Some(holds) = self.holds(drives) else { return SolveStatus::BadCommand };
+        let Some(constraints) = self.constraints(drives) else { return SolveStatus::BadCommand };
         let under = self.settled_under.take();
         // With histories the refined grid is kept between equilibria, so that they keep their resolution.
         if self.system.params.moment_laws.is_empty() {
@@ -21,25 +22,28 @@ impl Rod {
         }
         self.motion = Motion::rest(&self.system.grid, &self.system.masses);
         let before = RestBefore { state: self.state.clone(), under };
-        self.predict_residual(&holds, before.under.as_ref());
-        let mut status = self.solve_static(&holds, 1.0);
+        self.predict_residual(&constraints, before.under.as_ref());
+        // Three ways to an equilibrium (docs/robustness.md): from where the rod stands …
+        let mut status = self.solve_static(&constraints, 1.0);
         if status != SolveStatus::Converged {
+            // … with all loads raised together …
             self.state.copy_from(&before.state);
-            status = self.continue_in_load(&holds);
+            status = self.continue_in_load(&constraints);
         }
         if status != SolveStatus::Converged {
+            // … and as an overdamped rod that is followed to rest.
             self.state.unknowns.fill(0.0);
             self.state.taut.fill(false);
-            status = self.relax_dynamically(&holds, 0.0);
+            status = self.relax_dynamically(&constraints, 0.0);
         }
         if status == SolveStatus::Converged {
-            status = self.verify_equilibrium(&holds, &before);
+            status = self.verify_equilibrium(&constraints, &before);
         }
         if status.is_equilibrium() {
             self.state.rates = Rates::zero(&self.system.grid, &self.system.masses);
             self.step_size.owed_s = 0.0;
             self.settled_under = Some(SettledConditions {
-                holds,
+                constraints,
                 tip_load: self.tip_load,
                 histories: self.state.histories.clone(),
                 sliding: self.state.sliding.clone(),
@@ -57,12 +61,13 @@ impl Rod {
 
     /// Between equilibria under the same loads the first residual is known: the change of the tendon constraints. This
     /// saves one evaluation of the equations in four.
-    fn predict_residual(&mut self, holds: &[TendonConstraint], before: Option<&SettledConditions>) {
+    fn predict_residual(&mut self, constraints: &[TendonConstraint], before: Option<&SettledConditions>) {
         let params = &self.system.params;
-        let remembers = !params.moment_laws.is_empty() || params.tendons.iter().any(Tendon::rubs);
-        let unchanged = |rest: &&SettledConditions| rest.tip_load == self.tip_load && !remembers;
-        if let Some(rest) = before.filter(unchanged) {
-            self.solver.predict_residual(&self.system, (&self.state.unknowns, &self.state.taut), (&rest.holds, holds));
+        let remembers = !params.moment_laws.is_empty() || params.tendons.iter().any(Tendon::has_friction);
+        let same_load = |rest: &&SettledConditions| rest.tip_load == self.tip_load && !remembers;
+        if let Some(rest) = before.filter(same_load) {
+            let change = ConstraintChange { from: &rest.constraints, to: constraints };
+            self.solver.predict_residual(&self.system, &self.state.unknowns, &self.state.taut, &change);
         }
     }
 }

@@ -2,16 +2,15 @@
 
 use nalgebra::Vector3;
 
-use crate::rod::discretisation::cell::Cell;
 use crate::rod::equations::material::Components;
 use crate::rod::equations::shape::Shape;
 use crate::rod::equations::system::{RodEquations, Workspace};
 use crate::rod::state::rod::Rod;
 
 /// Least tendon offset as a share of the length: closer tendons shorten the rod rather than bend it.
-const MIN_OFFSET: f64 = 0.01;
-/// Safety factor on the one Picard iteration, which is the first term of a series.
-const CAUTION: f64 = 15.0;
+const MIN_OFFSET_SHARE: f64 = 0.01;
+/// Safety factor on the one Picard iteration, which is the first term of a series (docs/robustness.md).
+const BALANCE_SAFETY_FACTOR: f64 = 15.0;
 /// The error of the two-point Gauss rule is h⁵ f⁗ / 4320; a factor of three covers products of fields.
 const CELL_ERROR: f64 = 3.0 / 4320.0;
 /// Error of the fourth-order Magnus step over its commutator times the squared angle of the cell.
@@ -29,7 +28,7 @@ impl ErrorEstimate {
     }
 
     pub(crate) fn cautious_m(&self) -> f64 {
-        let estimate_m = self.cells_m + CAUTION * self.balance_m;
+        let estimate_m = self.cells_m + BALANCE_SAFETY_FACTOR * self.balance_m;
         // NaN must not count as small.
         if estimate_m.is_finite() { estimate_m } else { f64::INFINITY }
     }
@@ -41,9 +40,9 @@ impl RodEquations {
     fn cell_error_m(&self, shape: &Shape, taut: &[bool]) -> f64 {
         let strain = &shape.strain;
         let mut total = 0.0;
-        for (c, cell) in self.grid.cells.iter().enumerate() {
-            let (h, a, b) = (cell.length_m, &strain[2 * c], &strain[2 * c + 1]);
-            let angle2 = square(a).max(square(b)) * h * h;
+        for (c, &cell_m) in self.grid.cell_lengths_m.iter().enumerate() {
+            let (h, a, b) = (cell_m, &strain[2 * c], &strain[2 * c + 1]);
+            let angle2 = squared_curvature(a).max(squared_curvature(b)) * h * h;
             let cross = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
             let commutator = h * h * (cross[0].powi(2) + cross[1].powi(2) + cross[2].powi(2)).sqrt();
             total += CELL_ERROR * angle2 * angle2 * h * a[5].abs().max(b[5].abs());
@@ -56,10 +55,9 @@ impl RodEquations {
     /// agree by chance.
     fn kink_error_m(&self, shape: &Shape, taut: &[bool]) -> f64 {
         let force = |g: usize| shape.wrench[g][5];
-        let kink = |(c, cell): (usize, &Cell)| {
-            self.sections[2 * c].kink_m(force(2 * c), force(2 * c + 1), cell.length_m).abs()
-        };
-        let kinks: f64 = self.grid.cells.iter().enumerate().map(kink).sum();
+        let kink =
+            |(c, &cell_m): (usize, &f64)| self.sections[2 * c].kink_m(force(2 * c), force(2 * c + 1), cell_m).abs();
+        let kinks: f64 = self.grid.cell_lengths_m.iter().enumerate().map(kink).sum();
         if kinks == 0.0 {
             return 0.0;
         }
@@ -70,7 +68,7 @@ impl RodEquations {
         };
         let length_m = self.params.length_m();
         let nearest = (0..taut.len()).filter(|&i| taut[i]).map(offset).fold(f64::INFINITY, f64::min);
-        kinks * (1.0 + length_m / nearest.max(MIN_OFFSET * length_m))
+        kinks * (1.0 + length_m / nearest.max(MIN_OFFSET_SHARE * length_m))
     }
 
     /// The strain equivalent to the imbalance at Gauss point `g`, without its polynomial part (which the last iteration
@@ -81,11 +79,12 @@ impl RodEquations {
         let element = node.offset[0] / self.grid.modes.iter().sum::<usize>();
         let per_length = 1.0 / (self.grid.elements_m[element + 1] - self.grid.elements_m[element]);
         for (c, value) in strain.iter_mut().enumerate() {
-            let own = &workspace.residual[node.offset[c]..node.offset[c] + self.grid.modes[c]];
-            let mut odd = per_length;
-            for (residual, basis) in own.iter().zip(&node.basis) {
-                *value -= odd * residual * basis;
-                odd += 2.0 * per_length;
+            let residuals = &workspace.residual[node.offset[c]..node.offset[c] + self.grid.modes[c]];
+            // (2k + 1)/ℓ normalises the projection on the k-th polynomial.
+            let mut normalisation = per_length;
+            for (residual, basis) in residuals.iter().zip(&node.basis) {
+                *value -= normalisation * residual * basis;
+                normalisation += 2.0 * per_length;
             }
         }
         strain
@@ -102,14 +101,14 @@ impl RodEquations {
         let (mut moved, mut turned) = (Vector3::zeros(), Vector3::zeros());
         let mut bent_rad = 0.0;
         for i in (0..taut.len()).filter(|&i| taut[i]) {
-            let (mut longer, mut offset) = (0.0, 0.0_f64);
+            let (mut lengthening_m, mut offset) = (0.0, 0.0_f64);
             for (g, node) in self.grid.nodes.iter().enumerate() {
                 let pull = self.tendon_wrench(g, i, workspace);
-                longer += node.weight_m * pull.iter().zip(&missing_strain[g]).map(|(a, b)| a * b).sum::<f64>();
+                lengthening_m += node.weight_m * pull.iter().zip(&missing_strain[g]).map(|(a, b)| a * b).sum::<f64>();
                 let [x, y] = self.guides[g * taut.len() + i].offset_m;
                 offset = offset.max(x * x + y * y);
             }
-            bent_rad += longer.abs() / offset.sqrt().max(MIN_OFFSET * self.params.length_m());
+            bent_rad += lengthening_m.abs() / offset.sqrt().max(MIN_OFFSET_SHARE * self.params.length_m());
         }
         for (g, node) in self.grid.nodes.iter().enumerate() {
             let missing_strain = &missing_strain[g];
@@ -123,7 +122,7 @@ impl RodEquations {
     }
 }
 
-fn square(strain: &Components) -> f64 {
+fn squared_curvature(strain: &Components) -> f64 {
     strain[0] * strain[0] + strain[1] * strain[1] + strain[2] * strain[2]
 }
 

@@ -3,7 +3,7 @@
 use crate::rod::equations::boundary_conditions::TendonConstraint;
 use crate::rod::solver::status::SolveStatus;
 use crate::rod::stability::linearised_motion::{Growth, all_positive};
-use crate::rod::stability::tangent::NEUTRAL;
+use crate::rod::stability::tangent::NEUTRAL_EIGENVALUE;
 use crate::rod::state::rod::Rod;
 
 /// What becomes of small deviations from an equilibrium.
@@ -18,26 +18,26 @@ pub(crate) enum Stability {
 }
 
 impl Rod {
-    /// Judges the equilibrium under `holds` that the rod is in. A conservative rod is stable where the tangent is positive
+    /// Judges the equilibrium under `constraints` that the rod is in. A conservative rod is stable where the tangent is positive
     /// definite. Follower loads, which have no potential, are judged by the linearised motion; a dead moment, which has
     /// none either, by the eigenvalues of the tangent where its symmetric part is not positive definite.
-    pub(crate) fn judge(&mut self, holds: &[TendonConstraint]) -> Stability {
-        self.solver.forget();
-        if self.solve_static(holds, 1.0) != SolveStatus::Converged {
+    pub(crate) fn judge(&mut self, constraints: &[TendonConstraint]) -> Stability {
+        self.solver.discard_derivative();
+        if self.solve_static(constraints, 1.0) != SolveStatus::Converged {
             return Stability::Stable;
         }
         if self.has_follower_loads() {
-            self.refresh_static(holds, 1.0);
-            return match self.growth(holds) {
+            self.refresh_static(constraints, 1.0);
+            return match self.growth(constraints) {
                 Some(Growth::None) => Stability::Stable,
                 Some(Growth::Flutter(_)) => Stability::Flutters,
                 // A rod without mass, or one whose eigenvalues were not found.
-                None if all_positive(self.tangent(holds, 0.0).matrix) => Stability::Stable,
-                Some(Growth::Divergence(_)) | None => Stability::Unstable(self.tangent(holds, 0.0).descents()),
+                None if all_positive(self.tangent(constraints, 0.0).matrix) => Stability::Stable,
+                Some(Growth::Divergence(_)) | None => Stability::Unstable(self.tangent(constraints, 0.0).descents()),
             };
         }
-        let tangent = self.tangent(holds, 0.0);
-        if tangent.exceeds(-NEUTRAL) {
+        let tangent = self.tangent(constraints, 0.0);
+        if tangent.exceeds(-NEUTRAL_EIGENVALUE) {
             return Stability::Stable;
         }
         let descents = tangent.descents();

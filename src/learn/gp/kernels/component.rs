@@ -3,7 +3,7 @@
 use super::{Kernel, Lengths};
 use crate::learn::gp::covariance::TrainingPoints;
 
-/// A positive hyper-parameter of a covariance, searched by its logarithm.
+/// A positive hyper-parameter of a covariance, searched by its logarithm. Ranges are in standardised units.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hyperparameter {
     /// Standard symbol or name.
@@ -78,15 +78,19 @@ impl PairRow<'_> {
 pub trait Component: Send + Sync {
     /// Name in expressions.
     fn name(&self) -> &'static str;
-    /// Hyper-parameters on so many inputs.
-    fn hyperparameters(&self, inputs: usize) -> Vec<Hyperparameter>;
+    /// Hyper-parameters on so many inputs; none unless stated.
+    fn hyperparameters(&self, _inputs: usize) -> Vec<Hyperparameter> {
+        Vec::new()
+    }
     /// Writes the covariances of the point with the run of training points.
     fn values(&self, parameters: &[f64], row: &PairRow, out: &mut [f64]);
     /// Writes the derivative of each of them with respect to the logarithm of each hyper-parameter, one row a
     /// hyper-parameter.
-    fn rates(&self, parameters: &[f64], row: &PairRow, out: &mut [Vec<f64>]);
-    /// Covariance of a new point with itself; `at` holds the inputs that the factor sees.
-    fn variance(&self, parameters: &[f64], at: &[f64]) -> f64;
+    fn rates(&self, _parameters: &[f64], _row: &PairRow, _out: &mut [Vec<f64>]) {}
+    /// Covariance of a new point with itself, 1 unless stated; `at` holds the inputs that the factor sees.
+    fn variance(&self, _parameters: &[f64], _at: &[f64]) -> f64 {
+        1.0
+    }
 }
 
 /// A registered stationary kernel as a factor.
@@ -147,9 +151,5 @@ impl Component for Stationary {
                 *rate -= 2.0 * slope * ((x - centre) / lengths[k]).powi(2);
             }
         }
-    }
-
-    fn variance(&self, _parameters: &[f64], _at: &[f64]) -> f64 {
-        1.0
     }
 }

@@ -50,8 +50,4 @@ impl Component for Periodic {
             *period *= value;
         }
     }
-
-    fn variance(&self, _parameters: &[f64], _at: &[f64]) -> f64 {
-        1.0
-    }
 }

@@ -1,6 +1,6 @@
 //! White noise: every sample has a part of its own that no other sample shares and no prediction knows.
 
-use super::component::{Component, Hyperparameter, PairRow};
+use super::component::{Component, PairRow};
 
 /// `k(x, y) = 1` for a training point with itself, otherwise 0.
 pub struct White;
@@ -10,18 +10,12 @@ impl Component for White {
         "white"
     }
 
-    fn hyperparameters(&self, _inputs: usize) -> Vec<Hyperparameter> {
-        Vec::new()
-    }
-
     fn values(&self, _parameters: &[f64], row: &PairRow, out: &mut [f64]) {
         out.fill(0.0);
         if let Some(self_index) = row.self_index {
             out[self_index] = 1.0;
         }
     }
-
-    fn rates(&self, _parameters: &[f64], _row: &PairRow, _out: &mut [Vec<f64>]) {}
 
     fn variance(&self, _parameters: &[f64], _at: &[f64]) -> f64 {
         0.0

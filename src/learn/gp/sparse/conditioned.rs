@@ -17,8 +17,8 @@ impl Posterior {
         theta: &[f64],
     ) -> Option<Posterior> {
         let inducing = sparse::greedy_conditional_variance(covariance, theta, points, config.inducing_points);
-        let kind = (config.approximation, config.mean);
-        let mut likelihood = SparseLikelihood::new(kind, covariance.clone(), points, y, &inducing);
+        let mut likelihood =
+            SparseLikelihood::new(config.approximation, config.mean, covariance.clone(), points, y, &inducing);
         let value = likelihood.value(theta);
         value.is_finite().then(|| likelihood.posterior(theta, inducing, value))
     }

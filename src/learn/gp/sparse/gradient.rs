@@ -39,11 +39,9 @@ impl SparseLikelihood<'_> {
             }
         }
         let mut inner = self.inner_weights(&inverse, &weights, width);
-        self.inducing_factor
-            .solve_transposed_half_of(MatMut::from_column_major_slice_mut(&mut crossed, n, m).transpose_mut());
-        self.inducing_factor.solve_transposed_half_of(MatMut::from_column_major_slice_mut(&mut inner, m, m));
-        self.inducing_factor
-            .solve_transposed_half_of(MatMut::from_column_major_slice_mut(&mut inner, m, m).transpose_mut());
+        self.inducing_factor.solve_transposed_half_rows(&mut crossed);
+        self.inducing_factor.solve_transposed_half(&mut inner);
+        self.inducing_factor.solve_transposed_half_rows(&mut inner);
         self.sum_rates(&mut crossed, &inner, &weights, out);
     }
 
@@ -93,13 +91,15 @@ impl SparseLikelihood<'_> {
         }
         let half: Vec<f64> = rate.iter().map(|rate| 0.5 * rate).collect();
         if self.approximation == Approximation::Fitc {
+            // Λ holds k_ii − Q_ii: its part of Q cancels the diagonal of W.
             let added = rate.iter().map(|rate| -rate).collect();
             return DiagonalWeights { added, variances: half.clone(), noises: half };
         }
+        // From the trace term ½ Σ (k_ii − Q_ii)/Λ_ii that the bound subtracts.
         let added: Vec<f64> = self.diagonal.iter().map(|variance| 1.0 / variance).collect();
         let variances = added.iter().map(|added| -0.5 * added).collect();
-        let lost = |i: usize| 0.5 * self.missing[i] * added[i] * added[i];
-        let noises = half.iter().enumerate().map(|(i, half)| half + lost(i)).collect();
+        let noise_of_trace = |i: usize| 0.5 * self.missing[i] * added[i] * added[i];
+        let noises = half.iter().enumerate().map(|(i, half)| half + noise_of_trace(i)).collect();
         DiagonalWeights { added, variances, noises }
     }
 

@@ -1,22 +1,18 @@
 //! Predictions of samples that are held out. Hyper-parameters and inducing points stay, the samples' part of S leaves.
 
 use super::SparseLikelihood;
-use crate::learn::gp::covariance::{Covariance, TrainingPoints};
+use crate::learn::gp::covariance::TrainingPoints;
 use crate::learn::gp::linear::{FactorBuffers, Lower};
-use crate::learn::gp::{Approximation, GpConfig, Posterior};
+use crate::learn::gp::{Approximation, Gp, GpConfig};
 use crate::math::optimise::Objective;
 
 impl<'a> SparseLikelihood<'a> {
-    /// The likelihood behind a fitted process, at its hyper-parameters.
-    pub(in crate::learn::gp) fn of(
-        (config, covariance): (&GpConfig, &Covariance),
-        points: &'a TrainingPoints,
-        y: &'a [f64],
-        (theta, posterior): (&[f64], &Posterior),
-    ) -> Self {
-        let kind = (config.approximation, config.mean);
-        let mut likelihood = SparseLikelihood::new(kind, covariance.clone(), points, y, &posterior.inducing);
-        likelihood.value(theta);
+    /// The likelihood behind output `output` of a fitted process, at its hyper-parameters.
+    pub(in crate::learn::gp) fn of(gp: &Gp, output: usize, points: &'a TrainingPoints, y: &'a [f64]) -> Self {
+        let GpConfig { approximation, mean, .. } = gp.config;
+        let inducing = &gp.posteriors[output].inducing;
+        let mut likelihood = SparseLikelihood::new(approximation, mean, gp.covariance.clone(), points, y, inducing);
+        likelihood.value(&gp.theta[output]);
         likelihood
     }
 
@@ -39,6 +35,7 @@ impl<'a> SparseLikelihood<'a> {
             let features: Vec<f64> = (0..width).map(|j| self.features[j * n + row]).collect();
             for j in 0..width {
                 let share = features[j] / self.diagonal[row];
+                // A downdate: the sample leaves Φ Λ⁻¹ y and S.
                 weights[j] -= share * self.y[row];
                 let column = precision.column_mut(j);
                 column.iter_mut().zip(&features[j..]).for_each(|(value, feature)| *value -= share * feature);
@@ -56,20 +53,19 @@ impl<'a> SparseLikelihood<'a> {
     /// Error and variance of every sample when it is held out, standardised: the residual over `1 − h_i`, and what is not known
     /// of the function there and noise. `h_i = φ_iᵀ S⁻¹ φ_i / Λ_i` is the weight of the sample in its own prediction.
     pub(in crate::learn::gp) fn leave_one_out_errors(&self) -> Vec<(f64, f64)> {
-        let (n, width) = (self.points.n, self.width());
+        let n = self.points.n;
         let mut halves = self.weighted.clone();
-        self.precision_factor
-            .solve_half_of(faer::MatMut::from_column_major_slice_mut(&mut halves, n, width).transpose_mut());
+        self.precision_factor.solve_half_rows(&mut halves);
         let mut explained = vec![0.0; n];
         for column in halves.chunks_exact(n) {
             explained.iter_mut().zip(column).for_each(|(explained, half)| *explained += half * half);
         }
         let bound = self.approximation == Approximation::Sgpr;
-        let of = |i: usize| {
+        let error_and_variance = |i: usize| {
             let variance = self.diagonal[i] / (1.0 - explained[i]);
             // The diagonal of FITC holds what inducing points do not tell; that of SGPR does not.
             (self.alpha[i] * variance, variance + if bound { self.missing[i].max(0.0) } else { 0.0 })
         };
-        (0..n).map(of).collect()
+        (0..n).map(error_and_variance).collect()
     }
 }

@@ -21,18 +21,18 @@ pub(in crate::learn::gp) fn greedy_conditional_variance(
     let prepared = at.prepare(points);
     let mut remaining = vec![0.0; n];
     at.diagonal(points, &mut remaining, &mut vec![0.0; n]);
-    let least = MIN_VARIANCE_SHARE * remaining.iter().fold(0.0_f64, |max, one| max.max(*one));
+    let min_variance = MIN_VARIANCE_SHARE * remaining.iter().fold(0.0_f64, |max, variance| max.max(*variance));
     let mut factor: Vec<f64> = Vec::with_capacity(n * count.min(n));
     let mut chosen = Vec::with_capacity(count.min(n));
     while chosen.len() < count.min(n) {
         // The point that the chosen ones explain least is the next pivot.
         let next = (1..n).fold(0, |best, i| if remaining[i] > remaining[best] { i } else { best });
-        if remaining[next] <= least {
+        if remaining[next] <= min_variance {
             break;
         }
         let mut column = vec![0.0; n];
         at.row(&prepared, 0, &prepared.point(next), &mut column);
-        subtract_known(&factor, next, &mut column);
+        subtract_explained(&factor, next, &mut column);
         let root = remaining[next].sqrt();
         column.iter_mut().zip(&mut remaining).for_each(|(value, remaining)| {
             *value /= root;
@@ -48,9 +48,9 @@ pub(in crate::learn::gp) fn greedy_conditional_variance(
 
 /// Subtracts from `column` the columns of `factor`, each times its value in row `pivot`; four at once, because the column is
 /// read and written for each.
-fn subtract_known(factor: &[f64], pivot: usize, column: &mut [f64]) {
+fn subtract_explained(factor: &[f64], pivot: usize, column: &mut [f64]) {
     let n = column.len();
-    let (fours, rest) = factor.split_at(factor.len() / (4 * n) * (4 * n));
+    let (fours, tail) = factor.split_at(factor.len() / (4 * n) * (4 * n));
     vectorised!({
         for four in fours.chunks_exact(4 * n) {
             let [a, b, c, d] = [0, 1, 2, 3].map(|k| &four[k * n..(k + 1) * n]);
@@ -59,9 +59,9 @@ fn subtract_known(factor: &[f64], pivot: usize, column: &mut [f64]) {
                 *value -= wa * a + wb * b + wc * c + wd * d;
             }
         }
-        for one in rest.chunks_exact(n) {
-            let weight = one[pivot];
-            column.iter_mut().zip(one).for_each(|(value, one)| *value -= weight * one);
+        for single in tail.chunks_exact(n) {
+            let weight = single[pivot];
+            column.iter_mut().zip(single).for_each(|(value, entry)| *value -= weight * entry);
         }
     });
 }

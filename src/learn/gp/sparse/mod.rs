@@ -23,7 +23,7 @@ pub(super) use rates::CovarianceAt;
 pub(super) use search::search;
 
 use faer::linalg::matmul::triangular::{BlockStructure, matmul};
-use faer::{Accum, MatMut, MatRef, Par};
+use faer::{Accum, MatRef, Par};
 
 use super::config::Approximation;
 use super::coordinates::LogLikelihood;
@@ -69,7 +69,8 @@ pub(super) struct SparseLikelihood<'a> {
 impl<'a> SparseLikelihood<'a> {
     /// With the points numbered `inducing` as inducing points.
     pub(super) fn new(
-        (approximation, mean): (Approximation, MeanFunction),
+        approximation: Approximation,
+        mean: MeanFunction,
         covariance: Covariance,
         points: &'a TrainingPoints,
         y: &'a [f64],
@@ -126,8 +127,7 @@ impl<'a> SparseLikelihood<'a> {
         if !self.inducing_factor.factor(&mut self.memory[0]) {
             return false;
         }
-        let crossed = MatMut::from_column_major_slice_mut(&mut self.features[..n * m], n, m);
-        self.inducing_factor.solve_half_of(crossed.transpose_mut());
+        self.inducing_factor.solve_half_rows(&mut self.features[..n * m]);
         at.diagonal(self.points, &mut self.missing, &mut self.diagonal);
         let noise = self.noise_variance();
         self.diagonal.iter_mut().for_each(|diagonal| *diagonal += noise);
@@ -198,14 +198,16 @@ impl Objective for SparseLikelihood<'_> {
         let weights: f64 = self.weights[..m].iter().map(|weight| weight * weight).sum();
         let logarithms: f64 = self.diagonal.iter().map(|diagonal| diagonal.ln()).sum();
         let degrees = (n - self.basis.len()) as f64;
-        let size = degrees * (2.0 * std::f64::consts::PI).ln();
-        let likelihood = 0.5 * (residuals + weights + logarithms + size) + self.precision_factor.half_log_determinant();
+        let normalisation = degrees * (2.0 * std::f64::consts::PI).ln();
+        let likelihood =
+            0.5 * (residuals + weights + logarithms + normalisation) + self.precision_factor.half_log_determinant();
         if self.approximation == Approximation::Fitc {
             return likelihood;
         }
         // The trace term of the variational bound of SGPR.
-        let lost: f64 = self.missing.iter().zip(&self.diagonal).map(|(missing, diagonal)| missing / diagonal).sum();
-        likelihood + 0.5 * lost
+        let trace_term: f64 =
+            self.missing.iter().zip(&self.diagonal).map(|(missing, diagonal)| missing / diagonal).sum();
+        likelihood + 0.5 * trace_term
     }
 
     fn gradient(&mut self, out: &mut [f64]) {

@@ -13,7 +13,7 @@ use crate::math::optimise::{Objective, minimise};
 const START_ROWS: usize = 500;
 /// Times that inducing points are chosen, each time under the hyper-parameters found with those before.
 const ROUNDS: usize = 2;
-/// Least expected improvement in nats that a further step is worth: of several thousand.
+/// Expected improvement in nats below which the search ends: small beside the several thousand of such a likelihood.
 const TOLERANCE: f64 = 0.01;
 
 /// Maximises the likelihood (FITC) or its bound (SGPR) of the standardised output `y`; `None` when no start is usable.
@@ -24,19 +24,18 @@ pub(in crate::learn::gp) fn search(
     y: &[f64],
 ) -> Option<FittedHyperparameters> {
     let rows = points.n.min(START_ROWS);
-    let which: Vec<usize> = (0..rows).map(|i| i * points.n / rows).collect();
-    let (few, few_y): (TrainingPoints, Vec<f64>) = (points.select(&which), which.iter().map(|&i| y[i]).collect());
-    let FittedHyperparameters { mut theta, mut evaluations } = search::search(config, covariance, &few, &few_y)?;
-    let all = covariance.hyperparameters(config.noise_floor);
-    let lengths: Vec<bool> = all.iter().map(|one| one.is_length).collect();
-    let limits = search::limits(&all, &lengths, config.tolerance.max(TOLERANCE));
-    let kind = (config.approximation, config.mean);
+    let (subset, subset_y) = search::evenly_spaced(points, y, rows);
+    let FittedHyperparameters { mut theta, mut evaluations } = search::search(config, covariance, &subset, &subset_y)?;
+    let parameters = covariance.hyperparameters(config.noise_floor);
+    let lengths: Vec<bool> = parameters.iter().map(|parameter| parameter.is_length).collect();
+    let limits = search::limits(&parameters, &lengths, config.tolerance.max(TOLERANCE));
     for _ in 0..ROUNDS {
         let inducing = greedy_conditional_variance(covariance, &theta, points, config.inducing_points);
-        let mut start = Likelihood::new(covariance.clone(), &few, &few_y).with_mean(config.mean);
+        let mut start = Likelihood::new(covariance.clone(), config.mean, &subset, &subset_y);
         start.value(&theta);
-        let likelihood = SparseLikelihood::new(kind, covariance.clone(), points, y, &inducing)
-            .with_information(start.information(), points.n as f64 / rows as f64);
+        let likelihood =
+            SparseLikelihood::new(config.approximation, config.mean, covariance.clone(), points, y, &inducing)
+                .with_information(start.information(), points.n as f64 / rows as f64);
         let minimum =
             minimise(&mut SearchObjective::new(likelihood), &to_search_coordinates(&lengths, &theta), &limits);
         evaluations += minimum.evaluations;

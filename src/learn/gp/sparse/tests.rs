@@ -53,7 +53,7 @@ fn gradients_are_finite_differences_for_every_kind_kernel_and_mean() {
         let (covariance, theta) = covariance(text);
         for kind in KINDS {
             for mean in MEANS {
-                let mut likelihood = SparseLikelihood::new((kind, mean), covariance.clone(), &points, &y, &inducing);
+                let mut likelihood = SparseLikelihood::new(kind, mean, covariance.clone(), &points, &y, &inducing);
                 assert!(likelihood.value(&theta).is_finite());
                 for (k, [found, expected]) in both_gradients(&mut likelihood, &theta).into_iter().enumerate() {
                     let apart = (found - expected).abs() / (1.0 + expected.abs());
@@ -71,9 +71,9 @@ fn with_every_sample_as_inducing_point_the_likelihood_is_the_exact_one() {
     for text in EXPRESSIONS {
         let (covariance, theta) = covariance(text);
         for mean in MEANS {
-            let exact = Likelihood::new(covariance.clone(), &points, &y).with_mean(mean).value(&theta);
+            let exact = Likelihood::new(covariance.clone(), mean, &points, &y).value(&theta);
             for kind in KINDS {
-                let mut sparse = SparseLikelihood::new((kind, mean), covariance.clone(), &points, &y, &all);
+                let mut sparse = SparseLikelihood::new(kind, mean, covariance.clone(), &points, &y, &all);
                 let found = sparse.value(&theta);
                 assert!((found - exact).abs() < 1e-6 * exact.abs(), "{text} {kind:?} {mean:?}: {found} {exact}");
             }
@@ -85,11 +85,11 @@ fn with_every_sample_as_inducing_point_the_likelihood_is_the_exact_one() {
 fn the_bound_is_below_the_likelihood_and_rises_with_inducing_points() {
     let (points, y) = samples(80);
     let (covariance, theta) = covariance("se_ard");
-    let exact = -Likelihood::new(covariance.clone(), &points, &y).value(&theta);
+    let exact = -Likelihood::new(covariance.clone(), MeanFunction::Zero, &points, &y).value(&theta);
     let bound = |count: usize| {
         let chosen = greedy_conditional_variance(&covariance, &theta, &points, count);
-        let kind = (Approximation::Sgpr, MeanFunction::Zero);
-        -SparseLikelihood::new(kind, covariance.clone(), &points, &y, &chosen).value(&theta)
+        let (kind, mean) = (Approximation::Sgpr, MeanFunction::Zero);
+        -SparseLikelihood::new(kind, mean, covariance.clone(), &points, &y, &chosen).value(&theta)
     };
     let bounds: Vec<f64> = [5, 10, 20, 40, 80].map(bound).to_vec();
     assert!(bounds.windows(2).all(|pair| pair[0] < pair[1] + 1e-6), "{bounds:?}");
@@ -152,8 +152,8 @@ fn held_out_samples_are_predicted_as_if_they_had_not_been_there() {
     let (few, few_y) = (points.select(&others), others.iter().map(|&i| y[i]).collect::<Vec<f64>>());
     for kind in KINDS {
         for mean in MEANS {
-            let mut all = SparseLikelihood::new((kind, mean), covariance.clone(), &points, &y, &inducing);
-            let mut without = SparseLikelihood::new((kind, mean), covariance.clone(), &few, &few_y, &inducing);
+            let mut all = SparseLikelihood::new(kind, mean, covariance.clone(), &points, &y, &inducing);
+            let mut without = SparseLikelihood::new(kind, mean, covariance.clone(), &few, &few_y, &inducing);
             assert!(all.value(&theta).is_finite() && without.value(&theta).is_finite());
             let errors = all.held_out_errors(&fold);
             for (error, &i) in errors.iter().zip(&fold) {

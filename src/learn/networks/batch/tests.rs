@@ -76,12 +76,12 @@ fn check(sizes: Sizes, window: usize, windows: usize, loss: Loss) {
             assert_eq!(gradient.values[k], 0.0, "padding must not move");
             continue;
         }
-        let (kept, e) = (weights.values[k], 1e-5);
-        weights.values[k] = kept + e;
+        let (saved, e) = (weights.values[k], 1e-5);
+        weights.values[k] = saved + e;
         let above = loss_by_definition(&weights, &x, &y, &starts, window, loss);
-        weights.values[k] = kept - e;
+        weights.values[k] = saved - e;
         let below = loss_by_definition(&weights, &x, &y, &starts, window, loss);
-        weights.values[k] = kept;
+        weights.values[k] = saved;
         let expected = (above - below) / (2.0 * e);
         assert!((gradient.values[k] - expected).abs() < 1e-9, "{k}: {} {expected}", gradient.values[k]);
         used += usize::from(expected != 0.0);

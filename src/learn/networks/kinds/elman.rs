@@ -1,6 +1,6 @@
 //! Elman 1990: `h' = tanh(W_x x + W_h h + b)`.
 
-use super::{Backward, Forward, HiddenUnit, MAX_KEPT, MAX_SUMS, Past, WeightedSum};
+use super::{Backward, Forward, HiddenUnit, MAX_SAVED, MAX_SUMS, Past, WeightedSum};
 use crate::learn::simd::Real;
 
 pub(super) struct Elman;
@@ -10,7 +10,7 @@ impl HiddenUnit for Elman {
 
     #[inline(always)]
     fn forward<T: Real>(sums: &[T; MAX_SUMS], _: T, _: T) -> Forward<T> {
-        Forward { value: sums[0].tanh_fast(), memory: T::default(), kept: [T::default(); MAX_KEPT] }
+        Forward { value: sums[0].tanh_fast(), memory: T::default(), saved: [T::default(); MAX_SAVED] }
     }
 
     #[inline(always)]

@@ -13,7 +13,7 @@ impl HiddenUnit for Gru {
     /// Reset gate, update gate, and the candidate's sums over inputs and over the state.
     const SUMS: &'static [WeightedSum] =
         &[WeightedSum::BOTH, WeightedSum::BOTH, WeightedSum::INPUTS, WeightedSum::STATE];
-    const KEPT: usize = 4;
+    const SAVED: usize = 4;
     const CARRIES: bool = true;
 
     #[inline(always)]
@@ -22,13 +22,13 @@ impl HiddenUnit for Gru {
         let from_state = sums[3];
         let candidate = reset.fma(from_state, sums[2]).tanh_fast();
         let value = update.fma(value_before - candidate, candidate);
-        Forward { value, memory: T::default(), kept: [reset, update, candidate, from_state, T::default()] }
+        Forward { value, memory: T::default(), saved: [reset, update, candidate, from_state, T::default()] }
     }
 
     #[inline(always)]
     fn backward<T: Real>(past: &Past<T>) -> Backward<T> {
         let one = T::of(1.0);
-        let [reset, update, candidate, from_state, _] = past.kept;
+        let [reset, update, candidate, from_state, _] = past.saved;
         let d_candidate = past.d_value * (one - update) * (-candidate).fma(candidate, one);
         let d_update = past.d_value * (past.value_before - candidate) * update * (one - update);
         let d_reset = d_candidate * from_state * reset * (one - reset);

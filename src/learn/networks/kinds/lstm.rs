@@ -10,7 +10,7 @@ pub(super) struct Lstm;
 impl HiddenUnit for Lstm {
     /// Input gate, forget gate, candidate and output gate: PyTorch's order.
     const SUMS: &'static [WeightedSum] = &[WeightedSum::BOTH; 4];
-    const KEPT: usize = 5;
+    const SAVED: usize = 5;
     const MEMORY: bool = true;
 
     #[inline(always)]
@@ -19,13 +19,13 @@ impl HiddenUnit for Lstm {
         let candidate = sums[2].tanh_fast();
         let memory = forget.fma(memory_before, input * candidate);
         let shown = memory.tanh_fast();
-        Forward { value: output * shown, memory, kept: [input, forget, candidate, output, shown] }
+        Forward { value: output * shown, memory, saved: [input, forget, candidate, output, shown] }
     }
 
     #[inline(always)]
     fn backward<T: Real>(past: &Past<T>) -> Backward<T> {
         let one = T::of(1.0);
-        let [input, forget, candidate, output, shown] = past.kept;
+        let [input, forget, candidate, output, shown] = past.saved;
         let d_memory = (past.d_value * output).fma((-shown).fma(shown, one), past.d_memory);
         let gate = |value: T| value * (one - value);
         Backward {

@@ -12,7 +12,7 @@ use crate::learn::simd::Real;
 pub(super) const MAX_SUMS: usize = 4;
 
 /// Most numbers that a unit keeps for the way back.
-pub(super) const MAX_KEPT: usize = 5;
+pub(super) const MAX_SAVED: usize = 5;
 
 /// A weighted sum that a unit takes, with a bias of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,7 +36,7 @@ pub(super) struct Forward<T> {
     /// Its memory, where the kind has one.
     pub(super) memory: T,
     /// What [`HiddenUnit::backward`] wants to see again.
-    pub(super) kept: [T; MAX_KEPT],
+    pub(super) saved: [T; MAX_SAVED],
 }
 
 /// What [`HiddenUnit::backward`] starts from.
@@ -48,7 +48,7 @@ pub(super) struct Past<T> {
     /// Its memory before.
     pub(super) memory_before: T,
     /// What the step kept.
-    pub(super) kept: [T; MAX_KEPT],
+    pub(super) saved: [T; MAX_SAVED],
     /// ∂loss/∂value after the step.
     pub(super) d_value: T,
     /// ∂loss/∂memory after the step, by way of later steps.
@@ -69,8 +69,8 @@ pub(super) struct Backward<T> {
 pub(super) trait HiddenUnit {
     /// Its sums, at most [`MAX_SUMS`].
     const SUMS: &'static [WeightedSum];
-    /// How many numbers it keeps for the way back, at most [`MAX_KEPT`].
-    const KEPT: usize = 0;
+    /// How many numbers it keeps for the way back, at most [`MAX_SAVED`].
+    const SAVED: usize = 0;
     /// Whether it has a memory beside its value.
     const MEMORY: bool = false;
     /// Whether its value before enters other than by way of the sums.
@@ -100,8 +100,8 @@ macro_rules! kinds {
                 match self { $(NetworkKind::$kind => $module::$kind::SUMS),* }
             }
 
-            pub(super) fn kept(self) -> usize {
-                match self { $(NetworkKind::$kind => $module::$kind::KEPT),* }
+            pub(super) fn saved(self) -> usize {
+                match self { $(NetworkKind::$kind => $module::$kind::SAVED),* }
             }
 
             pub(super) fn has_memory(self) -> bool {
