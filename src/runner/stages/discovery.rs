@@ -87,9 +87,9 @@ impl Stages<'_> {
             |error: DataError| super::Failure { stage: "recordings".to_owned(), status: error.to_string() };
         let recorded = run.recordings.iter().map(RecordedCases::cases).collect::<Result<Vec<_>, _>>();
         let recorded: Vec<RecordedCase> = recorded.map_err(unreadable)?.into_iter().flatten().collect();
-        let all = run.batches.iter().map(|batch| batch.cases).sum::<usize>() + recorded.len();
-        let mut case = self.repetition * all as u64;
-        let mut cases = Vec::with_capacity(all);
+        let cases_per_repetition = run.batches.iter().map(|batch| batch.cases).sum::<usize>() + recorded.len();
+        let mut case = self.repetition * cases_per_repetition as u64;
+        let mut cases = Vec::with_capacity(cases_per_repetition);
         for batch in &run.batches {
             // Kinds and sizes go on from one repetition to the next.
             let first = self.repetition as usize * batch.cases;
@@ -192,6 +192,10 @@ impl Stages<'_> {
     }
 }
 
-fn prior(one: &crate::discovery::Uncertainty) -> Prior {
-    Prior { effect: one.effect.clone(), parameter: one.parameter.clone(), deviation: one.deviation }
+fn prior(uncertainty: &crate::discovery::Uncertainty) -> Prior {
+    Prior {
+        effect: uncertainty.effect.clone(),
+        parameter: uncertainty.parameter.clone(),
+        deviation: uncertainty.deviation,
+    }
 }
