@@ -66,11 +66,11 @@ fn columns(recording: &Recording) -> Result<Vec<(String, Cells)>, String> {
     }
     group(&mut columns, &FORCE, recording.tip_load.as_deref(), |load| load.force_n, rows)?;
     group(&mut columns, &MOMENT, recording.tip_load.as_deref(), |load| load.moment_nm, rows)?;
-    group(&mut columns, &GRAVITY, recording.gravity_m_s2.as_deref(), |own| *own, rows)?;
+    group(&mut columns, &GRAVITY, recording.gravity_m_s2.as_deref(), |values| *values, rows)?;
     for point in &recording.points {
         let (position, turn) = (point.position_columns(), point.quaternion_columns());
-        group(&mut columns, &position.each_ref().map(String::as_str), Some(&point.position_m), |own| *own, rows)?;
-        group(&mut columns, &turn.each_ref().map(String::as_str), point.quaternion.as_deref(), |own| *own, rows)?;
+        group(&mut columns, &position.each_ref().map(String::as_str), Some(&point.position_m), |values| *values, rows)?;
+        group(&mut columns, &turn.each_ref().map(String::as_str), point.quaternion.as_deref(), |values| *values, rows)?;
     }
     if let Some(labels) = &recording.pattern {
         check("pattern", labels.len(), rows)?;
