@@ -5,8 +5,8 @@ use std::time::Instant;
 
 /// Weight of the mean of earlier runs, in stages of this run.
 const EARLIER_RUNS_WEIGHT: f64 = 3.0;
-/// Share of a new estimate in what is shown, a second: the rest is the last one, less the time since
-/// (exponential smoothing, as a first stage of an unknown kind makes estimates jump).
+/// Share of a new estimate in what is shown, a second (exponential smoothing): the rest is the last one, less the time
+/// since.
 const SMOOTHING_SHARE: f64 = 0.05;
 
 /// What is left of a run.

@@ -3,7 +3,8 @@
 
 use super::Stages;
 use crate::benchmark::{
-    self, CaseBatch, CaseDesign, CatalogueSpan, Commands, Prior, RecordedCase, RecordedCases, ScoredCase, Truth,
+    self, CaseBatch, CaseDesign, CaseSetting, CatalogueSpan, Commands, Prior, RecordedCase, RecordedCases, ScoredCase,
+    Truth,
 };
 use crate::data::DataError;
 use crate::discovery::Options;
@@ -48,7 +49,8 @@ impl BlindStages {
     pub(crate) fn scored(&self, outcomes: &Outcomes) -> ScoredCase {
         let truth = outcomes.get(self.truth).ok();
         let failed = |failure: super::Failure| {
-            benchmark::failed(self.case, &self.batch, self.correlation, truth, &failure.to_string())
+            let setting = CaseSetting { number: self.case, batch: &self.batch, correlation: self.correlation };
+            benchmark::failed(setting, truth, &failure.to_string())
         };
         outcomes.get(self.score).cloned().unwrap_or_else(failed)
     }
