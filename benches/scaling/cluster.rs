@@ -3,8 +3,8 @@
 use crate::recorded::Recorded;
 use spinebench::runner::slurm::workers_per_task;
 use spinebench::runner::{
-    Campaign, EXCHANGE, Graph, HELD_RESULTS, LONGEST_PAUSE, Need, RESUMED, SHORTEST_PAUSE, StageQueue,
-    UNWRITTEN_RESULTS, WorkPlan,
+    Campaign, EXCHANGE_INTERVAL, Graph, MAX_PAUSE, MAX_RESULTS_IN_MEMORY, MAX_RESUMED_STAGES, MAX_UNWRITTEN_RESULTS,
+    MIN_PAUSE, Need, StageQueue, WorkPlan,
 };
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashSet, VecDeque};
@@ -125,7 +125,7 @@ impl<'a> Worker<'a> {
     fn new(queue: StageQueue<'a>) -> Worker<'a> {
         Worker {
             queue,
-            pause_us: micros(SHORTEST_PAUSE.as_secs_f64()),
+            pause_us: micros(MIN_PAUSE.as_secs_f64()),
             held: HashSet::new(),
             oldest: VecDeque::new(),
             unwritten: VecDeque::new(),
@@ -136,20 +136,20 @@ impl<'a> Worker<'a> {
     }
 
     fn computed(&mut self, stage: usize) {
-        self.queue.computed(stage);
-        self.pause_us = micros(SHORTEST_PAUSE.as_secs_f64());
+        self.queue.mark_computed(stage);
+        self.pause_us = micros(MIN_PAUSE.as_secs_f64());
     }
 
     fn found(&mut self, stage: usize) {
-        self.queue.found(stage);
-        self.pause_us = micros(SHORTEST_PAUSE.as_secs_f64());
+        self.queue.mark_stored(stage);
+        self.pause_us = micros(MIN_PAUSE.as_secs_f64());
     }
 
     fn hold(&mut self, stage: usize) {
         if self.held.insert(stage) {
             self.oldest.push_back(stage);
         }
-        if self.oldest.len() > HELD_RESULTS
+        if self.oldest.len() > MAX_RESULTS_IN_MEMORY
             && let Some(oldest) = self.oldest.pop_front()
         {
             self.held.remove(&oldest);
@@ -203,7 +203,7 @@ impl Cluster<'_> {
                 self.then(end_us, number, Step::Take);
             }
             Step::Resume => {
-                self.replayed.polls += u64::from(worker.queue.resume(RESUMED) > 0);
+                self.replayed.polls += u64::from(worker.queue.resume(MAX_RESUMED_STAGES) > 0);
                 self.take(now_us, number);
             }
             Step::Take => self.take(now_us, number),
@@ -213,7 +213,7 @@ impl Cluster<'_> {
             }
             Step::LookedUp(stage) => self.look_up_inputs(now_us, number, stage),
             Step::LookedUpInput(stage, input) if self.stored[input] => {
-                worker.queue.found(input);
+                worker.queue.mark_stored(input);
                 self.look_up_inputs(now_us, number, stage);
             }
             Step::LookedUpInput(stage, _) => {
@@ -221,7 +221,7 @@ impl Cluster<'_> {
                 self.take(now_us, number);
             }
             Step::Exchanged => {
-                self.finished.iter().for_each(|&share| worker.queue.found_share(share));
+                self.finished.iter().for_each(|&share| worker.queue.mark_share_stored(share));
                 self.take_next(now_us, number);
             }
             Step::Lock(stage) if self.locked[stage] => {
@@ -239,7 +239,7 @@ impl Cluster<'_> {
                 worker.hold(stage);
                 worker.unwritten.push_back(stage);
                 worker.computed(stage);
-                worker.blocked = worker.unwritten.len() > UNWRITTEN_RESULTS;
+                worker.blocked = worker.unwritten.len() > MAX_UNWRITTEN_RESULTS;
                 let (blocked, alone) = (worker.blocked, worker.unwritten.len() == 1);
                 if alone {
                     self.background(now_us, number, 1, Step::Write);
@@ -281,7 +281,7 @@ impl Cluster<'_> {
     /// As the executor's threads do: a word with the others before stealing, then what the queue says.
     fn take(&mut self, now_us: u64, number: usize) {
         let worker = &mut self.workers[number];
-        if worker.queue.is_idle() && worker.exchanged_us + micros(EXCHANGE.as_secs_f64()) <= now_us {
+        if worker.queue.is_idle() && worker.exchanged_us + micros(EXCHANGE_INTERVAL.as_secs_f64()) <= now_us {
             worker.exchanged_us = now_us;
             if worker.queue.own_share_finished() && !std::mem::replace(&mut worker.recorded, true) {
                 self.finished.push(number);
@@ -296,10 +296,10 @@ impl Cluster<'_> {
     fn take_next(&mut self, now_us: u64, number: usize) {
         let worker = &mut self.workers[number];
         let Some(stage) = worker.queue.take() else {
-            if worker.queue.left() > number {
+            if worker.queue.unfinished() > number {
                 let end_us = now_us + worker.pause_us;
                 self.replayed.idle_s += worker.pause_us as f64 * 1e-6;
-                worker.pause_us = (2 * worker.pause_us).min(micros(LONGEST_PAUSE.as_secs_f64()));
+                worker.pause_us = (2 * worker.pause_us).min(micros(MAX_PAUSE.as_secs_f64()));
                 self.then(end_us, number, Step::Resume);
             }
             return;

@@ -170,7 +170,7 @@ pub(crate) fn _discover(
                 .collect::<Result<_, Fault>>()?;
             let answer = written(round.answer)?;
             let file: Option<PathBuf> = Python::attach(|py| record.bind(py).call1((answer, commands))?.extract())?;
-            Ok(file.as_ref().map(read).transpose()?)
+            Ok(file.as_ref().map(read).transpose().map_err(Fault::from)?)
         };
         let question = Question { model: &model.0, baseline: baseline.as_ref(), options: &settings };
         match with_step_listener(step, || discover_until_named(question, whole, max_rounds, ask)) {

@@ -69,7 +69,7 @@ impl Commands {
 }
 
 /// Rms distance between two tip paths, metres.
-pub(crate) fn apart_m(here: &[Point3], there: &[Point3]) -> f64 {
+pub(crate) fn rms_distance_m(first: &[Point3], second: &[Point3]) -> f64 {
     let square = |(a, b): (&Point3, &Point3)| (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum::<f64>();
-    (here.iter().zip(there).map(square).sum::<f64>() / here.len().max(1) as f64).sqrt()
+    (first.iter().zip(second).map(square).sum::<f64>() / first.len().max(1) as f64).sqrt()
 }

@@ -1,5 +1,7 @@
 //! Options of the blind benchmark: groups of cases, sizes, and resolution of the truth.
 
+use std::ops::RangeInclusive;
+
 use serde::{Deserialize, Serialize};
 
 use crate::base::BadOption;
@@ -83,11 +85,11 @@ fn correlations() -> Vec<f64> {
 }
 
 /// Maximum number of cases: their plan must fit in memory.
-const MOST_CASES: usize = 100_000;
+const MAX_CASES: usize = 100_000;
 /// Maximum number of samples.
-const MOST_SAMPLES: usize = 100_000;
+const MAX_SAMPLES: usize = 100_000;
 /// Maximum displacement and noise, metres; larger values indicate a wrong unit.
-const MOST_M: f64 = 0.05;
+const MAX_LENGTH_M: f64 = 0.05;
 
 impl CaseBatch {
     /// Refuses settings out of range.
@@ -95,15 +97,14 @@ impl CaseBatch {
     /// # Errors
     /// [`BadOption`] names the first one.
     pub fn check(&self) -> Result<(), BadOption> {
-        let counted = |key, value: usize, least: usize, most: usize, expected| {
-            let good = (least..=most).contains(&value);
-            if good { Ok(()) } else { Err(BadOption { key, found: value.to_string(), expected }) }
+        let counted = |key, value: usize, range: RangeInclusive<usize>, expected| {
+            if range.contains(&value) { Ok(()) } else { Err(BadOption { key, found: value.to_string(), expected }) }
         };
-        counted("cases", self.cases, 1, MOST_CASES, "1 to 100000")?;
-        counted("trials", self.trials, 2, self.samples / 2, "at least 2, and 2 samples in each")?;
-        counted("samples", self.samples, 30, MOST_SAMPLES, "30 to 100000")?;
+        counted("cases", self.cases, 1..=MAX_CASES, "1 to 100000")?;
+        counted("trials", self.trials, 2..=self.samples / 2, "at least 2, and 2 samples in each")?;
+        counted("samples", self.samples, 30..=MAX_SAMPLES, "30 to 100000")?;
         let within = |key, value: f64, expected| {
-            let good = value > 0.0 && value <= MOST_M;
+            let good = value > 0.0 && value <= MAX_LENGTH_M;
             if good { Ok(()) } else { Err(BadOption { key, found: value.to_string(), expected }) }
         };
         within("noise_m", self.noise_m, "above 0 and up to 0.05 m")?;

@@ -34,7 +34,7 @@ pub fn measure_case(
     let unplayable = || BenchmarkError::NoRobot { what: truth.name(), tried: 1 };
     let mut tips_m = true_tips_m(robot, truth, commands).ok_or_else(unplayable)?;
     let counts = commands.trials.iter().map(crate::base::Rows::len);
-    add_noise(&mut tips_m, counts, (robot.noise_m, correlation), Seed(robot.seed).child("noise"));
+    add_noise(&mut tips_m, counts, robot.noise_m, correlation, Seed(robot.seed).child("noise"));
     Ok(PublicCase { commands: commands.clone(), tips_m, left_out: truth.left_out.clone() })
 }
 
@@ -43,19 +43,21 @@ pub fn measure_case(
 pub fn add_noise(
     tips_m: &mut [Point3],
     trials: impl Iterator<Item = usize>,
-    (noise_m, correlation): (f64, f64),
+    noise_m: f64,
+    correlation: f64,
     seed: Seed,
 ) {
     let mut random = seed.rng();
-    let fresh = (1.0 - correlation * correlation).sqrt();
+    // Innovations of this standard deviation keep the variance of the process at 1.
+    let innovation_share = (1.0 - correlation * correlation).sqrt();
     let mut start = 0;
     for count in trials {
-        let mut now = [0.0_f64; 3];
+        let mut state = [0.0_f64; 3];
         for (row, tip) in tips_m[start..start + count].iter_mut().enumerate() {
             for (axis, value) in tip.iter_mut().enumerate() {
                 let drawn: f64 = StandardNormal.sample(&mut random);
-                now[axis] = if row == 0 { drawn } else { correlation * now[axis] + fresh * drawn };
-                *value += noise_m * now[axis];
+                state[axis] = if row == 0 { drawn } else { correlation * state[axis] + innovation_share * drawn };
+                *value += noise_m * state[axis];
             }
         }
         start += count;
@@ -87,7 +89,7 @@ mod tests {
     fn noise_has_the_asked_size_and_correlation() {
         for correlation in [0.0, 0.6] {
             let mut tips = vec![[0.0; 3]; 20_000];
-            add_noise(&mut tips, [10_000, 10_000].into_iter(), (5e-4, correlation), Seed(3));
+            add_noise(&mut tips, [10_000, 10_000].into_iter(), 5e-4, correlation, Seed(3));
             let column = |axis: usize| tips.iter().map(|tip| tip[axis]).collect::<Vec<f64>>();
             for axis in 0..3 {
                 let all = column(axis);

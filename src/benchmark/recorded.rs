@@ -112,15 +112,15 @@ impl RecordedCases {
 /// the catalogue have parameters that cannot be read.
 fn truth(line: &TruthLine) -> Option<Truth> {
     let names: Vec<&str> = line.effects.split('+').map(str::trim).filter(|name| *name != "nothing").collect();
-    let is_known = names.iter().all(|name| card(name).is_some());
-    let hidden = if is_known { parameters(&line.parameters)? } else { Vec::new() };
-    let same = |(hidden, name): (&InjectedEffect, &&str)| hidden.name == *name;
-    if is_known && (hidden.len() != names.len() || !hidden.iter().zip(&names).all(same)) {
+    let in_catalogue = names.iter().all(|name| card(name).is_some());
+    let hidden = if in_catalogue { parameters(&line.parameters)? } else { Vec::new() };
+    let names_match = |(hidden, name): (&InjectedEffect, &&str)| hidden.name == *name;
+    if in_catalogue && (hidden.len() != names.len() || !hidden.iter().zip(&names).all(names_match)) {
         return None;
     }
     Some(Truth {
         hidden,
-        unknown: (!is_known).then(|| Disturbance::named(&line.effects)),
+        unknown: (!in_catalogue).then(|| Disturbance::named(&line.effects)),
         uncertain: Vec::new(),
         shift_m: line.rms_shift_m,
         left: 0.0,
@@ -140,11 +140,11 @@ fn injected(effect: &EffectSpec) -> Option<InjectedEffect> {
     let fields = serde_json::to_value(effect).ok()?;
     let fields = fields.get(card.name)?;
     let value = |name: &str| {
-        let found = match name.split_once('[') {
+        let field = match name.split_once('[') {
             None => fields.get(name)?,
             Some((vector, index)) => fields.get(vector)?.get(index.trim_end_matches(']').parse::<usize>().ok()?)?,
         };
-        found.as_f64().or_else(|| found.as_bool().map(f64::from))
+        field.as_f64().or_else(|| field.as_bool().map(f64::from))
     };
     let values = card.parameters.iter().map(|parameter| value(parameter.name)).collect::<Option<Vec<f64>>>()?;
     Some(InjectedEffect { name: card.name.to_owned(), values, other_law: false })

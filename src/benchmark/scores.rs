@@ -64,11 +64,11 @@ impl CaseAnswer {
 }
 
 impl AnsweredEffect {
-    fn new(found: &FoundEffect) -> AnsweredEffect {
+    fn new(effect: &FoundEffect) -> AnsweredEffect {
         let mut values = BTreeMap::new();
         let mut intervals = BTreeMap::new();
         let ends = |value: &Value| Some([value.get(0)?.as_f64()?, value.get(1)?.as_f64()?]);
-        for (name, value) in &found.parameters {
+        for (name, value) in &effect.parameters {
             match value {
                 Value::Array(items) => items.iter().enumerate().for_each(|(k, item)| {
                     values.extend(item.as_f64().map(|number| (format!("{name}[{k}]"), number)));
@@ -76,7 +76,7 @@ impl AnsweredEffect {
                 value => values.extend(value.as_f64().map(|number| (name.clone(), number))),
             }
         }
-        for (name, value) in &found.interval_95 {
+        for (name, value) in &effect.interval_95 {
             match value {
                 Value::Array(items) if items.iter().any(Value::is_array) => {
                     items.iter().enumerate().for_each(|(k, item)| {
@@ -86,8 +86,19 @@ impl AnsweredEffect {
                 value => intervals.extend(ends(value).map(|ends| (name.clone(), ends))),
             }
         }
-        AnsweredEffect { name: found.name.clone(), values, intervals }
+        AnsweredEffect { name: effect.name.clone(), values, intervals }
     }
+}
+
+/// A case without its truth.
+#[derive(Clone, Copy, Debug)]
+pub struct CaseSetting<'a> {
+    /// Number of the case.
+    pub number: u64,
+    /// The batch that it belongs to.
+    pub batch: &'a CaseBatch,
+    /// Correlation of consecutive noise samples.
+    pub correlation: f64,
 }
 
 /// Rows of a case in the tables.
@@ -100,19 +111,12 @@ pub struct ScoredCase {
 }
 
 /// Scores an answered case.
-pub fn score(
-    case: u64,
-    batch: &CaseBatch,
-    correlation: f64,
-    model: &Model,
-    truth: &Truth,
-    answer: &CaseAnswer,
-) -> ScoredCase {
-    let mut row = row(case, batch, correlation, Some(truth));
+pub fn score(setting: CaseSetting, model: &Model, truth: &Truth, answer: &CaseAnswer) -> ScoredCase {
+    let mut row = row(setting, Some(truth));
     let mut intervals = Vec::new();
     row.verdict = answer.verdict.name().to_owned();
     row.answer = answer.names().join(" + ");
-    (row.right, row.in_group) = is_right(batch.group, truth, answer);
+    (row.right, row.in_group) = is_right(setting.batch.group, truth, answer);
     if row.right {
         let errors: Vec<f64> = truth.hidden.iter().filter_map(|hidden| strength_error(model, hidden, answer)).collect();
         row.strength_error = if errors.is_empty() { f64::NAN } else { quantile(&errors, 0.5) };
@@ -131,14 +135,14 @@ pub fn score(
 }
 
 /// A case without an answer, with the reason. `truth`: if it is known.
-pub fn failed(case: u64, batch: &CaseBatch, correlation: f64, truth: Option<&Truth>, why: &str) -> ScoredCase {
-    let row = CaseRow { verdict: format!("failed: {why}"), ..row(case, batch, correlation, truth) };
+pub fn failed(setting: CaseSetting, truth: Option<&Truth>, why: &str) -> ScoredCase {
+    let row = CaseRow { verdict: format!("failed: {why}"), ..row(setting, truth) };
     ScoredCase { row, intervals: Vec::new() }
 }
 
-fn row(case: u64, batch: &CaseBatch, correlation: f64, truth: Option<&Truth>) -> CaseRow {
+fn row(CaseSetting { number, batch, correlation }: CaseSetting, truth: Option<&Truth>) -> CaseRow {
     CaseRow {
-        case,
+        case: number,
         group: batch.group.name().to_owned(),
         truth: truth.map_or_else(String::new, Truth::name),
         shift_m: truth.map_or(f64::NAN, |truth| truth.shift_m),
@@ -174,10 +178,10 @@ fn is_right(group: CaseGroup, truth: &Truth, answer: &CaseAnswer) -> (bool, bool
         CaseGroup::Single | CaseGroup::Pair => {
             let mut names: Vec<&str> = truth.hidden.iter().map(|hidden| hidden.name.as_str()).collect();
             names.sort_unstable();
-            let told = truth.hidden.iter().all(|hidden| answered_effect(hidden, answer).is_some());
-            let right = answer.verdict == Verdict::Named && answer.names() == names && told;
+            let all_answered = truth.hidden.iter().all(|hidden| answered_effect(hidden, answer).is_some());
+            let right = answer.verdict == Verdict::Named && answer.names() == names && all_answered;
             // A group lists the effects of all its sets, each with its tendon.
-            (right, right || answer.verdict == Verdict::Ambiguous && told)
+            (right, right || answer.verdict == Verdict::Ambiguous && all_answered)
         }
     }
 }
@@ -189,59 +193,61 @@ fn both(right: bool) -> (bool, bool) {
 /// The effect of the answer with the same name and, if it acts on one, the same tendon.
 fn answered_effect<'a>(hidden: &InjectedEffect, answer: &'a CaseAnswer) -> Option<&'a AnsweredEffect> {
     let card = hidden.card()?;
-    let same = |found: &&AnsweredEffect| {
+    let is_answer = |answered: &&AnsweredEffect| {
         let tendon = card.parameters.iter().position(|parameter| parameter.seek == Seek::Tendon);
-        let alike = tendon.is_none_or(|index| {
-            found.values.get(card.parameters[index].name).is_some_and(|tendon| *tendon == hidden.values[index])
+        let same_tendon = tendon.is_none_or(|index| {
+            answered.values.get(card.parameters[index].name).is_some_and(|tendon| *tendon == hidden.values[index])
         });
-        found.name == hidden.name && alike
+        answered.name == hidden.name && same_tendon
     };
-    answer.effects.iter().find(same)
+    answer.effects.iter().find(is_answer)
 }
 
 /// Relative error of the size vector of an effect.
 fn strength_error(model: &Model, hidden: &InjectedEffect, answer: &CaseAnswer) -> Option<f64> {
-    let (card, found) = (hidden.card()?, answered_effect(hidden, answer)?);
-    let truth = as_answered(hidden, found);
-    let (mut off, mut all) = (0.0, 0.0);
+    let (card, answered) = (hidden.card()?, answered_effect(hidden, answer)?);
+    let truth = as_answered(hidden, answered);
+    let (mut error_square, mut size_square) = (0.0, 0.0);
     for (parameter, value) in card.parameters.iter().zip(truth) {
         if size(parameter).is_some() {
-            off += (found.values.get(parameter.name)? - value).powi(2);
-            all += (value - null_value(parameter, model)).powi(2);
+            error_square += (answered.values.get(parameter.name)? - value).powi(2);
+            size_square += (value - null_value(parameter, model)).powi(2);
         }
     }
-    (all > 0.0).then(|| (off / all).sqrt())
+    (size_square > 0.0).then(|| (error_square / size_square).sqrt())
 }
 
 /// Intervals of the parameters of an effect with the true values.
 fn intervals(row: &CaseRow, hidden: &InjectedEffect, answer: &CaseAnswer) -> Vec<IntervalRow> {
-    let (Some(card), Some(found)) = (hidden.card(), answered_effect(hidden, answer)) else { return Vec::new() };
-    let beside = |(parameter, truth): (&Parameter, f64)| {
-        let &[low, high] = found.intervals.get(parameter.name)?;
+    let (Some(card), Some(answered)) = (hidden.card(), answered_effect(hidden, answer)) else { return Vec::new() };
+    let interval_row = |(parameter, truth): (&Parameter, f64)| {
+        let &[low, high] = answered.intervals.get(parameter.name)?;
         Some(IntervalRow {
             case: row.case,
             samples: row.samples,
             effect: hidden.name.clone(),
             parameter: parameter.name.to_owned(),
             truth,
-            value: *found.values.get(parameter.name)?,
+            value: *answered.values.get(parameter.name)?,
             low,
             high,
             covered: (low..=high).contains(&truth),
         })
     };
-    card.parameters.iter().zip(as_answered(hidden, found)).filter_map(beside).collect()
+    card.parameters.iter().zip(as_answered(hidden, answered)).filter_map(interval_row).collect()
 }
 
 /// True values in the convention of the answer: axes a quarter turn apart with opposite ratio are equal, and so are
 /// axes half a turn apart.
-fn as_answered(hidden: &InjectedEffect, found: &AnsweredEffect) -> Vec<f64> {
+fn as_answered(hidden: &InjectedEffect, answered: &AnsweredEffect) -> Vec<f64> {
     use std::f64::consts::{FRAC_PI_2, PI};
     let mut values = hidden.values.clone();
     if hidden.name != "anisotropic_stiffness" {
         return values;
     }
-    let (Some(ratio), Some(angle)) = (found.values.get("ratio"), found.values.get("angle_rad")) else { return values };
+    let (Some(ratio), Some(angle)) = (answered.values.get("ratio"), answered.values.get("angle_rad")) else {
+        return values;
+    };
     if ratio.signum() != values[0].signum() {
         values = vec![-values[0], values[1] + FRAC_PI_2];
     }

@@ -8,7 +8,7 @@ use super::DataError;
 use super::table::{Table, parse_csv};
 use super::text::decode_text;
 
-const HEADER: &str = "a header line and at least one row";
+const EXPECTED_ROWS: &str = "a header line and at least one row";
 
 /// Checks the text line by line, then parses it.
 pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Table, DataError> {
@@ -17,7 +17,7 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Table, DataError> {
     let mut lines = text.lines();
     let header = lines.next().filter(|header| !header.trim().is_empty());
     let Some(header) = header else {
-        return Err(DataError::Empty { file: path.to_owned(), found: "no header", expected: HEADER });
+        return Err(DataError::Empty { file: path.to_owned(), found: "no header", expected: EXPECTED_ROWS });
     };
     let width = check_header(path, header)?;
     let mut rows = 0;
@@ -26,7 +26,7 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Table, DataError> {
         rows += 1;
     }
     if rows == 0 {
-        return Err(DataError::Empty { file: path.to_owned(), found: "a header and no rows", expected: HEADER });
+        return Err(DataError::Empty { file: path.to_owned(), found: "a header and no rows", expected: EXPECTED_ROWS });
     }
     let parsed: Table = parse_csv(path, text)?;
     if parsed.rows != rows || parsed.columns.len() != width {

@@ -89,7 +89,7 @@ pub(crate) struct Table {
 impl Table {
     /// The cells of the column `name`.
     pub(crate) fn column(&self, name: &str) -> Option<&Cells> {
-        self.columns.iter().find(|(known, _)| known == name).map(|(_, cells)| cells)
+        self.columns.iter().find(|(column_name, _)| column_name == name).map(|(_, cells)| cells)
     }
 
     /// Where row number `row` (from 0) stands, in words.

@@ -49,11 +49,11 @@ pub fn to_csv_beside<R: Serialize>(name: &Path, beside: &[Beside], rows: &[R]) -
     let fields = rows.iter().map(fields_of).collect::<Result<Vec<_>, _>>();
     let fields = fields.map_err(|error| refused(error.to_string()))?;
     // What only some robots have is no column of the others' tables. Stored rows keep every field.
-    let said = |index: &usize| {
+    let is_published = |index: &usize| {
         let empty = |cell: &FieldValue| *cell == FieldValue::Missing || *cell == FieldValue::Text(String::new());
         !(fields[0][*index].0.starts_with(FURTHER) && fields.iter().all(|row| empty(&row[*index].1)))
     };
-    let columns = (0..fields[0].len()).filter(said).map(|index| {
+    let columns = (0..fields[0].len()).filter(is_published).map(|index| {
         let name = fields[0][index].0;
         let cells = fields.iter().map(|row| &row[index].1);
         column(cells).map(|cells| (name.to_owned(), cells)).ok_or_else(|| format!("column `{name}` mixes kinds"))
@@ -76,14 +76,14 @@ pub fn write_csv<R: Serialize>(path: &Path, rows: &[R]) -> Result<(), DataError>
 /// # Errors
 /// [`DataError::Write`] (with `name` for the file) when a field is not a number, text or flag.
 pub fn as_published<R: Serialize + DeserializeOwned>(name: &Path, rows: &[R]) -> Result<Vec<R>, DataError> {
-    let again = |row: &R| {
+    let read_back = |row: &R| {
         let fields = fields_of(row)?;
         let names: Vec<&str> = fields.iter().map(|(name, _)| *name).collect();
         let cells: Vec<String> = fields.iter().map(|(_, cell)| text(cell)).collect();
         let cells: Vec<&str> = cells.iter().map(String::as_str).collect();
         TextRow { names: &names, cells: &cells }.read()
     };
-    let rows: Result<Vec<R>, RowError> = rows.iter().map(again).collect();
+    let rows: Result<Vec<R>, RowError> = rows.iter().map(read_back).collect();
     rows.map_err(|error| DataError::Write { file: name.to_owned(), reason: error.to_string() })
 }
 
@@ -95,21 +95,21 @@ pub fn read_csv<R: DeserializeOwned>(path: &Path) -> Result<Vec<R>, DataError> {
     read_csv_beside(path, |_| false).map(|(_, rows)| rows)
 }
 
-/// Reads rows back, and beside them the columns whose name `apart` picks.
+/// Reads rows back, and beside them the columns whose name `is_beside` picks.
 ///
 /// # Errors
 /// As [`read_csv`].
 pub fn read_csv_beside<R: DeserializeOwned>(
     path: &Path,
-    apart: impl Fn(&str) -> bool,
+    is_beside: impl Fn(&str) -> bool,
 ) -> Result<(Vec<Beside>, Vec<R>), DataError> {
     let table = Table::read_text(path)?;
     let columns = table.columns.iter().filter_map(|(name, cells)| match cells {
         Cells::Text(cells) => Some((name.as_str(), cells)),
         _ => None,
     });
-    let (beside, own): (Vec<_>, Vec<_>) = columns.partition(|(name, _)| apart(name));
-    let (names, columns): (Vec<&str>, Vec<&Vec<String>>) = own.into_iter().unzip();
+    let (beside, row_columns): (Vec<_>, Vec<_>) = columns.partition(|(name, _)| is_beside(name));
+    let (names, columns): (Vec<&str>, Vec<&Vec<String>>) = row_columns.into_iter().unzip();
     let rows = (0..table.rows).map(|row| {
         let cells: Vec<&str> = columns.iter().map(|column| column[row].as_str()).collect();
         TextRow { names: &names, cells: &cells }.read().map_err(|error| place(&table, row, error))

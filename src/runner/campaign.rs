@@ -62,7 +62,7 @@ pub struct PlannedRun {
 pub(super) struct Repetition {
     pub(super) seed: u64,
     /// What its robot has beside the experiment's, where repetitions differ in their robots.
-    pub(super) robot: Vec<DrawnEffect>,
+    pub(super) robot_effects: Vec<DrawnEffect>,
     pub(super) gap: Option<Handle<Vec<GapSample>>>,
     pub(super) waypoints: Option<Handle<Vec<Point3>>>,
     /// With the kind of training that each depends on.
@@ -96,7 +96,7 @@ impl Campaign {
     pub fn expand<S: Into<ExperimentSet>>(studies: impl IntoIterator<Item = S>) -> Result<Campaign, Failure> {
         let mut graph = Graph::default();
         let entries =
-            studies.into_iter().map(|study| entry(&mut graph, study.into())).collect::<Result<_, Failure>>()?;
+            studies.into_iter().map(|study| expand_entry(&mut graph, study.into())).collect::<Result<_, Failure>>()?;
         Ok(Campaign { graph, entries })
     }
 
@@ -111,14 +111,14 @@ impl CampaignEntry {
     /// The stages whose results this experiment publishes.
     pub fn wanted(&self) -> BTreeSet<usize> {
         let mut numbers = BTreeSet::new();
-        for one in self.points.iter().flat_map(|point| &point.repetitions) {
-            numbers.extend(one.gap.map(Handle::number));
-            numbers.extend(one.waypoints.map(Handle::number));
-            numbers.extend(one.gps.iter().map(|(_, stage)| stage.number()));
-            numbers.extend(one.gp_coverages.iter().map(|(_, stage)| stage.number()));
-            numbers.extend(one.gp_left_out.iter().map(|(_, stage)| stage.number()));
-            numbers.extend(one.blind.iter().flat_map(BlindStages::wanted));
-            for trained in &one.trained {
+        for repetition in self.points.iter().flat_map(|point| &point.repetitions) {
+            numbers.extend(repetition.gap.map(Handle::number));
+            numbers.extend(repetition.waypoints.map(Handle::number));
+            numbers.extend(repetition.gps.iter().map(|(_, stage)| stage.number()));
+            numbers.extend(repetition.gp_coverages.iter().map(|(_, stage)| stage.number()));
+            numbers.extend(repetition.gp_left_out.iter().map(|(_, stage)| stage.number()));
+            numbers.extend(repetition.blind.iter().flat_map(BlindStages::wanted));
+            for trained in &repetition.trained {
                 numbers.extend(trained.networks.iter().map(|(_, _, stage)| stage.number()));
                 numbers.extend(trained.reach.iter().map(|(_, stage)| stage.number()));
                 numbers.extend(trained.track.iter().map(|(_, stage)| stage.number()));
@@ -136,7 +136,7 @@ impl CampaignEntry {
         for point in &self.points {
             let swept = self.label(point);
             let swept = if swept.is_empty() { swept } else { format!(" {swept}") };
-            point.repetitions.iter().for_each(|one| one.cells(&swept, &mut runs));
+            point.repetitions.iter().for_each(|repetition| repetition.cells(&swept, &mut runs));
         }
         runs
     }
@@ -173,7 +173,7 @@ impl Repetition {
 }
 
 /// The stages of one study.
-fn entry(graph: &mut Graph, study: ExperimentSet) -> Result<CampaignEntry, Failure> {
+fn expand_entry(graph: &mut Graph, study: ExperimentSet) -> Result<CampaignEntry, Failure> {
     let failed = |status: String| Failure { stage: "spec".into(), status };
     let spec_yaml = study.to_yaml().map_err(failed)?;
     let ExperimentSet { experiment, sweep, mut points, .. } = study;
@@ -181,69 +181,71 @@ fn entry(graph: &mut Graph, study: ExperimentSet) -> Result<CampaignEntry, Failu
         points.push(SweepPoint { values: Vec::new(), experiment: Arc::new(experiment.clone()) });
     }
     let mut stages = Vec::with_capacity(points.len());
-    let mut before: Option<SharedParts> = None;
+    let mut previous: Option<SharedParts> = None;
     for SweepPoint { values, experiment } in points {
         let repetitions = match experiment.population {
-            None => repetitions(graph, &experiment, &mut before)?,
-            Some(_) => robots(graph, &experiment, &mut before)?,
+            None => expand_repetitions(graph, &experiment, &mut previous)?,
+            Some(_) => expand_population(graph, &experiment, &mut previous)?,
         };
         stages.push(PointStages { values, experiment, repetitions });
     }
     Ok(CampaignEntry { experiment, sweep, spec_yaml, points: stages })
 }
 
-/// Repetitions on one robot. Parts that equal those of `before` are shared with it.
-fn repetitions(
+/// Repetitions on one robot. Parts that equal those of `previous` are shared with it.
+fn expand_repetitions(
     graph: &mut Graph,
     experiment: &Experiment,
-    before: &mut Option<SharedParts>,
+    previous: &mut Option<SharedParts>,
 ) -> Result<Vec<Repetition>, Failure> {
-    let parts = SharedParts::new(experiment, before.as_ref())?;
-    let repetitions = experiment.repetitions().map(|seed| repetition(graph, experiment, &parts, seed)).collect();
-    *before = Some(parts);
+    let parts = SharedParts::new(experiment, previous.as_ref())?;
+    let seeds = experiment.repetitions();
+    let repetitions = seeds.map(|seed| expand_repetition(graph, experiment, &parts, seed)).collect();
+    *previous = Some(parts);
     repetitions
 }
 
 /// Repetitions with a robot each.
-fn robots(
+fn expand_population(
     graph: &mut Graph,
     experiment: &Experiment,
-    before: &mut Option<SharedParts>,
+    previous: &mut Option<SharedParts>,
 ) -> Result<Vec<Repetition>, Failure> {
     let mut repetitions = Vec::new();
     for seed in experiment.repetitions() {
-        let robot = experiment.drawn_effects(seed);
-        let effects: Vec<EffectSpec> = robot.iter().map(|effect| effect.spec.clone()).collect();
-        let own = Experiment { plant: experiment.plant.with_effects(&effects), ..experiment.clone() };
-        let parts = SharedParts::new(&own, before.as_ref())?;
-        repetitions.push(Repetition { robot, ..repetition(graph, &own, &parts, seed)? });
-        *before = Some(parts);
+        let robot_effects = experiment.drawn_effects(seed);
+        let effects: Vec<EffectSpec> = robot_effects.iter().map(|effect| effect.spec.clone()).collect();
+        let on_robot = Experiment { plant: experiment.plant.with_effects(&effects), ..experiment.clone() };
+        let parts = SharedParts::new(&on_robot, previous.as_ref())?;
+        let repetition = expand_repetition(graph, &on_robot, &parts, seed)?;
+        repetitions.push(Repetition { robot_effects, ..repetition });
+        *previous = Some(parts);
     }
     Ok(repetitions)
 }
 
-fn repetition(
+fn expand_repetition(
     graph: &mut Graph,
     experiment: &Experiment,
     parts: &SharedParts,
     seed: u64,
 ) -> Result<Repetition, Failure> {
     let mut stages = Stages::new(graph, experiment, parts, seed);
-    let mut one = Repetition { seed, ..Repetition::default() };
-    one.gap = experiment.runs.gap.map(|gap| stages.gap(gap.rows)).transpose()?;
+    let mut repetition = Repetition { seed, ..Repetition::default() };
+    repetition.gap = experiment.runs.gap.map(|gap| stages.gap(gap.rows)).transpose()?;
     let path = experiment.runs.track.is_some() || experiment.runs.pace.is_some();
-    one.waypoints = path.then(|| stages.waypoints()).transpose()?;
+    repetition.waypoints = path.then(|| stages.waypoints()).transpose()?;
     let processes = gaussian_processes(experiment);
     for (name, training, points) in &processes {
-        one.gps.push((name.clone(), stages.gp_score(training, *points)?));
+        repetition.gps.push((name.clone(), stages.gp_score(training, *points)?));
         if !experiment.runs.gp_coverage.is_empty() {
-            one.gp_coverages.push((name.clone(), stages.gp_coverage(training, *points)?));
+            repetition.gp_coverages.push((name.clone(), stages.gp_coverage(training, *points)?));
         }
         if !experiment.runs.gp_leave_one_out.is_empty() {
-            one.gp_left_out.push((name.clone(), stages.gp_leave_one_out(training, *points)?));
+            repetition.gp_left_out.push((name.clone(), stages.gp_leave_one_out(training, *points)?));
         }
     }
-    one.blind = stages.blind()?;
+    repetition.blind = stages.blind()?;
     let (reach, track) = (reach_cells(experiment), track_cells(experiment));
     for (name, training) in &experiment.training {
         let mut cells = TrainedCells { training: name.clone(), ..TrainedCells::default() };
@@ -265,9 +267,9 @@ fn repetition(
             cells.pace.push((cell, stage));
         }
         cells.repair = stages.repair(training)?;
-        one.trained.push(cells);
+        repetition.trained.push(cells);
     }
-    Ok(one)
+    Ok(repetition)
 }
 
 /// The experiment's Gaussian processes: kind of training, where its networks stop, and size. There is one a size, or where p_sim
@@ -291,8 +293,8 @@ fn networks_of(
     experiment: &Experiment,
     cells: impl Iterator<Item = CellLabel>,
 ) -> Vec<(&'static NetworkDescription, usize)> {
-    let known = networks();
-    let rank = |network: &NetworkDescription| known.iter().position(|other| other.name == network.name);
+    let all_networks = networks();
+    let rank = |network: &NetworkDescription| all_networks.iter().position(|other| other.name == network.name);
     let simulates = experiment.gp_points.p_sim == SimulatedBy::Network && !gp_sizes(experiment).is_empty();
     let mut used = BTreeSet::new();
     used.extend((experiment.runs.forward || simulates).then_some((rank(&FORWARD), 0)));
@@ -301,5 +303,5 @@ fn networks_of(
             used.insert((rank(network), points_of(network, &cell)));
         }
     }
-    used.into_iter().filter_map(|(rank, points)| Some((known[rank?], points))).collect()
+    used.into_iter().filter_map(|(rank, points)| Some((all_networks[rank?], points))).collect()
 }

@@ -117,7 +117,7 @@ fn loosen(schema: &mut Value, alternative: bool, names: &mut Vec<String>) {
         object.remove("required");
     }
     if let Some(name) = object.get("$ref").and_then(Value::as_str).and_then(|to| to.strip_prefix("#/$defs/"))
-        && !names.iter().any(|known| known == name)
+        && !names.iter().any(|other| other == name)
     {
         names.push(name.to_owned());
     }

@@ -10,10 +10,10 @@ use std::path::Path;
 /// # Errors
 /// The serialiser's message for a type that YAML cannot represent.
 pub fn to_yaml<T: Serialize>(value: &T) -> Result<String, String> {
-    written(value).map_err(|error| error.to_string())
+    yaml_text(value).map_err(|error| error.to_string())
 }
 
-fn written<T: Serialize>(value: &T) -> Result<String, serde_yaml::Error> {
+fn yaml_text<T: Serialize>(value: &T) -> Result<String, serde_yaml::Error> {
     let mut text = Vec::new();
     serde_yaml::with::singleton_map_recursive::serialize(value, &mut serde_yaml::Serializer::new(&mut text))?;
     Ok(String::from_utf8_lossy(&text).into_owned())
@@ -24,7 +24,7 @@ fn written<T: Serialize>(value: &T) -> Result<String, serde_yaml::Error> {
 /// # Errors
 /// When a number cannot be written as YAML.
 pub fn model_text(model: &Model) -> Result<String, serde_yaml::Error> {
-    written(model)
+    yaml_text(model)
 }
 
 /// The text of `file` with the last `added` effects of `model` appended to its own, which keeps comments and layout. When
@@ -42,12 +42,12 @@ pub fn extended_text(file: &Path, model: &Model, added: usize) -> Result<String,
     };
     let lines: String = model.effects[model.effects.len() - added..].iter().map(line).collect::<Result<_, _>>()?;
     let extended = with_effects(&written, &lines);
-    let same = |text: &String| {
+    let reads_back = |text: &String| {
         let read: Result<Model, _> =
             serde_yaml::with::singleton_map_recursive::deserialize(serde_yaml::Deserializer::from_str(text));
         read.is_ok_and(|read| read == *model)
     };
-    extended.filter(same).map_or_else(|| model_text(model), Ok)
+    extended.filter(reads_back).map_or_else(|| model_text(model), Ok)
 }
 
 /// `written` with `lines` after its last effect, where effects are a list of lines.
@@ -60,16 +60,18 @@ fn with_effects(written: &str, lines: &str) -> Option<String> {
         return Some(format!("{text}effects:\n{lines}"));
     };
     let head: String = text.lines().take(start).map(|line| format!("{line}\n")).collect();
-    let (own, below) = text.lines().skip(start).collect::<Vec<_>>().split_first().map(|(a, b)| (*a, b.to_vec()))?;
-    let comment = own.split_once('#').map_or_else(String::new, |(_, comment)| format!("  # {}", comment.trim()));
-    if own["effects:".len()..].trim_start().starts_with("[]") {
+    let (effects_line, below) =
+        text.lines().skip(start).collect::<Vec<_>>().split_first().map(|(a, b)| (*a, b.to_vec()))?;
+    let comment =
+        effects_line.split_once('#').map_or_else(String::new, |(_, comment)| format!("  # {}", comment.trim()));
+    if effects_line["effects:".len()..].trim_start().starts_with("[]") {
         let below: String = below.iter().map(|line| format!("{line}\n")).collect();
         return Some(format!("{head}effects:{comment}\n{lines}{below}"));
     }
     // The list ends where the next key of the model begins.
     let next = below.iter().position(|line| line.starts_with(char::is_alphabetic)).unwrap_or(below.len());
     let joined = |lines: &[&str]| lines.iter().map(|line| format!("{line}\n")).collect::<String>();
-    Some(format!("{head}{own}\n{}{lines}{}", joined(&below[..next]), joined(&below[next..])))
+    Some(format!("{head}{effects_line}\n{}{lines}{}", joined(&below[..next]), joined(&below[next..])))
 }
 
 #[cfg(test)]

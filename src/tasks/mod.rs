@@ -11,9 +11,9 @@ mod transitions;
 pub use learning_data::corrected_samples::correct_samples;
 pub use learning_data::imitation::{ReachedPose, imitate, reached_poses};
 pub use learning_data::rollout::rollout;
-pub use loops::pace::{Lap, lap};
+pub use loops::pace::{Lap, LapTimes, lap};
 pub use loops::reach::{LoopMode, ReachOptions, ReachOutcome, reach};
-pub use loops::response::{Response, response};
+pub use loops::response::{Response, ResponseLimits, response};
 pub use loops::track::{TrackOptions, TrackStep, track};
 pub use loops::watched::WatchedRobot;
 pub use loops::work::Work;
@@ -53,12 +53,12 @@ pub enum TaskError {
     #[error("not finite: {0}")]
     NotFinite(&'static str),
     /// More was requested than is available.
-    #[error("{what}: found {available}, expected at least {asked}")]
+    #[error("{what}: found {available}, expected at least {required}")]
     TooFew {
         /// What was requested.
         what: &'static str,
         /// Number requested.
-        asked: usize,
+        required: usize,
         /// Number available.
         available: usize,
     },

@@ -11,11 +11,14 @@ use crate::base::{BadOption, Point3, Seed};
 /// Innovations of a model that no longer holds: twice as large, four times the covariance.
 const INFLATION: f64 = 4.0;
 /// The threshold is this multiple of the largest sum in so many stretches of `false_alarm_s` of work that is drawn from the
-/// calibration's: work to come has trials that the calibration has not seen.
-const MARGIN: f64 = 1.5;
+/// calibration's: work to come has trials that the calibration has not seen. Without the multiple, one monitor of two
+/// raised false alarms (docs/repair.md).
+const THRESHOLD_MARGIN: f64 = 1.5;
 const STRETCHES: usize = 30;
+/// Trials with innovations that a calibration needs.
+const MIN_TRIALS: usize = 20;
 /// Standard deviation below which an innovation is no measurement, metres.
-const LEAST_DEVIATION_M: f64 = 1e-6;
+const MIN_DEVIATION_M: f64 = 1e-6;
 
 /// How a robot is watched.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -96,22 +99,24 @@ impl Monitor {
         seed: Seed,
     ) -> Result<Monitor, TaskError> {
         let trials: Vec<&Vec<Point3>> = trials.iter().filter(|trial| !trial.is_empty()).collect();
-        if trials.len() < 20 {
+        if trials.len() < MIN_TRIALS {
             let what = "trials of work with measurements to calibrate the monitor";
-            return Err(TaskError::TooFew { what, asked: 20, available: trials.len() });
+            return Err(TaskError::TooFew { what, required: MIN_TRIALS, available: trials.len() });
         }
-        let all: Vec<Vector3<f64>> = trials.iter().copied().flatten().map(|one| Vector3::from(*one)).collect();
+        let all: Vec<Vector3<f64>> =
+            trials.iter().copied().flatten().map(|innovation| Vector3::from(*innovation)).collect();
         let mean = all.iter().sum::<Vector3<f64>>() / all.len() as f64;
-        let scatter: Matrix3<f64> = all.iter().map(|one| (one - mean) * (one - mean).transpose()).sum();
-        let floor = Matrix3::identity() * LEAST_DEVIATION_M * LEAST_DEVIATION_M;
-        let covariance = scatter / (all.len() - 1) as f64 + floor;
+        let scatter: Matrix3<f64> =
+            all.iter().map(|innovation| (innovation - mean) * (innovation - mean).transpose()).sum();
+        let noise_floor = Matrix3::identity() * MIN_DEVIATION_M * MIN_DEVIATION_M;
+        let covariance = scatter / (all.len() - 1) as f64 + noise_floor;
         let information = covariance.try_inverse().ok_or(TaskError::NotFinite("covariance of the innovations"))?;
         let mut monitor =
             Monitor { mean_m: mean.into(), information: information.transpose().into(), threshold: f64::INFINITY };
         let ratios: Vec<Vec<f64>> =
-            trials.iter().map(|trial| trial.iter().map(|one| monitor.log_ratio(one)).collect()).collect();
+            trials.iter().map(|trial| trial.iter().map(|innovation| monitor.log_ratio(innovation)).collect()).collect();
         let steps = (options.false_alarm_s / step_s).ceil() as usize * STRETCHES;
-        monitor.threshold = MARGIN * largest_sum(&ratios, steps, seed);
+        monitor.threshold = THRESHOLD_MARGIN * largest_sum(&ratios, steps, seed);
         Ok(monitor)
     }
 
@@ -127,15 +132,16 @@ impl Monitor {
 
     /// ln p(ν; inflated) − ln p(ν; calibrated) of normal innovations.
     fn log_ratio(&self, innovation_m: &Point3) -> f64 {
-        let off = Vector3::from(*innovation_m) - Vector3::from(self.mean_m);
-        let squared = (Matrix3::from(self.information) * off).dot(&off);
-        0.5 * (squared * (1.0 - 1.0 / INFLATION) - 3.0 * INFLATION.ln())
+        let deviation = Vector3::from(*innovation_m) - Vector3::from(self.mean_m);
+        let mahalanobis_squared = (Matrix3::from(self.information) * deviation).dot(&deviation);
+        0.5 * (mahalanobis_squared * (1.0 - 1.0 / INFLATION) - 3.0 * INFLATION.ln())
     }
 }
 
 impl MonitorState<'_> {
     /// Takes the innovation of a step, metres. True when the model no longer holds; the sum then begins anew.
     pub fn alarms(&mut self, innovation_m: &Point3) -> bool {
+        // Page's sum: it never falls below zero, so that work before a change does not delay the alarm.
         self.sum = (self.sum + self.monitor.log_ratio(innovation_m)).max(0.0);
         let alarm = self.sum > self.monitor.threshold;
         if alarm {
@@ -148,14 +154,14 @@ impl MonitorState<'_> {
 /// The largest cumulative sum in so many steps of trials that are drawn with replacement.
 fn largest_sum(ratios: &[Vec<f64>], steps: usize, seed: Seed) -> f64 {
     let mut random = seed.child("monitor").rng();
-    let (mut sum, mut largest, mut done) = (0.0_f64, 0.0_f64, 0);
-    while done < steps {
+    let (mut sum, mut largest, mut drawn_steps) = (0.0_f64, 0.0_f64, 0);
+    while drawn_steps < steps {
         let trial = &ratios[random.random_range(0..ratios.len())];
         for ratio in trial {
             sum = (sum + ratio).max(0.0);
             largest = largest.max(sum);
         }
-        done += trial.len();
+        drawn_steps += trial.len();
     }
     largest
 }
@@ -184,10 +190,11 @@ mod tests {
         let options = MonitorOptions::default();
         let monitor = Monitor::calibrate(&trials(300, 0.0, 1), &options, 0.2, Seed(1)).unwrap();
         let mut state = monitor.watch();
-        let false_alarms = trials(9000, 0.0, 2).iter().flatten().filter(|one| state.alarms(one)).count();
+        let false_alarms =
+            trials(9000, 0.0, 2).iter().flatten().filter(|innovation_m| state.alarms(innovation_m)).count();
         assert_eq!(false_alarms, 0, "in ten hours");
         let mut state = monitor.watch();
-        let steps = trials(10, 0.004, 3).iter().flatten().position(|one| state.alarms(one)).unwrap();
+        let steps = trials(10, 0.004, 3).iter().flatten().position(|innovation_m| state.alarms(innovation_m)).unwrap();
         assert!(steps < 15, "{steps} steps");
     }
 

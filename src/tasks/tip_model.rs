@@ -24,7 +24,7 @@ pub fn tip_model(model: &PlantSpec) -> Option<Box<dyn TipModel>> {
 const PROBE_N: f64 = 0.01;
 /// Allowed tip error of the model's grid, metres: far below what any model of a robot is good for, and the rod need not refine
 /// its grid, which would take most of the tick.
-const TOLERANCE_M: f64 = 1e-4;
+const STATIC_TOLERANCE_M: f64 = 1e-4;
 /// Change of a bend for the derivative of constant curvature, metres.
 const PROBE_M: f64 = 1e-6;
 
@@ -51,7 +51,7 @@ impl RodTip {
         let options = SimulatedOptions { travel_m: spec.travel_m, ..SimulatedOptions::default() };
         let mut model = spec.model.clone();
         let resolution = &mut model.robot.resolution;
-        resolution.static_tolerance_m = resolution.static_tolerance_m.max(TOLERANCE_M);
+        resolution.static_tolerance_m = resolution.static_tolerance_m.max(STATIC_TOLERANCE_M);
         let plant = Simulated::new(&model, &[], options);
         RodTip { plant, layout: spec.model.robot.tendon_layout(), stiffness_n_per_m: None }
     }
@@ -75,14 +75,14 @@ impl RodTip {
     }
 
     fn settle(&mut self, tensions_n: &[f64]) -> Result<(Displacements, Point3), PlantError> {
-        let seen = self.plant.apply_tensions(tensions_n, true)?;
-        Ok((seen.pulls_m, seen.tip_m))
+        let observation = self.plant.apply_tensions(tensions_n, true)?;
+        Ok((observation.pulls_m, observation.tip_m))
     }
 
     /// The tension that displaces the first tendon by a metre, as it is at home.
     fn stiffness_n_per_m(&mut self) -> Result<f64, PlantError> {
-        if let Some(known) = self.stiffness_n_per_m {
-            return Ok(known);
+        if let Some(measured) = self.stiffness_n_per_m {
+            return Ok(measured);
         }
         self.restart();
         let mut tensions_n = self.load(&vec![0.0; self.bends()], 1.0).tensions_n;
@@ -119,11 +119,11 @@ impl RodTip {
     }
 
     /// The answer, or the reason; what a failed solve leaves behind is no start for the next.
-    fn answer<T>(&mut self, found: Result<T, PlantError>) -> Result<T, NoRestPose> {
-        if found.is_err() {
+    fn answer<T>(&mut self, result: Result<T, PlantError>) -> Result<T, NoRestPose> {
+        if result.is_err() {
             self.restart();
         }
-        found.map_err(|error| NoRestPose(error.to_string()))
+        result.map_err(|error| NoRestPose(error.to_string()))
     }
 }
 

@@ -53,27 +53,27 @@ impl Transitions {
 
     /// Joins trajectories that were recorded separately.
     pub fn concat(parts: &[Transitions]) -> Transitions {
-        let mut whole = Transitions::begin(parts.first().map_or(0, |part| part.pulls_m.width()));
-        whole.starts.clear();
+        let mut joined = Transitions::begin(parts.first().map_or(0, |part| part.pulls_m.width()));
+        joined.starts.clear();
         for part in parts {
-            whole.starts.extend(part.starts.iter().map(|start| start + whole.to_m.len()));
+            joined.starts.extend(part.starts.iter().map(|start| start + joined.to_m.len()));
             for index in 0..part.len() {
-                whole.from_m.push(part.from_m.row(index));
-                whole.pulls_m.push(part.pulls_m.row(index));
-                whole.to_m.push(part.to_m.row(index));
+                joined.from_m.push(part.from_m.row(index));
+                joined.pulls_m.push(part.pulls_m.row(index));
+                joined.to_m.push(part.to_m.row(index));
             }
         }
-        whole
+        joined
     }
 
     /// The first `count` transitions.
     pub fn first(&self, count: usize) -> Transitions {
-        let kept: Vec<usize> = (0..count.min(self.len())).collect();
+        let indices: Vec<usize> = (0..count.min(self.len())).collect();
         Transitions {
-            from_m: self.from_m.select(&kept),
-            pulls_m: self.pulls_m.select(&kept),
-            to_m: self.to_m.select(&kept),
-            starts: self.starts.iter().copied().filter(|start| *start < kept.len()).collect(),
+            from_m: self.from_m.select(&indices),
+            pulls_m: self.pulls_m.select(&indices),
+            to_m: self.to_m.select(&indices),
+            starts: self.starts.iter().copied().filter(|start| *start < indices.len()).collect(),
         }
     }
 }

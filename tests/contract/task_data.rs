@@ -308,8 +308,11 @@ fn sizes_larger_than_the_data_are_errors_that_name_the_key() {
     assert_eq!(key(explore(&mut robot(SHIFT_M), &walk, Seed(1)).map(drop)), "max_step_m");
     let path = PathOptions { spacing_m: f64::NAN, ..PathOptions::default() };
     assert_eq!(key(interpolate(&[[0.0; 3]], &path).map(drop)), "spacing_m");
-    assert!(matches!(draw_targets(&[[0.0; 3]; 4], 5, Seed(1)), Err(TaskError::TooFew { asked: 5, available: 4, .. })));
-    assert!(matches!(spread_targets(&[[0.0; 3]; 4], 2), Err(TaskError::TooFew { asked: 2, available: 1, .. })));
+    assert!(matches!(
+        draw_targets(&[[0.0; 3]; 4], 5, Seed(1)),
+        Err(TaskError::TooFew { required: 5, available: 4, .. })
+    ));
+    assert!(matches!(spread_targets(&[[0.0; 3]; 4], 2), Err(TaskError::TooFew { required: 2, available: 1, .. })));
 }
 
 #[test]

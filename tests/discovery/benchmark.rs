@@ -3,8 +3,8 @@
 
 use spinebench::base::Seed;
 use spinebench::benchmark::{
-    AnsweredEffect, CaseAnswer, CaseBatch, CaseDesign, CaseGroup, CatalogueSpan, Commands, DISTURBANCES, OracleOptions,
-    Prior, Truth, TruthOptions, draw, drawn_catalogue, explore_commands, measure_case, score,
+    AnsweredEffect, CaseAnswer, CaseBatch, CaseDesign, CaseGroup, CaseSetting, CatalogueSpan, Commands, DISTURBANCES,
+    Imitated, OracleOptions, Prior, Truth, TruthOptions, draw, drawn_catalogue, explore_commands, measure_case, score,
 };
 use spinebench::data::findings::Verdict;
 use spinebench::effects::{CATALOGUE, Model};
@@ -136,14 +136,17 @@ fn the_oracle_knows_inside_from_outside() {
             .unwrap();
     let each = with.unwrap().tips_m.into_iter().zip(without.tips_m);
     let moved: Vec<f64> = each.flat_map(|(a, b)| [a[0] - b[0], a[1] - b[1], a[2] - b[2]]).collect();
-    let left = |out: &[String]| span.left(&model(), &commands, &moved, out, &OracleOptions::default(), true);
+    let (model, options) = (model(), OracleOptions::default());
+    let imitated =
+        Imitated { model: &model, commands: &commands, displacement_m: &moved, left_out: &[], options: &options };
+    let residual = span.residual(&imitated, true);
     // The truth is played more finely than the model: their difference is a fifth of the noise by itself.
-    assert!(left(&[]) < 0.3, "{} {load:?}", left(&[]));
+    assert!(residual < 0.3, "{residual} {load:?}");
     let oracle = OracleOptions { inside_below: 0.3, most_effects: 2, ..OracleOptions::default() };
-    let imitations = |out: &[String]| span.imitations(&model(), &commands, &moved, out, &oracle);
+    let imitations = |out: &[String]| span.imitations(&Imitated { left_out: out, options: &oracle, ..imitated });
     assert_eq!(imitations(&[]), ["tip_load"]);
     assert!(imitations(&["tip_load".to_owned()]).iter().all(|set| set.contains(" + ")), "nothing alone is like a load");
-    assert!(span.first_look(&moved, &[], 0) > 3.0, "4 mm over 0.87 mm, less what the uncertain numbers do");
+    assert!(span.linear_residual(&moved, &[], 0) > 3.0, "4 mm over 0.87 mm, less what the uncertain numbers do");
 }
 
 #[test]
@@ -194,14 +197,16 @@ fn answers_are_scored_by_name_tendon_size_and_interval() {
     let number = CATALOGUE.iter().position(|card| card.name == "actuator_gain").unwrap();
     let truth = draw(&robot(CaseGroup::Single, number, 0.004), &commands, None).unwrap();
     let [tendon, scale] = truth.hidden[0].values[..] else { panic!("{truth:?}") };
-    let scored = |answer: &CaseAnswer| score(7, &batch("single"), 0.0, &model(), &truth, answer).row;
+    let single = batch("single");
+    let setting = CaseSetting { number: 7, batch: &single, correlation: 0.0 };
+    let scored = |answer: &CaseAnswer| score(setting, &model(), &truth, answer).row;
     let near = 1.0 + 1.1 * (scale - 1.0);
     let ends = [scale.min(near) - 1e-3, scale.max(near) + 1e-3];
     let good = answer(Verdict::Named, &[("actuator_gain", &[("tendon", tendon, [0.0; 2]), ("scale", near, ends)])]);
     let row = scored(&good);
     assert!(row.right && row.in_group && (row.strength_error - 0.1).abs() < 1e-9, "{row:?}");
     assert_eq!((row.intervals, row.covered, row.case), (2, 1, 7), "an interval [0, 0] holds no tendon");
-    let intervals = score(7, &batch("single"), 0.0, &model(), &truth, &good).intervals;
+    let intervals = score(setting, &model(), &truth, &good).intervals;
     let told: Vec<(&str, f64, bool)> = intervals.iter().map(|i| (i.parameter.as_str(), i.truth, i.covered)).collect();
     assert_eq!(told, [("tendon", tendon, false), ("scale", scale, true)]);
     assert_eq!((intervals[1].value, [intervals[1].low, intervals[1].high], intervals[1].case), (near, ends, 7));
@@ -233,7 +238,9 @@ fn answers_are_scored_by_name_tendon_size_and_interval() {
         ("inside", Verdict::Named, false, false),
     ] {
         let truth = Truth { imitations: vec!["creep".to_owned(), "delay".to_owned()], ..truth.clone() };
-        let row = score(0, &batch(group), 0.0, &model(), &truth, &answer(verdict, &[])).row;
+        let batch = batch(group);
+        let setting = CaseSetting { number: 0, batch: &batch, correlation: 0.0 };
+        let row = score(setting, &model(), &truth, &answer(verdict, &[])).row;
         assert_eq!((row.right, row.in_group), (right, in_group), "{group} {verdict:?}");
         assert_eq!(row.imitations, "creep or delay");
     }

@@ -61,7 +61,7 @@ pub(super) fn recorded(effects: &str, count: usize, seed: u64, correlation: f64)
 fn with_noise(mut recording: Recording, seed: u64, correlation: f64) -> Recording {
     let counts: Vec<usize> = recording.trials().into_iter().map(|(_, rows)| rows.len()).collect();
     let tips_m = recording.tip_m.as_mut().unwrap();
-    benchmark::add_noise(tips_m, counts.into_iter(), (NOISE_M, correlation), Seed(seed));
+    benchmark::add_noise(tips_m, counts.into_iter(), NOISE_M, correlation, Seed(seed));
     recording.tip_quaternion = None;
     recording
 }

@@ -6,19 +6,21 @@ pub(crate) mod scale_to_shift;
 use rand::seq::SliceRandom;
 use serde::Serialize;
 
-use super::commands::{Commands, apart_m};
+use super::commands::{Commands, rms_distance_m};
 use super::error::BenchmarkError;
 use super::injection::disturbances::{DISTURBANCES, Disturbance};
 use super::injection::injected_effects::{InjectedEffect, UnscaledEffect, drawn_catalogue};
 use super::options::{CaseGroup, OracleOptions, Prior, TruthOptions};
-use super::oracle::CatalogueSpan;
+use super::oracle::refit::difference;
+use super::oracle::{CatalogueSpan, Imitated};
 use super::truth::{Truth, check_prior, draw_uncertain, tips_m};
 use crate::base::{Generator, Point3, Seed};
 use crate::effects::{Card, Model};
 use scale_to_shift::{ScaledStrength, scale_to_shift};
 
-/// Minimum displacement of a case over the requested one.
-const FAINT: f64 = 0.25;
+/// Minimum displacement by a disturbance over the requested one: a disturbance of a tendon that is hardly used shows in
+/// no recording.
+const MIN_SHIFT_SHARE: f64 = 0.25;
 
 /// Draws the injected effects given the uncertain parameters; none if impossible.
 type DrawEffects<'h> = dyn FnMut(&[InjectedEffect], &mut Generator) -> Option<Vec<InjectedEffect>> + 'h;
@@ -47,11 +49,11 @@ pub struct CaseDesign {
 }
 
 /// Maximum strength in usual sizes.
-const MOST: f64 = 8.0;
+const MAX_STRENGTH: f64 = 8.0;
 /// Minimum displacement of each effect of a pair over the requested one.
-const PAIR_SHARE: f64 = 0.98;
-/// Maximum number of robots drawn until one can be simulated.
-const ROBOTS: usize = 20;
+const MIN_PAIR_SHIFT_SHARE: f64 = 0.98;
+/// Maximum number of robots, or of disturbances, that are drawn until one serves.
+const MAX_DRAWS: usize = 20;
 
 /// Draws the truth of a case. `span`: the oracle's span for these commands, for groups that need it.
 ///
@@ -94,13 +96,13 @@ impl CaseDrawing<'_> {
     /// Whether an effect follows another law in this case: in every other round of the catalogue.
     fn other_law(&self, card: &Card) -> bool {
         let all = drawn_catalogue();
-        let index = all.iter().position(|one| one.name == card.name).unwrap_or(0);
+        let index = all.iter().position(|other| other.name == card.name).unwrap_or(0);
         self.robot.truth.other_laws && (self.robot.number / all.len() + index) % 2 == 1
     }
 
     /// Draws robots until one with the injected effects can be simulated.
     fn draw_robot(&self, what: &str, hide: &mut DrawEffects) -> Result<Truth, BenchmarkError> {
-        for tried in 0..ROBOTS {
+        for tried in 0..MAX_DRAWS {
             let seed = Seed(self.robot.seed).child("robot").index(tried as u64);
             let uncertain = draw_uncertain(&self.robot.priors, &self.robot.model, &mut seed.child("uncertain").rng());
             let Some(hidden) = hide(&uncertain, &mut seed.child("hidden").rng()) else { continue };
@@ -108,7 +110,7 @@ impl CaseDrawing<'_> {
                 return Ok(truth);
             }
         }
-        Err(BenchmarkError::NoRobot { what: what.to_owned(), tried: ROBOTS })
+        Err(BenchmarkError::NoRobot { what: what.to_owned(), tried: MAX_DRAWS })
     }
 
     /// The truth with its measured displacement; none if the simulation fails.
@@ -121,7 +123,8 @@ impl CaseDrawing<'_> {
         let fine = self.fine();
         let with = tips_m(&fine, self.commands, &uncertain, &hidden, unknown.as_ref())?;
         let nothing = hidden.is_empty() && unknown.is_none();
-        let shift_m = if nothing { 0.0 } else { apart_m(&with, &tips_m(&fine, self.commands, &uncertain, &[], None)?) };
+        let shift_m =
+            if nothing { 0.0 } else { rms_distance_m(&with, &tips_m(&fine, self.commands, &uncertain, &[], None)?) };
         Some(Truth { hidden, unknown, uncertain, shift_m, left: 0.0, imitations: Vec::new(), left_out: Vec::new() })
     }
 
@@ -133,28 +136,28 @@ impl CaseDrawing<'_> {
         random: &mut Generator,
     ) -> Option<(InjectedEffect, ScaledStrength)> {
         let model = &self.robot.model;
-        let draft = UnscaledEffect::draw(card, model, self.other_law(card), random);
+        let unscaled = UnscaledEffect::draw(card, model, self.other_law(card), random);
         let without = tips_m(model, self.commands, uncertain, &[], None)?;
         let shift_m = |amount: f64| {
-            let with = tips_m(model, self.commands, uncertain, &[draft.scaled(amount)], None)?;
-            Some(apart_m(&with, &without))
+            let with = tips_m(model, self.commands, uncertain, &[unscaled.scaled(amount)], None)?;
+            Some(rms_distance_m(&with, &without))
         };
-        let reached = scale_to_shift(self.robot.shift_m, MOST, &mut { shift_m })?;
-        Some((draft.scaled(reached.amount), reached))
+        let scaled = scale_to_shift(self.robot.shift_m, MAX_STRENGTH, &mut { shift_m })?;
+        Some((unscaled.scaled(scaled.amount), scaled))
     }
 
     /// Two different effects with sufficient displacements.
     fn draw_pair(&self, uncertain: &[InjectedEffect], random: &mut Generator) -> Option<Vec<InjectedEffect>> {
         let mut cards = drawn_catalogue();
         cards.shuffle(random);
-        let mut found = Vec::new();
+        let mut pair = Vec::new();
         for card in cards {
-            let Some((hidden, reached)) = self.draw_effect(card, uncertain, random) else { continue };
-            if reached.shift_m >= PAIR_SHARE * self.robot.shift_m {
-                found.push(hidden);
+            let Some((hidden, scaled)) = self.draw_effect(card, uncertain, random) else { continue };
+            if scaled.shift_m >= MIN_PAIR_SHIFT_SHARE * self.robot.shift_m {
+                pair.push(hidden);
             }
-            if found.len() == 2 {
-                return Some(found);
+            if pair.len() == 2 {
+                return Some(pair);
             }
         }
         None
@@ -167,14 +170,19 @@ impl CaseDrawing<'_> {
         for (tried, candidate) in candidates.iter().enumerate() {
             let seed = Seed(self.robot.seed).child("robot").index(tried as u64);
             let mut random = seed.child("hidden").rng();
-            let Some((hidden, unknown, moved)) = self.draw_candidate(*candidate, &mut random) else { continue };
-            let left_out: Vec<String> = hidden.iter().map(|hidden| hidden.name.clone()).collect();
-            let Some(left) = self.oracle_residual(span, &moved, &left_out, outside) else { continue };
+            let Some(drawn) = self.draw_candidate(*candidate, &mut random) else { continue };
+            let left_out: Vec<String> = drawn.hidden.iter().map(|hidden| hidden.name.clone()).collect();
+            let imitated = Imitated {
+                model: &self.robot.model,
+                commands: self.commands,
+                displacement_m: &drawn.displacement_m,
+                left_out: &left_out,
+                options: &self.robot.oracle,
+            };
+            let Some(left) = oracle_residual(span, &imitated, outside) else { continue };
             let uncertain = draw_uncertain(&self.robot.priors, &self.robot.model, &mut seed.child("uncertain").rng());
-            if let Some(truth) = self.measure_shift(hidden, unknown, uncertain) {
-                let (model, oracle) = (&self.robot.model, &self.robot.oracle);
-                let imitations =
-                    if outside { Vec::new() } else { span.imitations(model, self.commands, &moved, &left_out, oracle) };
+            if let Some(truth) = self.measure_shift(drawn.hidden, drawn.unknown, uncertain) {
+                let imitations = if outside { Vec::new() } else { span.imitations(&imitated) };
                 return Ok(Truth { left, imitations, left_out, ..truth });
             }
         }
@@ -186,7 +194,7 @@ impl CaseDrawing<'_> {
     fn candidates(&self) -> Vec<InjectionKind> {
         let number = self.robot.number;
         let mut random = Seed(self.robot.seed).child("candidates").rng();
-        let mut turned = |mut all: Vec<InjectionKind>, turn: usize| -> Vec<InjectionKind> {
+        let mut in_turn = |mut all: Vec<InjectionKind>, turn: usize| -> Vec<InjectionKind> {
             let first = all.remove(turn % all.len());
             all.shuffle(&mut random);
             [vec![first], all].concat()
@@ -195,10 +203,10 @@ impl CaseDrawing<'_> {
         let unknown = (0..DISTURBANCES.len()).map(InjectionKind::Unknown).collect();
         match self.robot.group {
             CaseGroup::Outside if number % 3 == 2 => {
-                [turned(left_out, number / 3 * 5), turned(unknown, number / 3)].concat()
+                [in_turn(left_out, number / 3 * 5), in_turn(unknown, number / 3)].concat()
             }
-            CaseGroup::Outside => turned(unknown, number - number / 3),
-            _ => turned(left_out, number * 5),
+            CaseGroup::Outside => in_turn(unknown, number - number / 3),
+            _ => in_turn(left_out, number * 5),
         }
     }
 
@@ -206,53 +214,49 @@ impl CaseDrawing<'_> {
     fn draw_candidate(&self, candidate: InjectionKind, random: &mut Generator) -> Option<DrawnCandidate> {
         let model = &self.robot.model;
         let without = tips_m(model, self.commands, &[], &[], None)?;
-        let moved = |hidden: &[InjectedEffect], unknown: Option<&Disturbance>| -> Option<Vec<f64>> {
+        let displacement_m = |hidden: &[InjectedEffect], unknown: Option<&Disturbance>| -> Option<Vec<f64>> {
             let with = tips_m(model, self.commands, &[], hidden, unknown)?;
-            Some(
-                with.iter()
-                    .zip(&without)
-                    .flat_map(|(a, b)| std::array::from_fn::<f64, 3, _>(|k| a[k] - b[k]))
-                    .collect(),
-            )
+            Some(difference(&with, &without))
         };
         match candidate {
             InjectionKind::LeftOut(index) => {
                 let (hidden, _) = self.draw_effect(drawn_catalogue()[index], &[], random)?;
-                let moved = moved(std::slice::from_ref(&hidden), None)?;
-                Some((vec![hidden], None, moved))
+                let displacement_m = displacement_m(std::slice::from_ref(&hidden), None)?;
+                Some(DrawnCandidate { hidden: vec![hidden], unknown: None, displacement_m })
             }
             InjectionKind::Unknown(index) => {
                 // A disturbance of an unused tendon has no influence: draw another tendon.
-                let drawn = (0..ROBOTS).find_map(|_| {
+                let drawn = (0..MAX_DRAWS).find_map(|_| {
                     let unit = DISTURBANCES[index].draw(model.robot.tendons.angles_deg.len(), random);
                     let shift_m = |amount: f64| {
                         let with = tips_m(model, self.commands, &[], &[], Some(&unit.scaled(amount)))?;
-                        Some(apart_m(&with, &without))
+                        Some(rms_distance_m(&with, &without))
                     };
-                    let reached = scale_to_shift(self.robot.shift_m, DISTURBANCES[index].most, &mut { shift_m })?;
-                    (reached.shift_m >= FAINT * self.robot.shift_m).then(|| unit.scaled(reached.amount))
+                    let max_amount = DISTURBANCES[index].max_multiple;
+                    let scaled = scale_to_shift(self.robot.shift_m, max_amount, &mut { shift_m })?;
+                    (scaled.shift_m >= MIN_SHIFT_SHARE * self.robot.shift_m).then(|| unit.scaled(scaled.amount))
                 });
                 let unknown = drawn?;
-                let moved = moved(&[], Some(&unknown))?;
-                Some((Vec::new(), Some(unknown), moved))
+                let displacement_m = displacement_m(&[], Some(&unknown))?;
+                Some(DrawnCandidate { hidden: Vec::new(), unknown: Some(unknown), displacement_m })
             }
         }
     }
+}
 
-    /// Residual of the best imitation over the noise, if it fits the requested group.
-    fn oracle_residual(&self, span: &CatalogueSpan, moved: &[f64], left_out: &[String], outside: bool) -> Option<f64> {
-        let (options, model) = (&self.robot.oracle, &self.robot.model);
-        let enough = if outside { options.outside_above } else { options.inside_below };
-        // The linear screening avoids refits of clear cases.
-        let first = span.first_look(moved, left_out, options.most_effects);
-        let hopeless = if outside { first < enough } else { first > 10.0 * enough };
-        if hopeless {
-            return None;
-        }
-        let left = span.left(model, self.commands, moved, left_out, options, outside);
-        let fits = if outside { left > enough } else { left < enough };
-        fits.then_some(left)
+/// Residual of the best imitation over the noise, if it fits the requested group.
+fn oracle_residual(span: &CatalogueSpan, imitated: &Imitated, outside: bool) -> Option<f64> {
+    let options = imitated.options;
+    let threshold = if outside { options.outside_above } else { options.inside_below };
+    // The linear screening avoids refits of clear cases.
+    let linear = span.linear_residual(imitated.displacement_m, imitated.left_out, options.most_effects);
+    let is_excluded = if outside { linear < threshold } else { linear > 10.0 * threshold };
+    if is_excluded {
+        return None;
     }
+    let residual = span.residual(imitated, outside);
+    let fits = if outside { residual > threshold } else { residual < threshold };
+    fits.then_some(residual)
 }
 
 /// A candidate: an effect removed from the catalogue, or a disturbance.
@@ -262,7 +266,13 @@ enum InjectionKind {
     Unknown(usize),
 }
 
-type DrawnCandidate = (Vec<InjectedEffect>, Option<Disturbance>, Vec<f64>);
+/// A scaled candidate.
+struct DrawnCandidate {
+    hidden: Vec<InjectedEffect>,
+    unknown: Option<Disturbance>,
+    /// Tip displacement, three values a sample, metres.
+    displacement_m: Vec<f64>,
+}
 
 /// Simulated tip of the true robot, metres; none if the simulation fails.
 pub(crate) fn true_tips_m(robot: &CaseDesign, truth: &Truth, commands: &Commands) -> Option<Vec<Point3>> {

@@ -45,7 +45,7 @@ pub struct DrawnEffect {
 }
 
 /// Halvings of a strength until an effect may have it: a radius cannot become negative.
-const HALVINGS: usize = 20;
+const MAX_HALVINGS: usize = 20;
 
 impl Population {
     /// Refuses counts and names without a meaning.
@@ -87,10 +87,10 @@ impl Population {
                 break;
             }
             if let Some(effect) = self.effect(card, model, seed.child("effect").index(index as u64)) {
-                let together: Vec<EffectSpec> =
+                let combined: Vec<EffectSpec> =
                     drawn.iter().chain([&effect]).map(|effect| effect.spec.clone()).collect();
                 // Two laws of the same moment exclude each other.
-                if check_effects(&together, model.robot.tendons.angles_deg.len()).is_ok() {
+                if check_effects(&combined, model.robot.tendons.angles_deg.len()).is_ok() {
                     drawn.push(effect);
                 }
             }
@@ -104,7 +104,7 @@ impl Population {
         let mut random = seed.rng();
         let unscaled = UnscaledEffect::draw(card, model, false, &mut random);
         let normal: f64 = StandardNormal.sample(&mut random);
-        (0..HALVINGS).find_map(|halving| {
+        (0..MAX_HALVINGS).find_map(|halving| {
             let strength = self.strength * normal.abs() * 0.5_f64.powi(halving as i32);
             let values = unscaled.scaled(strength).values;
             let spec = EffectSpec::from_card(card, &values)?;

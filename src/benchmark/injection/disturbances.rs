@@ -19,7 +19,7 @@ pub struct DisturbanceKind {
     /// Usual size, in metres, radians or shares.
     pub size: f64,
     /// Maximum multiple of the usual size.
-    pub most: f64,
+    pub max_multiple: f64,
     act: DisturbanceAction,
 }
 
@@ -64,129 +64,129 @@ pub const DISTURBANCES: &[DisturbanceKind] = &[
         name: "step_loss",
         what: "a motor loses steps once in every trial: from then on its tendon is let out further",
         size: 1e-3,
-        most: 10.0,
+        max_multiple: 10.0,
         act: DisturbanceAction::Drives(step_loss),
     },
     DisturbanceKind {
         name: "dead_zone",
         what: "drives do not answer to displacements near home, without any memory",
         size: 1e-3,
-        most: 10.0,
+        max_multiple: 10.0,
         act: DisturbanceAction::Drives(dead_zone),
     },
     DisturbanceKind {
         name: "sign_gain",
         what: "a drive lets its tendon out less than it is told, and takes it in as told",
         size: 0.1,
-        most: 8.0,
+        max_multiple: 8.0,
         act: DisturbanceAction::Drives(sign_gain),
     },
     DisturbanceKind {
         name: "screw_error",
         what: "lead screws with a periodic error of 8 mm pitch",
         size: 5e-4,
-        most: 6.0,
+        max_multiple: 6.0,
         act: DisturbanceAction::Drives(screw_error),
     },
     DisturbanceKind {
         name: "frame_drift",
         what: "the tracking frame drifts while a trial lasts",
         size: 2e-3,
-        most: 20.0,
+        max_multiple: 20.0,
         act: DisturbanceAction::Tip(frame_drift),
     },
     DisturbanceKind {
         name: "frame_bump",
         what: "the tracking frame is pushed aside once in every trial",
         size: 2e-3,
-        most: 20.0,
+        max_multiple: 20.0,
         act: DisturbanceAction::Tip(frame_bump),
     },
     DisturbanceKind {
         name: "frame_rotation",
         what: "the tracking frame is turned, gravity is not",
         size: 0.01,
-        most: 20.0,
+        max_multiple: 20.0,
         act: DisturbanceAction::Tip(frame_rotation),
     },
     DisturbanceKind {
         name: "tracker_scale",
         what: "the tracker's lengths are off by a factor",
         size: 0.01,
-        most: 20.0,
+        max_multiple: 20.0,
         act: DisturbanceAction::Tip(tracker_scale),
     },
     DisturbanceKind {
         name: "loose_base",
         what: "a loose base tilts with the moment of the robot's weight about it",
         size: 0.02,
-        most: 20.0,
+        max_multiple: 20.0,
         act: DisturbanceAction::Tip(loose_base),
     },
     DisturbanceKind {
         name: "soft_wall",
         what: "beyond a plane beside the robot something soft pushes the tip back",
         size: 0.1,
-        most: 9.0,
+        max_multiple: 9.0,
         act: DisturbanceAction::Tip(soft_wall),
     },
 ];
 
-fn step_loss(it: &Disturbance, pulls_m: &[f64], when: TrialProgress) -> Vec<f64> {
-    let mut there = pulls_m.to_vec();
-    if when.share >= 0.2 + 0.5 * it.place {
-        there[it.tendon] -= it.size;
+fn step_loss(disturbance: &Disturbance, pulls_m: &[f64], progress: TrialProgress) -> Vec<f64> {
+    let mut drives_m = pulls_m.to_vec();
+    if progress.share >= 0.2 + 0.5 * disturbance.place {
+        drives_m[disturbance.tendon] -= disturbance.size;
     }
-    there
+    drives_m
 }
 
-fn dead_zone(it: &Disturbance, pulls_m: &[f64], _: TrialProgress) -> Vec<f64> {
-    pulls_m.iter().map(|pull| pull.signum() * (pull.abs() - it.size).max(0.0)).collect()
+fn dead_zone(disturbance: &Disturbance, pulls_m: &[f64], _: TrialProgress) -> Vec<f64> {
+    pulls_m.iter().map(|pull| pull.signum() * (pull.abs() - disturbance.size).max(0.0)).collect()
 }
 
-fn sign_gain(it: &Disturbance, pulls_m: &[f64], _: TrialProgress) -> Vec<f64> {
-    let mut there = pulls_m.to_vec();
-    if there[it.tendon] < 0.0 {
-        there[it.tendon] *= 1.0 - it.size;
+fn sign_gain(disturbance: &Disturbance, pulls_m: &[f64], _: TrialProgress) -> Vec<f64> {
+    let mut drives_m = pulls_m.to_vec();
+    if drives_m[disturbance.tendon] < 0.0 {
+        drives_m[disturbance.tendon] *= 1.0 - disturbance.size;
     }
-    there
+    drives_m
 }
 
-fn screw_error(it: &Disturbance, pulls_m: &[f64], _: TrialProgress) -> Vec<f64> {
+fn screw_error(disturbance: &Disturbance, pulls_m: &[f64], _: TrialProgress) -> Vec<f64> {
     const PITCH_M: f64 = 0.008;
-    let phase = std::f64::consts::TAU * it.place;
-    let error = |pull: f64| it.size * ((std::f64::consts::TAU * pull / PITCH_M + phase).sin() - phase.sin());
+    let phase = std::f64::consts::TAU * disturbance.place;
+    let error = |pull: f64| disturbance.size * ((std::f64::consts::TAU * pull / PITCH_M + phase).sin() - phase.sin());
     pulls_m.iter().map(|&pull| pull + error(pull)).collect()
 }
 
-fn frame_drift(it: &Disturbance, tip_m: Vector3<f64>, when: TrialProgress) -> Vector3<f64> {
-    tip_m + Vector3::from(it.direction) * (it.size * when.share)
+fn frame_drift(disturbance: &Disturbance, tip_m: Vector3<f64>, progress: TrialProgress) -> Vector3<f64> {
+    tip_m + Vector3::from(disturbance.direction) * (disturbance.size * progress.share)
 }
 
-fn frame_bump(it: &Disturbance, tip_m: Vector3<f64>, when: TrialProgress) -> Vector3<f64> {
-    let pushed = when.share >= 0.2 + 0.6 * it.place;
-    if pushed { tip_m + Vector3::from(it.direction) * it.size } else { tip_m }
+fn frame_bump(disturbance: &Disturbance, tip_m: Vector3<f64>, progress: TrialProgress) -> Vector3<f64> {
+    let pushed = progress.share >= 0.2 + 0.6 * disturbance.place;
+    if pushed { tip_m + Vector3::from(disturbance.direction) * disturbance.size } else { tip_m }
 }
 
-fn frame_rotation(it: &Disturbance, tip_m: Vector3<f64>, _: TrialProgress) -> Vector3<f64> {
-    rotation::exp(&(Vector3::from(it.direction) * it.size)) * tip_m
+fn frame_rotation(disturbance: &Disturbance, tip_m: Vector3<f64>, _: TrialProgress) -> Vector3<f64> {
+    rotation::exp(&(Vector3::from(disturbance.direction) * disturbance.size)) * tip_m
 }
 
-fn tracker_scale(it: &Disturbance, tip_m: Vector3<f64>, _: TrialProgress) -> Vector3<f64> {
-    tip_m * (1.0 + it.size)
+fn tracker_scale(disturbance: &Disturbance, tip_m: Vector3<f64>, _: TrialProgress) -> Vector3<f64> {
+    tip_m * (1.0 + disturbance.size)
 }
 
-fn loose_base(it: &Disturbance, tip_m: Vector3<f64>, _: TrialProgress) -> Vector3<f64> {
+fn loose_base(disturbance: &Disturbance, tip_m: Vector3<f64>, _: TrialProgress) -> Vector3<f64> {
     // x points up. Moment of the weight over that of the horizontal robot.
     let moment = tip_m.cross(&-Vector3::x()) / tip_m.norm().max(1e-9);
-    rotation::exp(&(moment * it.size)) * tip_m
+    rotation::exp(&(moment * disturbance.size)) * tip_m
 }
 
-fn soft_wall(it: &Disturbance, tip_m: Vector3<f64>, _: TrialProgress) -> Vector3<f64> {
-    let [x, y, _] = it.direction;
+fn soft_wall(disturbance: &Disturbance, tip_m: Vector3<f64>, _: TrialProgress) -> Vector3<f64> {
+    let [x, y, _] = disturbance.direction;
     let normal = Vector3::new(x, y, 0.0) / (x * x + y * y).sqrt().max(1e-9);
-    let beyond_m = normal.dot(&tip_m) - 0.03 * it.place;
-    tip_m - normal * (it.size * beyond_m.max(0.0))
+    let beyond_m = normal.dot(&tip_m) - 0.03 * disturbance.place;
+    tip_m - normal * (disturbance.size * beyond_m.max(0.0))
 }
 
 impl DisturbanceKind {
@@ -217,11 +217,12 @@ impl Disturbance {
     /// Drive positions under `commands`.
     pub(crate) fn drives(&self, commands: &Commands) -> Commands {
         let Some(DisturbanceAction::Drives(act)) = self.act() else { return commands.clone() };
-        let trial = |told: &Rows| {
-            let mut rows = Rows::new(told.width());
-            told.iter()
+        let trial = |commanded: &Rows| {
+            let mut rows = Rows::new(commanded.width());
+            commanded
+                .iter()
                 .enumerate()
-                .for_each(|(row, pulls)| rows.push(&act(self, pulls, TrialProgress::new(row, told.len()))));
+                .for_each(|(row, pulls)| rows.push(&act(self, pulls, TrialProgress::new(row, commanded.len()))));
             rows
         };
         Commands { step_s: commands.step_s, trials: commands.trials.iter().map(trial).collect() }
@@ -230,10 +231,10 @@ impl Disturbance {
     /// Recorded tip by sample.
     pub(crate) fn recorded(&self, commands: &Commands, tips_m: Vec<Point3>) -> Vec<Point3> {
         let Some(DisturbanceAction::Tip(act)) = self.act() else { return tips_m };
-        let when =
+        let progress =
             commands.trials.iter().flat_map(|trial| (0..trial.len()).map(|row| TrialProgress::new(row, trial.len())));
-        let recorded = |(tip, when): (Point3, TrialProgress)| act(self, Vector3::from(tip), when).into();
-        tips_m.into_iter().zip(when).map(recorded).collect()
+        let recorded = |(tip, progress): (Point3, TrialProgress)| act(self, Vector3::from(tip), progress).into();
+        tips_m.into_iter().zip(progress).map(recorded).collect()
     }
 }
 

@@ -63,7 +63,7 @@ impl InjectedEffect {
 
 /// The effects that cases are drawn of: those with a strength. Something fixed in the world has a place instead.
 pub fn drawn_catalogue() -> Vec<&'static Card> {
-    let has_place = |card: &Card| card.parameters.iter().any(|one| matches!(one.seek, Seek::Distance(_)));
+    let has_place = |card: &Card| card.parameters.iter().any(|parameter| matches!(parameter.seek, Seek::Distance(_)));
     CATALOGUE.iter().copied().filter(|card| !has_place(card)).collect()
 }
 
@@ -98,7 +98,7 @@ pub(crate) struct UnscaledEffect {
     /// Values without any size.
     null: Vec<f64>,
     /// Change of the values by one usual size.
-    along: Vec<f64>,
+    per_strength: Vec<f64>,
     other_law: bool,
 }
 
@@ -107,25 +107,26 @@ impl UnscaledEffect {
     pub(crate) fn draw(card: &'static Card, model: &Model, other_law: bool, random: &mut Generator) -> UnscaledEffect {
         let null: Vec<f64> =
             card.parameters.iter().map(|parameter| draw_null_value(parameter, model, random)).collect();
-        let mut along: Vec<f64> = card.parameters.iter().map(|parameter| size(parameter).unwrap_or(0.0)).collect();
-        let sizes = along.iter().filter(|size| **size != 0.0).count();
+        let mut per_strength: Vec<f64> =
+            card.parameters.iter().map(|parameter| size(parameter).unwrap_or(0.0)).collect();
+        let sizes = per_strength.iter().filter(|size| **size != 0.0).count();
         if sizes > 1 {
-            let direction: Vec<f64> = (0..along.len()).map(|_| StandardNormal.sample(random)).collect();
+            let direction: Vec<f64> = (0..per_strength.len()).map(|_| StandardNormal.sample(random)).collect();
             let length = direction.iter().map(|x: &f64| x * x).sum::<f64>().sqrt().max(1e-9);
-            along.iter_mut().zip(direction).for_each(|(size, x)| *size *= x / length);
+            per_strength.iter_mut().zip(direction).for_each(|(size, x)| *size *= x / length);
         } else if random.random_range(0..2) == 1 {
-            let other: Vec<f64> = null.iter().zip(&along).map(|(null, size)| null - size).collect();
+            let opposite: Vec<f64> = null.iter().zip(&per_strength).map(|(null, size)| null - size).collect();
             // A weaker section is damage; a stiffer one is not.
-            if EffectSpec::from_card(card, &other).is_some() && card.name != "soft_section" {
-                along.iter_mut().for_each(|size| *size = -*size);
+            if EffectSpec::from_card(card, &opposite).is_some() && card.name != "soft_section" {
+                per_strength.iter_mut().for_each(|size| *size = -*size);
             }
         }
-        UnscaledEffect { card, null, along, other_law: other_law && OTHER_LAWS.contains(&card.name) }
+        UnscaledEffect { card, null, per_strength, other_law: other_law && OTHER_LAWS.contains(&card.name) }
     }
 
     /// The effect at `amount` usual sizes.
     pub(crate) fn scaled(&self, amount: f64) -> InjectedEffect {
-        let values = self.null.iter().zip(&self.along).map(|(null, size)| null + amount * size).collect();
+        let values = self.null.iter().zip(&self.per_strength).map(|(null, size)| null + amount * size).collect();
         InjectedEffect { name: self.card.name.to_owned(), values, other_law: self.other_law }
     }
 }

@@ -2,7 +2,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// Squares over the noise after uncertain parameters explained their part under their priors.
+/// Squares over the noise after uncertain parameters explained their part under their priors. With the columns U of the
+/// uncertain parameters, scaled to unit priors, the covariance is I + U Uᵀ; its inverse is I − U (I + Uᵀ U)⁻¹ Uᵀ
+/// (Woodbury's identity).
 pub(crate) struct Metric<'a> {
     uncertain: &'a [Vec<f64>],
     inverse: DMatrix<f64>,
@@ -18,8 +20,9 @@ impl Metric<'_> {
     }
 
     pub(crate) fn product(&self, a: &[f64], b: &[f64]) -> f64 {
-        let along = |v: &[f64]| DVector::from_iterator(self.uncertain.len(), self.uncertain.iter().map(|u| dot(u, v)));
-        dot(a, b) - along(a).dot(&(&self.inverse * along(b)))
+        let projections =
+            |v: &[f64]| DVector::from_iterator(self.uncertain.len(), self.uncertain.iter().map(|u| dot(u, v)));
+        dot(a, b) - projections(a).dot(&(&self.inverse * projections(b)))
     }
 
     pub(crate) fn square(&self, a: &[f64]) -> f64 {

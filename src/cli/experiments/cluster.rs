@@ -155,9 +155,9 @@ impl WorkCommand {
             threads => threads,
         };
         let folder = CampaignFolder::at(&self.folder);
-        let summary = slurm::work(&folder, (worker, self.workers), threads, progress).map_err(CommandError::Failed)?;
+        let summary = slurm::work(&folder, worker, self.workers, threads, progress).map_err(CommandError::Failed)?;
         if summary.stopped {
-            std::process::exit(i32::from(slurm::LEFT_STATUS));
+            std::process::exit(i32::from(slurm::STAGES_LEFT_STATUS));
         }
         Ok(())
     }

@@ -41,11 +41,11 @@ impl Axes {
 
 impl std::fmt::Display for Axes {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        for (ours, name) in NAMES.into_iter().enumerate() {
-            let theirs = self.turn.row(ours).iamax_full().1;
-            let sign = if self.turn[(ours, theirs)] < 0.0 { '-' } else { '+' };
-            let comma = if ours == 0 { "" } else { "," };
-            write!(f, "{comma}{name}={sign}{}", NAMES[theirs])?;
+        for (own_axis, name) in NAMES.into_iter().enumerate() {
+            let tracker_axis = self.turn.row(own_axis).iamax_full().1;
+            let sign = if self.turn[(own_axis, tracker_axis)] < 0.0 { '-' } else { '+' };
+            let comma = if own_axis == 0 { "" } else { "," };
+            write!(f, "{comma}{name}={sign}{}", NAMES[tracker_axis])?;
         }
         Ok(())
     }
@@ -73,12 +73,12 @@ impl Axes {
         let mut turn = Matrix3::zeros();
         let parts: Vec<&str> = words.split(',').collect();
         for part in &parts {
-            let (ours, theirs) = part.split_once('=').ok_or_else(|| bad(&format!("`{part}`")))?;
-            let theirs = theirs.trim();
-            let sign = if theirs.starts_with('-') { -1.0 } else { 1.0 };
-            let theirs = theirs.strip_prefix(['+', '-']).unwrap_or(theirs);
-            let place = axis(ours).zip(axis(theirs));
-            turn[place.ok_or_else(|| bad(&format!("`{part}`")))?] += sign;
+            let (own_axis, tracker_axis) = part.split_once('=').ok_or_else(|| bad(&format!("`{part}`")))?;
+            let tracker_axis = tracker_axis.trim();
+            let sign = if tracker_axis.starts_with('-') { -1.0 } else { 1.0 };
+            let tracker_axis = tracker_axis.strip_prefix(['+', '-']).unwrap_or(tracker_axis);
+            let entry = axis(own_axis).zip(axis(tracker_axis));
+            turn[entry.ok_or_else(|| bad(&format!("`{part}`")))?] += sign;
         }
         // A repeated axis leaves another without any, and the determinant 0.
         match (parts.len(), turn.determinant() * hand) {

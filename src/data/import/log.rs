@@ -11,9 +11,9 @@ pub(crate) const EXPORT_TIME: &str = "export_time_s";
 const WALL_TIME: &str = "wall_time_s";
 
 /// Allowed difference of the two clocks within a trial, seconds, …
-const JITTER_S: f64 = 0.1;
+const MAX_JITTER_S: f64 = 0.1;
 /// … and as a share of the time since its start.
-const PACE: f64 = 0.01;
+const MAX_RATE_ERROR: f64 = 0.01;
 
 /// Commands with their times.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,7 +52,7 @@ fn check_pace(path: &Path, commands: &Recording, at_s: &[f64]) -> Result<(), Dat
                 let expected = format!("more than {:.6} s, as in the row before", at_s[row - 1]);
                 return wrong(row, format!("{:.6} s in the export", at_s[row]), expected);
             }
-            if (in_export_s - in_trial_s).abs() > JITTER_S + PACE * in_trial_s {
+            if (in_export_s - in_trial_s).abs() > MAX_JITTER_S + MAX_RATE_ERROR * in_trial_s {
                 let expected = format!("about {in_trial_s} s, as `time_s` says");
                 return wrong(row, format!("{in_export_s:.6} s after the trial's first row"), expected);
             }
@@ -62,13 +62,13 @@ fn check_pace(path: &Path, commands: &Recording, at_s: &[f64]) -> Result<(), Dat
 }
 
 fn has(commands: &Recording, name: &str) -> bool {
-    commands.extra.iter().any(|(known, _)| known == name)
+    commands.extra.iter().any(|(column, _)| column == name)
 }
 
 fn export_times(path: &Path, commands: &Recording, offsets_s: &[f64]) -> Result<Vec<f64>, DataError> {
     if let Some(at_s) = commands.extra_numbers(path, EXPORT_TIME, "seconds in the export, a number")? {
-        let given = "the time of each row, and --offset-s besides";
-        return if offsets_s.is_empty() { Ok(at_s) } else { Err(unplaced(path, given.to_owned(), "one of the two")) };
+        let found = "the time of each row, and --offset-s besides";
+        return if offsets_s.is_empty() { Ok(at_s) } else { Err(unplaced(path, found.to_owned(), "one of the two")) };
     }
     let trials = commands.trials();
     match offsets_s {

@@ -21,7 +21,7 @@ use crate::data::recording::{Extra, PointTrack, Pose};
 use crate::data::{DataError, Recording};
 use crate::math::rotation;
 use motive::{Body, Export};
-use resample::at;
+use resample::pose_at;
 
 /// Axes of the tip position; its origin is the base body's pivot in both cases.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -82,36 +82,36 @@ pub fn import(
 ) -> Result<Imported, DataError> {
     let (base, tip) = (bodies.base, bodies.tip);
     let frame = if base.has_orientation { options.frame } else { TipFrame::Tracking };
-    check_overlap(&export.time_s, (&log.file, &log.at_s))?;
-    let pose = |body: &Body, time_s| at(&export.time_s, &body.poses, time_s, options.max_gap_s);
+    check_overlap(&export.time_s, &log.file, &log.at_s)?;
+    let pose = |body: &Body, time_s| pose_at(&export.time_s, &body.poses, time_s, options.max_gap_s);
     let mut recording = log.commands.clone();
-    let (mut tips, mut turns, mut bases, mut valid) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let (mut tips, mut orientations, mut bases, mut valid) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     let mut angles_rad = Vec::new();
     for (row, &time_s) in log.at_s.iter().enumerate() {
         let base = pose(base, time_s);
-        let seen = base.zip(pose(tip, time_s)).filter(|_| log.commands.is_valid(row));
-        let seen = seen.map(|(base, tip)| from_base(&base, &tip, frame));
+        let tip_pose = base.zip(pose(tip, time_s)).filter(|_| log.commands.is_valid(row));
+        let tip_pose = tip_pose.map(|(base, tip)| from_base(&base, &tip, frame));
         angles_rad.extend(base.map(|base| base.rotation.angle()));
-        let turned = |pose: Isometry3<f64>| rotation::parts(&options.axes.rotation(&pose.rotation));
+        let quaternion = |pose: Isometry3<f64>| rotation::parts(&options.axes.rotation(&pose.rotation));
         let place_m = |pose: Isometry3<f64>| options.axes.vector(&pose.translation.vector).into();
-        tips.push(seen.map_or([f64::NAN; 3], place_m));
-        turns.push(seen.map_or([f64::NAN; 4], turned));
+        tips.push(tip_pose.map_or([f64::NAN; 3], place_m));
+        orientations.push(tip_pose.map_or([f64::NAN; 4], quaternion));
         bases.push(Pose {
             position_m: base.map_or([f64::NAN; 3], place_m),
-            quaternion: base.map_or([f64::NAN; 4], turned),
+            quaternion: base.map_or([f64::NAN; 4], quaternion),
         });
-        valid.push(seen.is_some());
+        valid.push(tip_pose.is_some());
     }
     let point = |name: &str, body: &Body| {
-        let seen = log.at_s.iter().map(|&time_s| {
+        let poses = log.at_s.iter().map(|&time_s| {
             let pose = from_base(&pose(base, time_s)?, &pose(body, time_s)?, frame);
             Some((
                 options.axes.vector(&pose.translation.vector).into(),
                 rotation::parts(&options.axes.rotation(&pose.rotation)),
             ))
         });
-        let (position_m, turns) = seen.map(|seen| seen.unwrap_or(([f64::NAN; 3], [f64::NAN; 4]))).unzip();
-        PointTrack { name: name.to_owned(), position_m, quaternion: body.has_orientation.then_some(turns) }
+        let (position_m, orientations) = poses.map(|pose| pose.unwrap_or(([f64::NAN; 3], [f64::NAN; 4]))).unzip();
+        PointTrack { name: name.to_owned(), position_m, quaternion: body.has_orientation.then_some(orientations) }
     };
     let lost = valid.iter().filter(|valid| !**valid).count();
     if lost == valid.len() {
@@ -119,21 +119,21 @@ pub fn import(
     }
     let base_turn_rad = angles_rad.iter().sum::<f64>() / angles_rad.len() as f64;
     recording.tip_m = Some(tips);
-    recording.tip_quaternion = tip.has_orientation.then_some(turns);
+    recording.tip_quaternion = tip.has_orientation.then_some(orientations);
     recording.points = bodies.points.iter().map(|(name, body)| point(name, body)).collect();
     recording.points.sort_by(|a, b| a.name.cmp(&b.name));
     recording.valid = Some(valid);
     recording.extra.retain(|(name, _)| name != log::EXPORT_TIME);
     recording.extra.push((log::EXPORT_TIME.to_owned(), Extra::Numbers(log.at_s.clone())));
-    let seen_at = |time_s: f64| {
+    let tip_at = |time_s: f64| {
         let pose = from_base(&pose(base, time_s)?, &pose(tip, time_s)?, frame);
         Some(options.axes.vector(&pose.translation.vector).into())
     };
-    let onset_s = response::onset_s(log, &seen_at);
+    let onset_s = response::onset_s(log, &tip_at);
     let tip_world_m: Vec<_> = tip.poses.iter().flatten().map(|pose| pose.position_m).collect();
     let base_m: Vec<_> = bases.iter().map(|pose| pose.position_m).collect();
     recording.base = base.has_orientation.then_some(bases);
-    let doubts = plausibility::doubts(&recording, &options.axes, (&base_m, &tip_world_m), onset_s);
+    let doubts = plausibility::doubts(&recording, &options.axes, &base_m, &tip_world_m, onset_s);
     Ok(Imported { recording, lost, base_turn_rad, doubts })
 }
 
@@ -149,7 +149,7 @@ fn from_base(base: &Isometry3<f64>, tip: &Isometry3<f64>, frame: TipFrame) -> Is
 }
 
 /// Refuses commands of which none is within the tracking.
-fn check_overlap(frames_s: &[f64], (file, at_s): (&Path, &[f64])) -> Result<(), DataError> {
+fn check_overlap(frames_s: &[f64], file: &Path, at_s: &[f64]) -> Result<(), DataError> {
     let span = |times_s: &[f64]| times_s.first().copied().zip(times_s.last().copied()).unwrap_or((f64::NAN, f64::NAN));
     let ((first_s, last_s), (begin_s, end_s)) = (span(frames_s), span(at_s));
     if begin_s <= last_s && end_s >= first_s {

@@ -9,11 +9,11 @@ use crate::data::Recording;
 use crate::math::summary::quantile;
 
 /// Angle between the tip at home and the z axis above which the axes are in doubt, degrees. A soft robot sags by less.
-const ALONG_DEG: f64 = 60.0;
+const MAX_HOME_ANGLE_DEG: f64 = 60.0;
 /// Motion of the base body that is no noise, metres.
-const STILL_M: f64 = 3e-3;
+const MAX_BASE_MOTION_M: f64 = 3e-3;
 /// Share of the tip's distance by which the tip must sag to show which way is down.
-const SAG_SHARE: f64 = 0.02;
+const MIN_SAG_SHARE: f64 = 0.02;
 
 /// What looks like a mistake.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -35,7 +35,8 @@ pub struct ImportDoubts {
 pub(super) fn doubts(
     recording: &Recording,
     axes: &Axes,
-    (base_m, tip_world_m): (&[Point3], &[Point3]),
+    base_m: &[Point3],
+    tip_world_m: &[Point3],
     onset_s: Option<f64>,
 ) -> ImportDoubts {
     let starts = recording.trials().into_iter().map(|(_, range)| range.start);
@@ -43,16 +44,16 @@ pub(super) fn doubts(
     let home_m = median(&starts.filter(|&row| recording.is_valid(row)).map(|row| tips[row]).collect::<Vec<Point3>>());
     let home_m = home_m.filter(|home| {
         let home = Vector3::from(*home);
-        home.z < home.norm() * ALONG_DEG.to_radians().cos()
+        home.z < home.norm() * MAX_HOME_ANGLE_DEG.to_radians().cos()
     });
     let (base_moves, tip_moves) = (farthest(base_m), farthest(tip_world_m));
     ImportDoubts {
         home_m,
         axes: home_m.map(|home_m| axes.then(&turn_along_z(home_m))),
-        base_moves: base_moves.filter(|(away_m, _)| *away_m > STILL_M),
+        base_moves: base_moves.filter(|(away_m, _)| *away_m > MAX_BASE_MOTION_M),
         exchanged: base_moves
             .zip(tip_moves)
-            .is_some_and(|((base_m, _), (tip_m, _))| base_m > STILL_M && base_m > 3.0 * tip_m),
+            .is_some_and(|((base_m, _), (tip_m, _))| base_m > MAX_BASE_MOTION_M && base_m > 3.0 * tip_m),
         onset_s,
     }
 }
@@ -60,13 +61,14 @@ pub(super) fn doubts(
 /// The quarter turn that lays `home_m` most along z and, if it sags, down along −x; otherwise the smallest such turn.
 fn turn_along_z(home_m: Point3) -> Matrix3<f64> {
     let home = Vector3::from(home_m);
-    let worth = |turn: &Matrix3<f64>| {
+    let score = |turn: &Matrix3<f64>| {
         let turned = turn * home;
-        let sag = turned.xy().norm() > SAG_SHARE * home.norm();
+        let sag = turned.xy().norm() > MIN_SAG_SHARE * home.norm();
+        // Weights, so that z decides before the sag, and the sag before the size of the turn.
         4.0 * turned.z + if sag { -turned.x } else { 0.0 } + 1e-6 * home.norm() * turn.trace()
     };
     let turns = quarter_turns();
-    let best = turns.into_iter().max_by(|a, b| worth(a).total_cmp(&worth(b)));
+    let best = turns.into_iter().max_by(|a, b| score(a).total_cmp(&score(b)));
     best.unwrap_or_else(Matrix3::identity)
 }
 
@@ -89,8 +91,8 @@ fn quarter_turns() -> Vec<Matrix3<f64>> {
 fn farthest(points_m: &[Point3]) -> Option<(f64, usize)> {
     let middle = median(points_m)?;
     let away_m = |point: &Point3| (Vector3::from(*point) - Vector3::from(middle)).norm();
-    let each = points_m.iter().enumerate().map(|(index, point)| (away_m(point), index));
-    each.filter(|(away_m, _)| away_m.is_finite()).max_by(|a, b| a.0.total_cmp(&b.0))
+    let distances = points_m.iter().enumerate().map(|(index, point)| (away_m(point), index));
+    distances.filter(|(away_m, _)| away_m.is_finite()).max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 /// The median of each coordinate of the finite points.

@@ -14,13 +14,15 @@ use crate::data::recording::Extra;
 const FRAME: &str = "base";
 /// Time between trials, seconds.
 const PAUSE_S: f64 = 1.0;
+/// Kind of line of `foxglove.SceneUpdate` that goes through all points.
+const LINE_STRIP: u8 = 0;
 /// Thickness of the robot's line, and of lines of residuals, metres.
-const ROBOT_M: f64 = 4e-3;
-const RESIDUAL_M: f64 = 1e-3;
+const ROBOT_LINE_M: f64 = 4e-3;
+const RESIDUAL_LINE_M: f64 = 1e-3;
 /// Colours, red to blue.
-const ROBOT: [f64; 3] = [0.2, 0.4, 0.9];
-const BEFORE: [f64; 3] = [0.9, 0.3, 0.2];
-const AFTER: [f64; 3] = [0.2, 0.7, 0.3];
+const ROBOT_COLOUR: [f64; 3] = [0.2, 0.4, 0.9];
+const BEFORE_COLOUR: [f64; 3] = [0.9, 0.3, 0.2];
+const AFTER_COLOUR: [f64; 3] = [0.2, 0.7, 0.3];
 
 /// What an MCAP file shows.
 #[derive(Clone, Copy, Debug)]
@@ -49,7 +51,7 @@ pub fn to_mcap(shown: &Shown) -> Vec<u8> {
     let numbers = writer.channel("/commands", "spinebench.Commands", &any_object("The commands in force from now on."));
     add(numbers, &|row| Some(commands(recording, row)));
     let rows = writer.channel("/row", "spinebench.Row", &any_object("What else the row of the recording holds."));
-    add(rows, &|row| Some(rest(recording, row)));
+    add(rows, &|row| Some(other_cells(recording, row)));
     let mut pose = |topic: &str, position_m: &dyn Fn(usize) -> Point3, turn: &dyn Fn(usize) -> Option<[f64; 4]>| {
         let channel = writer.channel(topic, "foxglove.PoseInFrame", &pose_schema());
         add(channel, &|row| pose_in_frame(times_ns[row], position_m(row), turn(row)));
@@ -68,7 +70,7 @@ pub fn to_mcap(shown: &Shown) -> Vec<u8> {
         let channel = writer.channel("/robot", "foxglove.SceneUpdate", &scene_schema());
         let line = |row: usize| {
             let shape_m = shown.shape_m[row].as_slice();
-            (!shape_m.is_empty()).then(|| scene(times_ns[row], "robot", &[line(0, ROBOT_M, shape_m, ROBOT)]))
+            (!shape_m.is_empty()).then(|| scene(times_ns[row], "robot", &[line(ROBOT_LINE_M, shape_m, ROBOT_COLOUR)]))
         };
         add(channel, &line);
     }
@@ -87,11 +89,11 @@ fn add_residuals(shown: &Shown, times_ns: &[u64], writer: &mut BagWriter, messag
     // Rows of a discovery's table are rounded: a sample is the nearest row of its trial.
     let trials: BTreeMap<u64, _> = recording.trials().into_iter().collect();
     let numbers = writer.channel("/residuals", "spinebench.Residual", &any_object("Measured minus model, metres."));
-    let lines = writer.channel("/residual_lines", "foxglove.SceneUpdate", &scene_schema());
+    let line_channel = writer.channel("/residual_lines", "foxglove.SceneUpdate", &scene_schema());
     for sample in shown.residuals {
         let Some(rows) = trials.get(&sample.trial) else { continue };
-        let apart = |row: &usize| (recording.time_s[*row] - sample.time_s).abs();
-        let Some(row) = rows.clone().min_by(|a, b| apart(a).total_cmp(&apart(b))) else { continue };
+        let distance_s = |row: &usize| (recording.time_s[*row] - sample.time_s).abs();
+        let Some(row) = rows.clone().min_by(|a, b| distance_s(a).total_cmp(&distance_s(b))) else { continue };
         let time_ns = times_ns[row];
         let tip = [sample.tip_x_m, sample.tip_y_m, sample.tip_z_m];
         let (before, after) = (sample.before_m(), sample.after_m());
@@ -109,9 +111,11 @@ fn add_residuals(shown: &Shown, times_ns: &[u64], writer: &mut BagWriter, messag
                 "before_size_m": size(&before), "after_size_m": size(&after),
             }),
         ));
-        let both =
-            [line(0, RESIDUAL_M, &[tip, model(&before)], BEFORE), line(0, RESIDUAL_M, &[tip, model(&after)], AFTER)];
-        messages.push((time_ns, lines, scene(time_ns, format!("residual {}", sample.point).trim_end(), &both)));
+        let lines = [
+            line(RESIDUAL_LINE_M, &[tip, model(&before)], BEFORE_COLOUR),
+            line(RESIDUAL_LINE_M, &[tip, model(&after)], AFTER_COLOUR),
+        ];
+        messages.push((time_ns, line_channel, scene(time_ns, format!("residual {}", sample.point).trim_end(), &lines)));
     }
 }
 
@@ -159,7 +163,7 @@ fn commands(recording: &Recording, row: usize) -> Value {
 }
 
 /// Trial, time, validity, label and what the recording carries.
-fn rest(recording: &Recording, row: usize) -> Value {
+fn other_cells(recording: &Recording, row: usize) -> Value {
     let mut cells = Map::new();
     cells.insert("trial".into(), recording.trial[row].into());
     cells.insert("time_s".into(), recording.time_s[row].into());
@@ -183,10 +187,10 @@ fn rest(recording: &Recording, row: usize) -> Value {
 }
 
 /// A line of `foxglove.SceneUpdate` through all points.
-fn line(kind: u8, thickness_m: f64, points_m: &[Point3], [r, g, b]: [f64; 3]) -> Value {
+fn line(thickness_m: f64, points_m: &[Point3], [r, g, b]: [f64; 3]) -> Value {
     let unturned = json!({ "position": point(&[0.0; 3]), "orientation": { "x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0 } });
     json!({
-        "type": kind, "pose": unturned, "thickness": thickness_m, "scale_invariant": false,
+        "type": LINE_STRIP, "pose": unturned, "thickness": thickness_m, "scale_invariant": false,
         "points": points_m.iter().map(point).collect::<Vec<Value>>(),
         "color": { "r": r, "g": g, "b": b, "a": 1.0 }, "colors": [], "indices": [],
     })
@@ -202,8 +206,8 @@ fn scene(time_ns: u64, id: &str, lines: &[Value]) -> Value {
     json!({ "deletions": [], "entities": [entity] })
 }
 
-fn any_object(words: &str) -> Value {
-    json!({ "type": "object", "description": words, "additionalProperties": true })
+fn any_object(description: &str) -> Value {
+    json!({ "type": "object", "description": description, "additionalProperties": true })
 }
 
 fn object(properties: &Value) -> Value {

@@ -8,7 +8,7 @@ use super::{MAGIC, opcode};
 use crate::data::{DataError, file};
 
 /// Bytes of a chunk after decompression, at most: a damaged size must not take all memory.
-const MAX_BYTES: u64 = 4 << 30;
+const MAX_CHUNK_BYTES: u64 = 4 << 30;
 
 /// A file's messages by topic.
 #[derive(Debug)]
@@ -93,7 +93,7 @@ impl Bag {
         let mut contents = Contents::default();
         contents
             .records(records)
-            .map_err(|(left, found, expected)| damaged(path, bytes.len() - left, &found, expected))?;
+            .map_err(|(remaining, found, expected)| damaged(path, bytes.len() - remaining, &found, expected))?;
         let mut topics = contents.topics;
         topics.values_mut().for_each(|topic| topic.messages.sort_by_key(|message| message.log_ns));
         Ok(Bag { file: path.to_owned(), topics })
@@ -114,8 +114,8 @@ impl Contents {
         const WHOLE: &str = "a whole record (`mcap recover` mends a bag that was not closed)";
         let mut fields = RecordFields(bytes);
         while !fields.0.is_empty() {
-            let left = fields.0.len();
-            let cut = || (left, "the end of the file within a record".to_owned(), WHOLE);
+            let remaining = fields.0.len();
+            let cut = || (remaining, "the end of the file within a record".to_owned(), WHOLE);
             let kind = fields.number::<1>().ok_or_else(cut)? as u8;
             let size = fields.number::<8>().ok_or_else(cut)?;
             let content = usize::try_from(size).ok().and_then(|size| fields.take(size)).ok_or_else(cut)?;
@@ -123,10 +123,12 @@ impl Contents {
             if matches!(kind, opcode::DATA_END | opcode::FOOTER) {
                 return Ok(());
             }
-            let broken = || (left, format!("a damaged record of kind {kind}"), "an intact one");
+            let broken = || (remaining, format!("a damaged record of kind {kind}"), "an intact one");
             if kind == opcode::CHUNK {
-                let chunk = chunk(&mut RecordFields(content)).map_err(|(found, expected)| (left, found, expected))?;
-                self.records(&chunk).map_err(|(_, found, expected)| (left, format!("{found} of a chunk"), expected))?;
+                let chunk =
+                    chunk(&mut RecordFields(content)).map_err(|(found, expected)| (remaining, found, expected))?;
+                self.records(&chunk)
+                    .map_err(|(_, found, expected)| (remaining, format!("{found} of a chunk"), expected))?;
             } else {
                 self.record(kind, &mut RecordFields(content)).ok_or_else(broken)?;
             }
@@ -174,15 +176,15 @@ fn chunk(fields: &mut RecordFields) -> Result<Vec<u8>, (String, &'static str)> {
         let count = usize::try_from(fields.number::<8>()?).ok()?;
         Some((size, compression, fields.take(count)?))
     };
-    let (size, compression, packed) = header().ok_or_else(broken)?;
-    if size > MAX_BYTES {
+    let (size, compression, compressed) = header().ok_or_else(broken)?;
+    if size > MAX_CHUNK_BYTES {
         return Err((format!("a chunk of {size} bytes"), "at most 4 GiB"));
     }
     let mut records = Vec::new();
     let read = match compression.as_str() {
-        "" => return Ok(packed.to_vec()),
-        "zstd" => zstd::Decoder::new(packed).and_then(|unpack| unpack.take(size).read_to_end(&mut records)),
-        "lz4" => lz4::Decoder::new(packed).and_then(|unpack| unpack.take(size).read_to_end(&mut records)),
+        "" => return Ok(compressed.to_vec()),
+        "zstd" => zstd::Decoder::new(compressed).and_then(|unpack| unpack.take(size).read_to_end(&mut records)),
+        "lz4" => lz4::Decoder::new(compressed).and_then(|unpack| unpack.take(size).read_to_end(&mut records)),
         other => return Err((format!("the compression `{other}`"), "`zstd`, `lz4` or none")),
     };
     match read {

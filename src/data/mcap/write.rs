@@ -65,17 +65,17 @@ impl BagWriter {
         text(&mut content, kind);
         text(&mut content, "jsonschema");
         text(&mut content, &schema_text);
-        let mut both = Vec::new();
-        record(&mut both, opcode::SCHEMA, &content);
-        self.schemas.extend(&both);
+        let mut records = Vec::new();
+        record(&mut records, opcode::SCHEMA, &content);
+        self.schemas.extend(&records);
         let mut content = [id.to_le_bytes(), id.to_le_bytes()].concat();
         text(&mut content, topic);
         text(&mut content, "json");
         content.extend(0_u32.to_le_bytes());
-        let before = both.len();
-        record(&mut both, opcode::CHANNEL, &content);
-        self.channels.extend(&both[before..]);
-        self.chunk.records.extend(both);
+        let schema_bytes = records.len();
+        record(&mut records, opcode::CHANNEL, &content);
+        self.channels.extend(&records[schema_bytes..]);
+        self.chunk.records.extend(records);
         self.counts.insert(id, 0);
         id
     }
@@ -118,10 +118,10 @@ impl BagWriter {
         content.extend(&records);
         record(&mut self.bytes, opcode::CHUNK, &content);
         let end = self.bytes.len() as u64;
-        let mut places = Vec::new();
+        let mut index_offsets = Vec::new();
         for (channel, messages) in &index {
-            places.extend(channel.to_le_bytes());
-            places.extend((self.bytes.len() as u64).to_le_bytes());
+            index_offsets.extend(channel.to_le_bytes());
+            index_offsets.extend((self.bytes.len() as u64).to_le_bytes());
             let mut content = channel.to_le_bytes().to_vec();
             content.extend(((messages.len() * 16) as u32).to_le_bytes());
             messages
@@ -131,8 +131,8 @@ impl BagWriter {
         }
         let mut content = Vec::new();
         [first_ns, last_ns, start, end - start].iter().for_each(|number| content.extend(number.to_le_bytes()));
-        content.extend((places.len() as u32).to_le_bytes());
-        content.extend(places);
+        content.extend((index_offsets.len() as u32).to_le_bytes());
+        content.extend(index_offsets);
         content.extend((self.bytes.len() as u64 - end).to_le_bytes());
         text(&mut content, "");
         content.extend(size.to_le_bytes());

@@ -104,8 +104,8 @@ impl Recording {
             };
             return Err(column_error(path, drive.column(), format!("the drive `{}`", drive.name), expected));
         }
-        let lacking = names.iter().find(|name| self.drives.iter().all(|drive| drive.name != **name));
-        if let Some(name) = lacking {
+        let missing_drive = names.iter().find(|name| self.drives.iter().all(|drive| drive.name != **name));
+        if let Some(name) = missing_drive {
             let expected = format!("a column `drive_{name}_rad` or `drive_{name}_m`");
             let found = format!("no commands of the drive `{name}`");
             return Err(column_error(path, format!("drive_{name}_rad"), found, expected));
@@ -126,12 +126,12 @@ impl Recording {
 
     /// Displacements of `tendons` tendons, row by row; `None` where a drive has no gains.
     fn tendon_commands(&self, gains: &BTreeMap<String, Vec<(usize, f64)>>, tendons: usize) -> Option<Rows> {
-        let each: Vec<(&DriveTrack, &Vec<(usize, f64)>)> =
+        let driven: Vec<(&DriveTrack, &Vec<(usize, f64)>)> =
             self.drives.iter().map(|drive| Some((drive, gains.get(&drive.name)?))).collect::<Option<_>>()?;
         let mut commands = Rows::new(tendons);
         for row in 0..self.len() {
             let mut command = vec![0.0; tendons];
-            for (drive, gains) in &each {
+            for (drive, gains) in &driven {
                 gains.iter().for_each(|&(tendon, gain)| command[tendon] += gain * drive.displacement[row]);
             }
             commands.push(&command);

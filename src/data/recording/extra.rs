@@ -13,7 +13,7 @@ impl Recording {
     /// # Errors
     /// [`DataError::Cell`] for the first cell without a finite number; `expected` describes the valid values.
     pub fn extra_numbers(&self, path: &Path, name: &str, expected: &str) -> Result<Option<Vec<f64>>, DataError> {
-        let Some((_, cells)) = self.extra.iter().find(|(known, _)| known == name) else { return Ok(None) };
+        let Some((_, cells)) = self.extra.iter().find(|(column, _)| column == name) else { return Ok(None) };
         let number = |row: usize| {
             let (number, cell) = match cells {
                 Extra::Integers(cells) => (Some(cells[row] as f64), cells[row].to_string()),

@@ -46,46 +46,46 @@ impl Recording {
         if parts.len() == 1 {
             return Ok(first.clone());
         }
-        let mut all = Recording::new(first.actuation, first.tendons());
-        all.trial = trial_numbers(parts);
-        all.time_s = parts.iter().flat_map(|part| part.time_s.iter().copied()).collect();
+        let mut joined = Recording::new(first.actuation, first.tendons());
+        joined.trial = trial_numbers(parts);
+        joined.time_s = parts.iter().flat_map(|part| part.time_s.iter().copied()).collect();
         let mut commands = Rows::new(first.tendons());
         parts.iter().flat_map(|part| part.commands.iter()).for_each(|row| commands.push(row));
-        all.commands = commands;
+        joined.commands = commands;
         let drive = |(index, drive): (usize, &DriveTrack)| DriveTrack {
             displacement: parts.iter().flat_map(|part| part.drives[index].displacement.clone()).collect(),
             ..drive.clone()
         };
-        all.drives = first.drives.iter().enumerate().map(drive).collect();
+        joined.drives = first.drives.iter().enumerate().map(drive).collect();
         let measured = parts.iter().all(|part| part.tip_m.is_some() || !part.points.is_empty());
-        all.tip_m = if measured {
+        joined.tip_m = if measured {
             column_of_some(parts, |part| part.tip_m.clone(), [f64::NAN; 3])
         } else {
             column_of_all(parts, |part| part.tip_m.clone())
         };
-        all.tip_quaternion = column_of_all(parts, |part| part.tip_quaternion.clone());
-        all.base = column_of_some(parts, |part| part.base.clone(), UNSEEN);
-        all.valid = column_of_some(parts, |part| part.valid.clone(), true);
-        all.known_load_kg = column_of_some(parts, |part| part.known_load_kg.clone(), 0.0);
-        all.tip_load = column_of_some(parts, |part| part.tip_load.clone(), super::RecordedWrench::default());
-        all.gravity_m_s2 = column_of_all(parts, |part| part.gravity_m_s2.clone());
-        all.pattern = column_of_some(parts, |part| part.pattern.clone(), String::new());
-        all.points = points_of_all(parts);
-        Ok(all)
+        joined.tip_quaternion = column_of_all(parts, |part| part.tip_quaternion.clone());
+        joined.base = column_of_some(parts, |part| part.base.clone(), UNSEEN);
+        joined.valid = column_of_some(parts, |part| part.valid.clone(), true);
+        joined.known_load_kg = column_of_some(parts, |part| part.known_load_kg.clone(), 0.0);
+        joined.tip_load = column_of_some(parts, |part| part.tip_load.clone(), super::RecordedWrench::default());
+        joined.gravity_m_s2 = column_of_all(parts, |part| part.gravity_m_s2.clone());
+        joined.pattern = column_of_some(parts, |part| part.pattern.clone(), String::new());
+        joined.points = points_of_all(parts);
+        Ok(joined)
     }
 
     /// Whether this recording contains every trial of `part`: equal commands, times, tips and points. Lost ones
     /// compare as equal.
     pub fn holds(&self, part: &Recording) -> bool {
-        let own: HashSet<Vec<u64>> = self.trials().into_iter().map(|(_, range)| self.bits(range)).collect();
-        !part.is_empty() && part.trials().into_iter().all(|(_, range)| own.contains(&part.bits(range)))
+        let trials: HashSet<Vec<u64>> = self.trials().into_iter().map(|(_, range)| self.bits(range)).collect();
+        !part.is_empty() && part.trials().into_iter().all(|(_, range)| trials.contains(&part.bits(range)))
     }
 
     /// Numbers of trials that repeat an earlier one to the last digit (impossible on a real robot).
     pub fn copies(&self) -> Vec<u64> {
-        let mut seen = HashSet::new();
-        let again = self.trials().into_iter().filter(|(_, range)| !seen.insert(self.bits(range.clone())));
-        again.map(|(number, _)| number).collect()
+        let mut earlier = HashSet::new();
+        let repeated = self.trials().into_iter().filter(|(_, range)| !earlier.insert(self.bits(range.clone())));
+        repeated.map(|(number, _)| number).collect()
     }
 
     /// Bit patterns of times, commands, tips and points of some rows, for comparison; lost ones compare as equal.
@@ -120,11 +120,11 @@ fn points_of_all(parts: &[Recording]) -> Vec<PointTrack> {
 fn trial_numbers(parts: &[Recording]) -> Vec<u64> {
     let trials: Vec<(u64, usize)> =
         parts.iter().flat_map(Recording::trials).map(|(number, rows)| (number, rows.len())).collect();
-    let mut known: Vec<u64> = trials.iter().map(|(number, _)| *number).collect();
-    known.sort_unstable();
-    let unique = known.windows(2).all(|pair| pair[0] != pair[1]);
-    let number = |(index, (own, rows)): (usize, &(u64, usize))| {
-        std::iter::repeat_n(if unique { *own } else { index as u64 }, *rows)
+    let mut numbers: Vec<u64> = trials.iter().map(|(number, _)| *number).collect();
+    numbers.sort_unstable();
+    let unique = numbers.windows(2).all(|pair| pair[0] != pair[1]);
+    let number = |(index, (recorded, rows)): (usize, &(u64, usize))| {
+        std::iter::repeat_n(if unique { *recorded } else { index as u64 }, *rows)
     };
     trials.iter().enumerate().flat_map(number).collect()
 }

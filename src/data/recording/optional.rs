@@ -11,7 +11,7 @@ pub(super) struct ColumnGroup<'a> {
     pub(super) table: &'a Table,
     pub(super) names: Vec<&'a str>,
     /// Whether the group is required. A group is complete or absent.
-    pub(super) need: bool,
+    pub(super) required: bool,
     /// Tracking flags of measured columns: where false, a cell may be empty or NaN.
     pub(super) lost: Option<&'a [bool]>,
 }
@@ -20,7 +20,7 @@ impl ColumnGroup<'_> {
     /// The numbers, `N` per row; NaN where tracking was lost and the cell is empty.
     pub(super) fn read<const N: usize>(&self) -> Result<Option<Vec<[f64; N]>>, DataError> {
         let columns: Vec<Option<&Cells>> = self.names.iter().map(|name| self.table.column(name)).collect();
-        if !self.need && columns.iter().all(Option::is_none) {
+        if !self.required && columns.iter().all(Option::is_none) {
             return Ok(None);
         }
         let mut rows = vec![[f64::NAN; N]; self.table.rows];

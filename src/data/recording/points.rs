@@ -62,11 +62,11 @@ pub(super) fn read(table: &Table) -> Result<Vec<PointTrack>, DataError> {
     let unseen = vec![false; table.rows];
     let point = |name: &str| {
         let mut point = PointTrack { name: name.to_owned(), position_m: Vec::new(), quaternion: None };
-        let (position, turn) = (point.position_columns(), point.quaternion_columns());
-        let group = |names: Vec<_>, need| ColumnGroup { table, names, need, lost: Some(&unseen) };
+        let (position, orientation) = (point.position_columns(), point.quaternion_columns());
+        let group = |names: Vec<_>, required| ColumnGroup { table, names, required, lost: Some(&unseen) };
         let read = group(position.iter().map(String::as_str).collect(), true).read::<3>()?;
         point.position_m = read.unwrap_or_default();
-        point.quaternion = group(turn.iter().map(String::as_str).collect(), false).quaternions()?;
+        point.quaternion = group(orientation.iter().map(String::as_str).collect(), false).quaternions()?;
         Ok(point)
     };
     names.into_iter().map(point).collect()

@@ -43,13 +43,14 @@ pub(super) fn recording(path: &Path, expected: &Expected) -> Result<Recording, D
     let points = points::read(&table)?;
     // Where tracking was lost, measured cells may be empty; beside other points also where the tip alone was not seen.
     let unseen = (!points.is_empty()).then(|| vec![false; table.rows]);
-    let measured = |names: &[&'static str], need| ColumnGroup {
+    let measured = |names: &[&'static str], required| ColumnGroup {
         table: &table,
         names: names.to_vec(),
-        need,
+        required,
         lost: unseen.as_deref().or(valid.as_deref()),
     };
-    let given = |names: &[&'static str]| ColumnGroup { table: &table, names: names.to_vec(), need: false, lost: None };
+    let applied =
+        |names: &[&'static str]| ColumnGroup { table: &table, names: names.to_vec(), required: false, lost: None };
 
     let tip_m = measured(&TIP, expected.measured && points.is_empty()).read::<3>()?;
     let tip_quaternion = measured(&TIP_Q, false).quaternions()?;
@@ -60,9 +61,9 @@ pub(super) fn recording(path: &Path, expected: &Expected) -> Result<Recording, D
         poses.map(|(position_m, quaternion)| Pose { position_m, quaternion }).collect()
     });
     let load: Vec<&'static str> = FORCE.into_iter().chain(MOMENT).collect();
-    let tip_load = given(&load).read::<6>()?.map(|rows| rows.into_iter().map(tip_load).collect());
+    let tip_load = applied(&load).read::<6>()?.map(|rows| rows.into_iter().map(tip_load).collect());
     let known_load_kg = optional::masses(&table, "known_load_kg")?;
-    let gravity_m_s2 = given(&GRAVITY).read::<3>()?;
+    let gravity_m_s2 = applied(&GRAVITY).read::<3>()?;
     same_in_trial(&table, &trial, gravity_m_s2.as_deref())?;
     let pattern = optional::labels(&table, "pattern");
     let extra = extra(&table, actuation, commands.width());
@@ -108,11 +109,11 @@ fn needed<'a>(table: &'a Table, name: &str) -> Result<&'a Cells, DataError> {
 fn trials(table: &Table) -> Result<Vec<u64>, DataError> {
     let cells = needed(table, "trial")?;
     let mut trials: Vec<u64> = Vec::with_capacity(table.rows);
-    let mut seen = std::collections::BTreeSet::new();
+    let mut earlier = std::collections::BTreeSet::new();
     for row in 0..table.rows {
         let number = whole_number(cells, row);
         let number = number.ok_or_else(|| table.cell_error(row, "trial", "a trial number: 0, 1, 2, …"))?;
-        if trials.last() != Some(&number) && !seen.insert(number) {
+        if trials.last() != Some(&number) && !earlier.insert(number) {
             return Err(table.cell_error(row, "trial", "a new trial: the rows of a trial stand together"));
         }
         trials.push(number);
@@ -140,17 +141,17 @@ fn times(table: &Table, trial: &[u64], in_time: bool) -> Result<Vec<f64>, DataEr
     let mut times: Vec<f64> = Vec::with_capacity(table.rows);
     for row in 0..table.rows {
         let time_s = optional::finite(cells, row).ok_or_else(|| table.cell_error(row, NAME, "seconds, a number"))?;
-        let first = row == 0 || trial[row] != trial[row - 1];
+        let is_first = row == 0 || trial[row] != trial[row - 1];
         if !in_time {
             times.push(time_s);
             continue;
         }
-        if first && time_s.abs() > START_TOLERANCE_S {
+        if is_first && time_s.abs() > START_TOLERANCE_S {
             return Err(table.cell_error(row, NAME, format!("0 at the start of trial {}", trial[row])));
         }
-        if !first && time_s <= times[row - 1] {
-            let before = format!("more than {} as in the row before: time increases in a trial", times[row - 1]);
-            return Err(table.cell_error(row, NAME, before));
+        if !is_first && time_s <= times[row - 1] {
+            let expected = format!("more than {} as in the row before: time increases in a trial", times[row - 1]);
+            return Err(table.cell_error(row, NAME, expected));
         }
         times.push(time_s);
     }
@@ -213,14 +214,14 @@ fn tendon_number(name: &str, actuation: Actuation) -> Option<usize> {
 fn extra(table: &Table, actuation: Actuation, tendons: usize) -> Vec<(String, Extra)> {
     let single = ["trial", "time_s", "known_load_kg", "valid", "pattern"];
     let groups: [&[&str]; 7] = [&TIP, &TIP_Q, &BASE, &BASE_Q, &FORCE, &MOMENT, &GRAVITY];
-    let known = |name: &str| {
+    let is_of_format = |name: &str| {
         single.contains(&name)
             || groups.iter().any(|group| group.contains(&name))
             || points::name_of(name).is_some()
             || drives::drive_of(name).is_some()
             || tendon_number(name, actuation).is_some_and(|number| number <= tendons)
     };
-    let unknown = table.columns.iter().filter(|(name, _)| !known(name));
+    let unknown = table.columns.iter().filter(|(name, _)| !is_of_format(name));
     unknown.map(|(name, cells)| (name.clone(), carried(cells))).collect()
 }
 

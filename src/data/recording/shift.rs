@@ -4,7 +4,7 @@ use super::{PointTrack, Recording};
 use crate::base::Rows;
 
 /// Times closer than this are the same, seconds.
-const SAME_S: f64 = 1e-9;
+const SAME_TIME_S: f64 = 1e-9;
 
 /// A row of the shifted recording.
 struct ShiftedRow {
@@ -24,9 +24,9 @@ impl Recording {
         let mut shifted = Recording::new(self.actuation, self.tendons());
         let mut rows = Vec::new();
         for (number, range) in self.trials() {
-            let own = shifted_rows(&self.time_s[range.clone()], offset_s);
-            shifted.trial.extend(std::iter::repeat_n(number, own.len()));
-            rows.extend(own.into_iter().map(|row| ShiftedRow {
+            let trial_rows = shifted_rows(&self.time_s[range.clone()], offset_s);
+            shifted.trial.extend(std::iter::repeat_n(number, trial_rows.len()));
+            rows.extend(trial_rows.into_iter().map(|row| ShiftedRow {
                 command: range.start + row.command,
                 tip: row.tip.map(|tip| range.start + tip),
                 ..row
@@ -63,12 +63,12 @@ fn shifted_rows(time_s: &[f64], offset_s: f64) -> Vec<ShiftedRow> {
         time_s.iter().enumerate().map(|(row, &time_s)| ShiftedRow { time_s, command: row, tip: None }).collect();
     for (tip, &at_s) in time_s.iter().enumerate() {
         let measured_s = at_s + offset_s;
-        if measured_s < -SAME_S {
+        if measured_s < -SAME_TIME_S {
             continue;
         }
         // At equal times the tip is measured before the command acts, as in every recording.
-        match rows.iter().position(|row| (row.time_s - measured_s).abs() < SAME_S) {
-            Some(there) => rows[there].tip = Some(tip),
+        match rows.iter().position(|row| (row.time_s - measured_s).abs() < SAME_TIME_S) {
+            Some(same_time) => rows[same_time].tip = Some(tip),
             None => {
                 let place = rows.partition_point(|row| row.time_s < measured_s);
                 let command = rows[place - 1].command;

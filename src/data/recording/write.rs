@@ -27,12 +27,20 @@ impl Recording {
     /// [`DataError::Write`] for another ending than `.csv` and `.parquet`, when columns differ in length, or when the file
     /// cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), DataError> {
+        write_atomic(path, &self.to_bytes(path)?)
+    }
+
+    /// The bytes that [`Recording::write`] writes to a file of this name.
+    ///
+    /// # Errors
+    /// Those of [`Recording::write`], but for the writing itself.
+    pub fn to_bytes(&self, path: &Path) -> Result<Vec<u8>, DataError> {
         Recording::check_name(path)?;
         let refused = |reason| DataError::Write { file: path.to_owned(), reason };
         let parquet = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("parquet"));
         let columns = columns(self).map_err(refused)?;
         let bytes = if parquet { parquet_bytes(columns) } else { csv_bytes(columns) };
-        write_atomic(path, &bytes.map_err(refused)?)
+        bytes.map_err(refused)
     }
 }
 
@@ -66,11 +74,11 @@ fn columns(recording: &Recording) -> Result<Vec<(String, Cells)>, String> {
     }
     group(&mut columns, &FORCE, recording.tip_load.as_deref(), |load| load.force_n, rows)?;
     group(&mut columns, &MOMENT, recording.tip_load.as_deref(), |load| load.moment_nm, rows)?;
-    group(&mut columns, &GRAVITY, recording.gravity_m_s2.as_deref(), |own| *own, rows)?;
+    group(&mut columns, &GRAVITY, recording.gravity_m_s2.as_deref(), |values| *values, rows)?;
     for point in &recording.points {
         let (position, turn) = (point.position_columns(), point.quaternion_columns());
-        group(&mut columns, &position.each_ref().map(String::as_str), Some(&point.position_m), |own| *own, rows)?;
-        group(&mut columns, &turn.each_ref().map(String::as_str), point.quaternion.as_deref(), |own| *own, rows)?;
+        group(&mut columns, &position.each_ref().map(String::as_str), Some(&point.position_m), |values| *values, rows)?;
+        group(&mut columns, &turn.each_ref().map(String::as_str), point.quaternion.as_deref(), |values| *values, rows)?;
     }
     if let Some(labels) = &recording.pattern {
         check("pattern", labels.len(), rows)?;

@@ -77,8 +77,8 @@ fn exclusions(model: &Model, measured: &Recording, samples: &Samples, options: &
     let mut exclusions = Exclusions::find(measured, &predicted_m(None));
     for (index, name) in model.tracking.names().iter().enumerate() {
         let Some(point) = measured.point(name) else { continue };
-        let place = (measured, point.position_m.as_slice());
-        exclusions.extend(Exclusions::find_at(place, &format!("point {name}"), &predicted_m(Some(index))));
+        let what = format!("point {name}");
+        exclusions.extend(Exclusions::find_at(measured, &point.position_m, &what, &predicted_m(Some(index))));
     }
     // Times of poses at rest are arbitrary, so steps between them are no gaps.
     if options.at_rest { Exclusions { gaps: Vec::new(), ..exclusions } } else { exclusions }

@@ -20,18 +20,18 @@ use std::thread::{Builder, available_parallelism};
 use std::time::{Duration, Instant};
 
 /// How long a thread without work waits before it asks again for stages that other processes compute; twice as long each
-/// time, up to [`LONGEST_PAUSE`].
-pub const SHORTEST_PAUSE: Duration = Duration::from_millis(50);
-/// Longest such wait, and longest until a thread without work sees that it shall stop.
-pub const LONGEST_PAUSE: Duration = Duration::from_secs(2);
-/// Stages that it asks for then.
-pub const RESUMED: usize = 16;
+/// time, up to [`MAX_PAUSE`].
+pub const MIN_PAUSE: Duration = Duration::from_millis(50);
+/// Longest such wait, and so the longest until a thread without work sees that it shall stop.
+pub const MAX_PAUSE: Duration = Duration::from_secs(2);
+/// Postponed stages that it tries again after a pause.
+pub const MAX_RESUMED_STAGES: usize = 16;
 /// How often a thread without work of its own asks which shares are finished.
-pub const EXCHANGE: Duration = Duration::from_secs(1);
+pub const EXCHANGE_INTERVAL: Duration = Duration::from_secs(1);
 /// Results that one of several workers keeps in memory; it reads older ones again.
-pub const HELD_RESULTS: usize = 200;
+pub const MAX_RESULTS_IN_MEMORY: usize = 200;
 /// Results that it may have computed and not stored yet.
-pub const UNWRITTEN_RESULTS: usize = 8;
+pub const MAX_UNWRITTEN_RESULTS: usize = 8;
 
 /// How a graph is executed.
 pub struct RunOptions<'a> {
@@ -145,11 +145,11 @@ struct Execution<'a> {
     worker: usize,
     queue: Mutex<StageQueue<'a>>,
     /// Notified when stages have ended.
-    news: Condvar,
+    stages_ended: Condvar,
     values: Vec<Mutex<Option<StageOutcome>>>,
     timings: Vec<Mutex<Option<Timing>>>,
     /// Uses of each result that are still to come; a wanted one counts one more, so that it stays.
-    uses: Vec<AtomicUsize>,
+    remaining_uses: Vec<AtomicUsize>,
     /// Of one of several workers.
     sharing: Option<Sharing>,
     cost: Mutex<SharingCost>,
@@ -160,13 +160,13 @@ struct Execution<'a> {
 #[derive(Default)]
 struct Sharing {
     /// The results in memory, the oldest first.
-    held: Mutex<VecDeque<usize>>,
+    in_memory: Mutex<VecDeque<usize>>,
     /// Takes results to the thread that stores them: a shared folder may be slow.
     writer: Mutex<Option<SyncSender<Unwritten>>>,
     /// When it last asked which shares are finished.
-    exchanged: Mutex<Option<Instant>>,
+    last_exchange: Mutex<Option<Instant>>,
     /// Whether it has recorded its own share as finished.
-    recorded: AtomicBool,
+    share_recorded: AtomicBool,
 }
 
 /// A computed result on its way to the store, with the lock of its entry.
@@ -182,13 +182,14 @@ enum Attempt {
     /// It was computed, or has failed.
     Computed,
     /// It is stored.
-    Found,
+    Stored,
     /// Another process computes it.
     Elsewhere,
     /// An input is not stored.
     MissingInput,
 }
 
+/// Locks a mutex, poisoned or not: a stage that panics is caught in [`compute`], where nothing is locked.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -205,9 +206,9 @@ impl<'a> Execution<'a> {
         plan: &'a WorkPlan,
         worker: usize,
     ) -> Execution<'a> {
-        let mut uses = vec![0; graph.len()];
+        let mut remaining_uses = vec![0; graph.len()];
         for stage in plan.missing() {
-            graph.inputs(stage).iter().for_each(|&input| uses[input] += 1);
+            graph.inputs(stage).iter().for_each(|&input| remaining_uses[input] += 1);
         }
         Execution {
             graph,
@@ -215,10 +216,10 @@ impl<'a> Execution<'a> {
             options,
             worker,
             queue: Mutex::new(StageQueue::new(plan, worker)),
-            news: Condvar::new(),
+            stages_ended: Condvar::new(),
             values: graph.nodes.iter().map(|_| Mutex::default()).collect(),
             timings: graph.nodes.iter().map(|_| Mutex::default()).collect(),
-            uses: uses.into_iter().map(AtomicUsize::new).collect(),
+            remaining_uses: remaining_uses.into_iter().map(AtomicUsize::new).collect(),
             sharing: None,
             cost: Mutex::default(),
             write_failed: AtomicBool::new(false),
@@ -228,7 +229,7 @@ impl<'a> Execution<'a> {
     fn run(mut self, needs: &[Need], values: Vec<Option<StageOutcome>>, wanted: &[usize]) -> Result<Outcomes, Failure> {
         let cached = values.iter().flatten().count();
         self.values = values.into_iter().map(Mutex::new).collect();
-        wanted.iter().for_each(|&stage| *self.uses[stage].get_mut() += 1);
+        wanted.iter().for_each(|&stage| *self.remaining_uses[stage].get_mut() += 1);
         let missing = (0..needs.len()).filter(|&stage| needs[stage] == Need::Compute);
         let kinds = missing.map(|stage| self.graph.nodes[stage].kind);
         let threads = match self.options.threads {
@@ -239,9 +240,9 @@ impl<'a> Execution<'a> {
         self.options.progress.planned(stages, cached, threads, &|kind| self.store.usual_s(kind));
         // Parts of stages share as many more; the first run of a process decides.
         let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
-        let started = std::thread::scope(|scope| {
+        let started_threads = std::thread::scope(|scope| {
             if let Some(sharing) = &self.sharing {
-                let (sender, results) = sync_channel(UNWRITTEN_RESULTS);
+                let (sender, results) = sync_channel(MAX_UNWRITTEN_RESULTS);
                 *lock(&sharing.writer) = Some(sender);
                 scope.spawn(|| results.into_iter().for_each(|result| self.store_result(result)));
             }
@@ -254,7 +255,7 @@ impl<'a> Execution<'a> {
             self.sharing.iter().for_each(|sharing| *lock(&sharing.writer) = None);
             started
         });
-        if started == 0 {
+        if started_threads == 0 {
             return Err(Failure { stage: "threads".into(), status: "none could be started".into() });
         }
         self.options.progress.done();
@@ -263,37 +264,37 @@ impl<'a> Execution<'a> {
 
     /// Computes stages until none is left for this thread or it shall stop.
     fn work(&self) {
-        let mut pause = SHORTEST_PAUSE;
+        let mut pause = MIN_PAUSE;
         let mut queue = lock(&self.queue);
-        while queue.left() > 0 && !self.options.stop.load(Ordering::Relaxed) {
+        while queue.unfinished() > 0 && !self.options.stop.load(Ordering::Relaxed) {
             self.exchange(&mut queue);
             let Some(stage) = queue.take() else {
                 // So many stages keep at most so many workers busy: the others end.
-                if queue.left() <= self.worker {
+                if queue.unfinished() <= self.worker {
                     break;
                 }
                 let paused = Instant::now();
-                queue = self.news.wait_timeout(queue, pause).unwrap_or_else(PoisonError::into_inner).0;
+                queue = self.stages_ended.wait_timeout(queue, pause).unwrap_or_else(PoisonError::into_inner).0;
                 let mut cost = lock(&self.cost);
                 cost.idle_s += paused.elapsed().as_secs_f64();
-                cost.polls += usize::from(queue.resume(RESUMED) > 0);
-                pause = (2 * pause).min(LONGEST_PAUSE);
+                cost.polls += usize::from(queue.resume(MAX_RESUMED_STAGES) > 0);
+                pause = (2 * pause).min(MAX_PAUSE);
                 continue;
             };
             let (owned, unknown) = (queue.owns(stage), queue.unknown_inputs(stage));
             drop(queue);
             let (stored, attempt) = self.attempt(stage, owned, &unknown);
             queue = lock(&self.queue);
-            stored.iter().for_each(|&input| queue.found(input));
+            stored.iter().for_each(|&input| queue.mark_stored(input));
             match attempt {
-                Attempt::Computed => queue.computed(stage),
-                Attempt::Found => queue.found(stage),
+                Attempt::Computed => queue.mark_computed(stage),
+                Attempt::Stored => queue.mark_stored(stage),
                 Attempt::Elsewhere => queue.postpone(stage),
                 Attempt::MissingInput => queue.wait_for_inputs(stage),
             }
-            if matches!(attempt, Attempt::Computed | Attempt::Found) {
-                pause = SHORTEST_PAUSE;
-                self.news.notify_all();
+            if matches!(attempt, Attempt::Computed | Attempt::Stored) {
+                pause = MIN_PAUSE;
+                self.stages_ended.notify_all();
             }
         }
     }
@@ -301,23 +302,23 @@ impl<'a> Execution<'a> {
     /// Before it steals, a worker tells that its own share is finished and asks which others are.
     fn exchange(&self, queue: &mut StageQueue) {
         let Some(sharing) = self.sharing.as_ref().filter(|_| queue.is_idle()) else { return };
-        if queue.own_share_finished() && !sharing.recorded.swap(true, Ordering::Relaxed) {
+        if queue.own_share_finished() && !sharing.share_recorded.swap(true, Ordering::Relaxed) {
             self.options.record.record_share(self.worker);
         }
-        let mut exchanged = lock(&sharing.exchanged);
-        if exchanged.is_none_or(|last| last.elapsed() >= EXCHANGE) {
-            *exchanged = Some(Instant::now());
-            self.options.record.finished_shares().into_iter().for_each(|share| queue.found_share(share));
+        let mut last_exchange = lock(&sharing.last_exchange);
+        if last_exchange.is_none_or(|last| last.elapsed() >= EXCHANGE_INTERVAL) {
+            *last_exchange = Some(Instant::now());
+            self.options.record.finished_shares().into_iter().for_each(|share| queue.mark_share_stored(share));
         }
     }
 
     /// Computes a stage unless it is stored or an input is missing; with the inputs that are found stored.
     fn attempt(&self, number: usize, owned: bool, unknown_inputs: &[usize]) -> (Vec<usize>, Attempt) {
         let mut stored = Vec::new();
-        // An own stage is probably missing: its lock is asked for at once.
+        // A stage of the worker's own share is probably missing: looking it up first would only cost time.
         if !owned && self.is_stored(number) {
             lock(&self.cost).found += 1;
-            return (stored, Attempt::Found);
+            return (stored, Attempt::Stored);
         }
         for &input in unknown_inputs {
             if !self.is_stored(input) {
@@ -341,9 +342,9 @@ impl<'a> Execution<'a> {
             lock(&self.cost).found += 1;
             self.options.progress.finished(event, Timing::default(), None);
             self.release_inputs(number);
-            return Attempt::Found;
+            return Attempt::Stored;
         }
-        // A failure that is known, or inherited from an input, was event when it happened.
+        // A failure that is known, or inherited from an input, was reported when it happened.
         let inputs = self.options.record.find_failure(&node.key).map_or_else(|| self.inputs(node), Err);
         let (outcome, timing) = match inputs {
             Ok(inputs) => {
@@ -414,10 +415,10 @@ impl<'a> Execution<'a> {
     fn keep(&self, number: usize, outcome: StageOutcome) {
         *lock(&self.values[number]) = Some(outcome);
         let Some(sharing) = &self.sharing else { return };
-        let mut held = lock(&sharing.held);
-        held.push_back(number);
-        if held.len() > HELD_RESULTS
-            && let Some(oldest) = held.pop_front()
+        let mut in_memory = lock(&sharing.in_memory);
+        in_memory.push_back(number);
+        if in_memory.len() > MAX_RESULTS_IN_MEMORY
+            && let Some(oldest) = in_memory.pop_front()
         {
             lock(&self.values[oldest]).take_if(|outcome| outcome.is_ok());
         }
@@ -426,7 +427,7 @@ impl<'a> Execution<'a> {
     /// Drops inputs that no other stage will read.
     fn release_inputs(&self, number: usize) {
         for &input in &self.graph.nodes[number].inputs {
-            if self.uses[input].fetch_sub(1, Ordering::AcqRel) == 1 {
+            if self.remaining_uses[input].fetch_sub(1, Ordering::AcqRel) == 1 {
                 *lock(&self.values[input]) = None;
             }
         }
@@ -460,13 +461,13 @@ impl<'a> Execution<'a> {
     }
 
     fn outcomes(self, cached: usize, wanted: &[usize]) -> Outcomes {
-        let stopped = lock(&self.queue).left() > 0 && self.options.stop.load(Ordering::Relaxed);
+        let stopped = lock(&self.queue).unfinished() > 0 && self.options.stop.load(Ordering::Relaxed);
         if !stopped {
             // What other processes have stored meanwhile.
             wanted.iter().for_each(|&stage| drop(self.value(stage)));
         }
         let mut cost = inner(self.cost);
-        cost.left = inner(self.queue).left();
+        cost.left = inner(self.queue).unfinished();
         let values = self.values.into_iter().map(inner).collect();
         let timings = self.timings.into_iter().map(inner).collect();
         Outcomes::new(values, timings, cached + cost.found, stopped, cost)

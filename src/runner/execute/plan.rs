@@ -6,7 +6,7 @@ use crate::runner::store::Store;
 /// What a run would do with a stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Need {
-    /// Nothing: no stage that must be computed asks for it.
+    /// Nothing: no stage that must be computed reads it.
     None,
     /// Read it from the store.
     Cached,
@@ -25,14 +25,14 @@ pub(in crate::runner) fn plan_with(
     wanted: &[usize],
     mut stored: impl FnMut(usize, &StageNode) -> bool,
 ) -> Vec<Need> {
-    let mut asked = vec![false; graph.nodes.len()];
-    wanted.iter().for_each(|&node| asked[node] = true);
+    let mut needed = vec![false; graph.nodes.len()];
+    wanted.iter().for_each(|&node| needed[node] = true);
     let mut needs = vec![Need::None; graph.nodes.len()];
     for (number, node) in graph.nodes.iter().enumerate().rev() {
-        if asked[number] {
+        if needed[number] {
             needs[number] = if stored(number, node) { Need::Cached } else { Need::Compute };
             if needs[number] == Need::Compute {
-                node.inputs.iter().for_each(|&input| asked[input] = true);
+                node.inputs.iter().for_each(|&input| needed[input] = true);
             }
         }
     }

@@ -37,7 +37,7 @@ pub struct StageEvent<'a> {
 pub struct Progress {
     style: Style,
     bar: ProgressBar,
-    left: Mutex<StageCounts>,
+    counts: Mutex<StageCounts>,
     remaining: Arc<Mutex<RemainingTime>>,
 }
 
@@ -69,7 +69,7 @@ impl Progress {
         let target = if visible { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
         let bar = ProgressBar::with_draw_target(Some(0), target);
         let remaining = Arc::new(Mutex::new(RemainingTime::none()));
-        Progress { style, bar, left: Mutex::default(), remaining }
+        Progress { style, bar, counts: Mutex::default(), remaining }
     }
 
     /// Whether only notes are told.
@@ -78,66 +78,67 @@ impl Progress {
     }
 
     /// The work is known: stages to compute on so many threads, each with its kind and rough cost in milliseconds, and
-    /// `cached` that need nothing. `known_s`: what a stage of a kind took in runs before, seconds.
+    /// `cached` that need nothing. `usual_s`: what a stage of a kind took in runs before, seconds.
     pub fn planned<'a>(
         &self,
         compute: impl Iterator<Item = (&'a str, u64)> + Clone,
         cached: usize,
         threads: usize,
-        known_s: &dyn Fn(&str) -> Option<f64>,
+        usual_s: &dyn Fn(&str) -> Option<f64>,
     ) {
-        let mut left = StageCounts::default();
+        let mut planned = StageCounts::default();
         for (kind, _) in compute.clone() {
-            left.kinds.entry(kind.to_owned()).or_default()[1] += 1;
-            left.total += 1;
+            planned.kinds.entry(kind.to_owned()).or_default()[1] += 1;
+            planned.total += 1;
         }
         if let Ok(mut remaining) = self.remaining.lock() {
-            *remaining = RemainingTime::new(compute, threads, known_s);
+            *remaining = RemainingTime::new(compute, threads, usual_s);
         }
-        self.event("planned", json!({ "compute": left.total, "cached": cached }));
-        if let Ok(mut known) = self.left.lock() {
-            *known = left;
+        self.event("planned", json!({ "compute": planned.total, "cached": cached }));
+        if let Ok(mut counts) = self.counts.lock() {
+            *counts = planned;
         }
         self.bar.set_length(BAR_PARTS);
         self.bar.reset();
         let remaining = Arc::clone(&self.remaining);
-        let words = move |_: &ProgressState, out: &mut dyn std::fmt::Write| {
-            let left_s = remaining.lock().ok().and_then(|mut remaining| remaining.left_s(Instant::now()));
-            let _ = match left_s {
-                Some(left_s) => write!(out, "{} left", about(left_s)),
+        let write_remaining = move |_: &ProgressState, out: &mut dyn std::fmt::Write| {
+            let remaining_s = remaining.lock().ok().and_then(|mut remaining| remaining.remaining_s(Instant::now()));
+            let _ = match remaining_s {
+                Some(remaining_s) => write!(out, "{} left", about(remaining_s)),
                 None => write!(out, "estimating the time left"),
             };
         };
         let style = ProgressStyle::with_template("{bar:32} {percent:>3} %  {msg}  {remaining}");
-        self.bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).with_key("remaining", words));
+        self.bar
+            .set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).with_key("remaining", write_remaining));
         self.bar.enable_steady_tick(Duration::from_millis(250));
     }
 
     /// A stage begins.
-    pub fn started(&self, told: StageEvent) {
+    pub fn started(&self, event: StageEvent) {
         if let Ok(mut remaining) = self.remaining.lock() {
-            remaining.started(told.stage);
+            remaining.started(event.stage);
         }
-        self.event("started", json!({ "stage": told.stage, "label": told.label, "key": told.key }));
+        self.event("started", json!({ "stage": event.stage, "label": event.label, "key": event.key }));
     }
 
     /// A stage ended, with its failure if it failed.
-    pub fn finished(&self, told: StageEvent, timing: Timing, failure: Option<&str>) {
-        let state = json!({ "stage": told.stage, "label": told.label, "key": told.key, "wall_s": timing.wall_s,
+    pub fn finished(&self, event: StageEvent, timing: Timing, failure: Option<&str>) {
+        let state = json!({ "stage": event.stage, "label": event.label, "key": event.key, "wall_s": timing.wall_s,
                             "cpu_s": timing.cpu_s, "failure": failure });
         self.event("finished", state);
         if let Some(failure) = failure {
-            self.notice(&format!("{} {} failed: {failure}", told.stage, told.label));
+            self.notice(&format!("{} {} failed: {failure}", event.stage, event.label));
         }
-        let Ok(mut left) = self.left.lock() else { return };
-        left.done += 1;
-        left.failed += usize::from(failure.is_some());
-        if let Some([done, _]) = left.kinds.get_mut(told.stage) {
+        let Ok(mut counts) = self.counts.lock() else { return };
+        counts.done += 1;
+        counts.failed += usize::from(failure.is_some());
+        if let Some([done, _]) = counts.kinds.get_mut(event.stage) {
             *done += 1;
         }
-        self.bar.set_message(left.words(told.stage));
+        self.bar.set_message(counts.words(event.stage));
         if let Ok(mut remaining) = self.remaining.lock() {
-            remaining.finished(told.stage, timing.wall_s);
+            remaining.finished(event.stage, timing.wall_s);
             let share = remaining.share_done(Instant::now());
             self.bar.set_position(self.bar.position().max((share * BAR_PARTS as f64) as u64).min(BAR_PARTS));
         }
@@ -173,7 +174,7 @@ impl Progress {
 
     /// How many stages are done, and how many there are to compute.
     pub fn counts(&self) -> (usize, usize) {
-        self.left.lock().map_or((0, 0), |left| (left.done, left.total))
+        self.counts.lock().map_or((0, 0), |counts| (counts.done, counts.total))
     }
 
     /// Everything is done.
@@ -196,9 +197,9 @@ mod tests {
     #[test]
     fn a_person_reads_how_far_it_is() {
         let kinds = BTreeMap::from([("reach".to_owned(), [3, 8]), ("train".to_owned(), [2, 2])]);
-        let mut left = StageCounts { total: 10, done: 5, failed: 0, kinds };
-        assert_eq!(left.words("reach"), "5 of 10 stages, reach 3/8");
-        left.failed = 1;
-        assert_eq!(left.words("train"), "5 of 10 stages, 1 failed, train 2/2");
+        let mut counts = StageCounts { total: 10, done: 5, failed: 0, kinds };
+        assert_eq!(counts.words("reach"), "5 of 10 stages, reach 3/8");
+        counts.failed = 1;
+        assert_eq!(counts.words("train"), "5 of 10 stages, 1 failed, train 2/2");
     }
 }

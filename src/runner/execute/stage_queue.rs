@@ -13,14 +13,14 @@ use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
 
 /// Stages of a share that a thief tries in vain, one after the other, before it goes to the next share.
-const MISSES: usize = 3;
+const MAX_MISSES_PER_SHARE: usize = 3;
 
 /// The missing stages of a run and how workers divide them.
 pub struct WorkPlan {
     /// Stages of each share, in the order of the graph.
     shares: Vec<Vec<usize>>,
     /// Share that each missing stage belongs to.
-    share: Vec<usize>,
+    share_of: Vec<usize>,
     /// Estimated cost of the longest chain that starts with each stage, milliseconds.
     priority_ms: Vec<u64>,
     /// Missing stages that read each stage, and missing stages that each reads.
@@ -36,14 +36,15 @@ impl WorkPlan {
         let cost = |stage: usize| u128::from(graph.cost_ms(stage).max(1));
         let mut plan = WorkPlan {
             shares: vec![Vec::new(); workers],
-            share: vec![0; count],
+            share_of: vec![0; count],
             priority_ms: vec![0; count],
             dependents: vec![Vec::new(); count],
             inputs: vec![Vec::new(); count],
         };
-        let mut total = 0;
+        // From the last stage to the first, so that the chains behind a stage are known when its turn comes.
+        let mut total_cost = 0;
         for stage in (0..count).rev().filter(|&stage| is_missing(stage)) {
-            total += cost(stage);
+            total_cost += cost(stage);
             plan.priority_ms[stage] += graph.cost_ms(stage);
             for &input in graph.inputs(stage).iter().filter(|&&input| is_missing(input)) {
                 plan.inputs[stage].push(input);
@@ -51,18 +52,16 @@ impl WorkPlan {
                 plan.priority_ms[input] = plan.priority_ms[input].max(plan.priority_ms[stage]);
             }
         }
-        let mut before = 0;
+        let mut cost_before = 0;
         for stage in (0..count).filter(|&stage| is_missing(stage)) {
-            let share = (before * workers as u128 / total) as usize;
-            plan.share[stage] = share;
+            let share = (cost_before * workers as u128 / total_cost) as usize;
+            plan.share_of[stage] = share;
             plan.shares[share].push(stage);
-            before += cost(stage);
+            cost_before += cost(stage);
         }
         plan
     }
-}
 
-impl WorkPlan {
     /// The missing stages, in the order of the graph.
     pub fn missing(&self) -> impl Iterator<Item = usize> + '_ {
         self.shares.iter().flatten().copied()
@@ -87,9 +86,10 @@ pub struct StageQueue<'a> {
     worker: usize,
     state: Vec<StageState>,
     /// Missing inputs of each stage that this worker does not know to be finished.
-    waits: Vec<usize>,
+    unfinished_inputs: Vec<usize>,
     /// Stages of other shares that this worker's share waits for.
     needed: Vec<bool>,
+    /// Whether of the worker's own share, priority and number, which decide in this order.
     ready: BinaryHeap<(bool, u64, Reverse<usize>)>,
     /// Stages that another worker computes, the longest postponed first.
     postponed: VecDeque<usize>,
@@ -97,31 +97,31 @@ pub struct StageQueue<'a> {
     victims: Vec<usize>,
     candidates: Vec<usize>,
     misses: usize,
-    left: usize,
+    unfinished: usize,
 }
 
 impl<'a> StageQueue<'a> {
     /// The queue of worker number `worker`, from 0.
     pub fn new(plan: &'a WorkPlan, worker: usize) -> StageQueue<'a> {
-        let count = plan.share.len();
+        let count = plan.share_of.len();
         let mut queue = StageQueue {
             plan,
             worker,
             state: vec![StageState::Unknown; count],
-            waits: plan.inputs.iter().map(Vec::len).collect(),
+            unfinished_inputs: plan.inputs.iter().map(Vec::len).collect(),
             needed: vec![false; count],
             ready: BinaryHeap::new(),
             postponed: VecDeque::new(),
             victims: Vec::new(),
             candidates: Vec::new(),
             misses: 0,
-            left: plan.shares.iter().map(Vec::len).sum(),
+            unfinished: plan.shares.iter().map(Vec::len).sum(),
         };
         let mut needed = plan.shares[worker].clone();
         while let Some(stage) = needed.pop() {
             if !std::mem::replace(&mut queue.needed[stage], true) {
                 needed.extend(&plan.inputs[stage]);
-                if queue.waits[stage] == 0 {
+                if queue.unfinished_inputs[stage] == 0 {
                     queue.push(stage);
                 }
             }
@@ -147,7 +147,7 @@ impl<'a> StageQueue<'a> {
     /// The next stage of another share to try.
     fn steal(&mut self) -> Option<usize> {
         loop {
-            if self.misses < MISSES
+            if self.misses < MAX_MISSES_PER_SHARE
                 && let Some(stage) = self.candidates.pop()
             {
                 self.misses += 1;
@@ -176,18 +176,18 @@ impl<'a> StageQueue<'a> {
     }
 
     /// This worker has computed a taken stage, or it has failed: dependents may have become ready.
-    pub fn computed(&mut self, stage: usize) {
+    pub fn mark_computed(&mut self, stage: usize) {
         self.misses = 0;
         self.finish(stage, true);
     }
 
     /// A stage is found stored, and so is all that it was computed from.
-    pub fn found(&mut self, stage: usize) {
+    pub fn mark_stored(&mut self, stage: usize) {
         self.finish(stage, false);
     }
 
     /// The worker of a share has seen all its stages finished.
-    pub fn found_share(&mut self, share: usize) {
+    pub fn mark_share_stored(&mut self, share: usize) {
         self.plan.shares[share].iter().for_each(|&stage| self.finish(stage, false));
         self.victims.retain(|&victim| victim != share);
     }
@@ -196,13 +196,13 @@ impl<'a> StageQueue<'a> {
         if std::mem::replace(&mut self.state[stage], StageState::Finished) == StageState::Finished {
             return;
         }
-        self.left -= 1;
+        self.unfinished -= 1;
         let plan = self.plan;
         for &next in &plan.dependents[stage] {
-            self.waits[next] -= 1;
+            self.unfinished_inputs[next] -= 1;
             // Stages of other shares are probably stored, too, unless this worker computed their input or asked for them.
-            let asked = self.state[next] == StageState::Taken;
-            if self.waits[next] == 0 && (computed || asked || self.needed[next]) {
+            let waits_for_inputs = self.state[next] == StageState::Taken;
+            if self.unfinished_inputs[next] == 0 && (computed || waits_for_inputs || self.needed[next]) {
                 self.push(next);
             }
         }
@@ -225,22 +225,22 @@ impl<'a> StageQueue<'a> {
         }
     }
 
-    /// Makes at most `most` of the postponed stages ready again and visits the other shares again; how many.
-    pub fn resume(&mut self, most: usize) -> usize {
-        let resumed: Vec<usize> = self.postponed.drain(..most.min(self.postponed.len())).collect();
+    /// Makes at most `max_count` of the postponed stages ready again and visits the other shares again; how many.
+    pub fn resume(&mut self, max_count: usize) -> usize {
+        let resumed: Vec<usize> = self.postponed.drain(..max_count.min(self.postponed.len())).collect();
         resumed.iter().for_each(|&stage| self.push(stage));
         self.visit_others();
         resumed.len()
     }
 
     /// Stages that this worker does not know to be finished.
-    pub fn left(&self) -> usize {
-        self.left
+    pub fn unfinished(&self) -> usize {
+        self.unfinished
     }
 
     /// Whether a stage is of this worker's own share.
     pub fn owns(&self, stage: usize) -> bool {
-        self.plan.share[stage] == self.worker
+        self.plan.share_of[stage] == self.worker
     }
 
     /// Whether no stage is known to be ready: the next one would be stolen.
@@ -292,7 +292,7 @@ mod tests {
 
     /// Takes and computes stages until none is left to take.
     fn drain(queue: &mut StageQueue) -> Vec<usize> {
-        std::iter::from_fn(|| queue.take().inspect(|&stage| queue.computed(stage))).collect()
+        std::iter::from_fn(|| queue.take().inspect(|&stage| queue.mark_computed(stage))).collect()
     }
 
     #[test]
@@ -302,18 +302,18 @@ mod tests {
         assert_eq!(plan.shares, [[0, 1, 2, 3], [4, 5, 6, 7]]);
         let mut queue = StageQueue::new(&plan, 1);
         assert_eq!((queue.take(), queue.take(), queue.is_idle()), (Some(4), Some(0), true));
-        queue.computed(4);
+        queue.mark_computed(4);
         queue.postpone(0);
         assert_eq!((queue.resume(10), queue.take()), (1, Some(0)));
-        queue.found(0);
+        queue.mark_stored(0);
         // The longest chain first: 5 with 6 behind it. Then what is left of the other share.
         assert_eq!([queue.take(), queue.take()], [Some(5), Some(7)]);
         assert!(!queue.own_share_finished());
-        queue.computed(7);
-        queue.computed(5);
+        queue.mark_computed(7);
+        queue.mark_computed(5);
         assert_eq!(queue.take(), Some(6));
-        queue.computed(6);
-        assert!(queue.own_share_finished() && queue.left() == 3);
+        queue.mark_computed(6);
+        assert!(queue.own_share_finished() && queue.unfinished() == 3);
         let stolen = queue.take().unwrap();
         assert!(stolen < 4 && !queue.owns(stolen));
     }
@@ -325,23 +325,23 @@ mod tests {
         let mut queue = StageQueue::new(&plan, 0);
         assert_eq!(drain(&mut queue)[..4], [0, 1, 2, 3]);
         let mut thief = StageQueue::new(&plan, 0);
-        (0..4).for_each(|stage| thief.found(stage));
+        (0..4).for_each(|stage| thief.mark_stored(stage));
         thief.state[6] = StageState::Taken;
         assert_eq!(thief.unknown_inputs(6), [5]);
         thief.wait_for_inputs(6);
         assert_eq!((thief.take(), thief.unknown_inputs(5)), (Some(5), vec![4]));
         thief.wait_for_inputs(5);
         assert_eq!(thief.take(), Some(4));
-        thief.computed(4);
+        thief.mark_computed(4);
         assert_eq!(thief.take(), Some(5));
-        thief.found(5);
+        thief.mark_stored(5);
         assert_eq!(drain(&mut thief), [6, 7]);
         let mut other = StageQueue::new(&plan, 0);
-        other.found(6);
-        assert_eq!(other.left(), 4, "6 was computed from 5, 4 and 0");
-        other.found_share(0);
-        assert_eq!((other.left(), other.own_share_finished()), (1, true));
-        assert_eq!((drain(&mut other), other.left()), (vec![7], 0));
+        other.mark_stored(6);
+        assert_eq!(other.unfinished(), 4, "6 was computed from 5, 4 and 0");
+        other.mark_share_stored(0);
+        assert_eq!((other.unfinished(), other.own_share_finished()), (1, true));
+        assert_eq!((drain(&mut other), other.unfinished()), (vec![7], 0));
     }
 
     #[test]
@@ -353,8 +353,8 @@ mod tests {
         thief.state[2] = StageState::Taken;
         thief.wait_for_inputs(2);
         assert_eq!([thief.take(), thief.take()], [Some(0), Some(1)]);
-        thief.computed(0);
-        thief.found(1);
+        thief.mark_computed(0);
+        thief.mark_stored(1);
         assert_eq!(thief.take(), Some(2));
     }
 

@@ -18,6 +18,7 @@ pub(in crate::runner) fn key(
 ) -> Result<Key, String> {
     let params = serde_json::to_vec(params).map_err(|error| error.to_string())?;
     let mut hasher = blake3::Hasher::new();
+    // Each part goes with its length: other parts that join to the same bytes have another key.
     for part in [b"spinebench stage".as_slice(), stage.as_bytes(), code.bytes(), &params] {
         hasher.update(&(part.len() as u64).to_le_bytes());
         hasher.update(part);

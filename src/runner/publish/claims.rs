@@ -20,7 +20,8 @@ pub const SEEDS_NEEDED: usize = 10;
 pub fn evaluate(claims: &[PaperClaim], tables: &Tables, seeds: &[u64], trainings: &[String]) -> Vec<ClaimRow> {
     let mut rows = Vec::new();
     for claim in claims {
-        let depends = |metric: &ClaimMetric| metric.depends_on_training() || of_training(metric, tables);
+        let depends =
+            |metric: &ClaimMetric| metric.depends_on_training() || depends_on_simulating_network(metric, tables);
         if claim.relation.metrics().iter().any(depends) {
             rows.extend(trainings.iter().map(|training| judge(claim, tables, seeds, training)));
         } else {
@@ -31,7 +32,7 @@ pub fn evaluate(claims: &[PaperClaim], tables: &Tables, seeds: &[u64], trainings
 }
 
 /// Gaussian processes depend on the training when p_sim comes from the forward network.
-fn of_training(metric: &ClaimMetric, tables: &Tables) -> bool {
+fn depends_on_simulating_network(metric: &ClaimMetric, tables: &Tables) -> bool {
     matches!(metric, ClaimMetric::GpError { .. }) && tables.published.gps.iter().any(|row| row.training != ANY_TRAINING)
 }
 
@@ -43,18 +44,18 @@ pub(in crate::runner) fn per_robot(
     trainings: &[String],
 ) -> Vec<RobotClaimRow> {
     let row = |claim: &PaperClaim, training: &String| {
-        let [from, to] = holds(&claim.relation);
-        let numbers: Vec<f64> =
-            seeds.iter().filter_map(|&seed| number(&claim.relation, tables, seed, training)).collect();
-        let held = numbers.iter().filter(|number| (from..to).contains(*number)).count();
-        let [low_95, high_95] = wilson_95(held as u64, numbers.len() as u64);
+        let [from, to] = accepted_range(&claim.relation);
+        let values: Vec<f64> =
+            seeds.iter().filter_map(|&seed| seed_value(&claim.relation, tables, seed, training)).collect();
+        let holding = values.iter().filter(|seed_value| (from..to).contains(*seed_value)).count();
+        let [low_95, high_95] = wilson_95(holding as u64, values.len() as u64);
         RobotClaimRow {
             claim: claim.claim.clone(),
             statement: claim.statement.clone(),
             training: training.clone(),
-            robots: numbers.len() as u64,
-            held: held as u64,
-            share: held as f64 / numbers.len() as f64,
+            robots: values.len() as u64,
+            held: holding as u64,
+            share: holding as f64 / values.len() as f64,
             low_95,
             high_95,
         }
@@ -63,21 +64,22 @@ pub(in crate::runner) fn per_robot(
 }
 
 fn judge(claim: &PaperClaim, tables: &Tables, seeds: &[u64], training: &str) -> ClaimRow {
-    let numbers: Vec<f64> = seeds.iter().filter_map(|&seed| number(&claim.relation, tables, seed, training)).collect();
-    let interval = interval_95(&numbers);
+    let values: Vec<f64> =
+        seeds.iter().filter_map(|&seed| seed_value(&claim.relation, tables, seed, training)).collect();
+    let interval = interval_95(&values);
     let [low_95, high_95] = interval.unwrap_or([f64::NAN; 2]);
-    let decided = interval.filter(|_| numbers.len() >= SEEDS_NEEDED);
-    let range = holds(&claim.relation);
+    let decided = interval.filter(|_| values.len() >= SEEDS_NEEDED);
+    let range = accepted_range(&claim.relation);
     ClaimRow {
         claim: claim.claim.clone(),
         statement: claim.statement.clone(),
         training: training.to_owned(),
         paper: claim.paper.unwrap_or(f64::NAN),
-        ours: mean(&numbers),
+        ours: mean(&values),
         low_95,
         high_95,
         unit: unit(&claim.relation),
-        seeds: numbers.len() as u64,
+        seeds: values.len() as u64,
         verdict: decided.map_or("undecided", |interval| verdict(interval, range)).to_owned(),
     }
 }
@@ -94,7 +96,7 @@ fn verdict([low, high]: [f64; 2], [from, to]: [f64; 2]) -> &'static str {
 }
 
 /// The range of the number in which the claim holds.
-fn holds(relation: &Relation) -> [f64; 2] {
+fn accepted_range(relation: &Relation) -> [f64; 2] {
     match relation {
         Relation::Less { .. } | Relation::Falls { .. } | Relation::Alike { .. } => [f64::NEG_INFINITY, 0.0],
         Relation::Between { low, high, .. } => [*low, *high],
@@ -103,8 +105,8 @@ fn holds(relation: &Relation) -> [f64; 2] {
     }
 }
 
-/// The number of one seed; `None` when a metric is missing.
-fn number(relation: &Relation, tables: &Tables, seed: u64, training: &str) -> Option<f64> {
+/// The number of a relation for one seed; `None` when a metric is missing.
+fn seed_value(relation: &Relation, tables: &Tables, seed: u64, training: &str) -> Option<f64> {
     let values = relation.metrics().into_iter().map(|metric| value(tables, &metric, seed, training));
     let values = values.collect::<Option<Vec<f64>>>()?;
     match relation {

@@ -14,7 +14,7 @@ pub enum Standard {
 }
 
 /// Numbers that are this close together are the same under any tolerance.
-const NEGLIGIBLE: f64 = 1e-9;
+const NEGLIGIBLE_DIFFERENCE: f64 = 1e-9;
 
 /// The first difference found.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -44,7 +44,7 @@ pub enum Difference {
 }
 
 /// Tables in the order in which the stages behind them depend on each other.
-const ORDER: [(&str, &str); 9] = [
+const STAGES_OF_TABLES: [(&str, &str); 9] = [
     ("spec.yaml", "spec"),
     ("gap.csv", "collect_real"),
     ("gp.csv", "gp_fit"),
@@ -83,8 +83,8 @@ pub fn compare(files: &Files, published: &Path, standard: Standard) -> Result<()
 
 fn rank(path: &Path) -> (usize, &'static str) {
     let name = path.file_name().unwrap_or_default();
-    let place = ORDER.iter().position(|(file, _)| name == *file);
-    place.map_or((ORDER.len(), "report"), |place| (place, ORDER[place].1))
+    let place = STAGES_OF_TABLES.iter().position(|(file, _)| name == *file);
+    place.map_or((STAGES_OF_TABLES.len(), "report"), |place| (place, STAGES_OF_TABLES[place].1))
 }
 
 fn is_picture(path: &Path) -> bool {
@@ -118,7 +118,7 @@ fn alike(one: &str, other: &str, share: f64) -> bool {
         line.split([',', ' ', '|', '(', ')', '[', ']', ':']).map(str::to_owned).collect()
     };
     let close = |one: &String, other: &String| match (one.parse::<f64>(), other.parse::<f64>()) {
-        (Ok(one), Ok(other)) => (one - other).abs() <= NEGLIGIBLE.max(share * one.abs().max(other.abs())),
+        (Ok(one), Ok(other)) => (one - other).abs() <= NEGLIGIBLE_DIFFERENCE.max(share * one.abs().max(other.abs())),
         _ => one == other,
     };
     let (one, other) = (words(one), words(other));

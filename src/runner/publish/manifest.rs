@@ -1,6 +1,7 @@
 //! What is needed to repeat a run, and what it took. Beside the trail of stages the only published file that holds clocks.
 
 use super::provenance::stages_behind;
+use super::publish_all::RunFacts;
 use crate::rows::experiment::StageRow;
 use crate::runner::campaign::{Campaign, CampaignEntry};
 use crate::runner::execute::outcomes::Outcomes;
@@ -60,14 +61,13 @@ pub struct StageTimes {
 }
 
 impl Manifest {
-    /// The manifest of an entry after a run of its campaign, which began when the sources were at this revision.
+    /// The manifest of an entry after a run of its campaign.
     pub fn new(
-        (campaign, entry): (&Campaign, &CampaignEntry),
+        campaign: &Campaign,
+        entry: &CampaignEntry,
         outcomes: &Outcomes,
         store: &Store,
-        git_revision: &str,
-        threads: usize,
-        run_wall_s: f64,
+        run: &RunFacts,
     ) -> Manifest {
         let needed = stages_behind(campaign, entry);
         let mut stages = stage_times(campaign, needed.iter().copied(), outcomes);
@@ -81,14 +81,14 @@ impl Manifest {
         Manifest {
             experiment: entry.experiment.name.clone(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            git_revision: git_revision.to_owned(),
+            git_revision: run.revision.to_owned(),
             seed: entry.experiment.seed,
             seeds: entry.experiment.seeds,
             first_seed: entry.experiment.first_seed,
             system: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
             processor: processor(),
-            threads,
-            run_wall_s,
+            threads: (run.threads)(entry),
+            run_wall_s: run.wall_s,
             stages: stages.into_iter().map(|(kind, times)| (kind.to_owned(), times)).collect(),
         }
     }

@@ -101,7 +101,7 @@ impl PublishedPart {
     fn check_whole(&self) -> Result<(), MergeError> {
         let campaign = Campaign::expand([self.experiment.clone()])?;
         let repetitions = &campaign.entries[0].points[0].repetitions;
-        let trained = || repetitions.iter().flat_map(|one| &one.trained);
+        let trained = || repetitions.iter().flat_map(|repetition| &repetition.trained);
         let (published, drawn) = (&self.tables.published, self.experiment.targets.drawn);
         let runs: BTreeSet<_> = published.tracks.iter().map(|row| (row.seed, &row.training, &row.policy)).collect();
         let reached: usize = trained().map(|cells| cells.reach.len()).sum();
@@ -118,17 +118,24 @@ impl PublishedPart {
             ("paces.csv", published.paces.len(), speeds * paced, "laps"),
             ("repairs.csv", published.repairs.len(), changes().count(), "changes"),
             ("repair_trials.csv", published.repair_trials.len(), drawn * repair_cells, "trials"),
-            ("discovery.csv", published.cases.len(), repetitions.iter().map(|one| one.blind.len()).sum(), "cases"),
+            (
+                "discovery.csv",
+                published.cases.len(),
+                repetitions.iter().map(|repetition| repetition.blind.len()).sum(),
+                "cases",
+            ),
             ("intervals.csv", published.intervals.len(), intervals as usize, "intervals"),
         ];
-        if let Some((table, found, expected, what)) = counts.into_iter().find(|(_, found, whole, _)| found != whole) {
+        if let Some((table, found, expected, what)) =
+            counts.into_iter().find(|(_, found, expected, _)| found != expected)
+        {
             return Err(refused(&self.folder.join(table), &format!("{found} {what}"), &expected.to_string()));
         }
-        let wanted = self.experiment.repetitions();
+        let expected_seeds = self.experiment.repetitions();
         let seeds = published.trials.iter().map(|row| row.seed).chain(published.tracks.iter().map(|row| row.seed));
-        match seeds.into_iter().find(|seed| !wanted.contains(seed)) {
+        match seeds.into_iter().find(|seed| !expected_seeds.contains(seed)) {
             Some(seed) => {
-                let expected = format!("{} to {}", wanted.start, wanted.end - 1);
+                let expected = format!("{} to {}", expected_seeds.start, expected_seeds.end - 1);
                 Err(refused(&self.folder, &format!("rows of repetition {seed}"), &expected))
             }
             None => Ok(()),
@@ -137,9 +144,9 @@ impl PublishedPart {
 
     /// Whether it is the same experiment, continued where `before` ends.
     fn follows(&self, before: &PublishedPart) -> Result<(), MergeError> {
-        let one = |experiment: &Experiment| Experiment { seeds: 1, first_seed: 0, ..experiment.clone() };
+        let settings = |experiment: &Experiment| Experiment { seeds: 1, first_seed: 0, ..experiment.clone() };
         let other = before.folder.display();
-        if one(&self.experiment) != one(&before.experiment) {
+        if settings(&self.experiment) != settings(&before.experiment) {
             let expected = format!("that of {other}, but for `seeds` and `first_seed`");
             return Err(refused(&self.folder, "another spec", &expected));
         }

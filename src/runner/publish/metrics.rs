@@ -51,23 +51,23 @@ impl Tables {
 
 /// The metric for one seed and training; `None` where the rows do not tell (no such rows, none without failure).
 pub(in crate::runner) fn value(tables: &Tables, metric: &ClaimMetric, seed: u64, training: &str) -> Option<f64> {
-    let found = match metric {
+    let number = match metric {
         ClaimMetric::ReachMean(cell) => mean(&reach_errors_m(tables, cell, seed, training)),
         ClaimMetric::ReachSd(cell) => standard_deviation(&reach_errors_m(tables, cell, seed, training)),
         ClaimMetric::NetworkMae { network, points } => {
-            let ours = |row: &&NetworkRow| row.seed == seed && row.training == training && row.network == *network;
+            let matches = |row: &&NetworkRow| row.seed == seed && row.training == training && row.network == *network;
             let row = tables
                 .published
                 .networks
                 .iter()
-                .filter(ours)
+                .filter(matches)
                 .find(|row| points.is_none_or(|points| points == row.points))?;
             row.validation_mae_m
         }
         ClaimMetric::GpError { points } => {
-            let ours = |row: &&GpRow| row.training == training || row.training == ANY_TRAINING;
-            let found = |row: &&GpRow| row.seed == seed && row.score.points == *points && ours(row);
-            tables.published.gps.iter().find(found)?.score.cross_validation_mae_m
+            let matches = |row: &&GpRow| row.training == training || row.training == ANY_TRAINING;
+            let of_size = |row: &&GpRow| row.seed == seed && row.score.points == *points && matches(row);
+            tables.published.gps.iter().find(of_size)?.score.cross_validation_mae_m
         }
         ClaimMetric::TrackMean { policy } => run(tables, policy, seed, training)?.mean_error_m,
         ClaimMetric::TrackOscillation { policy } => run(tables, policy, seed, training)?.oscillation_m,
@@ -75,12 +75,12 @@ pub(in crate::runner) fn value(tables: &Tables, metric: &ClaimMetric, seed: u64,
         ClaimMetric::TrackStart { policy } => run(tables, policy, seed, training)?.start_error_m,
         ClaimMetric::GapRms { axis } => gap_rms_m(tables, *axis, seed),
     };
-    found.is_finite().then_some(found)
+    number.is_finite().then_some(number)
 }
 
 /// Errors of the trials that ended without failure, metres.
 fn reach_errors_m(tables: &Tables, cell: &ReachCell, seed: u64, training: &str) -> Vec<f64> {
-    let ours = |row: &&TrialRow| {
+    let matches = |row: &&TrialRow| {
         row.seed == seed
             && row.training == training
             && row.cell.policy == cell.policy
@@ -90,13 +90,13 @@ fn reach_errors_m(tables: &Tables, cell: &ReachCell, seed: u64, training: &str) 
             && row.status.is_ok()
             && row.error_m.is_finite()
     };
-    tables.published.trials.iter().filter(ours).map(|row| row.error_m).collect()
+    tables.published.trials.iter().filter(matches).map(|row| row.error_m).collect()
 }
 
 /// The tracking run that did not fail.
 fn run<'a>(tables: &'a Tables, policy: &str, seed: u64, training: &str) -> Option<&'a TrackSummaryRow> {
-    let ours = |row: &&TrackSummaryRow| row.seed == seed && row.training == training && row.policy == policy;
-    tables.runs.iter().find(ours).filter(|row| row.status.is_ok())
+    let matches = |row: &&TrackSummaryRow| row.seed == seed && row.training == training && row.policy == policy;
+    tables.runs.iter().find(matches).filter(|row| row.status.is_ok())
 }
 
 fn gap_rms_m(tables: &Tables, axis: FrameAxis, seed: u64) -> f64 {

@@ -29,7 +29,7 @@ pub fn publish_all(
     outcomes: &Outcomes,
     store: &Store,
     out: &Path,
-    about: &RunFacts,
+    run: &RunFacts,
 ) -> Result<Vec<Publication>, String> {
     let words = |error: &dyn std::error::Error| error.to_string();
     let mut published = Vec::new();
@@ -38,8 +38,7 @@ pub fn publish_all(
     for entry in &campaign.entries {
         let name = entry.experiment.name.clone();
         let publication = entry.publish(outcomes).map_err(|error| format!("{name}: {error}"))?;
-        let threads = (about.threads)(entry);
-        let manifest = Manifest::new((campaign, entry), outcomes, store, about.revision, threads, about.wall_s);
+        let manifest = Manifest::new(campaign, entry, outcomes, store, run);
         let folder = Path::new("results").join(&name);
         files.insert(folder.join("manifest.yaml"), manifest.to_yaml()?);
         let trail = provenance(campaign, entry, outcomes, store);

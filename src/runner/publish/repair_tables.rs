@@ -103,12 +103,12 @@ fn diagnosis(stage: Handle<Diagnosis>, outcomes: &Outcomes) -> (Diagnosis, Outco
 
 /// Effects as they stand in a model file, on one line: `tip_load: {mass_kg: 0.02}`.
 fn effects_text(effects: &[EffectSpec]) -> String {
-    let one = |effect: &EffectSpec| {
+    let effect_text = |effect: &EffectSpec| {
         let text = serde_json::to_string(effect).unwrap_or_default();
         let inner = text.strip_prefix('{').and_then(|text| text.strip_suffix('}')).unwrap_or(&text);
         inner.replace('"', "").replace(':', ": ").replace(',', ", ")
     };
-    effects.iter().map(one).collect::<Vec<_>>().join("; ")
+    effects.iter().map(effect_text).collect::<Vec<_>>().join("; ")
 }
 
 #[cfg(test)]

@@ -84,14 +84,14 @@ impl CampaignEntry {
 
     /// What became of the claims at one point.
     pub(in crate::runner) fn claims(&self, point: &PointStages, tables: &Tables) -> Vec<ClaimRow> {
-        let seeds: Vec<u64> = point.repetitions.iter().map(|one| one.seed).collect();
+        let seeds: Vec<u64> = point.repetitions.iter().map(|repetition| repetition.seed).collect();
         let trainings: Vec<String> = point.experiment.training.keys().cloned().collect();
         evaluate(&self.experiment.claims, tables, &seeds, &trainings)
     }
 
     /// On how many robots the claims hold, where every repetition has a robot of its own.
     fn robot_claims(&self, point: &PointStages, tables: &Tables) -> Vec<RobotClaimRow> {
-        let seeds: Vec<u64> = point.repetitions.iter().map(|one| one.seed).collect();
+        let seeds: Vec<u64> = point.repetitions.iter().map(|repetition| repetition.seed).collect();
         let trainings: Vec<String> = point.experiment.training.keys().cloned().collect();
         per_robot(&self.experiment.claims, tables, &seeds, &trainings)
     }
@@ -124,8 +124,8 @@ impl CampaignEntry {
                     OutputFolder::Results => folder.join(&artifact.name),
                 };
                 // Two figures of one experiment may each have a summary: the later one carries its figure's name.
-                let taken = files.contains_key(&path);
-                let path = if taken { path.with_file_name(format!("{name}_{}", artifact.name)) } else { path };
+                let exists = files.contains_key(&path);
+                let path = if exists { path.with_file_name(format!("{name}_{}", artifact.name)) } else { path };
                 files.insert(path, artifact.bytes);
             }
         }

@@ -28,11 +28,12 @@ impl CampaignEntry {
             tables.published.claims = self.claims(point, &tables);
             all.push(tables);
         }
-        let swept: Vec<SweptPoint> = self.points.iter().zip(&all).map(|(point, one)| summary(point, one)).collect();
+        let swept: Vec<SweptPoint> =
+            self.points.iter().zip(&all).map(|(point, tables)| summary(point, tables)).collect();
         let folder = Path::new("results").join(&self.experiment.name);
         let mut files = Files::new();
         files.insert(folder.join("spec.yaml"), self.spec_yaml());
-        let parts: Vec<&Published> = all.iter().map(|one| &one.published).collect();
+        let parts: Vec<&Published> = all.iter().map(|tables| &tables.published).collect();
         for (name, bytes) in Published::csv_files(&parts, |counts| self.beside(counts))? {
             files.insert(folder.join(name), bytes);
         }
@@ -53,7 +54,7 @@ impl CampaignEntry {
         Ok(Publication {
             files,
             claims: Vec::new(),
-            failed: all.iter().map(|one| one.published.failed()).sum(),
+            failed: all.iter().map(|tables| tables.published.failed()).sum(),
             notices,
         })
     }
@@ -94,8 +95,9 @@ fn summary(point: &PointStages, tables: &Tables) -> SweptPoint {
     if let Some(track) = &point.experiment.runs.track {
         let tracked = track_cells(&point.experiment);
         let cell = |policy: &str| {
-            let unused = || CellLabel { policy: policy.to_owned(), mode: track.mode.clone(), ..CellLabel::default() };
-            tracked.iter().find(|cell| cell.policy == policy).cloned().unwrap_or_else(unused)
+            let without_cell =
+                || CellLabel { policy: policy.to_owned(), mode: track.mode.clone(), ..CellLabel::default() };
+            tracked.iter().find(|cell| cell.policy == policy).cloned().unwrap_or_else(without_cell)
         };
         cells.extend(track_sweep(&tables.runs, cell));
     }

@@ -24,12 +24,12 @@ impl PointStages {
     pub(in crate::runner) fn tables(&self, outcomes: &Outcomes) -> Tables {
         let mut tables = Tables::default();
         let published = &mut tables.published;
-        for one in &self.repetitions {
-            let seed = one.seed;
-            published.robots.extend(one.robot.iter().flat_map(|effect| robot_rows(seed, effect)));
-            let gaps = one.gap.into_iter().flat_map(|stage| all(outcomes, stage));
+        for repetition in &self.repetitions {
+            let seed = repetition.seed;
+            published.robots.extend(repetition.robot_effects.iter().flat_map(|effect| robot_rows(seed, effect)));
+            let gaps = repetition.gap.into_iter().flat_map(|stage| all(outcomes, stage));
             published.gaps.extend(gaps.map(|gap| GapRow { seed, gap }));
-            let waypoints = one.waypoints.into_iter().flat_map(|stage| all(outcomes, stage));
+            let waypoints = repetition.waypoints.into_iter().flat_map(|stage| all(outcomes, stage));
             published.waypoints.extend(waypoints.enumerate().map(|(waypoint, [x_m, y_m, z_m])| WaypointRow {
                 seed,
                 waypoint: waypoint as u64,
@@ -37,24 +37,24 @@ impl PointStages {
                 y_m,
                 z_m,
             }));
-            for (training, stage) in &one.gps {
+            for (training, stage) in &repetition.gps {
                 let score = outcomes.get(*stage).ok().cloned();
                 published.gps.extend(score.map(|score| GpRow { seed, training: training.clone(), score }));
             }
-            for (training, stage) in &one.gp_coverages {
+            for (training, stage) in &repetition.gp_coverages {
                 let row = |coverage| GpCoverageRow { seed, training: training.clone(), coverage };
                 published.gp_coverages.extend(all(outcomes, *stage).map(row));
             }
-            for (training, stage) in &one.gp_left_out {
+            for (training, stage) in &repetition.gp_left_out {
                 let row = |left_out| GpLeaveOneOutRow { seed, training: training.clone(), left_out };
                 published.gp_left_out.extend(all(outcomes, *stage).map(row));
             }
-            for ScoredCase { row, intervals } in one.blind.iter().map(|case| case.scored(outcomes)) {
+            for ScoredCase { row, intervals } in repetition.blind.iter().map(|case| case.scored(outcomes)) {
                 published.cases.push(row);
                 published.intervals.extend(intervals);
             }
-            for cells in &one.trained {
-                trained(published, &self.experiment, seed, cells, outcomes);
+            for cells in &repetition.trained {
+                add_trained(published, &self.experiment, seed, cells, outcomes);
             }
         }
         tables.runs = track_summary(&tables.published.tracks);
@@ -83,12 +83,18 @@ fn robot_rows(seed: u64, effect: &DrawnEffect) -> impl Iterator<Item = RobotRow>
 }
 
 /// Rows of one seed and training. Seeds ascend, trainings and cells are in the order of their expansion.
-fn trained(published: &mut Published, experiment: &Experiment, seed: u64, cells: &TrainedCells, outcomes: &Outcomes) {
+fn add_trained(
+    published: &mut Published,
+    experiment: &Experiment,
+    seed: u64,
+    cells: &TrainedCells,
+    outcomes: &Outcomes,
+) {
     let repetition = TrainedRepetition { seed, training: &cells.training, outcomes };
     let training = &cells.training;
     for (network, points, stage) in &cells.networks {
         if let Ok(trained) = outcomes.get(*stage) {
-            published.networks.push(network_row(seed, training, network, *points, trained, experiment));
+            published.networks.push(repetition.network_row(network, *points, trained, experiment));
         }
     }
     let targets = 0..experiment.targets.drawn as u64;
@@ -154,28 +160,27 @@ impl TrainedRepetition<'_> {
         };
         cells.iter().flat_map(of_cell).collect()
     }
-}
 
-fn network_row(
-    seed: u64,
-    training: &str,
-    network: &NetworkDescription,
-    points: usize,
-    trained: &Trained,
-    experiment: &Experiment,
-) -> NetworkRow {
-    let points = match network.data {
-        TrainingData::Simulated => experiment.explore.points,
-        TrainingData::Randomised => experiment.policies.dagger.samples(),
-        TrainingData::Real | TrainingData::Generated => points,
-    };
-    NetworkRow {
-        seed,
-        training: training.to_owned(),
-        network: network.name.to_owned(),
-        points: points as u64,
-        epochs: trained.epochs as u64,
-        validation_mae_m: trained.validation_mae,
-        paper_mae_m: network.paper_mae_m,
+    fn network_row(
+        &self,
+        network: &NetworkDescription,
+        points: usize,
+        trained: &Trained,
+        experiment: &Experiment,
+    ) -> NetworkRow {
+        let points = match network.data {
+            TrainingData::Simulated => experiment.explore.points,
+            TrainingData::Randomised => experiment.policies.dagger.samples(),
+            TrainingData::Real | TrainingData::Generated => points,
+        };
+        NetworkRow {
+            seed: self.seed,
+            training: self.training.to_owned(),
+            network: network.name.to_owned(),
+            points: points as u64,
+            epochs: trained.epochs as u64,
+            validation_mae_m: trained.validation_mae,
+            paper_mae_m: network.paper_mae_m,
+        }
     }
 }

@@ -21,14 +21,14 @@ pub(super) const FINISHED: &str = "finished";
 pub(super) const CANCELLED: &str = "cancelled";
 pub(super) const REFUSED: &str = "refused";
 /// How long a worker believes its list of failures: a stage may fail twice within that time.
-const FAILURES_LISTED: Duration = Duration::from_secs(5);
+const MAX_FAILURES_AGE: Duration = Duration::from_secs(5);
 
 /// The folder of a campaign.
 #[derive(Debug)]
 pub struct CampaignFolder {
     root: PathBuf,
     /// Stages that have failed, and when they were listed.
-    listed: Mutex<Option<(Instant, HashSet<Key>)>>,
+    listed_failures: Mutex<Option<(Instant, HashSet<Key>)>>,
 }
 
 /// What a campaign computes.
@@ -43,7 +43,7 @@ pub(super) struct CampaignContents {
 impl CampaignFolder {
     /// An existing folder.
     pub fn at(root: &Path) -> CampaignFolder {
-        CampaignFolder { root: root.to_owned(), listed: Mutex::default() }
+        CampaignFolder { root: root.to_owned(), listed_failures: Mutex::default() }
     }
 
     /// The folder of the campaign `id` in a store.
@@ -133,7 +133,7 @@ impl CampaignFolder {
     pub(super) fn failed(&self) -> HashSet<Key> {
         let names = names(&self.root.join("failed"));
         let failed: HashSet<Key> = names.iter().filter_map(|name| Digest::parse(name)).collect();
-        *self.listed.lock().unwrap_or_else(PoisonError::into_inner) = Some((Instant::now(), failed.clone()));
+        *self.listed_failures.lock().unwrap_or_else(PoisonError::into_inner) = Some((Instant::now(), failed.clone()));
         failed
     }
 
@@ -170,8 +170,8 @@ impl CampaignFolder {
 
 impl RunRecord for CampaignFolder {
     fn find_failure(&self, key: &Key) -> Option<Failure> {
-        let listed = self.listed.lock().unwrap_or_else(PoisonError::into_inner).clone();
-        let fresh = listed.filter(|(at, _)| at.elapsed() < FAILURES_LISTED).map(|(_, failed)| failed);
+        let listed_failures = self.listed_failures.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let fresh = listed_failures.filter(|(at, _)| at.elapsed() < MAX_FAILURES_AGE).map(|(_, failed)| failed);
         let failed = fresh.unwrap_or_else(|| self.failed());
         if failed.contains(key) { self.read_json(&format!("failed/{key}")) } else { None }
     }
@@ -192,8 +192,8 @@ impl RunRecord for CampaignFolder {
 
 /// Names of what lies in a folder, sorted; none where there is no folder.
 fn names(folder: &Path) -> Vec<String> {
-    let found = fs::read_dir(folder).into_iter().flatten().flatten();
-    let mut names: Vec<String> = found.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut names: Vec<String> = entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
     names.sort();
     names
 }

@@ -8,7 +8,7 @@ mod worker;
 
 pub use campaign_folder::CampaignFolder;
 pub use monitor::{CampaignEnd, CampaignMonitor};
-pub use queue::{LEFT_STATUS, workers_per_task};
+pub use queue::{STAGES_LEFT_STATUS, workers_per_task};
 pub use worker::{WorkerSummary, work};
 
 use super::store::Store;
@@ -62,9 +62,10 @@ fn status(store: &Store, id: String) -> Option<CampaignStatus> {
 pub fn cancel(store: &Store, id: &str) -> Result<(), String> {
     let folder = CampaignFolder::of(store, id);
     if folder.contents().is_none() {
-        let known = CampaignFolder::ids(store).join(", ");
-        let known = if known.is_empty() { "a campaign; this store has none".into() } else { format!("one of {known}") };
-        return Err(format!("found campaign `{id}`, expected {known}"));
+        let expected = CampaignFolder::ids(store).join(", ");
+        let expected =
+            if expected.is_empty() { "a campaign; this store has none".into() } else { format!("one of {expected}") };
+        return Err(format!("found campaign `{id}`, expected {expected}"));
     }
     folder.mark(campaign_folder::CANCELLED, "")?;
     queue::cancel(&folder.job_name(), false)

@@ -15,14 +15,14 @@ use std::collections::HashSet;
 use std::time::{Duration, Instant};
 
 /// How often the store is looked at.
-const LOOK: Duration = Duration::from_millis(500);
+const STORE_INTERVAL: Duration = Duration::from_millis(500);
 /// How often the cluster is asked.
-const ASK: Duration = Duration::from_secs(3);
+const QUEUE_INTERVAL: Duration = Duration::from_secs(3);
 /// How long the queue may be empty before missing results count as lost: a shared folder may lag behind.
-const GRACE: Duration = Duration::from_secs(6);
+const MAX_EMPTY_QUEUE: Duration = Duration::from_secs(6);
 /// Without a number from the user: most workers, and estimated work for each, milliseconds.
-const DEFAULT_WORKERS: u64 = 100;
-const DEFAULT_WORK_MS: u64 = 10_000;
+const MAX_DEFAULT_WORKERS: u64 = 100;
+const WORK_PER_DEFAULT_WORKER_MS: u64 = 10_000;
 
 /// How waiting for a campaign ended.
 #[derive(Debug)]
@@ -106,7 +106,7 @@ impl CampaignMonitor<'_> {
         folder.put_missing(missing)?;
         let work_ms: u64 = missing.iter().map(|&stage| self.campaign.graph.cost_ms(stage)).sum();
         let workers = match self.workers {
-            0 => (work_ms / DEFAULT_WORK_MS).clamp(1, DEFAULT_WORKERS) as usize,
+            0 => (work_ms / WORK_PER_DEFAULT_WORKER_MS).clamp(1, MAX_DEFAULT_WORKERS) as usize,
             workers => workers,
         };
         let array = queue::WorkerArray::of(workers.min(missing.len()), self.options);
@@ -125,14 +125,14 @@ impl CampaignMonitor<'_> {
         let stages = missing.iter().map(|&stage| (graph.describe(stage).0, graph.cost_ms(stage)));
         self.progress.planned(stages, 0, self.workers.max(1), &|kind| self.store.usual_s(kind));
         let interrupt = Interrupt::of_process().map_err(|error| error.to_string())?;
-        let (mut left, mut queue) = (missing, QueueWatch::new(folder.job_name()));
-        // What was left when workers were last submitted, and how often that came to nothing.
-        let (mut submitted, mut in_vain) = (left.len(), 0);
+        let (mut unfinished, mut queue) = (missing, QueueWatch::new(folder.job_name()));
+        // Unfinished stages when workers were last submitted, and how often that came to nothing.
+        let (mut submitted, mut vain_attempts) = (unfinished.len(), 0);
         loop {
-            let looked = Instant::now();
+            let look_began = Instant::now();
             let failed = folder.failed();
-            left.retain(|&stage| !self.has_ended(stage, &folder, &failed));
-            if left.is_empty() {
+            unfinished.retain(|&stage| !self.has_ended(stage, &folder, &failed));
+            if unfinished.is_empty() {
                 self.progress.done();
                 // Workers that wait for a free node have nothing to do any more; the others end by themselves.
                 let _ = queue::cancel(&folder.job_name(), true);
@@ -151,13 +151,13 @@ impl CampaignMonitor<'_> {
             }
             if !queue.has_ended(self.progress) {
                 // A large campaign on a slow folder is not looked at all the time.
-                std::thread::sleep(LOOK.max(10 * looked.elapsed()));
+                std::thread::sleep(STORE_INTERVAL.max(10 * look_began.elapsed()));
                 continue;
             }
-            in_vain = if left.len() < submitted { 0 } else { in_vain + 1 };
-            submitted = left.len();
-            if in_vain >= self.options.attempts {
-                left.iter().for_each(|&stage| self.give_up(stage, &folder));
+            vain_attempts = if unfinished.len() < submitted { 0 } else { vain_attempts + 1 };
+            submitted = unfinished.len();
+            if vain_attempts >= self.options.attempts {
+                unfinished.iter().for_each(|&stage| self.give_up(stage, &folder));
                 continue;
             }
             self.progress.notice(&format!("the workers ended with {submitted} stages left; submitting them again"));
@@ -197,25 +197,25 @@ impl CampaignMonitor<'_> {
 /// Watches for the time when no job of a campaign is in the queue.
 struct QueueWatch {
     name: String,
-    asked: Option<Instant>,
+    last_query: Option<Instant>,
     empty_since: Option<Instant>,
     reported: String,
 }
 
 impl QueueWatch {
     fn new(name: String) -> QueueWatch {
-        QueueWatch { name, asked: None, empty_since: None, reported: String::new() }
+        QueueWatch { name, last_query: None, empty_since: None, reported: String::new() }
     }
 
     /// Whether the queue has been empty for a while; reports why jobs do not start.
     fn has_ended(&mut self, progress: &Progress) -> bool {
-        if self.asked.is_some_and(|asked| asked.elapsed() < ASK) {
+        if self.last_query.is_some_and(|last_query| last_query.elapsed() < QUEUE_INTERVAL) {
             return false;
         }
-        self.asked = Some(Instant::now());
+        self.last_query = Some(Instant::now());
         let trouble = match queue::jobs(&self.name) {
             Ok(states) if states.is_empty() => {
-                let ended = self.empty_since.get_or_insert_with(Instant::now).elapsed() >= GRACE;
+                let ended = self.empty_since.get_or_insert_with(Instant::now).elapsed() >= MAX_EMPTY_QUEUE;
                 self.empty_since.take_if(|_| ended);
                 return ended;
             }

@@ -8,18 +8,18 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
 /// Usual reasons to wait.
-const USUAL: [&str; 7] = ["", "None", "Resources", "Priority", "Dependency", "BeginTime", "JobArrayTaskLimit"];
+const USUAL_REASONS: [&str; 7] = ["", "None", "Resources", "Priority", "Dependency", "BeginTime", "JobArrayTaskLimit"];
 /// Seconds before the limit at which workers are told to end.
 const NOTICE_S: u32 = 90;
 
 /// Most array tasks: a controller starts some fifty a second, the step of a task all its workers at once.
-const MOST_TASKS: usize = 100;
-/// Exit status of a worker that was told to end while stages were left.
-pub const LEFT_STATUS: u8 = 75;
+const MAX_TASKS: usize = 100;
+/// Exit status of a worker that was told to end while stages were left: `EX_TEMPFAIL` of sysexits.
+pub const STAGES_LEFT_STATUS: u8 = 75;
 
 /// Workers that an array task starts, unless the options say.
 pub fn workers_per_task(workers: usize) -> usize {
-    workers.div_ceil(MOST_TASKS)
+    workers.div_ceil(MAX_TASKS)
 }
 
 /// An array of tasks that each start the same number of workers.
@@ -27,23 +27,23 @@ pub fn workers_per_task(workers: usize) -> usize {
 pub(super) struct WorkerArray {
     tasks: usize,
     /// Workers that a task starts.
-    each: usize,
+    workers_per_task: usize,
 }
 
 impl WorkerArray {
     /// An array of at least `workers` workers.
     pub(super) fn of(workers: usize, options: &SlurmOptions) -> WorkerArray {
-        WorkerArray::within(workers, options.workers_per_task.map(|each| each as usize), largest_array())
+        WorkerArray::within(workers, options.workers_per_task.map(|count| count as usize), largest_array())
     }
 
-    fn within(workers: usize, each: Option<usize>, largest: usize) -> WorkerArray {
-        let each = each.unwrap_or_else(|| workers_per_task(workers)).max(workers.div_ceil(largest)).max(1);
-        WorkerArray { tasks: workers.div_ceil(each), each }
+    fn within(workers: usize, per_task: Option<usize>, max_tasks: usize) -> WorkerArray {
+        let per_task = per_task.unwrap_or_else(|| workers_per_task(workers)).max(workers.div_ceil(max_tasks)).max(1);
+        WorkerArray { tasks: workers.div_ceil(per_task), workers_per_task: per_task }
     }
 
     /// Its size, in words.
     pub(super) fn describe(self) -> String {
-        format!("{} workers in {} array tasks", self.tasks * self.each, self.tasks)
+        format!("{} workers in {} array tasks", self.tasks * self.workers_per_task, self.tasks)
     }
 }
 
@@ -54,9 +54,9 @@ impl WorkerArray {
 pub(super) fn submit(folder: &CampaignFolder, array: WorkerArray, options: &SlurmOptions) -> Result<(), String> {
     let program = std::env::current_exe().map_err(|error| format!("the file of this program: {error}"))?;
     if !program.is_file() {
-        let found = program.display();
+        let file = program.display();
         return Err(format!(
-            "{found}: found it replaced since it started, expected the same build; run the command again"
+            "{file}: found it replaced since it started, expected the same build; run the command again"
         ));
     }
     let mut command = Command::new("sbatch");
@@ -77,7 +77,7 @@ fn arguments(folder: &CampaignFolder, array: WorkerArray, options: &SlurmOptions
         "--open-mode=append".to_owned(),
         format!("--job-name={}", folder.job_name()),
         format!("--array=0-{}", array.tasks - 1),
-        format!("--ntasks={}", array.each),
+        format!("--ntasks={}", array.workers_per_task),
         format!("--cpus-per-task={}", options.cpus),
         format!("--signal=USR2@{NOTICE_S}"),
         format!("--output={}", folder.logs().join("%A_%a.log").display()),
@@ -96,13 +96,13 @@ fn arguments(folder: &CampaignFolder, array: WorkerArray, options: &SlurmOptions
 /// before they listen does not end them. A task whose workers ended early goes back into the queue.
 fn script(program: &Path, folder: &CampaignFolder, array: WorkerArray, options: &SlurmOptions) -> String {
     let (program, folder) = (quoted(program), quoted(folder.path()));
-    let (workers, cpus) = (array.tasks * array.each, options.cpus);
+    let (workers, cpus) = (array.tasks * array.workers_per_task, options.cpus);
     format!(
         "#!/bin/bash\n\
          srun --kill-on-bad-exit=0 --wait=0 --cpus-per-task={cpus} bash -c 'trap \"\" USR2; exec \"$@\"' worker \\\n  \
          {program} work {folder} --workers {workers}\n\
          status=$?\n\
-         if [ $status = {LEFT_STATUS} ]; then\n  \
+         if [ $status = {STAGES_LEFT_STATUS} ]; then\n  \
          scontrol requeue \"${{SLURM_ARRAY_JOB_ID}}_${{SLURM_ARRAY_TASK_ID}}\" && sleep 60\n\
          fi\n\
          exit $status\n"
@@ -124,12 +124,12 @@ pub(super) fn jobs(name: &str) -> Result<BTreeMap<String, usize>, String> {
     Ok(counted(&succeeded("squeue", &output)?))
 }
 
-fn counted(said: &str) -> BTreeMap<String, usize> {
+fn counted(listing: &str) -> BTreeMap<String, usize> {
     let mut states = BTreeMap::new();
-    for line in said.lines().map(str::trim).filter(|line| !line.is_empty()) {
+    for line in listing.lines().map(str::trim).filter(|line| !line.is_empty()) {
         let (state, reason) = line.split_once(' ').unwrap_or((line, ""));
         let state = state.to_lowercase();
-        let unusual = state == "pending" && !USUAL.contains(&reason);
+        let unusual = state == "pending" && !USUAL_REASONS.contains(&reason);
         *states.entry(if unusual { format!("{state} ({reason})") } else { state }).or_default() += 1;
     }
     states
@@ -143,8 +143,9 @@ pub(super) fn describe(states: &BTreeMap<String, usize>) -> String {
 /// Largest number of tasks that one array may have.
 fn largest_array() -> usize {
     let output = Command::new("scontrol").args(["show", "config"]).output();
-    let said = output.map(|output| String::from_utf8_lossy(&output.stdout).into_owned()).unwrap_or_default();
-    let size = said.lines().find_map(|line| line.strip_prefix("MaxArraySize")?.split('=').nth(1)?.trim().parse().ok());
+    let config = output.map(|output| String::from_utf8_lossy(&output.stdout).into_owned()).unwrap_or_default();
+    let size =
+        config.lines().find_map(|line| line.strip_prefix("MaxArraySize")?.split('=').nth(1)?.trim().parse().ok());
     // The documented default, where the cluster does not tell.
     size.unwrap_or(1001_usize).saturating_sub(1).max(1)
 }
@@ -167,8 +168,8 @@ fn succeeded(command: &str, output: &Output) -> Result<String, String> {
     if output.status.success() {
         return Ok(String::from_utf8_lossy(&output.stdout).into_owned());
     }
-    let said = String::from_utf8_lossy(&output.stderr);
-    Err(format!("{command}: {}", said.trim().lines().next().unwrap_or("failed and said nothing")))
+    let message = String::from_utf8_lossy(&output.stderr);
+    Err(format!("{command}: {}", message.trim().lines().next().unwrap_or("failed and said nothing")))
 }
 
 #[cfg(test)]
@@ -179,7 +180,7 @@ mod tests {
     fn a_large_array_starts_several_workers_a_task() {
         let within = |workers, each, largest| {
             let array = WorkerArray::within(workers, each, largest);
-            (array.tasks, array.each)
+            (array.tasks, array.workers_per_task)
         };
         assert_eq!([within(1, None, 1000), within(100, None, 1000)], [(1, 1), (100, 1)]);
         assert_eq!([within(1000, None, 1000), within(150, None, 1000)], [(100, 10), (75, 2)]);
@@ -197,7 +198,7 @@ mod tests {
             cpus: 2,
             ..SlurmOptions::default()
         };
-        let array = WorkerArray { tasks: 5, each: 3 };
+        let array = WorkerArray { tasks: 5, workers_per_task: 3 };
         let said = arguments(&folder, array, &options).join(" ");
         for part in ["--array=0-4", "--ntasks=3", "--partition=long", "--time=30", "--mem-per-cpu=250M"] {
             assert!(said.contains(part), "{said}");

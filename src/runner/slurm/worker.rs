@@ -32,7 +32,8 @@ pub struct WorkerSummary {
 /// What the campaign's folder lacks; that this is another build than the one that submitted it.
 pub fn work(
     folder: &CampaignFolder,
-    (worker, workers): (usize, usize),
+    worker: usize,
+    workers: usize,
     threads: usize,
     progress: &Progress,
 ) -> Result<WorkerSummary, String> {
@@ -75,26 +76,26 @@ pub fn work(
 impl WorkerSummary {
     /// Several workers together, in words.
     pub(super) fn describe(all: &[WorkerSummary]) -> String {
-        let count = |of: fn(&WorkerSummary) -> u64| all.iter().map(of).sum::<u64>();
-        let time = |of: fn(&WorkerSummary) -> f64| all.iter().map(of).sum::<f64>();
+        let count = |number: fn(&WorkerSummary) -> u64| all.iter().map(number).sum::<u64>();
+        let time = |number: fn(&WorkerSummary) -> f64| all.iter().map(number).sum::<f64>();
         format!(
             "{} worker runs of {:.1} s: {} stages computed in {:.1} s; {} locks lost, {} stages computed twice ({:.1} s), \
              {} polls, {:.1} s without work; {} results read ({:.1} MB), {} written ({:.1} MB), {} lookups, {} locks",
             all.len(),
-            time(|one| one.wall_s),
-            count(|one| one.computed as u64),
-            time(|one| one.computing_s),
-            count(|one| one.sharing.locks_lost as u64),
-            count(|one| one.sharing.duplicates as u64),
-            time(|one| one.sharing.duplicate_s),
-            count(|one| one.sharing.polls as u64),
-            time(|one| one.sharing.idle_s),
-            count(|one| one.traffic.reads),
-            time(|one| one.traffic.read_bytes as f64 / 1e6),
-            count(|one| one.traffic.writes),
-            time(|one| one.traffic.written_bytes as f64 / 1e6),
-            count(|one| one.traffic.lookups),
-            count(|one| one.traffic.locks),
+            time(|summary| summary.wall_s),
+            count(|summary| summary.computed as u64),
+            time(|summary| summary.computing_s),
+            count(|summary| summary.sharing.locks_lost as u64),
+            count(|summary| summary.sharing.duplicates as u64),
+            time(|summary| summary.sharing.duplicate_s),
+            count(|summary| summary.sharing.polls as u64),
+            time(|summary| summary.sharing.idle_s),
+            count(|summary| summary.traffic.reads),
+            time(|summary| summary.traffic.read_bytes as f64 / 1e6),
+            count(|summary| summary.traffic.writes),
+            time(|summary| summary.traffic.written_bytes as f64 / 1e6),
+            count(|summary| summary.traffic.lookups),
+            count(|summary| summary.traffic.locks),
         )
     }
 }

@@ -3,7 +3,8 @@
 
 use super::Stages;
 use crate::benchmark::{
-    self, CaseBatch, CaseDesign, CatalogueSpan, Commands, Prior, RecordedCase, RecordedCases, ScoredCase, Truth,
+    self, CaseBatch, CaseDesign, CaseSetting, CatalogueSpan, Commands, Prior, RecordedCase, RecordedCases, ScoredCase,
+    Truth,
 };
 use crate::data::DataError;
 use crate::discovery::Options;
@@ -48,7 +49,8 @@ impl BlindStages {
     pub(crate) fn scored(&self, outcomes: &Outcomes) -> ScoredCase {
         let truth = outcomes.get(self.truth).ok();
         let failed = |failure: super::Failure| {
-            benchmark::failed(self.case, &self.batch, self.correlation, truth, &failure.to_string())
+            let setting = CaseSetting { number: self.case, batch: &self.batch, correlation: self.correlation };
+            benchmark::failed(setting, truth, &failure.to_string())
         };
         outcomes.get(self.score).cloned().unwrap_or_else(failed)
     }
@@ -87,9 +89,9 @@ impl Stages<'_> {
             |error: DataError| super::Failure { stage: "recordings".to_owned(), status: error.to_string() };
         let recorded = run.recordings.iter().map(RecordedCases::cases).collect::<Result<Vec<_>, _>>();
         let recorded: Vec<RecordedCase> = recorded.map_err(unreadable)?.into_iter().flatten().collect();
-        let all = run.batches.iter().map(|batch| batch.cases).sum::<usize>() + recorded.len();
-        let mut case = self.repetition * all as u64;
-        let mut cases = Vec::with_capacity(all);
+        let cases_per_repetition = run.batches.iter().map(|batch| batch.cases).sum::<usize>() + recorded.len();
+        let mut case = self.repetition * cases_per_repetition as u64;
+        let mut cases = Vec::with_capacity(cases_per_repetition);
         for batch in &run.batches {
             // Kinds and sizes go on from one repetition to the next.
             let first = self.repetition as usize * batch.cases;
@@ -192,6 +194,10 @@ impl Stages<'_> {
     }
 }
 
-fn prior(one: &crate::discovery::Uncertainty) -> Prior {
-    Prior { effect: one.effect.clone(), parameter: one.parameter.clone(), deviation: one.deviation }
+fn prior(uncertainty: &crate::discovery::Uncertainty) -> Prior {
+    Prior {
+        effect: uncertainty.effect.clone(),
+        parameter: uncertainty.parameter.clone(),
+        deviation: uncertainty.deviation,
+    }
 }

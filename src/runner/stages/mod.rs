@@ -66,7 +66,7 @@ pub(super) struct Stages<'a> {
     seed: Seed,
     repetition: u64,
     /// Stages of this repetition that were added before: asking again costs no key.
-    known: HashMap<StageQuery, Box<dyn Any>>,
+    added: HashMap<StageQuery, Box<dyn Any>>,
 }
 
 /// What one of several like stages of a repetition was asked for: its kind, where the networks behind it stop, its size.
@@ -82,16 +82,16 @@ impl<'a> Stages<'a> {
         repetition: u64,
     ) -> Stages<'a> {
         let seed = Seed(spec.seed).child("repetition").index(repetition);
-        Stages { graph, spec, parts, seed, repetition, known: HashMap::new() }
+        Stages { graph, spec, parts, seed, repetition, added: HashMap::new() }
     }
 
-    /// The stage that was added for `asked` before, or the one that `add` adds now.
-    fn once<T: 'static>(&mut self, asked: StageQuery, add: impl FnOnce(&mut Self) -> Added<T>) -> Added<T> {
-        if let Some(handle) = self.known.get(&asked).and_then(|known| known.downcast_ref::<Handle<T>>()) {
+    /// The stage that was added for `query` before, or the one that `add` adds now.
+    fn once<T: 'static>(&mut self, query: StageQuery, add: impl FnOnce(&mut Self) -> Added<T>) -> Added<T> {
+        if let Some(handle) = self.added.get(&query).and_then(|added| added.downcast_ref::<Handle<T>>()) {
             return Ok(*handle);
         }
         let handle = add(self)?;
-        self.known.insert(asked, Box::new(handle));
+        self.added.insert(query, Box::new(handle));
         Ok(handle)
     }
 

@@ -102,15 +102,15 @@ pub(crate) struct RepairCampaign {
 impl RepairCampaign {
     /// Numbers of the stages whose results are published.
     pub(crate) fn wanted(&self) -> Vec<usize> {
-        let of = |one: &RepairStages| {
-            let trials = one.trials.iter().map(|(_, _, stage)| stage.number());
-            [one.alarm.number(), one.diagnosis.number(), one.nearest_m.number()]
+        let stages_of = |change: &RepairStages| {
+            let trials = change.trials.iter().map(|(_, _, stage)| stage.number());
+            [change.alarm.number(), change.diagnosis.number(), change.nearest_m.number()]
                 .into_iter()
                 .chain(trials)
                 .collect::<Vec<_>>()
         };
-        let own = [self.monitor.number(), self.identified.number(), self.nearest_m.number()];
-        own.into_iter().chain(self.changes.iter().flat_map(of)).collect()
+        let shared_stages = [self.monitor.number(), self.identified.number(), self.nearest_m.number()];
+        shared_stages.into_iter().chain(self.changes.iter().flat_map(stages_of)).collect()
     }
 }
 

@@ -15,7 +15,7 @@ use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::time::{Duration, Instant, SystemTime};
 
 /// How often a holder touches its lock file.
-const TOUCH: Duration = Duration::from_secs(30);
+const TOUCH_INTERVAL: Duration = Duration::from_secs(30);
 /// Age of a lock that nobody touches at which it is taken over: longer than a network file system caches a file's time.
 pub(super) const EXPIRY: Duration = Duration::from_secs(180);
 
@@ -51,7 +51,7 @@ impl Store {
         }
         let (alive, dropped) = channel();
         let touch = move || {
-            while dropped.recv_timeout(TOUCH) == Err(RecvTimeoutError::Timeout) {
+            while dropped.recv_timeout(TOUCH_INTERVAL) == Err(RecvTimeoutError::Timeout) {
                 let _ = file.set_modified(SystemTime::now()); // at worst another process takes over
             }
         };
@@ -63,11 +63,11 @@ impl Store {
     fn has_expired(&self, path: &Path, file: &File) -> bool {
         let Ok(touched) = file.metadata().and_then(|file| file.modified()) else { return false };
         let mut held = self.held_elsewhere.lock().unwrap_or_else(PoisonError::into_inner);
-        let seen = held.entry(path.to_owned()).or_insert((touched, Instant::now()));
-        if seen.0 != touched {
-            *seen = (touched, Instant::now());
+        let last_change = held.entry(path.to_owned()).or_insert((touched, Instant::now()));
+        if last_change.0 != touched {
+            *last_change = (touched, Instant::now());
         }
-        let expired = seen.1.elapsed() >= self.expiry;
+        let expired = last_change.1.elapsed() >= self.expiry;
         if expired {
             held.remove(path);
         }

@@ -56,10 +56,10 @@ impl Store {
         let mut entries = Vec::new();
         self.visit(|stage, path, name| {
             if let Some(key) = Digest::parse(name) {
-                let about = fs::metadata(path)?;
-                let age = about.modified().ok().and_then(|at| SystemTime::now().duration_since(at).ok());
+                let metadata = fs::metadata(path)?;
+                let age = metadata.modified().ok().and_then(|at| SystemTime::now().duration_since(at).ok());
                 let (stage, note) = (stage.to_owned(), self.noted(stage, &key));
-                entries.push(StoredEntry { stage, key, bytes: about.len(), age: age.unwrap_or_default(), note });
+                entries.push(StoredEntry { stage, key, bytes: metadata.len(), age: age.unwrap_or_default(), note });
             }
             Ok(())
         })?;
@@ -91,24 +91,25 @@ impl Store {
     /// # Errors
     /// What the file system says of a folder.
     pub fn leftovers(&self) -> io::Result<Vec<(PathBuf, u64)>> {
-        let mut found = Vec::new();
+        let mut leftovers = Vec::new();
         self.visit(|stage, path, name| {
             let key = name.strip_prefix('.').and_then(|name| Digest::parse(name.split('.').next()?));
             if let Some(key) = key.filter(|_| name.ends_with(".tmp"))
                 && self.lock(stage, &key).is_some()
             {
-                found.push((path.to_owned(), fs::metadata(path).map_or(0, |about| about.len())));
+                leftovers.push((path.to_owned(), fs::metadata(path).map_or(0, |metadata| metadata.len())));
             }
             Ok(())
         })?;
-        found.sort();
-        Ok(found)
+        leftovers.sort();
+        Ok(leftovers)
     }
 
     /// Shows every file of the folders of entries: kind of stage, path and name.
     fn visit(&self, mut show: impl FnMut(&str, &Path, &str) -> io::Result<()>) -> io::Result<()> {
         for kind in folders(&self.root)? {
             let stage = kind.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            // Entries lie in folders named by the first two digits of their keys.
             let shelves = folders(&kind)?;
             for shelf in shelves.iter().filter(|shelf| shelf.file_name().is_some_and(|name| name.len() == 2)) {
                 for file in fs::read_dir(shelf)? {
@@ -124,11 +125,11 @@ impl Store {
 
 /// The folders in a folder; none where there is no such folder.
 fn folders(folder: &Path) -> io::Result<Vec<PathBuf>> {
-    let found = match fs::read_dir(folder) {
+    let entries = match fs::read_dir(folder) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
         other => other?,
     };
-    let paths = found.map(|entry| entry.map(|entry| entry.path())).collect::<io::Result<Vec<PathBuf>>>()?;
+    let paths = entries.map(|entry| entry.map(|entry| entry.path())).collect::<io::Result<Vec<PathBuf>>>()?;
     Ok(paths.into_iter().filter(|path| path.is_dir()).collect())
 }
 

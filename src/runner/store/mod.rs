@@ -23,6 +23,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant, SystemTime};
 
 const MAGIC: &[u8; 16] = b"spinebench-rec-2";
+/// Bytes before the payload: the magic, its digest and the seal.
 const HEADER: usize = 16 + 32 + 32;
 
 /// What the store has under a key.
@@ -68,7 +69,7 @@ pub struct StoreTraffic {
 #[derive(Debug)]
 pub struct Store {
     root: PathBuf,
-    temporary: AtomicU64,
+    next_temporary: AtomicU64,
     traffic: Mutex<StoreTraffic>,
     /// Lock files that other processes hold: when they were last touched, and when this process saw that.
     held_elsewhere: Mutex<HashMap<PathBuf, (SystemTime, Instant)>>,
@@ -77,14 +78,14 @@ pub struct Store {
 }
 
 /// Most entries of a kind whose times are read for an estimate.
-const LOOKED_AT: usize = 100;
+const MAX_NOTES_READ: usize = 100;
 
 impl Store {
     /// The store in the folder `root`, which is made when the first entry is written.
     pub fn at(root: impl Into<PathBuf>) -> Store {
         Store {
             root: root.into(),
-            temporary: AtomicU64::new(0),
+            next_temporary: AtomicU64::new(0),
             traffic: Mutex::default(),
             held_elsewhere: Mutex::default(),
             expiry: entry_lock::EXPIRY,
@@ -155,7 +156,7 @@ impl Store {
         let path = self.path(stage, key);
         let folder = path.parent().unwrap_or(&self.root);
         fs::create_dir_all(folder)?;
-        let number = self.temporary.fetch_add(1, Ordering::Relaxed);
+        let number = self.next_temporary.fetch_add(1, Ordering::Relaxed);
         let temporary = folder.join(format!(".{key}.{}.{number}.tmp", std::process::id()));
         let digest = Digest::of(payload);
         let written = (|| {
@@ -197,7 +198,7 @@ impl Store {
         let files = shelves.flat_map(|shelf| fs::read_dir(shelf.path()).into_iter().flatten().flatten());
         let notes = files.map(|file| file.path()).filter(|path| path.extension().is_some_and(|end| end == "note"));
         let read = |path: PathBuf| serde_json::from_slice::<Note>(&fs::read(path).ok()?).ok();
-        let times: Vec<f64> = notes.take(LOOKED_AT).filter_map(read).map(|note| note.timing.wall_s).collect();
+        let times: Vec<f64> = notes.take(MAX_NOTES_READ).filter_map(read).map(|note| note.timing.wall_s).collect();
         (!times.is_empty()).then(|| times.iter().sum::<f64>() / times.len() as f64)
     }
 

@@ -19,16 +19,16 @@ pub(in crate::specs) fn check(experiment: &Experiment, document: &Document) -> R
         }
         names.push(&claim.claim);
         let path = path.key("relation");
-        numbers(&claim.relation, document, &path)?;
-        for (below, metric) in places(&claim.relation, &path) {
-            known(&metric, experiment).map_err(|expected| document.wrong(&below, expected))?;
+        check_numbers(&claim.relation, document, &path)?;
+        for (below, metric) in metric_paths(&claim.relation, &path) {
+            check_metric(&metric, experiment).map_err(|expected| document.wrong(&below, expected))?;
         }
     }
     Ok(())
 }
 
 /// The metrics of a relation, each with its path.
-fn places(relation: &Relation, path: &KeyPath) -> Vec<(KeyPath, ClaimMetric)> {
+fn metric_paths(relation: &Relation, path: &KeyPath) -> Vec<(KeyPath, ClaimMetric)> {
     let keys = match relation {
         Relation::Less { .. } => vec![path.key("less").key("left"), path.key("less").key("right")],
         Relation::Between { .. } => vec![path.key("between").key("metric")],
@@ -50,7 +50,7 @@ fn places(relation: &Relation, path: &KeyPath) -> Vec<(KeyPath, ClaimMetric)> {
 }
 
 /// Checks ranges and lengths.
-fn numbers(relation: &Relation, document: &Document, path: &KeyPath) -> Result<(), SpecError> {
+fn check_numbers(relation: &Relation, document: &Document, path: &KeyPath) -> Result<(), SpecError> {
     let unless = |holds: bool, path: KeyPath, expected: &str| {
         if holds { Ok(()) } else { Err(document.wrong(&path, expected)) }
     };
@@ -81,18 +81,18 @@ fn numbers(relation: &Relation, document: &Document, path: &KeyPath) -> Result<(
 }
 
 /// Checks that the experiment yields this metric; the error is what was expected.
-fn known(metric: &ClaimMetric, experiment: &Experiment) -> Result<(), String> {
+fn check_metric(metric: &ClaimMetric, experiment: &Experiment) -> Result<(), String> {
     let runs = &experiment.runs;
     match metric {
-        ClaimMetric::ReachMean(cell) | ClaimMetric::ReachSd(cell) => known_cell(cell, experiment),
+        ClaimMetric::ReachMean(cell) | ClaimMetric::ReachSd(cell) => check_cell(cell, experiment),
         ClaimMetric::NetworkMae { network, .. } => {
             let names: Vec<&str> = networks().iter().map(|network| network.name).collect();
             if names.contains(&network.as_str()) { Ok(()) } else { Err(one_of(&names)) }
         }
         ClaimMetric::GpError { points } => {
             let fitted = gp_sizes(experiment);
-            let known = usize::try_from(*points).is_ok_and(|points| fitted.contains(&points));
-            if known { Ok(()) } else { Err(format!("one of the fitted sizes {fitted:?}")) }
+            let is_fitted = usize::try_from(*points).is_ok_and(|points| fitted.contains(&points));
+            if is_fitted { Ok(()) } else { Err(format!("one of the fitted sizes {fitted:?}")) }
         }
         ClaimMetric::TrackMean { policy }
         | ClaimMetric::TrackTime { policy }
@@ -106,14 +106,14 @@ fn known(metric: &ClaimMetric, experiment: &Experiment) -> Result<(), String> {
     }
 }
 
-fn known_cell(cell: &ReachCell, experiment: &Experiment) -> Result<(), String> {
+fn check_cell(cell: &ReachCell, experiment: &Experiment) -> Result<(), String> {
     let cells = reach_cells(experiment);
     let fits = |wanted: Option<u64>, size: u64| wanted.is_none_or(|wanted| wanted == size);
-    let matching = cells.iter().filter(|one| {
-        one.policy == cell.policy
-            && one.mode == cell.mode
-            && fits(cell.gp_points, one.gp_points)
-            && fits(cell.real_points, one.real_points)
+    let matching = cells.iter().filter(|candidate| {
+        candidate.policy == cell.policy
+            && candidate.mode == cell.mode
+            && fits(cell.gp_points, candidate.gp_points)
+            && fits(cell.real_points, candidate.real_points)
     });
     match matching.count() {
         1 => Ok(()),

@@ -18,14 +18,14 @@ pub(in crate::specs) fn check_entries(document: &Document, options: &Options, pa
     for (index, name) in options.left_out.iter().enumerate() {
         unless(names.contains(&name.as_str()), &path.key("left_out").item(index), &names)?;
     }
-    for (index, one) in options.uncertain.iter().enumerate() {
+    for (index, uncertainty) in options.uncertain.iter().enumerate() {
         let path = path.key("uncertain").item(index);
-        let card = CATALOGUE.iter().find(|card| card.name == one.effect);
+        let card = CATALOGUE.iter().find(|card| card.name == uncertainty.effect);
         let card = card.ok_or_else(|| document.wrong(&path.key("effect"), one_of(&names)))?;
-        let mut own: Vec<&str> = card.parameters.iter().map(|parameter| parameter.vector()).collect();
-        own.dedup();
-        unless(own.contains(&one.parameter.as_str()), &path.key("parameter"), &own)?;
-        BadOption::unless_positive("deviation", one.deviation)
+        let mut parameters: Vec<&str> = card.parameters.iter().map(|parameter| parameter.vector()).collect();
+        parameters.dedup();
+        unless(parameters.contains(&uncertainty.parameter.as_str()), &path.key("parameter"), &parameters)?;
+        BadOption::unless_positive("deviation", uncertainty.deviation)
             .map_err(|bad| document.wrong(&path.key(bad.key), bad.expected))?;
     }
     Ok(())

@@ -18,6 +18,7 @@ use crate::specs::experiment::cells::uses;
 use crate::specs::experiment::claims::Size;
 use crate::specs::experiment::spec::{DiscoveryRun, Experiment, ReachSweep, TrackRun};
 use crate::tasks::{PointLayout, has_tip_model};
+use std::ops::RangeInclusive;
 
 /// Checks `experiment`, which was read from `document`.
 ///
@@ -32,11 +33,11 @@ pub(in crate::specs) fn check(experiment: &Experiment, document: &Document) -> R
 }
 
 /// Most repetitions of an experiment; the plan of more would not fit in memory.
-const MOST_SEEDS: u64 = 1000;
+const MAX_SEEDS: u64 = 1000;
 /// Inputs of an error model beside the displacements: a position.
 const POSITION_INPUTS: usize = 3;
 /// Tracking noise above this indicates a wrong unit, metres.
-const MOST_NOISE_M: f64 = 0.05;
+const MAX_NOISE_M: f64 = 0.05;
 
 /// Whether a name is of letters, digits, `_` and `-`.
 pub(super) fn is_name(name: &str) -> bool {
@@ -63,9 +64,9 @@ impl Checker<'_> {
         self.unless(is_name(&spec.name) && !null, &root.key("name"), "a name of letters, digits, `_` and `-`")?;
         let hz = spec.control_hz;
         self.unless(hz > 0.0 && hz <= 1000.0, &root.key("control_hz"), "a rate above 0 and up to 1000 Hz")?;
-        self.unless((1..=MOST_SEEDS).contains(&spec.seeds), &root.key("seeds"), "1 to 1000")?;
-        let last = MOST_SEEDS - spec.seeds;
-        self.unless(spec.first_seed <= last, &root.key("first_seed"), &format!("0 to {last}"))?;
+        self.unless((1..=MAX_SEEDS).contains(&spec.seeds), &root.key("seeds"), "1 to 1000")?;
+        let max_first = MAX_SEEDS - spec.seeds;
+        self.unless(spec.first_seed <= max_first, &root.key("first_seed"), &format!("0 to {max_first}"))?;
         self.unless(!spec.training.is_empty(), &root.key("training"), "at least one kind of training")?;
         for (name, training) in &spec.training {
             let path = root.key("training").key(name);
@@ -91,7 +92,7 @@ impl Checker<'_> {
     /// The checks of each module's options.
     fn options(&self) -> Result<(), SpecError> {
         let spec = self.experiment;
-        let option = |name: &str, found: Result<(), BadOption>| self.checked(&KeyPath::default().key(name), found);
+        let option = |name: &str, result: Result<(), BadOption>| self.checked(&KeyPath::default().key(name), result);
         option("explore", spec.explore.check())?;
         option("gp_points", spec.gp_points.check())?;
         option("policies", spec.policies.check())?;
@@ -128,10 +129,10 @@ impl Checker<'_> {
                 let at = if self.document.has(&angles) { &angles } else { &path };
                 self.document.refuse(at, PathEnd::Value, found, "tendons on every side, to bend the robot both ways")
             })?;
-            let noise = plant.noise_m().is_none_or(|noise_m| (0.0..=MOST_NOISE_M).contains(&noise_m));
-            self.unless(noise, &path.key("noise_m"), "0 to 0.05 m of tracking noise")?;
-            let stands = name == "plant" || !plant.drives_hardware();
-            self.unless(stands, &root.key(name), &format!("a model, not a `{}` plant", plant.kind()))?;
+            let is_plausible = plant.noise_m().is_none_or(|noise_m| (0.0..=MAX_NOISE_M).contains(&noise_m));
+            self.unless(is_plausible, &path.key("noise_m"), "0 to 0.05 m of tracking noise")?;
+            let is_allowed = name == "plant" || !plant.drives_hardware();
+            self.unless(is_allowed, &root.key(name), &format!("a model, not a `{}` plant", plant.kind()))?;
             plant.travel_m().map_or(Ok(()), |travel_m| self.pulls(name, travel_m))?;
         }
         let (found, expected) = (spec.plant.tendons(), spec.model.tendons());
@@ -164,8 +165,8 @@ impl Checker<'_> {
         Ok(())
     }
 
-    fn learn(&self, name: &str, found: Result<(), LearnError>) -> Result<(), SpecError> {
-        found.map_err(|error| match error {
+    fn learn(&self, name: &str, result: Result<(), LearnError>) -> Result<(), SpecError> {
+        result.map_err(|error| match error {
             LearnError::Setting { key, found, expected } => self.option(name, key, &found, expected),
             other => {
                 self.document.refuse(&KeyPath::default().key(name), PathEnd::Value, other.to_string(), "a valid value")
@@ -174,8 +175,8 @@ impl Checker<'_> {
     }
 
     /// A check of the options below `path`.
-    pub(super) fn checked(&self, path: &KeyPath, found: Result<(), BadOption>) -> Result<(), SpecError> {
-        found.map_err(|bad| self.option(&path.to_string(), bad.key, &bad.found, bad.expected))
+    pub(super) fn checked(&self, path: &KeyPath, result: Result<(), BadOption>) -> Result<(), SpecError> {
+        result.map_err(|bad| self.option(&path.to_string(), bad.key, &bad.found, bad.expected))
     }
 
     /// Effects and their units; `path` is that of their list.
@@ -211,8 +212,8 @@ impl Checker<'_> {
             "at least one of `gap`, `forward`, `gp_points`, `reach`, `track`, `response`, `pace`, `repair`, `discovery`",
         )?;
         if let Some(gap) = runs.gap {
-            let most = self.experiment.explore.points;
-            self.fits(&[gap.rows], &path.key("gap").key("rows"), 1, most, "collected points")?;
+            let max_rows = self.experiment.explore.points;
+            self.fits(&[gap.rows], &path.key("gap").key("rows"), 1..=max_rows, "collected points")?;
         }
         self.gp_sizes(&runs.gp_points, &path.key("gp_points"))?;
         for (key, shares) in [("gp_coverage", &runs.gp_coverage), ("gp_leave_one_out", &runs.gp_leave_one_out)] {
@@ -281,19 +282,19 @@ impl Checker<'_> {
         self.checked(&path.key("truth"), discovery.truth.check())?;
         self.checked(&path.key("oracle"), discovery.oracle.check())?;
         let batches = path.key("batches");
-        let some = !discovery.batches.is_empty() || !discovery.recordings.is_empty();
-        self.unless(some, &batches, "at least one batch here or one table of `recordings`")?;
-        let mut each = discovery.batches.iter().enumerate();
-        each.try_for_each(|(index, batch)| self.checked(&batches.item(index), batch.check()))?;
-        let mut each = discovery.recordings.iter().enumerate();
-        each.try_for_each(|(index, cases)| self.checked(&path.key("recordings").item(index), cases.check()))
+        let has_cases = !discovery.batches.is_empty() || !discovery.recordings.is_empty();
+        self.unless(has_cases, &batches, "at least one batch here or one table of `recordings`")?;
+        let mut numbered = discovery.batches.iter().enumerate();
+        numbered.try_for_each(|(index, batch)| self.checked(&batches.item(index), batch.check()))?;
+        let mut numbered = discovery.recordings.iter().enumerate();
+        numbered.try_for_each(|(index, cases)| self.checked(&path.key("recordings").item(index), cases.check()))
     }
 
     fn track(&self, track: &TrackRun, path: &KeyPath) -> Result<(), SpecError> {
         self.policies(&track.policies, &path.key("policies"))?;
         self.mode(&track.mode, &path.key("mode"))?;
-        let one = |size: Option<usize>| size.map(|size| vec![size]);
-        let (gp, real) = (one(track.gp_points), one(track.real_points));
+        let as_list = |size: Option<usize>| size.map(|size| vec![size]);
+        let (gp, real) = (as_list(track.gp_points), as_list(track.real_points));
         self.sizes(&track.policies, Size::GpPoints, gp.as_deref(), &path.key("gp_points"))?;
         self.sizes(&track.policies, Size::RealPoints, real.as_deref(), &path.key("real_points"))
     }
@@ -309,25 +310,25 @@ impl Checker<'_> {
     pub(super) fn policies(&self, names: &[String], path: &KeyPath) -> Result<(), SpecError> {
         self.not_empty(names, path)?;
         for (index, name) in names.iter().enumerate() {
-            let own = self.experiment.policies.outside.keys().map(String::as_str);
-            let known: Vec<&str> = policies::REGISTRY.iter().map(|entry| entry.name).chain(own).collect();
-            self.unless(known.contains(&name.as_str()), &path.item(index), &one_of(&known))?;
-            let asks = policies::find(name).is_some_and(|entry| entry.model == ModelAccess::AtRest);
+            let outside = self.experiment.policies.outside.keys().map(String::as_str);
+            let allowed: Vec<&str> = policies::REGISTRY.iter().map(|entry| entry.name).chain(outside).collect();
+            self.unless(allowed.contains(&name.as_str()), &path.item(index), &one_of(&allowed))?;
+            let asks_model = policies::find(name).is_some_and(|entry| entry.model == ModelAccess::AtRest);
             let expected =
                 format!("a model with equations (`simulated`, `constant_curvature`), as policy `{name}` needs");
             let model = KeyPath::default().key("model");
-            self.unless(!asks || has_tip_model(&self.experiment.model), &model, &expected)?;
-            let varied = policies::find(name).is_some_and(PolicyEntry::uses_randomised_robots);
+            self.unless(!asks_model || has_tip_model(&self.experiment.model), &model, &expected)?;
+            let needs_random_robots = policies::find(name).is_some_and(PolicyEntry::uses_randomised_robots);
             let expected = format!("a `simulated` model, as policy `{name}` needs");
             let simulated = matches!(self.experiment.model, PlantSpec::Simulated(_));
-            self.unless(!varied || simulated, &model, &expected)?;
+            self.unless(!needs_random_robots || simulated, &model, &expected)?;
         }
         Ok(())
     }
 
     fn mode(&self, name: &str, path: &KeyPath) -> Result<(), SpecError> {
-        let known: Vec<&str> = self.experiment.modes.keys().map(String::as_str).collect();
-        self.unless(known.contains(&name), path, &one_of(&known))
+        let allowed: Vec<&str> = self.experiment.modes.keys().map(String::as_str).collect();
+        self.unless(allowed.contains(&name), path, &one_of(&allowed))
     }
 
     /// Sizes must be given when a policy is built from that part, and none may exceed the data.
@@ -352,34 +353,34 @@ impl Checker<'_> {
 
     pub(super) fn gp_sizes(&self, sizes: &[usize], path: &KeyPath) -> Result<(), SpecError> {
         let (gp, inputs) = (&self.experiment.gp, self.experiment.model.tendons() + POSITION_INPUTS);
-        let least = gp.mean.least_rows(inputs);
-        self.fits(sizes, path, least, self.experiment.gp_points.points(), "predefined points")?;
-        let most = gp.most_points();
-        let tip = if gp.approximation.is_exact() { "; `gp.approximation: sgpr` takes more" } else { "" };
+        let range = gp.mean.least_rows(inputs)..=self.experiment.gp_points.points();
+        self.fits(sizes, path, range, "predefined points")?;
+        let max_points = gp.most_points();
+        let hint = if gp.approximation.is_exact() { "; `gp.approximation: sgpr` takes more" } else { "" };
         let kind = if gp.approximation.is_exact() { "an exact" } else { "a sparse" };
         for (index, size) in sizes.iter().enumerate() {
             self.unless(
-                *size <= most,
+                *size <= max_points,
                 &self.item(path, index),
-                &format!("at most {most} points for {kind} process{tip}"),
+                &format!("at most {max_points} points for {kind} process{hint}"),
             )?;
         }
         Ok(())
     }
 
     fn real_sizes(&self, sizes: &[usize], path: &KeyPath) -> Result<(), SpecError> {
-        self.fits(sizes, path, 10, self.experiment.explore.points, "collected points")?;
+        self.fits(sizes, path, 10..=self.experiment.explore.points, "collected points")?;
         let samples = |size: &usize| self.experiment.explore.starts(*size);
         for (index, size) in sizes.iter().enumerate() {
-            let enough = self.experiment.network.check_rows(*size, &samples(size));
-            self.enough(enough, &self.item(path, index))?;
+            let result = self.experiment.network.check_rows(*size, &samples(size));
+            self.enough(result, &self.item(path, index))?;
         }
         Ok(())
     }
 
     /// A network needs a window of rows for training and a row for validation.
-    fn enough(&self, enough: Result<(), LearnError>, path: &KeyPath) -> Result<(), SpecError> {
-        enough.map_err(|error| {
+    fn enough(&self, result: Result<(), LearnError>, path: &KeyPath) -> Result<(), SpecError> {
+        result.map_err(|error| {
             let expected = match error {
                 LearnError::TooFewRows { needed, why, .. } => format!("about {needed} or more, enough for {why}"),
                 other => other.to_string(),
@@ -388,10 +389,10 @@ impl Checker<'_> {
         })
     }
 
-    fn fits(&self, sizes: &[usize], path: &KeyPath, least: usize, most: usize, of: &str) -> Result<(), SpecError> {
+    fn fits(&self, sizes: &[usize], path: &KeyPath, range: RangeInclusive<usize>, what: &str) -> Result<(), SpecError> {
         for (index, size) in sizes.iter().enumerate() {
-            let expected = format!("{least} to {most}, the number of {of}");
-            self.unless((least..=most).contains(size), &self.item(path, index), &expected)?;
+            let expected = format!("{} to {}, the number of {what}", range.start(), range.end());
+            self.unless(range.contains(size), &self.item(path, index), &expected)?;
         }
         Ok(())
     }

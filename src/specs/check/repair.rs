@@ -11,7 +11,7 @@ use crate::specs::experiment::repair::RepairRun;
 use crate::tasks::SimulatedBy;
 
 /// Rows that a discovery asks for at least.
-const LEAST_ROWS: usize = 30;
+const MIN_ROWS: usize = 30;
 
 impl Checker<'_> {
     /// A robot to which effects can be added, changes that it takes, and enough rows to tell them by.
@@ -29,12 +29,13 @@ impl Checker<'_> {
         let real = run.real_points.map(|points| vec![points]);
         let worker = std::slice::from_ref(&run.worker);
         self.sizes(worker, Size::RealPoints, real.as_deref(), &path.key("real_points"))?;
-        let (recordings, found) = (path.key("recordings"), run.recordings);
-        self.unless((2..=10_000).contains(&found.rows), &recordings.key("rows"), "2 to 10000 rows")?;
-        for (key, trials) in [("trials_before", found.trials_before), ("trials_after", found.trials_after)] {
-            let enough = (2..=1000).contains(&trials) && trials * found.rows >= LEAST_ROWS;
+        let (recordings_path, recordings) = (path.key("recordings"), run.recordings);
+        let rows = recordings.rows;
+        self.unless((2..=10_000).contains(&rows), &recordings_path.key("rows"), "2 to 10000 rows")?;
+        for (key, trials) in [("trials_before", recordings.trials_before), ("trials_after", recordings.trials_after)] {
+            let enough = (2..=1000).contains(&trials) && trials * rows >= MIN_ROWS;
             let expected = "2 to 1000 trials with 30 rows or more, which a discovery needs";
-            self.unless(enough, &recordings.key(key), expected)?;
+            self.unless(enough, &recordings_path.key(key), expected)?;
         }
         self.checked(&path.key("monitor"), run.monitor.check())?;
         check_entries(self.document, &run.discovery, &path.key("discovery"))?;
@@ -49,9 +50,13 @@ impl Checker<'_> {
     fn asks_no_model(&self, run: &RepairRun, path: &KeyPath) -> Result<(), SpecError> {
         for (index, sweep) in run.cells.iter().enumerate() {
             for (number, name) in sweep.policies.iter().enumerate() {
-                let asks = policies::find(name).is_some_and(|entry| entry.model == ModelAccess::AtRest);
+                let asks_model = policies::find(name).is_some_and(|entry| entry.model == ModelAccess::AtRest);
                 let path = path.item(index).key("policies").item(number);
-                self.unless(!asks, &path, "a policy that does not ask the model itself, which `runs.repair` replaces")?;
+                self.unless(
+                    !asks_model,
+                    &path,
+                    "a policy that does not ask the model itself, which `runs.repair` replaces",
+                )?;
             }
         }
         Ok(())

@@ -9,7 +9,7 @@ use serde::de::DeserializeOwned;
 use serde_yaml::Value;
 
 /// Most faults that are told at once.
-const MOST_FAULTS: usize = 20;
+const MAX_FAULTS: usize = 20;
 
 impl Document {
     /// The document as a `T`. An entry that a weaker source has and a stronger one sets to `null` is dropped where the entry
@@ -35,8 +35,9 @@ impl Document {
             // What follows from a fault that was told is none of its own; a key that is missing beside an unknown one is
             // likely that one.
             let absent = get(&tree, &wrong.key).is_none();
-            let follows =
-                |known: &KeyPath| known.0.starts_with(&wrong.key.0) || (absent && known.parent() == wrong.key.parent());
+            let follows = |removed_key: &KeyPath| {
+                removed_key.0.starts_with(&wrong.key.0) || (absent && removed_key.parent() == wrong.key.parent())
+            };
             if removed.iter().any(follows) {
                 break;
             }
@@ -48,7 +49,7 @@ impl Document {
             }
             let one_of_a_list = matches!(key.0.last(), Some(Step::Item(_)) | None);
             faults.push(self.refuse(&wrong.key, wrong.end, wrong.found, wrong.expected));
-            if one_of_a_list || absent || faults.len() == MOST_FAULTS {
+            if one_of_a_list || absent || faults.len() == MAX_FAULTS {
                 break;
             }
             remove(&mut tree, &key);
@@ -74,7 +75,7 @@ impl Document {
     fn dropped(&self, path: &KeyPath) -> Option<KeyPath> {
         let entry = (1..=path.0.len()).map(|depth| KeyPath(path.0[..depth].to_vec()));
         let entry = entry.into_iter().find(|entry| get(&self.merged, entry).is_some_and(Value::is_null))?;
-        let held = |value: Option<Value>| value.is_some_and(|value| !value.is_null());
-        self.layers.iter().any(|layer| held(layer.get(&entry))).then_some(entry)
+        let has_value = |value: Option<Value>| value.is_some_and(|value| !value.is_null());
+        self.layers.iter().any(|layer| has_value(layer.get(&entry))).then_some(entry)
     }
 }

@@ -134,7 +134,7 @@ impl Layer {
     }
 
     /// Takes `extends` out of this layer and reads the file that it names.
-    pub(super) fn parent(&mut self, seen: &[PathBuf]) -> Result<Option<Layer>, SpecError> {
+    pub(super) fn parent(&mut self, extended_files: &[PathBuf]) -> Result<Option<Layer>, SpecError> {
         let path = KeyPath::default().key("extends");
         let Some(value) = self.value.get("extends").cloned() else { return Ok(None) };
         let expected = "the name of a spec beside this one";
@@ -144,7 +144,7 @@ impl Layer {
             let found = format!("no file `{}`{}", file.display(), searched(&file));
             return Err(self.refuse(&path, found, expected));
         }
-        if seen.contains(&canonical(&file)) {
+        if extended_files.contains(&canonical(&file)) {
             return Err(self.refuse(&path, format!("`{name}`, which extends this file"), expected));
         }
         if let Value::Mapping(mapping) = &mut self.value {
@@ -245,8 +245,8 @@ pub(super) fn searched(path: &Path) -> String {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let mut names: Vec<String> = entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
     names.sort();
-    let near = nearest(&name, names.iter().map(String::as_str));
-    let hint = near.map_or(String::new(), |near| format!("; did you mean `{near}`?"));
+    let suggestion = nearest(&name, names.iter().map(String::as_str));
+    let hint = suggestion.map_or(String::new(), |suggestion| format!("; did you mean `{suggestion}`?"));
     format!(" in {}{hint}", place.display())
 }
 

@@ -54,10 +54,10 @@ impl Document {
             Layer::option(set)?.push_with_included(includes, &mut layers)?;
         }
         let mut next = Some(Layer::file(file, None)?);
-        let mut seen = Vec::new();
+        let mut extended_files = Vec::new();
         while let Some(mut layer) = next {
-            seen.push(canonical(Path::new(&layer.name)));
-            next = layer.parent(&seen)?;
+            extended_files.push(canonical(Path::new(&layer.name)));
+            next = layer.parent(&extended_files)?;
             layer.push_with_included(includes, &mut layers)?;
         }
         let mut merged = Value::Mapping(Mapping::new());
@@ -102,16 +102,16 @@ impl Document {
         })
     }
 
-    fn search(&self, below: &KeyPath, wanted: &dyn Fn(&KeyPath, &Value) -> bool) -> Option<KeyPath> {
+    fn search(&self, below: &KeyPath, matches: &dyn Fn(&KeyPath, &Value) -> bool) -> Option<KeyPath> {
         let value = get(&self.merged, below)?;
-        if wanted(below, value) {
+        if matches(below, value) {
             return Some(below.clone());
         }
         match value {
             Value::Mapping(mapping) => {
-                mapping.keys().filter_map(Value::as_str).find_map(|key| self.search(&below.key(key), wanted))
+                mapping.keys().filter_map(Value::as_str).find_map(|key| self.search(&below.key(key), matches))
             }
-            Value::Sequence(items) => (0..items.len()).find_map(|index| self.search(&below.item(index), wanted)),
+            Value::Sequence(items) => (0..items.len()).find_map(|index| self.search(&below.item(index), matches)),
             _ => None,
         }
     }
@@ -139,8 +139,8 @@ impl Document {
         let holds = |layer: &&Layer| layer.get(path).is_some();
         // An option below the path holds it only where nothing else does.
         let above_option = |layer: &Layer| layer.root.0.len() > path.0.len();
-        let whole = self.layers.iter().find(|layer| !above_option(layer) && holds(layer));
-        whole.or_else(|| self.layers.iter().find(holds))
+        let at_or_above = self.layers.iter().find(|layer| !above_option(layer) && holds(layer));
+        at_or_above.or_else(|| self.layers.iter().find(holds))
     }
 
     /// Location of `below` in the values of a swept field, or of its nearest existing parent.
@@ -181,17 +181,18 @@ pub(in crate::specs) struct Origin {
 impl Origin {
     /// Location of `path`, if it is in the swept field.
     pub(super) fn place(&self, document: &Document, path: &KeyPath, end: PathEnd) -> Option<SourceLocation> {
-        let rest = path.0.strip_prefix(self.written.field.0.as_slice())?;
-        let files = self.files.iter().map(|(below, file, text)| (rest.strip_prefix(below.0.as_slice()), file, text));
+        let below_field = path.0.strip_prefix(self.written.field.0.as_slice())?;
+        let files =
+            self.files.iter().map(|(below, file, text)| (below_field.strip_prefix(below.0.as_slice()), file, text));
         if let Some((inside, file, text)) = files.filter_map(|(inside, file, text)| Some((inside?, file, text))).next()
         {
             let (line, column) = locate(text, &KeyPath(inside.to_vec()), end).unwrap_or((1, 1));
             return Some(SourceLocation::File { file: file.clone(), line, column });
         }
-        if rest.is_empty() && end == PathEnd::Key {
+        if below_field.is_empty() && end == PathEnd::Key {
             return Some(document.place_swept(&self.written, &[], PathEnd::Key));
         }
-        let below: Vec<Step> = self.below.iter().chain(rest).cloned().collect();
+        let below: Vec<Step> = self.below.iter().chain(below_field).cloned().collect();
         Some(document.place_swept(&self.written, &below, end))
     }
 }

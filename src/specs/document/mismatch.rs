@@ -50,8 +50,8 @@ fn explain(message: &str, path: &KeyPath, root_keys: &[&str]) -> Mismatch {
 /// ``unknown kernel `x`, expected one of a, b``, the message of registries.
 fn unregistered(message: &str, path: &KeyPath) -> Option<Mismatch> {
     let (found, expected) = message[message.find("unknown ")?..].split_once(", expected ")?;
-    let near = nearest(found.split('`').nth(1)?, expected.trim_start_matches("one of ").split(", "));
-    let hint = near.map_or(String::new(), |near| format!(" (did you mean `{near}`?)"));
+    let suggestion = nearest(found.split('`').nth(1)?, expected.trim_start_matches("one of ").split(", "));
+    let hint = suggestion.map_or(String::new(), |suggestion| format!(" (did you mean `{suggestion}`?)"));
     Some(Mismatch::new(path.clone(), PathEnd::Value, format!("the {found}"), format!("{expected}{hint}")))
 }
 
@@ -61,17 +61,17 @@ fn unknown(message: &str, path: &KeyPath, root_keys: &[&str]) -> Option<Mismatch
         .iter()
         .find_map(|(kind, start)| Some((*kind, &message[message.find(start)? + start.len()..])))?;
     let (name, rest) = rest.split_once('`')?;
-    let mut known: Vec<&str> = rest.split('`').skip(1).step_by(2).collect();
+    let mut names: Vec<&str> = rest.split('`').skip(1).step_by(2).collect();
     if kind == "key" && path.0.len() == 1 {
-        known.extend(root_keys);
+        names.extend(root_keys);
     }
-    let listed = match known.as_slice() {
+    let listed = match names.as_slice() {
         [] => "no key here".to_owned(),
-        [one] => format!("`{one}`"),
+        [name] => format!("`{name}`"),
         several => one_of(several),
     };
-    let expected = match nearest(name, known.iter().copied()) {
-        Some(near) => format!("{listed} (did you mean `{near}`?)"),
+    let expected = match nearest(name, names.iter().copied()) {
+        Some(suggestion) => format!("{listed} (did you mean `{suggestion}`?)"),
         None => listed,
     };
     // A variant without settings is a value, not a key.
@@ -108,7 +108,7 @@ fn mistyped(message: &str, path: &KeyPath) -> Option<Mismatch> {
 }
 
 /// Letters of a text that error messages show at most.
-const MOST_SHOWN: usize = 60;
+const MAX_SHOWN: usize = 60;
 
 /// A value as error messages show it.
 pub(in crate::specs) fn describe(value: &Value) -> String {
@@ -117,8 +117,8 @@ pub(in crate::specs) fn describe(value: &Value) -> String {
         Value::Bool(flag) => flag.to_string(),
         Value::Number(number) => number.to_string(),
         Value::String(text) => match text.lines().next() {
-            Some(line) if line.len() < text.len() || line.chars().count() > MOST_SHOWN => {
-                format!("a text that begins with `{}`", line.chars().take(MOST_SHOWN).collect::<String>())
+            Some(line) if line.len() < text.len() || line.chars().count() > MAX_SHOWN => {
+                format!("a text that begins with `{}`", line.chars().take(MAX_SHOWN).collect::<String>())
             }
             _ => format!("`{text}`"),
         },

@@ -3,11 +3,11 @@
 /// The candidate with the fewest edits to `word`, at most a third of its letters (and at least two), or one that
 /// differs in the unit at its end alone (`duration_ms` for `duration_s`).
 pub(in crate::specs) fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    let allowed = (word.chars().count() / 3).max(2);
+    let max_edits = (word.chars().count() / 3).max(2);
     candidates
         .into_iter()
         .map(|candidate| (strsim::levenshtein(word, candidate), candidate))
-        .filter(|&(distance, candidate)| distance <= allowed || stem(word) == stem(candidate))
+        .filter(|&(distance, candidate)| distance <= max_edits || stem(word) == stem(candidate))
         .min_by_key(|&(distance, _)| distance)
         .map(|(_, candidate)| candidate)
 }

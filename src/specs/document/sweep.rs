@@ -40,14 +40,15 @@ impl Document {
                 }));
                 let written =
                     SweptEntry { at: sweep.key(&key), field, layer: number, folder: layer.folder.clone(), value };
-                let same = fields.iter().position(|known| known.field == written.field);
-                let known = same.map(|index| &self.layers[fields[index].layer]);
-                if known.is_some_and(|known| known.name == layer.name || (known.is_option() && layer.is_option())) {
+                let earlier = fields.iter().position(|field| field.field == written.field);
+                let earlier_layer = earlier.map(|index| &self.layers[fields[index].layer]);
+                let is_same = |other: &Layer| other.name == layer.name || (other.is_option() && layer.is_option());
+                if earlier_layer.is_some_and(is_same) {
                     let place = layer.place(&written.at, PathEnd::Key);
                     let (found, expected) = ("a field that is already swept".into(), "each field once".into());
                     return Err(SpecError::Key { place, key: written.field, found, expected });
                 }
-                match (same, written.value.is_null()) {
+                match (earlier, written.value.is_null()) {
                     (Some(index), true) => drop(fields.remove(index)),
                     (Some(index), false) => fields[index] = written,
                     (None, true) => {}
@@ -63,10 +64,10 @@ impl Document {
 
     /// Location of the `--set` that sets `field` or a part of it.
     pub(in crate::specs) fn set_by(&self, field: &KeyPath) -> Option<SourceLocation> {
-        let says = |layer: &&Layer| {
+        let sets_field = |layer: &&Layer| {
             layer.name.starts_with(SET) && (layer.root.0.starts_with(&field.0) || layer.get(field).is_some())
         };
-        self.layers.iter().find(says).map(|layer| layer.place(field, PathEnd::Value))
+        self.layers.iter().find(sets_field).map(|layer| layer.place(field, PathEnd::Value))
     }
 
     /// The error for a value of a swept field.

@@ -40,10 +40,10 @@ pub fn repair_worker(experiment: &Experiment, run: &RepairRun) -> CellLabel {
 
 /// All cells of trials.
 pub fn trial_cells(experiment: &Experiment) -> impl Iterator<Item = CellLabel> {
-    let fixed = response_cells(experiment).into_iter().chain(pace_cells(experiment));
+    let timed = response_cells(experiment).into_iter().chain(pace_cells(experiment));
     let worker = experiment.runs.repair.as_ref().map(|run| repair_worker(experiment, run));
     let repair = repair_cells(experiment).into_iter().chain(worker);
-    reach_cells(experiment).into_iter().chain(track_cells(experiment)).chain(fixed).chain(repair)
+    reach_cells(experiment).into_iter().chain(track_cells(experiment)).chain(timed).chain(repair)
 }
 
 fn product(experiment: &Experiment, sweeps: &[ReachSweep]) -> Vec<CellLabel> {

@@ -4,7 +4,7 @@ use crate::base::BadOption;
 use serde::{Deserialize, Serialize};
 
 /// Shortest limit, minutes: the notice comes 90 s before, and clusters round that up by as much as a minute.
-const LEAST_MIN: u32 = 4;
+const MIN_TIME_MIN: u32 = 4;
 
 /// Resources of a worker and where it runs. The cluster decides what is left out.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -53,7 +53,7 @@ impl SlurmOptions {
     /// # Errors
     /// [`BadOption`] names the first one.
     pub fn check(&self) -> Result<(), BadOption> {
-        if let Some(minutes) = self.time_min.filter(|&minutes| minutes < LEAST_MIN) {
+        if let Some(minutes) = self.time_min.filter(|&minutes| minutes < MIN_TIME_MIN) {
             let expected = "at least 4: the notice comes up to two and a half minutes before the end";
             return Err(BadOption { key: "time_min", found: minutes.to_string(), expected });
         }

@@ -15,7 +15,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// Most points of one sweep; more indicate a mistyped count and would not fit in memory.
-const MOST_POINTS: usize = 100_000;
+const MAX_POINTS: usize = 100_000;
 
 /// Fields that cannot be swept, as they change no trial.
 const NOT_SWEPT: [&str; 8] = ["name", "extends", "sweep", "seeds", "first_seed", "figures", "claims", "slurm"];
@@ -79,7 +79,7 @@ impl ExperimentSet {
         let fields = fields.collect::<Result<Vec<ResolvedField>, SpecError>>()?;
         let count = count(&document, &fields)?;
         let mut set = ExperimentSet {
-            experiment: at_point(&mut document, &fields, [0, count])?,
+            experiment: at_point(&mut document, &fields, 0, count)?,
             sweep: fields.iter().map(ResolvedField::swept).collect(),
             points: Vec::with_capacity(count),
             notes: std::mem::take(&mut document.notes),
@@ -87,7 +87,7 @@ impl ExperimentSet {
         };
         remove(&mut document.merged, &KeyPath::default().key("claims"));
         for number in 0..count {
-            let experiment = Arc::new(at_point(&mut document, &fields, [number, count])?);
+            let experiment = Arc::new(at_point(&mut document, &fields, number, count)?);
             set.points.push(SweepPoint { values: digits(&fields, number), experiment });
         }
         Ok(set)
@@ -168,16 +168,19 @@ impl ResolvedField {
         }
         let values = expand(&written.value, field, seed)
             .map_err(|(below, found, expected)| document.refuse_swept(&written, &below.0, found, &expected))?;
-        let with_files = |mut one: SweepValue| {
-            let files = read_files(document, &written, &mut one, includes)?;
-            Ok((one, files))
+        let with_files = |mut sweep_value: SweepValue| {
+            let files = read_files(document, &written, &mut sweep_value, includes)?;
+            Ok((sweep_value, files))
         };
         let values = values.into_iter().map(with_files).collect::<Result<Vec<_>, SpecError>>()?;
         Ok(ResolvedField { written: Arc::new(written), values })
     }
 
     fn swept(&self) -> SweptField {
-        SweptField { name: self.name(), values: self.values.iter().map(|(one, _)| one.name.clone()).collect() }
+        SweptField {
+            name: self.name(),
+            values: self.values.iter().map(|(sweep_value, _)| sweep_value.name.clone()).collect(),
+        }
     }
 
     fn name(&self) -> String {
@@ -192,7 +195,10 @@ impl ResolvedField {
             random.entry(Value::from("seed")).or_insert(Value::from(seed));
         }
         if self.values.iter().any(|(_, files)| !files.is_empty()) {
-            let named = self.values.iter().map(|(one, _)| (Value::from(one.name.as_str()), one.value.clone()));
+            let named = self
+                .values
+                .iter()
+                .map(|(sweep_value, _)| (Value::from(sweep_value.name.as_str()), sweep_value.value.clone()));
             let named = Value::Mapping(named.collect());
             value = Value::Mapping(Mapping::from_iter([(Value::from("named"), named)]));
         }
@@ -200,21 +206,21 @@ impl ResolvedField {
     }
 }
 
-/// Replaces names of files in `one` by the content of the files.
+/// Replaces names of files in a value by the content of the files.
 fn read_files(
     document: &Document,
     written: &SweptEntry,
-    one: &mut SweepValue,
+    sweep_value: &mut SweepValue,
     includes: &[KeyPath],
 ) -> Result<IncludedFiles, SpecError> {
     let mut files = Vec::new();
     for include in includes {
         let Some(below) = include.0.strip_prefix(written.field.0.as_slice()) else { continue };
         let below = KeyPath(below.to_vec());
-        let Some(Value::String(name)) = get(&one.value, &below).cloned() else { continue };
-        let at: Vec<Step> = one.below.iter().chain(&below.0).cloned().collect();
-        let (content, file, text) = document.read_swept_file(written, &at, &name)?;
-        put(&mut one.value, &below.0, content).unwrap_or_default(); // the name stood there
+        let Some(Value::String(name)) = get(&sweep_value.value, &below).cloned() else { continue };
+        let steps: Vec<Step> = sweep_value.below.iter().chain(&below.0).cloned().collect();
+        let (content, file, text) = document.read_swept_file(written, &steps, &name)?;
+        put(&mut sweep_value.value, &below.0, content).unwrap_or_default(); // the name stood there
         files.push((below, file, text));
     }
     Ok(Arc::new(files))
@@ -224,12 +230,12 @@ fn read_files(
 fn count(document: &Document, fields: &[ResolvedField]) -> Result<usize, SpecError> {
     let sizes: Vec<usize> = fields.iter().map(|field| field.values.len()).collect();
     let count = sizes.iter().try_fold(1_usize, |product, &size| product.checked_mul(size));
-    match (count.filter(|&count| count <= MOST_POINTS), fields.last()) {
+    match (count.filter(|&count| count <= MAX_POINTS), fields.last()) {
         (Some(count), _) => Ok(count),
         (None, Some(last)) => {
             let sizes: Vec<String> = sizes.iter().map(usize::to_string).collect();
             let found = format!("{} points", sizes.join(" × "));
-            Err(document.refuse_swept(&last.written, &[], found, &format!("at most {MOST_POINTS} in one sweep")))
+            Err(document.refuse_swept(&last.written, &[], found, &format!("at most {MAX_POINTS} in one sweep")))
         }
         (None, None) => Ok(0),
     }
@@ -237,10 +243,10 @@ fn count(document: &Document, fields: &[ResolvedField]) -> Result<usize, SpecErr
 
 /// Index of the value of each field at point `number`; the last field varies fastest.
 fn digits(fields: &[ResolvedField], number: usize) -> Vec<usize> {
-    let mut rest = number;
+    let mut remaining = number;
     let mut digits = vec![0; fields.len()];
     for (digit, field) in digits.iter_mut().zip(fields).rev() {
-        (*digit, rest) = (rest % field.values.len(), rest / field.values.len());
+        (*digit, remaining) = (remaining % field.values.len(), remaining / field.values.len());
     }
     digits
 }
@@ -249,7 +255,8 @@ fn digits(fields: &[ResolvedField], number: usize) -> Vec<usize> {
 fn at_point(
     document: &mut Document,
     fields: &[ResolvedField],
-    [number, count]: [usize; 2],
+    number: usize,
+    count: usize,
 ) -> Result<Experiment, SpecError> {
     let digits = digits(fields, number);
     let mut chosen: Vec<(&ResolvedField, &SweepValue, &IncludedFiles)> = fields
@@ -259,22 +266,22 @@ fn at_point(
         .collect();
     // A field inside another swept field (a number of a swept model) is set after it.
     chosen.sort_by_key(|(field, _, _)| field.written.field.0.len());
-    let origin = |&(field, one, files): &(&ResolvedField, &SweepValue, &IncludedFiles)| Origin {
+    let origin = |&(field, sweep_value, files): &(&ResolvedField, &SweepValue, &IncludedFiles)| Origin {
         written: field.written.clone(),
-        below: one.below.clone(),
+        below: sweep_value.below.clone(),
         files: files.clone(),
     };
     document.origins = chosen.iter().map(origin).collect();
-    for (field, one, _) in &chosen {
-        put(&mut document.merged, &field.written.field.0, one.value.clone()).map_err(|found| {
+    for (field, sweep_value, _) in &chosen {
+        put(&mut document.merged, &field.written.field.0, sweep_value.value.clone()).map_err(|found| {
             document.refuse_swept(&field.written, &[], format!("{found} on the way there"), "a field of this spec")
         })?;
     }
     let values = || {
-        let all = fields.iter().zip(&digits);
-        let all: Vec<(String, &str)> =
-            all.map(|(field, &digit)| (field.name(), field.values[digit].0.name.as_str())).collect();
-        label(all.iter().map(|(name, value)| (name.as_str(), *value)))
+        let named = fields.iter().zip(&digits);
+        let named: Vec<(String, &str)> =
+            named.map(|(field, &digit)| (field.name(), field.values[digit].0.name.as_str())).collect();
+        label(named.iter().map(|(name, value)| (name.as_str(), *value)))
     };
     checked(document).map_err(|error| match error {
         SpecError::Key { place, key, found, expected } => {

@@ -12,7 +12,7 @@ use serde_yaml::{Number, Value};
 use std::collections::BTreeMap;
 
 /// Most values of one field; more indicate a mistyped count.
-pub(in crate::specs) const MOST_VALUES: usize = 100_000;
+pub(in crate::specs) const MAX_VALUES: usize = 100_000;
 
 /// The forms of values.
 pub(in crate::specs) const FORMS: &str = "a list, or one of `range`, `log_range`, `random`, `named`";
@@ -107,12 +107,12 @@ pub(in crate::specs) fn expand(written: &Value, field: &KeyPath, seed: Seed) -> 
     let values = match written {
         Value::Sequence(items) => listed(items)?,
         Value::Mapping(form) if form.len() == 1 => {
-            let (kind, inside) = form.iter().next().unwrap_or((&Value::Null, &Value::Null));
+            let (kind, settings) = form.iter().next().unwrap_or((&Value::Null, &Value::Null));
             match kind.as_str() {
-                Some("range") => even(&read::<EvenRange>(inside, "range")?)?,
-                Some("log_range") => logarithmic(&read::<LogRange>(inside, "log_range")?)?,
-                Some("random") => random(&read::<RandomDraw>(inside, "random")?, field, seed)?,
-                Some("named") => named(inside)?,
+                Some("range") => even(&read::<EvenRange>(settings, "range")?)?,
+                Some("log_range") => logarithmic(&read::<LogRange>(settings, "log_range")?)?,
+                Some("random") => random(&read::<RandomDraw>(settings, "random")?, field, seed)?,
+                Some("named") => named(settings)?,
                 _ => return Err(wrong("", format!("the unknown key `{}`", name(kind)), FORMS)),
             }
         }
@@ -130,23 +130,24 @@ fn wrong(below: &str, found: impl Into<String>, expected: impl Into<String>) -> 
 }
 
 fn listed(items: &[Value]) -> Result<Vec<SweepValue>, Wrong> {
-    if items.len() > MOST_VALUES {
+    if items.len() > MAX_VALUES {
         return Err(too_many("", items.len()));
     }
-    let one = |(index, value): (usize, &Value)| SweepValue {
+    let sweep_value = |(index, value): (usize, &Value)| SweepValue {
         name: name(value),
         value: value.clone(),
         below: Some(Step::Item(index)),
     };
-    Ok(items.iter().enumerate().map(one).collect())
+    Ok(items.iter().enumerate().map(sweep_value).collect())
 }
 
-fn named(inside: &Value) -> Result<Vec<SweepValue>, Wrong> {
-    let Value::Mapping(mapping) = inside else {
-        return Err(wrong("named", describe(inside), "a mapping from names to values"));
+fn named(settings: &Value) -> Result<Vec<SweepValue>, Wrong> {
+    let Value::Mapping(mapping) = settings else {
+        return Err(wrong("named", describe(settings), "a mapping from names to values"));
     };
-    let one = |(key, value): (&Value, &Value)| SweepValue { name: name(key), value: value.clone(), below: None };
-    Ok(mapping.iter().map(one).collect())
+    let sweep_value =
+        |(key, value): (&Value, &Value)| SweepValue { name: name(key), value: value.clone(), below: None };
+    Ok(mapping.iter().map(sweep_value).collect())
 }
 
 fn even(range: &EvenRange) -> Result<Vec<SweepValue>, Wrong> {
@@ -155,6 +156,7 @@ fn even(range: &EvenRange) -> Result<Vec<SweepValue>, Wrong> {
     let (steps, step) = match (range.count, range.step) {
         (Some(count), None) => (counted("range", count)? - 1, span / (count - 1) as f64),
         (None, Some(step)) if step > 0.0 && step.is_finite() => {
+            // Rounding must not lose the end where the step divides the span.
             let steps = (span / step * (1.0 + 1e-12)).floor();
             if steps < 1.0 {
                 return Err(wrong(
@@ -163,7 +165,7 @@ fn even(range: &EvenRange) -> Result<Vec<SweepValue>, Wrong> {
                     format!("at most {span}, from one end to the other"),
                 ));
             }
-            if steps >= MOST_VALUES as f64 {
+            if steps >= MAX_VALUES as f64 {
                 return Err(too_many("range.step", steps as usize + 1));
             }
             (steps as usize, step)
@@ -174,8 +176,8 @@ fn even(range: &EvenRange) -> Result<Vec<SweepValue>, Wrong> {
     };
     let value = |index: usize| range.from + step * index as f64;
     // The last value is exactly the end if the steps reach it.
-    let last = |index: usize| index == steps && (value(index) - range.to).abs() <= 1e-9 * span;
-    let values = (0..=steps).map(|index| if last(index) { range.to } else { value(index) });
+    let is_end = |index: usize| index == steps && (value(index) - range.to).abs() <= 1e-9 * span;
+    let values = (0..=steps).map(|index| if is_end(index) { range.to } else { value(index) });
     Ok(numbers(values, range.whole, [range.from, range.to]))
 }
 
@@ -209,9 +211,9 @@ fn random(random: &RandomDraw, field: &KeyPath, seed: Seed) -> Result<Vec<SweepV
     Ok(numbers(values, random.whole, [f64::NAN; 2]))
 }
 
-fn read<T: DeserializeOwned>(inside: &Value, form: &str) -> Result<T, Wrong> {
+fn read<T: DeserializeOwned>(settings: &Value, form: &str) -> Result<T, Wrong> {
     let below = |key: KeyPath| KeyPath([KeyPath::default().key(form).0, key.0].concat());
-    deserialize(inside, &[]).map_err(|wrong| (below(wrong.key), wrong.found, wrong.expected))
+    deserialize(settings, &[]).map_err(|wrong| (below(wrong.key), wrong.found, wrong.expected))
 }
 
 fn ordered(form: &str, from: f64, to: f64) -> Result<(), Wrong> {
@@ -232,22 +234,22 @@ fn positive(form: &str, from: f64, to: f64) -> Result<(), Wrong> {
 fn counted(form: &str, count: usize) -> Result<usize, Wrong> {
     match count {
         0 | 1 => Err(wrong(&format!("{form}.count"), count.to_string(), "at least 2 values")),
-        2..=MOST_VALUES => Ok(count),
+        2..=MAX_VALUES => Ok(count),
         _ => Err(too_many(&format!("{form}.count"), count)),
     }
 }
 
 fn too_many(below: &str, found: usize) -> Wrong {
-    wrong(below, format!("{found} values"), format!("at most {MOST_VALUES}"))
+    wrong(below, format!("{found} values"), format!("at most {MAX_VALUES}"))
 }
 
 fn each_once(values: &[SweepValue]) -> Result<(), Wrong> {
     let mut names = std::collections::HashSet::new();
-    match values.iter().find(|one| !names.insert(&one.name)) {
+    match values.iter().find(|sweep_value| !names.insert(&sweep_value.name)) {
         None => Ok(()),
-        Some(twice) => {
-            let path = KeyPath(twice.below.iter().cloned().collect());
-            Err((path, format!("`{}` twice", twice.name), "each value once".to_owned()))
+        Some(repeated) => {
+            let path = KeyPath(repeated.below.iter().cloned().collect());
+            Err((path, format!("`{}` twice", repeated.name), "each value once".to_owned()))
         }
     }
 }
@@ -260,14 +262,14 @@ fn numbers(values: impl Iterator<Item = f64>, whole: bool, exact: [f64; 2]) -> V
         false if exact.contains(&value) => value,
         false => round_significant(value, SIGNIFICANT_DIGITS),
     };
-    let one = |value: f64| {
+    let sweep_value = |value: f64| {
         // Integer fields do not accept `3.0`.
         let number =
             if value.fract() == 0.0 && value.abs() < 1e15 { Number::from(value as i64) } else { Number::from(value) };
         let value = Value::Number(number);
         SweepValue { name: name(&value), value, below: None }
     };
-    values.map(rounded).map(one).collect()
+    values.map(rounded).map(sweep_value).collect()
 }
 
 /// A value in one cell of a table.

@@ -30,16 +30,16 @@ pub fn reached_poses(
     options.check()?;
     let map = BendMap::of(robot)?;
     let mut random = seed.child("bends").rng();
-    let mut seen = robot.reset(seed.child("poses"))?;
+    let mut observation = robot.reset(seed.child("poses"))?;
     let mut bend_m = map.straight();
     let mut poses = Vec::with_capacity(count);
     for _ in 0..count {
-        let most_m = options.max_pull_m;
-        let next_m = bend_m.iter().map(|_| random.random_range(-most_m..=most_m)).collect();
-        if let Some(there) = drive_to(robot, &map, &mut bend_m, next_m, options.max_step_m)? {
-            seen = there;
+        let range_m = -options.max_pull_m..=options.max_pull_m;
+        let next_m = bend_m.iter().map(|_| random.random_range(range_m.clone())).collect();
+        if let Some(reached) = drive_to(robot, &map, &mut bend_m, next_m, options.max_step_m)? {
+            observation = reached;
         }
-        poses.push(ReachedPose { tip_m: seen.tip_m, pulls_m: seen.pulls_m.clone() });
+        poses.push(ReachedPose { tip_m: observation.tip_m, pulls_m: observation.pulls_m.clone() });
     }
     Ok(poses)
 }
@@ -59,15 +59,15 @@ pub fn imitate(
     let mut samples = Transitions::begin(robot.tendons());
     samples.starts.clear();
     for (index, pose) in poses.iter().enumerate() {
-        let mut seen = robot.reset(seed.child("ways").index(index as u64))?;
+        let mut observation = robot.reset(seed.child("ways").index(index as u64))?;
         policy.reset();
         samples.starts.push(samples.len());
         for _ in 0..ticks {
-            samples.from_m.push(&seen.tip_m);
+            samples.from_m.push(&observation.tip_m);
             samples.pulls_m.push(&pose.pulls_m);
             samples.to_m.push(&pose.tip_m);
-            let Ok(action) = policy.act(&seen, &pose.tip_m) else { break };
-            seen = robot.step(&action.pulls_m)?;
+            let Ok(action) = policy.act(&observation, &pose.tip_m) else { break };
+            observation = robot.step(&action.pulls_m)?;
         }
     }
     Ok(samples)
@@ -85,8 +85,8 @@ mod tests {
     impl Policy for Idle {
         fn reset(&mut self) {}
 
-        fn act(&mut self, seen: &Observation, _target_m: &Point3) -> Result<Action, PolicyError> {
-            Ok(Action { pulls_m: vec![0.0; seen.pulls_m.len()], settled: false, branch: "" })
+        fn act(&mut self, observation: &Observation, _target_m: &Point3) -> Result<Action, PolicyError> {
+            Ok(Action { pulls_m: vec![0.0; observation.pulls_m.len()], settled: false, branch: "" })
         }
     }
 

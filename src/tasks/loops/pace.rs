@@ -20,8 +20,17 @@ pub struct Lap {
     pub status: Outcome,
 }
 
-/// Runs a policy from rest at home: `lead_in_s` at the first point of the path, then once along it at constant speed in
-/// `lap_s`. Errors count in the lap alone.
+/// Times of a lap, seconds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LapTimes {
+    /// Time at the first point of the path, before the lap.
+    pub lead_in_s: f64,
+    /// Time of the lap.
+    pub lap_s: f64,
+}
+
+/// Runs a policy from rest at home: at the first point of the path for the lead-in, then once along it at constant speed.
+/// Errors count in the lap alone.
 ///
 /// # Errors
 /// [`TaskError::Option`] for a time out of range, [`TaskError::TooFew`] for a path without length.
@@ -30,20 +39,21 @@ pub fn lap(
     policy: &mut dyn Policy,
     path_m: &[Point3],
     mode: LoopMode,
-    (lead_in_s, lap_s): (f64, f64),
+    LapTimes { lead_in_s, lap_s }: LapTimes,
     seed: Seed,
 ) -> Result<Lap, TaskError> {
     BadOption::unless_positive("lap_s", lap_s)?;
     BadOption::unless_positive("lead_in_s", lead_in_s)?;
     let step_s = robot.plant.step_s();
-    let (before, along) = ((lead_in_s / step_s).round() as usize, (lap_s / step_s).round().max(1.0) as usize);
+    let (lead_in_steps, lap_steps) =
+        ((lead_in_s / step_s).round() as usize, (lap_s / step_s).round().max(1.0) as usize);
     let [first_m, _, ..] = path_m else {
-        return Err(TaskError::TooFew { what: "points of the path", asked: 2, available: path_m.len() });
+        return Err(TaskError::TooFew { what: "points of the path", required: 2, available: path_m.len() });
     };
-    let targets_m = (1..=along).map(|tick| point_at(path_m, tick as f64 / along as f64));
-    let targets_m = std::iter::repeat_n(*first_m, before).chain(targets_m);
+    let targets_m = (1..=lap_steps).map(|tick| point_at(path_m, tick as f64 / lap_steps as f64));
+    let targets_m = std::iter::repeat_n(*first_m, lead_in_steps).chain(targets_m);
     let run = robot.run(policy, targets_m, mode == LoopMode::Open, seed);
-    let lap = run.steps.get(before..).unwrap_or_default();
+    let lap = run.steps.get(lead_in_steps..).unwrap_or_default();
     Ok(Lap {
         rms_m: rms(lap, WatchedStep::error_m),
         largest_m: lap.iter().map(WatchedStep::error_m).fold(f64::NAN, f64::max),
@@ -56,12 +66,14 @@ pub fn lap(
 /// The point at a share of the length of a path.
 fn point_at(path_m: &[Point3], share: f64) -> Point3 {
     let lengths_m: Vec<f64> = path_m.windows(2).map(|pair| distance_m(&pair[0], &pair[1])).collect();
-    let mut left_m = share * lengths_m.iter().sum::<f64>();
+    let mut remaining_m = share * lengths_m.iter().sum::<f64>();
     for (pair, length_m) in path_m.windows(2).zip(lengths_m) {
-        if left_m <= length_m && length_m > 0.0 {
-            return std::array::from_fn(|axis| pair[0][axis] + left_m / length_m * (pair[1][axis] - pair[0][axis]));
+        if remaining_m <= length_m && length_m > 0.0 {
+            return std::array::from_fn(|axis| {
+                pair[0][axis] + remaining_m / length_m * (pair[1][axis] - pair[0][axis])
+            });
         }
-        left_m -= length_m;
+        remaining_m -= length_m;
     }
     path_m.last().copied().unwrap_or([f64::NAN; 3])
 }

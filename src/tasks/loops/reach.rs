@@ -126,38 +126,38 @@ impl ReachRun {
         policy.reset();
         let home = plant.reset(seed)?;
         self.measured_m.push(home.tip_m);
-        let mut seen = home.clone();
+        let mut observation = home.clone();
         let mut branch = None;
-        let mut calm_steps = 0;
+        let mut settled_steps = 0;
         while self.steps < options.max_steps && !self.settled {
-            let shown = if mode == LoopMode::Open { &home } else { &seen };
+            let shown = if mode == LoopMode::Open { &home } else { &observation };
             let action = policy.act(shown, target_m)?;
             self.switches += usize::from(branch.is_some_and(|last| last != action.branch));
             branch = Some(action.branch);
-            seen = self.step(plant, &action.pulls_m)?;
-            let calm = action.settled && self.at_rest(options.rest_m);
-            calm_steps = if calm { calm_steps + 1 } else { 0 };
-            self.settled = calm_steps >= options.settle_steps;
+            observation = self.step(plant, &action.pulls_m)?;
+            let settled = action.settled && self.at_rest(options.rest_m);
+            settled_steps = if settled { settled_steps + 1 } else { 0 };
+            self.settled = settled_steps >= options.settle_steps;
         }
         for _ in 0..options.hold_steps {
-            let pulls_m = std::mem::take(&mut seen.pulls_m);
-            seen = self.step(plant, &pulls_m)?;
+            let pulls_m = std::mem::take(&mut observation.pulls_m);
+            observation = self.step(plant, &pulls_m)?;
         }
         Ok(())
     }
 
     fn step(&mut self, plant: &mut dyn Plant, pulls_m: &[f64]) -> Result<Observation, TrialError> {
-        let seen = plant.step(pulls_m)?;
+        let observation = plant.step(pulls_m)?;
         self.steps += 1;
-        if seen.valid {
-            self.measured_m.push(seen.tip_m);
+        if observation.valid {
+            self.measured_m.push(observation.tip_m);
         }
-        Ok(seen)
+        Ok(observation)
     }
 
     /// Whether the tip moved by no more than `rest_m` between the last two measurements.
     fn at_rest(&self, rest_m: Option<f64>) -> bool {
         let Some(rest_m) = rest_m else { return true };
-        matches!(self.measured_m.as_slice(), [.., before, now] if distance_m(before, now) <= rest_m)
+        matches!(self.measured_m.as_slice(), [.., previous_m, latest_m] if distance_m(previous_m, latest_m) <= rest_m)
     }
 }

@@ -28,12 +28,23 @@ pub struct Response {
     pub status: Outcome,
 }
 
+/// Bounds of [`Response::within_s`], metres.
 const WITHIN_M: [f64; 3] = [0.005, 0.003, 0.002];
+/// Times of [`Response::error_after_m`], seconds.
 const AFTER_S: [f64; 3] = [1.0, 2.0, 5.0];
 /// Rounding of times that are sums of steps, seconds.
 const ROUNDING_S: f64 = 1e-6;
 
-/// Runs a policy from rest at home for `duration_s`; `max_step_m` is how far a tendon moves in a tick.
+/// What limits a response.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ResponseLimits {
+    /// Duration, seconds.
+    pub duration_s: f64,
+    /// How far a tendon moves in a tick, metres.
+    pub max_step_m: Option<f64>,
+}
+
+/// Runs a policy from rest at home.
 ///
 /// # Errors
 /// [`TaskError::Option`] for a duration below one step. A plant or policy that fails is a status, not an error.
@@ -42,7 +53,7 @@ pub fn response(
     policy: &mut dyn Policy,
     target_m: &Point3,
     mode: LoopMode,
-    (duration_s, max_step_m): (f64, Option<f64>),
+    ResponseLimits { duration_s, max_step_m }: ResponseLimits,
     seed: Seed,
 ) -> Result<Response, TaskError> {
     let step_s = robot.plant.step_s();
@@ -60,14 +71,14 @@ fn summarised(run: &WatchedRun, target_m: &Point3, step_s: f64, max_step_m: Opti
     let complete = run.status.is_ok();
     let steps = &run.steps;
     let end_s = steps.last().map_or(0.0, |step| step.time_s);
-    let last: Vec<&WatchedStep> = steps.iter().filter(|step| step.time_s > end_s - 1.0 + ROUNDING_S).collect();
+    let last_second: Vec<&WatchedStep> = steps.iter().filter(|step| step.time_s > end_s - 1.0 + ROUNDING_S).collect();
     let mean = |error: fn(&WatchedStep) -> f64| {
-        let errors: Vec<f64> = last.iter().map(|step| error(step)).filter(|error| error.is_finite()).collect();
+        let errors: Vec<f64> = last_second.iter().map(|step| error(step)).filter(|error| error.is_finite()).collect();
         errors.iter().sum::<f64>() / errors.len() as f64
     };
     let after = |time_s: f64| steps.iter().find(|step| step.time_s >= time_s - ROUNDING_S);
     let furthest_m =
-        steps.last().map_or(0.0, |step| step.pulls_m.iter().fold(0.0_f64, |most, pull| most.max(pull.abs())));
+        steps.last().map_or(0.0, |step| step.pulls_m.iter().fold(0.0_f64, |largest, pull| largest.max(pull.abs())));
     let ticks = |max_step_m: f64| (furthest_m / max_step_m - ROUNDING_S).ceil().max(1.0);
     Response {
         distance_m: distance_m(&run.home_m, target_m),
@@ -85,8 +96,8 @@ fn summarised(run: &WatchedRun, target_m: &Point3, step_s: f64, max_step_m: Opti
 /// The end of the first step from which on the error stays within a bound.
 fn settled_s(steps: &[WatchedStep], within_m: f64) -> f64 {
     let outside = |step: &WatchedStep| step.error_m().is_nan() || step.error_m() > within_m;
-    let first = steps.iter().rposition(outside).map_or(0, |last| last + 1);
-    steps.get(first).map_or(f64::NAN, |step| step.time_s)
+    let first_inside = steps.iter().rposition(outside).map_or(0, |last| last + 1);
+    steps.get(first_inside).map_or(f64::NAN, |step| step.time_s)
 }
 
 /// How far the tip goes past the target along the line from home.
@@ -117,18 +128,25 @@ mod tests {
 
     #[test]
     fn times_count_from_when_the_error_stays_small() {
-        let found = summarised(&run(&[0.05, 0.099, 0.106, 0.102, 0.0995, 0.0995]), &[0.1, 0.0, 0.0], 0.2, Some(0.003));
+        let response =
+            summarised(&run(&[0.05, 0.099, 0.106, 0.102, 0.0995, 0.0995]), &[0.1, 0.0, 0.0], 0.2, Some(0.003));
         let expected = [0.8, 0.8, 0.8];
-        assert!(found.within_s.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-9), "{found:?}");
-        assert!((found.overshoot_m - 0.006).abs() < 1e-12 && (found.distance_m - 0.1).abs() < 1e-12, "{found:?}");
-        assert!((found.error_after_m[0] - 0.0005).abs() < 1e-12 && found.error_after_m[1].is_nan(), "{found:?}");
-        assert!((found.tendon_travel_m - 0.036).abs() < 1e-12, "{found:?}");
-        assert!((found.limit_s - 1.2).abs() < 1e-9, "six steps of 3 mm: {found:?}");
+        assert!(response.within_s.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-9), "{response:?}");
+        assert!(
+            (response.overshoot_m - 0.006).abs() < 1e-12 && (response.distance_m - 0.1).abs() < 1e-12,
+            "{response:?}"
+        );
+        assert!(
+            (response.error_after_m[0] - 0.0005).abs() < 1e-12 && response.error_after_m[1].is_nan(),
+            "{response:?}"
+        );
+        assert!((response.tendon_travel_m - 0.036).abs() < 1e-12, "{response:?}");
+        assert!((response.limit_s - 1.2).abs() < 1e-9, "six steps of 3 mm: {response:?}");
     }
 
     #[test]
     fn a_tip_that_leaves_again_was_never_there() {
-        let found = summarised(&run(&[0.0999, 0.0999, 0.09]), &[0.1, 0.0, 0.0], 0.2, None);
-        assert!(found.within_s.iter().all(|time_s| time_s.is_nan()) && found.limit_s.is_nan(), "{found:?}");
+        let response = summarised(&run(&[0.0999, 0.0999, 0.09]), &[0.1, 0.0, 0.0], 0.2, None);
+        assert!(response.within_s.iter().all(|time_s| time_s.is_nan()) && response.limit_s.is_nan(), "{response:?}");
     }
 }

@@ -102,26 +102,26 @@ fn follow(
     steps: &mut Vec<TrackStep>,
 ) -> Result<(), TrialError> {
     policy.reset();
-    let mut seen = plant.reset(seed)?;
+    let mut observation = plant.reset(seed)?;
     for (path_point, target_m) in path_m.iter().enumerate() {
         let budget = if path_point == 0 { options.max_steps_first } else { options.max_steps_per_point };
         let mut settled_steps = 0;
         for _ in 0..budget {
-            let action = policy.act(&seen, target_m)?;
-            seen = plant.step(&action.pulls_m)?;
-            let error_m = distance_m(&seen.tip_m, target_m);
+            let action = policy.act(&observation, target_m)?;
+            observation = plant.step(&action.pulls_m)?;
+            let error_m = distance_m(&observation.tip_m, target_m);
             steps.push(TrackStep {
                 step: steps.len() + 1,
-                time_s: seen.time_s,
+                time_s: observation.time_s,
                 path_point,
                 target_m: *target_m,
-                tip_m: seen.tip_m,
+                tip_m: observation.tip_m,
                 error_m,
                 branch: action.branch,
                 status: Outcome::Ok,
             });
-            let near = options.within_m.is_none_or(|within_m| error_m <= within_m);
-            settled_steps = if action.settled && near { settled_steps + 1 } else { 0 };
+            let within = options.within_m.is_none_or(|within_m| error_m <= within_m);
+            settled_steps = if action.settled && within { settled_steps + 1 } else { 0 };
             if settled_steps >= options.settle_steps {
                 break;
             }

@@ -80,22 +80,22 @@ impl WatchedRobot {
             Some(quiet) => quiet.reset(seed)?.tip_m,
             None => home.tip_m,
         };
-        let mut seen = home.clone();
+        let mut observation = home.clone();
         for target_m in targets_m {
-            let action = policy.act(if open { &home } else { &seen }, &target_m)?;
-            seen = self.plant.step(&action.pulls_m)?;
-            let measured_m = measured(&seen);
+            let action = policy.act(if open { &home } else { &observation }, &target_m)?;
+            observation = self.plant.step(&action.pulls_m)?;
+            let measured_m = measured(&observation);
             let true_m = match &mut self.quiet {
                 Some(quiet) => quiet.step(&action.pulls_m)?.tip_m,
                 None => measured_m,
             };
             let pulls_m = action.pulls_m;
-            run.steps.push(WatchedStep { time_s: seen.time_s, measured_m, true_m, target_m, pulls_m });
+            run.steps.push(WatchedStep { time_s: observation.time_s, measured_m, true_m, target_m, pulls_m });
         }
         Ok(())
     }
 }
 
-fn measured(seen: &Observation) -> Point3 {
-    if seen.valid { seen.tip_m } else { [f64::NAN; 3] }
+fn measured(observation: &Observation) -> Point3 {
+    if observation.valid { observation.tip_m } else { [f64::NAN; 3] }
 }

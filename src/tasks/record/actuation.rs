@@ -65,20 +65,24 @@ impl BendMap {
         let mut commands = vec![TendonCommand::Follow; self.tendons];
         let mut largest_m = 0.0_f64;
         for (index, segment) in self.segments.iter().enumerate() {
-            let own = [bend_m[2 * index], bend_m[2 * index + 1]];
-            for &(tendon, angle_deg) in segment.actuated(own).into_iter().flatten() {
-                let pull_m = if index == 0 { projected(own, angle_deg) } else { self.pull_m(bend_m, index, angle_deg) };
+            let segment_bend_m = [bend_m[2 * index], bend_m[2 * index + 1]];
+            for &(tendon, angle_deg) in segment.actuated(segment_bend_m).into_iter().flatten() {
+                let pull_m = if index == 0 {
+                    projected(segment_bend_m, angle_deg)
+                } else {
+                    self.pull_m(bend_m, index, angle_deg)
+                };
                 largest_m = largest_m.max(pull_m.abs());
                 // No minus zero: it would be told as such.
                 commands[tendon] = TendonCommand::Pull(pull_m + 0.0);
             }
         }
-        let most_m = bend_m.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
-        if largest_m > most_m {
-            let share = most_m / largest_m;
+        let max_bend_m = bend_m.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
+        if largest_m > max_bend_m {
+            let share = max_bend_m / largest_m;
             for command in &mut commands {
                 if let TendonCommand::Pull(pull_m) = command {
-                    *pull_m = (*pull_m * share).clamp(-most_m, most_m);
+                    *pull_m = (*pull_m * share).clamp(-max_bend_m, max_bend_m);
                 }
             }
         }
@@ -108,13 +112,13 @@ impl SegmentBend {
             return [Some(&tendons[if a >= 0.0 { 0 } else { 2 }]), Some(&tendons[if b >= 0.0 { 1 } else { 3 }])];
         }
         let towards_deg = b.atan2(a).to_degrees().rem_euclid(360.0);
-        let before = tendons.iter().rposition(|&(_, angle_deg)| angle_deg <= towards_deg).unwrap_or(0);
-        let mut after = (before + 1) % tendons.len();
+        let last_before = tendons.iter().rposition(|&(_, angle_deg)| angle_deg <= towards_deg).unwrap_or(0);
+        let mut first_after = (last_before + 1) % tendons.len();
         // Two tendons at one angle: the next that lies further on.
-        while tendons[after].1 == tendons[before].1 && after != before {
-            after = (after + 1) % tendons.len();
+        while tendons[first_after].1 == tendons[last_before].1 && first_after != last_before {
+            first_after = (first_after + 1) % tendons.len();
         }
-        [Some(&tendons[before]), Some(&tendons[after])]
+        [Some(&tendons[last_before]), Some(&tendons[first_after])]
     }
 
     /// Four tendons a quarter of a turn apart.
@@ -144,20 +148,25 @@ pub(in crate::tasks) fn drive_to(
     to_m: Bend,
     max_step_m: f64,
 ) -> Result<Option<Observation>, PlantError> {
-    let largest_m = from_m.iter().zip(&to_m).map(|(from, to)| (to - from).abs()).fold(0.0, f64::max);
-    // The tolerance keeps a step of exactly the limit a single step.
-    let count = (largest_m / max_step_m - 1e-9).ceil().max(0.0);
+    let count = steps_between(from_m, &to_m, max_step_m);
     let start_m = from_m.clone();
-    let mut last = None;
-    for step in 1..=(count as usize) {
-        let share = step as f64 / count;
+    let mut observation = None;
+    for step in 1..=count {
+        let share = step as f64 / count as f64;
         for (axis, value_m) in from_m.iter_mut().enumerate() {
             *value_m = start_m[axis] + share * (to_m[axis] - start_m[axis]);
         }
-        last = Some(plant.drive(&map.commands(from_m))?);
+        observation = Some(plant.drive(&map.commands(from_m))?);
     }
     *from_m = to_m;
-    Ok(last)
+    Ok(observation)
+}
+
+/// Number of equal steps of at most `max_step_m` per component from one set of displacements to another.
+pub(in crate::tasks) fn steps_between(from_m: &[f64], to_m: &[f64], max_step_m: f64) -> usize {
+    let largest_m = from_m.iter().zip(to_m).map(|(from, to)| (to - from).abs()).fold(0.0, f64::max);
+    // The tolerance keeps a step of exactly the limit a single step.
+    (largest_m / max_step_m - 1e-9).ceil().max(0.0) as usize
 }
 
 /// A serpentine over a square of the actuation plane: `rows` values of a, for each of them `columns` values of b.
@@ -211,13 +220,14 @@ impl GridOptions {
         (0..count).map(bend).collect()
     }
 
-    /// The node of a serpentine along the rows, or along the columns.
+    /// The node of a serpentine along the rows, or along the columns. Every other line is visited backwards, so that
+    /// consecutive nodes are neighbours.
     fn node_m(&self, visit: usize, along_columns: bool) -> [f64; 2] {
         let at = |index: usize, count: usize| (2.0 * index as f64 / (count - 1) as f64 - 1.0) * self.max_pull_m;
-        let (long, across) = if along_columns { (self.rows, self.columns) } else { (self.columns, self.rows) };
-        let (line, place) = (visit / long, visit % long);
-        let place = if line % 2 == 0 { place } else { long - 1 - place };
-        if along_columns { [at(place, long), at(line, across)] } else { [at(line, across), at(place, long)] }
+        let (per_line, lines) = if along_columns { (self.rows, self.columns) } else { (self.columns, self.rows) };
+        let (line, place) = (visit / per_line, visit % per_line);
+        let place = if line % 2 == 0 { place } else { per_line - 1 - place };
+        if along_columns { [at(place, per_line), at(line, lines)] } else { [at(line, lines), at(place, per_line)] }
     }
 }
 
@@ -259,8 +269,8 @@ mod tests {
                 });
                 let share = share.unwrap();
                 assert!(share > 0.7 && share < 1.0 + 1e-12, "{count} tendons at {turn}°: {share}");
-                let most = bend_m[0].abs().max(bend_m[1].abs());
-                assert!(all.iter().flatten().all(|pull_m| pull_m.abs() <= most + 1e-15));
+                let largest = bend_m[0].abs().max(bend_m[1].abs());
+                assert!(all.iter().flatten().all(|pull_m| pull_m.abs() <= largest + 1e-15));
             }
         }
     }

@@ -10,7 +10,7 @@ use crate::base::{BadOption, Plant, Seed};
 use crate::tasks::{TaskError, Transitions};
 
 /// Most points; a table of that size fits in memory.
-const MOST_POINTS: usize = 10_000_000;
+const MAX_POINTS: usize = 10_000_000;
 
 /// Settings of the exploration.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -38,7 +38,7 @@ impl ExploreOptions {
     /// # Errors
     /// [`BadOption`] names the first field out of range.
     pub fn check(&self) -> Result<(), BadOption> {
-        if self.points == 0 || self.points > MOST_POINTS {
+        if self.points == 0 || self.points > MAX_POINTS {
             let found = self.points.to_string();
             return Err(BadOption { key: "points", found, expected: "1 to 10000000" });
         }
@@ -128,7 +128,7 @@ pub fn replay_trajectory(
     let ranges = samples.trajectories();
     let range = ranges.get(index).cloned().ok_or(TaskError::TooFew {
         what: "trajectories to replay",
-        asked: index + 1,
+        required: index + 1,
         available: ranges.len(),
     })?;
     let mut plant = RetryLostFrames(plant);

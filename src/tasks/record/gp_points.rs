@@ -185,6 +185,7 @@ pub fn gp_points(
         PointLayout::Walk { points, every, max_step_m, max_pull_m } => {
             let walk = ExploreOptions { points: points * every, trajectories: 1, max_step_m, max_pull_m };
             let steps = explore_trajectory(model, &walk, seed, 0)?;
+            // The middle of each stretch of `every` steps.
             Visited { steps, kept: (0..points).map(|point| point * every + every / 2).collect() }
         }
     };
@@ -194,9 +195,9 @@ pub fn gp_points(
     let mut kept = visited.kept.iter().copied().peekable();
     for row in 0..visited.steps.len() {
         let pulls_m = visited.steps.pulls_m.row(row);
-        let seen = robot.step(pulls_m)?;
+        let observation = robot.step(pulls_m)?;
         if kept.next_if_eq(&row).is_some() {
-            real_m.push(&seen.tip_m);
+            real_m.push(&observation.tip_m);
         }
     }
     Ok(GpPool { steps: visited.steps, kept: visited.kept, real_m })
@@ -239,15 +240,15 @@ impl Plant for Recorder<'_> {
 
     fn reset(&mut self, seed: Seed) -> Result<Observation, crate::base::PlantError> {
         self.steps = Transitions::begin(self.plant.tendons());
-        let seen = self.plant.reset(seed)?;
-        self.tip_m = seen.tip_m;
-        Ok(seen)
+        let observation = self.plant.reset(seed)?;
+        self.tip_m = observation.tip_m;
+        Ok(observation)
     }
 
     fn drive(&mut self, commands: &[TendonCommand]) -> Result<Observation, crate::base::PlantError> {
-        let seen = self.plant.drive(commands)?;
-        self.steps.push(&self.tip_m, &seen);
-        self.tip_m = seen.tip_m;
-        Ok(seen)
+        let observation = self.plant.drive(commands)?;
+        self.steps.push(&self.tip_m, &observation);
+        self.tip_m = observation.tip_m;
+        Ok(observation)
     }
 }

@@ -86,10 +86,10 @@ pub fn waypoints(robot: &mut dyn Plant, options: &PathOptions, seed: Seed) -> Re
     let mut bend_m = map.straight();
     let mut points = Vec::with_capacity(options.points);
     for index in 0..options.points {
-        if let Some(seen) =
+        if let Some(observation) =
             drive_to(&mut robot, &map, &mut bend_m, map.everywhere(options.bend_m(index)), options.max_step_m)?
         {
-            tip_m = seen.tip_m;
+            tip_m = observation.tip_m;
         }
         for _ in 0..options.hold_steps {
             tip_m = robot.drive(&map.commands(&bend_m))?.tip_m;

@@ -25,7 +25,7 @@ pub enum UnevenSteps {
 }
 
 /// Tolerance of time steps, s: written times are rounded.
-const SAME_S: f64 = 1e-6;
+const STEP_TOLERANCE_S: f64 = 1e-6;
 
 /// The common length of all steps of `commands`, s.
 ///
@@ -37,7 +37,7 @@ pub fn step_s(commands: &Recording) -> Result<f64, UnevenSteps> {
         for pair in commands.time_s[rows].windows(2) {
             let found_s = pair[1] - pair[0];
             let expected_s = *first_s.get_or_insert(found_s);
-            if (found_s - expected_s).abs() > SAME_S {
+            if (found_s - expected_s).abs() > STEP_TOLERANCE_S {
                 return Err(UnevenSteps::Uneven { trial, found_s, expected_s });
             }
         }
@@ -55,28 +55,29 @@ pub fn record_trial(
     rows: Range<usize>,
     seed: Seed,
 ) -> Result<Recording, PlantError> {
-    let mut seen: Vec<Observation> = vec![plant.reset(seed)?];
+    let mut observations: Vec<Observation> = vec![plant.reset(seed)?];
     for row in rows.start..rows.end - 1 {
-        seen.push(plant.step(commands.commands.row(row))?);
+        observations.push(plant.step(commands.commands.row(row))?);
     }
-    Ok(written(commands, rows, &seen, &plant.points()))
+    Ok(measured_rows(commands, rows, &observations, &plant.points()))
 }
 
 /// The rows of `commands` with what was `seen`; `points` are the names of the tracked points.
-pub(in crate::tasks) fn written(
+pub(in crate::tasks) fn measured_rows(
     commands: &Recording,
     rows: Range<usize>,
     seen: &[Observation],
     points: &[String],
 ) -> Recording {
-    let mut kept = Rows::new(commands.tendons());
-    rows.clone().for_each(|row| kept.push(commands.commands.row(row)));
+    let mut trial_commands = Rows::new(commands.tendons());
+    rows.clone().for_each(|row| trial_commands.push(commands.commands.row(row)));
     // A row without tracking has no orientation; the others keep theirs.
-    let turned = seen.iter().any(|seen| seen.tip_quaternion.is_some());
-    let quaternion = turned.then(|| seen.iter().map(|seen| seen.tip_quaternion.unwrap_or([f64::NAN; 4])).collect());
+    let has_orientation = seen.iter().any(|seen| seen.tip_quaternion.is_some());
+    let quaternion =
+        has_orientation.then(|| seen.iter().map(|seen| seen.tip_quaternion.unwrap_or([f64::NAN; 4])).collect());
     let valid: Vec<bool> = seen.iter().map(|seen| seen.valid).collect();
     Recording {
-        commands: kept,
+        commands: trial_commands,
         drives: commands.drives.iter().map(|drive| drive.of_rows(rows.clone())).collect(),
         trial: commands.trial[rows.clone()].to_vec(),
         time_s: commands.time_s[rows.clone()].to_vec(),
@@ -96,12 +97,12 @@ pub(in crate::tasks) fn written(
 pub(in crate::tasks) fn point_tracks(names: &[String], seen: &[Option<&Observation>]) -> Vec<PointTrack> {
     let track = |(index, name): (usize, &String)| {
         let all = || seen.iter().map(|seen| seen.and_then(|seen| seen.points.get(index)));
-        let turned = all().any(|point| point.is_some_and(|point| point.quaternion.is_some()));
-        let turn = |point: Option<&SeenPoint>| point.and_then(|point| point.quaternion).unwrap_or([f64::NAN; 4]);
+        let has_orientation = all().any(|point| point.is_some_and(|point| point.quaternion.is_some()));
+        let orientation = |point: Option<&SeenPoint>| point.and_then(|point| point.quaternion).unwrap_or([f64::NAN; 4]);
         PointTrack {
             name: name.clone(),
             position_m: all().map(|point| point.map_or([f64::NAN; 3], |point| point.position_m)).collect(),
-            quaternion: turned.then(|| all().map(turn).collect()),
+            quaternion: has_orientation.then(|| all().map(orientation).collect()),
         }
     };
     names.iter().enumerate().map(track).collect()

@@ -4,7 +4,7 @@ use crate::base::{Observation, Plant, PlantError, Seed, TendonCommand, TendonLay
 
 /// Steps for which a command is held once more, 2 s at the usual 0.2 s: markers are hidden briefly. A real robot
 /// without tracking for longer is stopped by its guard.
-const MOST_REPEATS: usize = 10;
+const MAX_REPEATS: usize = 10;
 
 /// A plant whose every observation is valid. After a lost frame, the same command is held for another step, and the tip at
 /// its end is returned. The number of rows stays the same, so recordings of the same commands on two robots can be compared
@@ -12,15 +12,15 @@ const MOST_REPEATS: usize = 10;
 pub(crate) struct RetryLostFrames<'a>(pub(crate) &'a mut dyn Plant);
 
 impl RetryLostFrames<'_> {
-    fn until_seen(&mut self, first: Observation, commands: &[TendonCommand]) -> Result<Observation, PlantError> {
-        let mut seen = first;
-        for _ in 0..MOST_REPEATS {
-            if seen.valid {
+    fn until_valid(&mut self, first: Observation, commands: &[TendonCommand]) -> Result<Observation, PlantError> {
+        let mut observation = first;
+        for _ in 0..MAX_REPEATS {
+            if observation.valid {
                 break;
             }
-            seen = self.0.drive(commands)?;
+            observation = self.0.drive(commands)?;
         }
-        if seen.valid { Ok(seen) } else { Err(PlantError::Unseen { steps: MOST_REPEATS }) }
+        if observation.valid { Ok(observation) } else { Err(PlantError::Unseen { steps: MAX_REPEATS }) }
     }
 }
 
@@ -44,11 +44,11 @@ impl Plant for RetryLostFrames<'_> {
     fn reset(&mut self, seed: Seed) -> Result<Observation, PlantError> {
         let first = self.0.reset(seed)?;
         let home = vec![TendonCommand::Pull(0.0); self.tendons()];
-        self.until_seen(first, &home)
+        self.until_valid(first, &home)
     }
 
     fn drive(&mut self, commands: &[TendonCommand]) -> Result<Observation, PlantError> {
         let first = self.0.drive(commands)?;
-        self.until_seen(first, commands)
+        self.until_valid(first, commands)
     }
 }

@@ -4,7 +4,8 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
-use super::record_trial::written;
+use super::actuation::steps_between;
+use super::record_trial::measured_rows;
 use crate::base::{BadOption, Observation, Plant, PlantError, Seed, SeenPoint};
 use crate::data::{Actuation, Recording};
 
@@ -38,13 +39,7 @@ impl StaticPoseOptions {
 
     /// Steps from one pose to the next, including its measurements.
     fn steps(&self, from_m: &[f64], to_m: &[f64]) -> usize {
-        self.steps_on_the_way(from_m, to_m) + self.rest_steps + self.looks
-    }
-
-    fn steps_on_the_way(&self, from_m: &[f64], to_m: &[f64]) -> usize {
-        let largest_m = from_m.iter().zip(to_m).map(|(from, to)| (to - from).abs()).fold(0.0, f64::max);
-        // The tolerance keeps a step of exactly the limit a single step.
-        (largest_m / self.max_step_m - 1e-9).ceil().max(0.0) as usize
+        steps_between(from_m, to_m, self.max_step_m) + self.rest_steps + self.looks
     }
 }
 
@@ -71,22 +66,22 @@ pub fn plan_static_poses(
 ) -> Recording {
     let tendons = poses_m.first().map_or(4, Vec::len);
     let mut planned = Recording::new(Actuation::Lengths, tendons);
-    let mut hung_kg = Vec::new();
+    let mut loads_kg = Vec::new();
     for (trial, &weight_kg) in (0..).zip(weights_kg) {
-        let mut at_m = vec![0.0; tendons];
+        let mut from_m = vec![0.0; tendons];
         let mut steps = 0;
-        let further = poses_m.iter().filter(|pose| pose.iter().any(|&pull_m| pull_m != 0.0));
-        for (number, pose) in std::iter::once(&vec![0.0; tendons]).chain(further).enumerate() {
+        let bent_poses = poses_m.iter().filter(|pose| pose.iter().any(|&pull_m| pull_m != 0.0));
+        for (number, pose) in std::iter::once(&vec![0.0; tendons]).chain(bent_poses).enumerate() {
             // The robot is already at rest at home.
-            steps += if number == 0 { 0 } else { options.steps(&at_m, pose) };
-            at_m.clone_from(pose);
+            steps += if number == 0 { 0 } else { options.steps(&from_m, pose) };
+            from_m.clone_from(pose);
             planned.trial.push(trial);
             planned.time_s.push(steps as f64 * step_s);
             planned.commands.push(pose);
-            hung_kg.push(weight_kg);
+            loads_kg.push(weight_kg);
         }
     }
-    planned.known_load_kg = Some(hung_kg);
+    planned.known_load_kg = Some(loads_kg);
     planned
 }
 
@@ -102,24 +97,25 @@ pub fn record_static_poses(
     options: &StaticPoseOptions,
     seed: Seed,
 ) -> Result<Recording, PlantError> {
-    let mut at_m = vec![0.0; plant.tendons()];
-    let mut seen = vec![plant.reset(seed)?];
+    let mut from_m = vec![0.0; plant.tendons()];
+    let mut observations = vec![plant.reset(seed)?];
     for row in rows.start + 1..rows.end {
         let to_m = planned.commands.row(row);
-        let ways = options.steps_on_the_way(&at_m, to_m);
-        for step in 1..=ways {
-            let share = step as f64 / ways as f64;
-            let there_m: Vec<f64> = at_m.iter().zip(to_m).map(|(from, to)| share * to + (1.0 - share) * from).collect();
-            plant.step(&there_m)?;
+        let move_steps = steps_between(&from_m, to_m, options.max_step_m);
+        for step in 1..=move_steps {
+            let share = step as f64 / move_steps as f64;
+            let pulls_m: Vec<f64> =
+                from_m.iter().zip(to_m).map(|(from, to)| share * to + (1.0 - share) * from).collect();
+            plant.step(&pulls_m)?;
         }
         for _ in 0..options.rest_steps {
             plant.step(to_m)?;
         }
         let looks: Vec<Observation> = (0..options.looks).map(|_| plant.step(to_m)).collect::<Result<_, _>>()?;
-        at_m = to_m.to_vec();
-        seen.push(averaged(looks));
+        from_m = to_m.to_vec();
+        observations.push(averaged(looks));
     }
-    Ok(written(planned, rows, &seen, &plant.points()))
+    Ok(measured_rows(planned, rows, &observations, &plant.points()))
 }
 
 /// The last of several observations, with the mean tip and points of the valid ones.

@@ -62,8 +62,8 @@ pub fn target_pool(robot: &mut dyn Plant, options: &TargetOptions, seed: Seed) -
     let mut bend_m = map.straight();
     let mut candidates = Vec::with_capacity(options.sweep.rows * options.sweep.columns);
     for point_m in options.sweep.bends_m(&map) {
-        if let Some(seen) = drive_to(&mut robot, &map, &mut bend_m, point_m, options.sweep.max_step_m)? {
-            tip_m = seen.tip_m;
+        if let Some(observation) = drive_to(&mut robot, &map, &mut bend_m, point_m, options.sweep.max_step_m)? {
+            tip_m = observation.tip_m;
         }
         candidates.push(tip_m);
     }
@@ -83,7 +83,7 @@ pub fn spread_targets(candidates: &[Point3], count: usize) -> Result<Vec<Point3>
     while chosen.len() < count {
         if candidates.is_empty() || gap_squared[next] <= 0.0 {
             let what = "distinct candidates for targets";
-            return Err(TaskError::TooFew { what, asked: count, available: chosen.len() });
+            return Err(TaskError::TooFew { what, required: count, available: chosen.len() });
         }
         let newest = candidates[next];
         chosen.push(newest);
@@ -107,7 +107,7 @@ pub fn spread_targets(candidates: &[Point3], count: usize) -> Result<Vec<Point3>
 /// [`TaskError::TooFew`] when the pool is smaller.
 pub fn draw_targets(pool: &[Point3], count: usize, seed: Seed) -> Result<Vec<(usize, Point3)>, TaskError> {
     if count > pool.len() {
-        return Err(TaskError::TooFew { what: "targets in the pool", asked: count, available: pool.len() });
+        return Err(TaskError::TooFew { what: "targets in the pool", required: count, available: pool.len() });
     }
     let mut order: Vec<usize> = (0..pool.len()).collect();
     order.shuffle(&mut seed.child("targets").rng());

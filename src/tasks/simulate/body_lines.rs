@@ -9,7 +9,7 @@ use crate::effects::{BodyPoint, Model};
 use crate::tasks::{SimulationOptions, of_tendons};
 
 /// Points of the line.
-const POINTS: usize = 41;
+const LINE_POINTS: usize = 41;
 
 /// Points from base to tip, metres, of the robot that `model` has under the commands of each row of `recording`; none in rows
 /// that could not be solved. `file` is what the recording was read from.
@@ -28,16 +28,16 @@ pub fn body_lines_m(
     let length_m = model.robot.backbone.length_m;
     // Points that the simulation tracks; their names sort in the order of their places.
     let place = |k: usize| {
-        let s_m = length_m * k as f64 / (POINTS - 1) as f64;
+        let s_m = length_m * k as f64 / (LINE_POINTS - 1) as f64;
         (format!("line_{k:03}"), BodyPoint { s_m, offset_m: [0.0; 3] })
     };
-    model.tracking.points = (0..POINTS).map(place).collect();
+    model.tracking.points = (0..LINE_POINTS).map(place).collect();
     let options = SimulationOptions { at_rest, ..SimulationOptions::default() };
     let simulated = simulate_recording(&model, &commands, &options);
     let of_row = |row: usize| {
         let points: Vec<Point3> = simulated.points.iter().map(|point| point.position_m[row]).collect();
-        let known = points.iter().flatten().all(|x| x.is_finite());
-        if known { points } else { Vec::new() }
+        let solved = points.iter().flatten().all(|x| x.is_finite());
+        if solved { points } else { Vec::new() }
     };
     Ok((0..recording.len()).map(of_row).collect())
 }

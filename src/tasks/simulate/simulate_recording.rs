@@ -3,7 +3,7 @@
 use std::convert::Infallible;
 
 use super::simulated_columns::SimulatedColumns;
-use super::simulated_trial::{SimulatedTrial, SimulationOptions, hung, model_of_trial};
+use super::simulated_trial::{SimulatedTrial, SimulationOptions, hung_mass, model_of_trial};
 use crate::data::Recording;
 use crate::effects::{Model, Starts, Variable, VariationError};
 use crate::plants::Simulated;
@@ -16,7 +16,7 @@ pub fn simulate_recording(model: &Model, commands: &Recording, options: &Simulat
     let commands = &*commands.driven_by(&model.drive_gains(), model.robot.tendons.angles_deg.len());
     let mut columns = SimulatedColumns::new(model, commands, options.at_rest);
     let Ok(()) = simulate_trials::<Infallible>(model.tracking.starts, commands, options, &mut columns, &mut |row| {
-        let (model, hung) = (model_of_trial(model, commands, row), hung(commands, row));
+        let (model, hung) = (model_of_trial(model, commands, row), hung_mass(commands, row));
         Ok(Simulated::new(&model, hung.as_slice(), options.plant()))
     });
     columns.into_recording(commands)
@@ -49,9 +49,10 @@ pub fn simulate_with_rates(
     let mut columns = SimulatedColumns::new(model, commands, options.at_rest);
     let mut left_out = Vec::new();
     simulate_trials::<VariationError>(model.tracking.starts, commands, options, &mut columns, &mut |first_row| {
-        let (model, hung) = (model_of_trial(model, commands, first_row), hung(commands, first_row));
-        let (robot, without) = Simulated::varied_where_possible(&model, hung.as_slice(), options.plant(), variables)?;
-        left_out = without;
+        let (model, hung) = (model_of_trial(model, commands, first_row), hung_mass(commands, first_row));
+        let (robot, without_rate) =
+            Simulated::varied_where_possible(&model, hung.as_slice(), options.plant(), variables)?;
+        left_out = without_rate;
         Ok(robot)
     })?;
     let mut rates = std::mem::take(&mut columns.rates);
@@ -76,13 +77,13 @@ fn simulate_trials<E>(
     columns: &mut SimulatedColumns,
     robot: &mut dyn FnMut(usize) -> Result<Simulated, E>,
 ) -> Result<(), E> {
-    let mut last: Option<SimulatedTrial> = None;
+    let mut previous: Option<SimulatedTrial> = None;
     for (number, rows) in commands.trials() {
-        let trial = match last.take() {
-            Some(last) if starts == Starts::Continue => last.next(rows.clone()),
+        let trial = match previous.take() {
+            Some(previous) if starts == Starts::Continue => previous.next(rows.clone()),
             _ => SimulatedTrial::new(commands, rows.clone(), starts, robot(rows.start)?),
         };
-        last = Some(trial.fill(columns, options, number));
+        previous = Some(trial.fill(columns, options, number));
     }
     Ok(())
 }

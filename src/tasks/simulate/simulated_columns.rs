@@ -41,7 +41,7 @@ impl SolutionDetail {
 /// The columns of a simulated recording.
 pub(in crate::tasks) struct SimulatedColumns {
     /// What is observed in each row, and the detail of its solution; none without a solution.
-    pub(in crate::tasks) seen: Vec<Option<(Observation, SolutionDetail)>>,
+    pub(in crate::tasks) observed: Vec<Option<(Observation, SolutionDetail)>>,
     status: Vec<String>,
     /// Derivatives of the tip and the tracked points.
     pub(in crate::tasks) rates: Vec<Vec<PoseRates>>,
@@ -58,7 +58,7 @@ impl SimulatedColumns {
     pub(in crate::tasks) fn new(model: &Model, commands: &Recording, at_rest: bool) -> SimulatedColumns {
         let rows = commands.len();
         SimulatedColumns {
-            seen: vec![None; rows],
+            observed: vec![None; rows],
             status: vec!["converged".to_owned(); rows],
             rates: vec![Vec::new(); rows],
             tendons: commands.tendons(),
@@ -82,7 +82,7 @@ impl SimulatedColumns {
             PlantError::Unseen { .. } => "unseen",
             PlantError::NotRecorded(_) => "not_recorded",
         };
-        for row in rows.filter(|&row| self.seen[row].is_none()) {
+        for row in rows.filter(|&row| self.observed[row].is_none()) {
             if self.status[row] == "converged" {
                 name.clone_into(&mut self.status[row]);
             }
@@ -92,11 +92,11 @@ impl SimulatedColumns {
     /// The force of all obstacles on the robot, and where: no force and no place without contact.
     fn contact_columns(&self) -> Vec<(String, Extra)> {
         let numbers = |without: f64, value: &dyn Fn(&ContactSum) -> f64| {
-            let of = |seen: &Option<(Observation, SolutionDetail)>| {
-                let Some((_, detail)) = seen else { return f64::NAN };
+            let of_row = |observed: &Option<(Observation, SolutionDetail)>| {
+                let Some((_, detail)) = observed else { return f64::NAN };
                 detail.contact.as_ref().map_or(without, value)
             };
-            Extra::Numbers(self.seen.iter().map(of).collect())
+            Extra::Numbers(self.observed.iter().map(of_row).collect())
         };
         let mut columns = Vec::new();
         for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
@@ -112,12 +112,12 @@ impl SimulatedColumns {
     pub(in crate::tasks) fn into_recording(self, commands: &Recording) -> Recording {
         let lost = [f64::NAN; 3];
         let numbers = |value: &dyn Fn(&(Observation, SolutionDetail)) -> f64| -> Extra {
-            Extra::Numbers(self.seen.iter().map(|seen| seen.as_ref().map_or(f64::NAN, value)).collect())
+            Extra::Numbers(self.observed.iter().map(|observed| observed.as_ref().map_or(f64::NAN, value)).collect())
         };
         let mut extra: Vec<(String, Extra)> = Vec::new();
         for tendon in 0..self.tendons {
-            let tension = |(seen, _): &(Observation, SolutionDetail)| {
-                seen.tensions_n.as_ref().map_or(f64::NAN, |all| all[tendon])
+            let tension = |(observed, _): &(Observation, SolutionDetail)| {
+                observed.tensions_n.as_ref().map_or(f64::NAN, |all| all[tendon])
             };
             extra.push((format!("tension_{}_n", tendon + 1), numbers(&tension)));
         }
@@ -125,36 +125,36 @@ impl SimulatedColumns {
         extra.push(("space_error_m".to_owned(), numbers(&|(_, detail)| detail.space_m)));
         extra.push(("solver_status".to_owned(), Extra::Text(self.status.clone())));
         if self.at_rest {
-            let branch = |seen: &Option<(Observation, SolutionDetail)>| {
-                seen.as_ref().map_or(String::new(), |(_, detail)| detail.branch.name().to_owned())
+            let branch = |observed: &Option<(Observation, SolutionDetail)>| {
+                observed.as_ref().map_or(String::new(), |(_, detail)| detail.branch.name().to_owned())
             };
-            extra.push(("branch".to_owned(), Extra::Text(self.seen.iter().map(branch).collect())));
+            extra.push(("branch".to_owned(), Extra::Text(self.observed.iter().map(branch).collect())));
         }
         if self.has_obstacles {
             extra.extend(self.contact_columns());
         }
-        let touches_itself = |seen: &Option<(Observation, SolutionDetail)>| {
-            seen.as_ref().is_some_and(|(_, detail)| detail.touches_itself)
+        let touches_itself = |observed: &Option<(Observation, SolutionDetail)>| {
+            observed.as_ref().is_some_and(|(_, detail)| detail.touches_itself)
         };
-        if self.seen.iter().any(touches_itself) {
-            let flag = |seen: &Option<(Observation, SolutionDetail)>| f64::from(u8::from(touches_itself(seen)));
-            extra.push((TOUCHES_ITSELF.to_owned(), Extra::Numbers(self.seen.iter().map(flag).collect())));
+        if self.observed.iter().any(touches_itself) {
+            let flag = |observed: &Option<(Observation, SolutionDetail)>| f64::from(u8::from(touches_itself(observed)));
+            extra.push((TOUCHES_ITSELF.to_owned(), Extra::Numbers(self.observed.iter().map(flag).collect())));
         }
-        let carried = commands.extra.iter().filter(|(name, _)| extra.iter().all(|(own, _)| own != name));
+        // A column of the commands that the simulation computes anew is replaced.
+        let carried = commands.extra.iter().filter(|(name, _)| extra.iter().all(|(added_name, _)| added_name != name));
         let extra = carried.cloned().chain(extra.iter().cloned()).collect();
-        let tips = self.seen.iter().map(|seen| seen.as_ref().map_or(lost, |(seen, _)| seen.tip_m));
-        let turns = self
-            .seen
-            .iter()
-            .map(|seen| seen.as_ref().and_then(|(seen, _)| seen.tip_quaternion).unwrap_or([f64::NAN; 4]));
-        let valid: Vec<bool> = self.seen.iter().map(Option::is_some).collect();
-        let seen: Vec<Option<&Observation>> =
-            self.seen.iter().map(|seen| seen.as_ref().map(|(seen, _)| seen)).collect();
+        let tips = self.observed.iter().map(|observed| observed.as_ref().map_or(lost, |(observed, _)| observed.tip_m));
+        let orientations = self.observed.iter().map(|observed| {
+            observed.as_ref().and_then(|(observed, _)| observed.tip_quaternion).unwrap_or([f64::NAN; 4])
+        });
+        let valid: Vec<bool> = self.observed.iter().map(Option::is_some).collect();
+        let observed: Vec<Option<&Observation>> =
+            self.observed.iter().map(|observed| observed.as_ref().map(|(observed, _)| observed)).collect();
         Recording {
             tip_m: Some(tips.collect()),
-            tip_quaternion: Some(turns.collect()),
+            tip_quaternion: Some(orientations.collect()),
             valid: valid.contains(&false).then_some(valid),
-            points: point_tracks(&self.points, &seen),
+            points: point_tracks(&self.points, &observed),
             extra,
             ..commands.clone()
         }

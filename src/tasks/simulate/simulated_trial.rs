@@ -40,7 +40,7 @@ impl SimulationOptions {
 }
 
 /// The mass on the tip in a trial's first row, as an effect.
-pub(in crate::tasks) fn hung(commands: &Recording, first_row: usize) -> Option<EffectSpec> {
+pub(in crate::tasks) fn hung_mass(commands: &Recording, first_row: usize) -> Option<EffectSpec> {
     let hung_kg = commands.known_load_kg.as_ref().map_or(0.0, |load| load[first_row]);
     (hung_kg > 0.0).then(|| EffectSpec::tip_load(hung_kg))
 }
@@ -64,7 +64,7 @@ pub(in crate::tasks) struct SimulatedTrial<'a> {
     rows: Range<usize>,
     starts: Starts,
     /// Last row of the trial before, whose end is the state now.
-    before: Option<usize>,
+    previous_row: Option<usize>,
     /// Mass on the tip when the robot was built, kg.
     hung_kg: f64,
 }
@@ -78,12 +78,12 @@ impl<'a> SimulatedTrial<'a> {
         plant: Simulated,
     ) -> SimulatedTrial<'a> {
         let hung_kg = commands.known_load_kg.as_ref().map_or(0.0, |load| load[rows.start]);
-        SimulatedTrial { plant, commands, rows, starts, before: None, hung_kg }
+        SimulatedTrial { plant, commands, rows, starts, previous_row: None, hung_kg }
     }
 
     /// The next trial of the same robot, which goes on where this one has ended.
     pub(in crate::tasks) fn next(self, rows: Range<usize>) -> SimulatedTrial<'a> {
-        SimulatedTrial { before: Some(self.rows.end - 1), rows, ..self }
+        SimulatedTrial { previous_row: Some(self.rows.end - 1), rows, ..self }
     }
 
     /// Simulates the rows and sets the failure of those without a solution.
@@ -101,27 +101,27 @@ impl<'a> SimulatedTrial<'a> {
 
     fn run(&mut self, at_rest: bool, seed: Seed, columns: &mut SimulatedColumns) -> Result<(), PlantError> {
         let commands = self.commands;
-        let mut seen = self.start_or_flutter(at_rest, seed, columns)?;
+        let mut observation = self.start_or_flutter(at_rest, seed, columns)?;
         for row in self.rows.clone() {
             interruption_point();
             self.load(row);
             if at_rest {
                 // Rows are independent: one without an equilibrium does not affect the others.
                 match self.command(row, true) {
-                    Ok(pose) => seen = Some(pose),
+                    Ok(pose) => observation = Some(pose),
                     Err(error) => {
                         columns.set_failure(row..row + 1, &error);
                         continue;
                     }
                 }
             }
-            if let Some(seen) = &seen {
-                columns.seen[row] = Some((seen.clone(), SolutionDetail::of(self.plant.rod())));
+            if let Some(observation) = &observation {
+                columns.observed[row] = Some((observation.clone(), SolutionDetail::of(self.plant.rod())));
             }
             columns.rates[row] = self.plant.pose_rates();
             if !at_rest && row + 1 < self.rows.end {
                 self.plant.set_step_s(commands.time_s[row + 1] - commands.time_s[row]);
-                seen = Some(self.command(row, false)?);
+                observation = Some(self.command(row, false)?);
             }
         }
         Ok(())
@@ -150,10 +150,10 @@ impl<'a> SimulatedTrial<'a> {
     /// Brings the robot to the state in which the trial starts, and observes it where that is the first row's.
     fn start(&mut self, at_rest: bool, seed: Seed) -> Result<Option<Observation>, PlantError> {
         let commands = self.commands;
-        if let Some(before) = self.before {
+        if let Some(previous_row) = self.previous_row {
             self.plant.begin_trial(seed);
             // Rows at rest follow one another without anything in between.
-            return if at_rest { Ok(None) } else { self.command(before, true).map(Some) };
+            return if at_rest { Ok(None) } else { self.command(previous_row, true).map(Some) };
         }
         match (self.starts, commands.actuation) {
             (Starts::Anywhere, _) => {
@@ -178,15 +178,15 @@ impl<'a> SimulatedTrial<'a> {
     /// (the inertia of the change is neglected).
     fn load(&mut self, row: usize) {
         let commands = self.commands;
-        let mut extra = TipWrench::default();
+        let mut wrench = TipWrench::default();
         if let Some(loads) = &commands.tip_load {
-            extra.force_n = Vector3::from(loads[row].force_n);
-            extra.moment_nm = Vector3::from(loads[row].moment_nm);
+            wrench.force_n = Vector3::from(loads[row].force_n);
+            wrench.moment_nm = Vector3::from(loads[row].moment_nm);
         }
-        let added_kg = commands.known_load_kg.as_ref().map_or(0.0, |hung| hung[row] - self.hung_kg);
+        let added_kg = commands.known_load_kg.as_ref().map_or(0.0, |load_kg| load_kg[row] - self.hung_kg);
         self.plant.set_extra_tip_load_of(&|rod| TipWrench {
-            force_n: extra.force_n + added_kg * rod.gravity_m_s2,
-            moment_nm: extra.moment_nm,
+            force_n: wrench.force_n + added_kg * rod.gravity_m_s2,
+            moment_nm: wrench.moment_nm,
         });
     }
 

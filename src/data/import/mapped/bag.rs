@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::cdr::CdrReader;
 use super::columns::{LogCells, LogTable, TopicColumns};
-use super::join::{JoinedLog, alone, join};
+use super::join::{JoinedLog, join, without_tracking};
 use super::map::{BodyMap, ImportMap, TrackingMap};
 use super::{MappedImport, commands, tracking};
 use crate::data::DataError;
@@ -19,10 +19,10 @@ pub fn import_bag(file: &Path, map: &ImportMap) -> Result<MappedImport, DataErro
     let bag = Bag::read(file)?;
     let topic = map.commands.topic.as_deref().unwrap_or_default();
     let commands = commands::read(&table(&bag, topic, None)?, &map.commands)?;
-    let Some(tracking) = &map.tracking else { return alone(vec![(file.to_owned(), commands)], None) };
-    let of = |body: &BodyMap| table(&bag, topic_of(body, tracking), body.child.as_deref());
-    let bodies = tracking::read(tracking, &of)?;
-    let log = JoinedLog { file: file.to_owned(), commands, own_file: file.to_owned(), bodies };
+    let Some(tracking) = &map.tracking else { return without_tracking(vec![(file.to_owned(), commands)], None) };
+    let table_of = |body: &BodyMap| table(&bag, topic_of(body, tracking), body.child.as_deref());
+    let bodies = tracking::read(tracking, &table_of)?;
+    let log = JoinedLog { file: file.to_owned(), commands, tracking_file: file.to_owned(), bodies };
     join(vec![log], tracking, false, None)
 }
 
@@ -160,7 +160,7 @@ fn table(bag: &Bag, topic: &str, child: Option<&str>) -> Result<LogTable, DataEr
         let expected = format!("one of {} in `cdr`", all.join(", "));
         return Err(refuse(bag, topic, format!("messages of type {}", kinds.join(" and ")), expected));
     };
-    let mut read: Vec<(usize, &BagMessage, Row)> = Vec::new();
+    let mut parsed: Vec<(usize, &BagMessage, Row)> = Vec::new();
     for (number, message) in bag_topic.messages.iter().enumerate() {
         let damaged = || {
             let (found, expected) =
@@ -168,53 +168,53 @@ fn table(bag: &Bag, topic: &str, child: Option<&str>) -> Result<LogTable, DataEr
             refuse(bag, topic, found, expected)
         };
         let rows = rows(kind, message).ok_or_else(damaged)?;
-        read.extend(rows.into_iter().map(|row| (number + 1, message, row)));
+        parsed.extend(rows.into_iter().map(|row| (number + 1, message, row)));
     }
     if let Some(child) = child {
         let children: std::collections::BTreeSet<String> =
-            read.iter().filter_map(|(_, _, row)| row.child.clone()).collect();
-        read.retain(|(_, _, row)| row.child.as_deref() == Some(child));
-        if read.is_empty() {
+            parsed.iter().filter_map(|(_, _, row)| row.child.clone()).collect();
+        parsed.retain(|(_, _, row)| row.child.as_deref() == Some(child));
+        if parsed.is_empty() {
             let all: Vec<String> = children.iter().map(|name| format!("`{name}`")).collect();
             return Err(refuse(bag, topic, format!("no child frame `{child}`"), format!("one of {}", all.join(", "))));
         }
-    } else if let Some(other) = read.iter().find(|(_, _, row)| row.child != read[0].2.child) {
-        let two = [&read[0].2, &other.2].map(|row| row.child.clone().unwrap_or_default());
-        let found = format!("the child frames `{}` and `{}`", two[0], two[1]);
+    } else if let Some(other) = parsed.iter().find(|(_, _, row)| row.child != parsed[0].2.child) {
+        let frames = [&parsed[0].2, &other.2].map(|row| row.child.clone().unwrap_or_default());
+        let found = format!("the child frames `{}` and `{}`", frames[0], frames[1]);
         return Err(refuse(bag, topic, found, "one of them as `child` of the body in the map".to_owned()));
     }
-    if read.is_empty() {
+    if parsed.is_empty() {
         return Err(refuse(bag, topic, "no messages".to_owned(), "at least one".to_owned()));
     }
-    Ok(columns(bag, topic, kind, &read))
+    Ok(columns(bag, topic, kind, &parsed))
 }
 
 /// The rows as columns; a number that a message lacks is not a number.
-fn columns(bag: &Bag, topic: &str, kind: &MessageKind, read: &[(usize, &BagMessage, Row)]) -> LogTable {
+fn columns(bag: &Bag, topic: &str, kind: &MessageKind, parsed: &[(usize, &BagMessage, Row)]) -> LogTable {
     let times = |time: fn(&BagMessage) -> u64| {
-        LogCells::Nanoseconds(read.iter().map(|(_, message, _)| time(message) as i64).collect())
+        LogCells::Nanoseconds(parsed.iter().map(|(_, message, _)| time(message) as i64).collect())
     };
     let mut columns = vec![
         (LOG_TIME.to_owned(), times(|message| message.log_ns)),
         ("publish_time".to_owned(), times(|message| message.publish_ns)),
     ];
-    if read.iter().all(|(_, _, row)| row.stamp_ns.is_some()) {
-        let stamps = read.iter().filter_map(|(_, _, row)| row.stamp_ns).collect();
+    if parsed.iter().all(|(_, _, row)| row.stamp_ns.is_some()) {
+        let stamps = parsed.iter().filter_map(|(_, _, row)| row.stamp_ns).collect();
         columns.push((STAMP.to_owned(), LogCells::Nanoseconds(stamps)));
     }
-    if read.iter().all(|(_, _, row)| row.child.is_some()) {
-        let children = read.iter().filter_map(|(_, _, row)| row.child.clone()).collect();
+    if parsed.iter().all(|(_, _, row)| row.child.is_some()) {
+        let children = parsed.iter().filter_map(|(_, _, row)| row.child.clone()).collect();
         columns.push((CHILD.to_owned(), LogCells::Text(children)));
     }
     let mut names: Vec<&str> = Vec::new();
     let mut numbers: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
-    for (place, (_, _, row)) in read.iter().enumerate() {
+    for (index, (_, _, row)) in parsed.iter().enumerate() {
         for (name, number) in &row.numbers {
             let cells = numbers.entry(name).or_insert_with(|| {
                 names.push(name);
-                vec![f64::NAN; read.len()]
+                vec![f64::NAN; parsed.len()]
             });
-            cells[place] = *number;
+            cells[index] = *number;
         }
     }
     let filled = names.iter().filter_map(|&name| Some((name.to_owned(), LogCells::Numbers(numbers.remove(name)?))));
@@ -224,7 +224,7 @@ fn columns(bag: &Bag, topic: &str, kind: &MessageKind, read: &[(usize, &BagMessa
         header: format!("topic `{topic}`"),
         named: true,
         columns,
-        rows: read.iter().map(|(number, ..)| *number).collect(),
+        rows: parsed.iter().map(|(number, ..)| *number).collect(),
         row_word: format!("topic `{topic}`, message"),
         topic: Some(kind.columns.clone()),
     }

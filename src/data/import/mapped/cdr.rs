@@ -4,27 +4,28 @@
 /// The fields of a message, in order.
 pub(super) struct CdrReader<'a> {
     bytes: &'a [u8],
-    at: usize,
-    big: bool,
+    /// Bytes after the first four that have been read.
+    position: usize,
+    is_big_endian: bool,
 }
 
 impl<'a> CdrReader<'a> {
     /// The fields after the first four bytes; none for another encoding.
     pub(super) fn new(message: &'a [u8]) -> Option<CdrReader<'a>> {
         let (head, bytes) = message.split_at_checked(4)?;
-        let big = match head[..2] {
+        let is_big_endian = match head[..2] {
             [0, 0] => true,
             [0, 1] => false,
             _ => return None,
         };
-        Some(CdrReader { bytes, at: 0, big })
+        Some(CdrReader { bytes, position: 0, is_big_endian })
     }
 
     fn number<const N: usize>(&mut self) -> Option<[u8; N]> {
-        self.at = self.at.next_multiple_of(N);
-        let mut number: [u8; N] = self.bytes.get(self.at..self.at + N)?.try_into().ok()?;
-        self.at += N;
-        if self.big {
+        self.position = self.position.next_multiple_of(N);
+        let mut number: [u8; N] = self.bytes.get(self.position..self.position + N)?.try_into().ok()?;
+        self.position += N;
+        if self.is_big_endian {
             number.reverse();
         }
         Some(number)
@@ -45,8 +46,8 @@ impl<'a> CdrReader<'a> {
     /// Text, which ends in a zero byte.
     pub(super) fn text(&mut self) -> Option<String> {
         let size = self.u32()? as usize;
-        let text = self.bytes.get(self.at..self.at.checked_add(size)?)?;
-        self.at += size;
+        let text = self.bytes.get(self.position..self.position.checked_add(size)?)?;
+        self.position += size;
         String::from_utf8(text.strip_suffix(&[0]).unwrap_or(text).to_vec()).ok()
     }
 
@@ -62,8 +63,8 @@ impl<'a> CdrReader<'a> {
 
     /// `builtin_interfaces/Time`, nanoseconds.
     fn time(&mut self) -> Option<i64> {
-        let (seconds, rest) = (i64::from(self.i32()?), i64::from(self.u32()?));
-        Some(seconds * 1_000_000_000 + rest)
+        let (seconds, nanoseconds) = (i64::from(self.i32()?), i64::from(self.u32()?));
+        Some(seconds * 1_000_000_000 + nanoseconds)
     }
 
     /// `std_msgs/Header`: its time, nanoseconds.

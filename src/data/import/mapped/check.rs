@@ -32,8 +32,8 @@ pub enum SourceKind {
 }
 
 impl From<&LogFiles> for SourceKind {
-    fn from(found: &LogFiles) -> SourceKind {
-        SourceKind::Text { files: found.files.len(), from_folder: found.from_folder }
+    fn from(logs: &LogFiles) -> SourceKind {
+        SourceKind::Text { files: logs.files.len(), from_folder: logs.from_folder }
     }
 }
 
@@ -48,9 +48,9 @@ impl ImportMap {
         self.commands.check(source)?;
         let Some(tracking) = &self.tracking else { return Ok(()) };
         tracking.check(source)?;
-        let own_rows = tracking.file_of(source) == self.commands.file;
+        let same_file = tracking.file_of(source) == self.commands.file;
         if matches!(source, SourceKind::Text { .. }) && tracking.time.is_none() {
-            if !own_rows {
+            if !same_file {
                 let expected = "the column of times, as the commands are in another file";
                 return Err(fault("tracking", "time", "no such key", expected));
             }
@@ -89,7 +89,9 @@ impl ImportMap {
             (Some(_), None) => {
                 Err(fault("", "tracking", "no such key", "what stands in the files `trial_files.tracking`"))
             }
-            (own, _) => Ok(SourceKind::Text { files: 1 + usize::from(own.is_some()), from_folder: false }),
+            (tracking_names, _) => {
+                Ok(SourceKind::Text { files: 1 + usize::from(tracking_names.is_some()), from_folder: false })
+            }
         }
     }
 }
@@ -309,8 +311,8 @@ impl TrackingMap {
 
     fn check(&self, source: SourceKind) -> Result<(), Fault> {
         const PATH: &str = "tracking";
-        let own: Vec<&str> = self.topic.iter().map(String::as_str).collect();
-        check_source(PATH, source, self.file_of(source), &own, false)?;
+        let topics: Vec<&str> = self.topic.iter().map(String::as_str).collect();
+        check_source(PATH, source, self.file_of(source), &topics, false)?;
         if let Some(text) = &self.text {
             text.check("tracking.text")?;
         }

@@ -3,7 +3,7 @@
 //! its interval by the delete-one-block jackknife (Künsch 1989).
 
 use super::step_response::StepResponse;
-use super::tip_motion::{BLOCKS, CommandSteps, FINEST_S, MIN_FRAMES, OffsetCandidate, TipMotion};
+use super::tip_motion::{BLOCKS, CommandSteps, MIN_FRAMES, OffsetCandidate, RESOLUTION_S, TipMotion};
 use crate::base::Point3;
 
 /// An estimated offset.
@@ -36,38 +36,38 @@ impl ClockFit {
     }
 }
 
-/// 97.5 % quantile of Student's t with one degree of freedom less.
-const STUDENT_T: f64 = 2.262_157;
+/// 97.5 % quantile of Student's t with one degree of freedom less than there are blocks.
+const STUDENT_T_975: f64 = 2.262_157;
 /// How much of the fitted lag an offset may be off by: the first motion of the response is gentle, that of a tendon robot's tip
 /// is a jump, and of one with a slow drive gentler still. Of robots that answer otherwise it was 0.36 at most.
-const FIRST_MOTION: f64 = 0.5;
+const FIRST_MOTION_SHARE: f64 = 0.5;
 /// Most frames that are looked at over all offsets, and around the best ones.
-const COARSE_FRAMES: usize = 1500;
-const FINE_FRAMES: usize = 8000;
+const MAX_COARSE_FRAMES: usize = 1500;
+const MAX_FINE_FRAMES: usize = 8000;
 /// Most offsets that are tried.
 const MAX_OFFSETS: usize = 20_000;
 /// Least share of the tip's squares that commands must explain.
 const MIN_EXPLAINED: f64 = 0.2;
 /// Peaks that are looked at closely.
-const PEAKS: usize = 5;
+const MAX_PEAKS: usize = 5;
 /// A second offset is as good as the first when it leaves at most this many times as much.
-const AS_GOOD: f64 = 1.2;
+const MAX_RIVAL_RATIO: f64 = 1.2;
 /// Responses from which the search starts.
-const RESPONSES: [StepResponse; 4] = [
+const START_RESPONSES: [StepResponse; 4] = [
     StepResponse { time_s: 0.01, damping: 2.0 },
     StepResponse { time_s: 0.03, damping: 0.5 },
     StepResponse { time_s: 0.06, damping: 1.0 },
     StepResponse { time_s: 0.2, damping: 1.0 },
 ];
 /// Resolution while offsets compete, seconds.
-const COARSEST_S: f64 = 2e-3;
+const COARSE_RESOLUTION_S: f64 = 2e-3;
 
 /// Offsets with a local optimum of the fit, best first.
 fn peaks(motion: &TipMotion, offsets_s: &[f64]) -> Vec<f64> {
     let response = StepResponse { time_s: 0.25 * motion.step_s, damping: 1.0 };
     let states = motion.states(response);
     let unexplained_at =
-        |offset_s: &f64| motion.blocks(*offset_s, (response, &states), 1).map_or(1.0, |all| all[0].unexplained());
+        |offset_s: &f64| motion.blocks(*offset_s, response, &states, 1).map_or(1.0, |all| all[0].unexplained());
     let unexplained: Vec<f64> = offsets_s.iter().map(unexplained_at).collect();
     let at = |k: usize| unexplained.get(k).copied().unwrap_or(1.0);
     let is_minimum = |k: &usize| {
@@ -75,17 +75,18 @@ fn peaks(motion: &TipMotion, offsets_s: &[f64]) -> Vec<f64> {
     };
     let mut peaks: Vec<usize> = (0..unexplained.len()).filter(is_minimum).collect();
     peaks.sort_by(|a, b| unexplained[*a].total_cmp(&unexplained[*b]));
-    peaks.into_iter().take(PEAKS).map(|k| offsets_s[k]).collect()
+    peaks.into_iter().take(MAX_PEAKS).map(|k| offsets_s[k]).collect()
 }
 
-/// Estimates the offset between `range_s`.
+/// Estimates the offset between `from_s` and `to_s`.
 ///
 /// # Errors
 /// What was found and what was expected, in words.
 pub(crate) fn estimate(
     commands: &CommandSteps,
     frames: Vec<(f64, Point3)>,
-    (from_s, to_s): (Option<f64>, Option<f64>),
+    from_s: Option<f64>,
+    to_s: Option<f64>,
 ) -> Result<ClockFit, (String, String)> {
     let refuse = |found: String, expected: &str| Err((found, expected.to_owned()));
     let steps: Vec<f64> = commands.time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
@@ -104,45 +105,47 @@ pub(crate) fn estimate(
     let every_s = (0.5 * step_s).max((high_s - low_s) / MAX_OFFSETS as f64).max(1e-3);
     let count = ((high_s - low_s) / every_s).ceil().max(1.0) as usize;
     let offsets_s: Vec<f64> = (0..=count).map(|k| (low_s + every_s * k as f64).min(high_s)).collect();
-    let (coarse, fine) = (motion.thinned(COARSE_FRAMES), motion.thinned(FINE_FRAMES));
-    let close = |offset_s: f64| {
-        let starts = RESPONSES.map(|response| OffsetCandidate { offset_s, response, unexplained: 1.0 });
-        let ends = starts.map(|start| coarse.refined(start, [every_s, COARSEST_S], None, false));
+    let (coarse, fine) = (motion.thinned(MAX_COARSE_FRAMES), motion.thinned(MAX_FINE_FRAMES));
+    let refined_near = |offset_s: f64| {
+        let starts = START_RESPONSES.map(|response| OffsetCandidate { offset_s, response, unexplained: 1.0 });
+        let ends = starts.map(|start| coarse.refined(start, [every_s, COARSE_RESOLUTION_S], None, false));
         ends.into_iter().min_by(|a, b| a.unexplained.total_cmp(&b.unexplained))
     };
-    let mut optima: Vec<OffsetCandidate> = peaks(&coarse, &offsets_s).into_iter().filter_map(close).collect();
+    let mut optima: Vec<OffsetCandidate> = peaks(&coarse, &offsets_s).into_iter().filter_map(refined_near).collect();
     optima.sort_by(|a, b| a.unexplained.total_cmp(&b.unexplained));
     let Some(&best) = optima.first().filter(|best| 1.0 - best.unexplained >= MIN_EXPLAINED) else {
         let share = optima.first().map_or(0.0, |best| 100.0 * (1.0 - best.unexplained));
         let found = format!("a tip whose motion follows the commands to {share:.0} % at the best offset");
         return refuse(found, "20 % or more, or `clock.offset_s`");
     };
-    let apart = |other: &&OffsetCandidate| (other.offset_s - best.offset_s).abs() > 2.0 * every_s.max(step_s);
+    let is_distinct = |other: &&OffsetCandidate| (other.offset_s - best.offset_s).abs() > 2.0 * every_s.max(step_s);
     if let Some(other) =
-        optima.iter().skip(1).find(apart).filter(|other| other.unexplained <= AS_GOOD * best.unexplained)
+        optima.iter().skip(1).find(is_distinct).filter(|other| other.unexplained <= MAX_RIVAL_RATIO * best.unexplained)
     {
-        let both = [best.offset_s, other.offset_s];
-        let found = format!("a motion that repeats: offsets of {:.3} s and {:.3} s fit alike", both[0], both[1]);
+        let (best_s, other_s) = (best.offset_s, other.offset_s);
+        let found = format!("a motion that repeats: offsets of {best_s:.3} s and {other_s:.3} s fit alike");
         return refuse(found, "narrower limits `clock.estimate.from_s` and `to_s`, or `clock.offset_s`");
     }
     // A lag can make up for an offset where the motion has one frequency.
     let shifted = |shift_s: f64| OffsetCandidate { offset_s: best.offset_s + shift_s, ..best };
-    let aside = [-step_s, step_s].map(|shift_s| coarse.refined(shifted(shift_s), [every_s, COARSEST_S], None, true));
-    if let Some(other) = aside.iter().find(|other| other.unexplained <= AS_GOOD * best.unexplained) {
-        let both = [best.offset_s, other.offset_s];
-        let found = format!("a motion by which offsets of {:.3} s and {:.3} s fit alike", both[0], both[1]);
+    let shifted_fits =
+        [-step_s, step_s].map(|shift_s| coarse.refined(shifted(shift_s), [every_s, COARSE_RESOLUTION_S], None, true));
+    if let Some(other) = shifted_fits.iter().find(|other| other.unexplained <= MAX_RIVAL_RATIO * best.unexplained) {
+        let (best_s, other_s) = (best.offset_s, other.offset_s);
+        let found = format!("a motion by which offsets of {best_s:.3} s and {other_s:.3} s fit alike");
         return refuse(found, "commands of several frequencies, or `clock.offset_s`");
     }
     let best = fine.polished(best, None);
-    let without = |block| fine.polished(best, Some(block)).offset_s;
-    let parts: Vec<f64> = (0..BLOCKS).map(without).collect();
-    let mean_s = parts.iter().sum::<f64>() / BLOCKS as f64;
-    let squares: f64 = parts.iter().map(|part_s| (part_s - mean_s).powi(2)).sum();
-    let half_s = STUDENT_T * (squares * (BLOCKS - 1) as f64 / BLOCKS as f64).sqrt().max(FINEST_S);
-    let half_s = half_s + FIRST_MOTION * best.response.mean_delay_s();
+    // Delete-one-block jackknife of B blocks: the variance is (B − 1)/B Σ (offset without a block − their mean)².
+    let offset_without = |block| fine.polished(best, Some(block)).offset_s;
+    let left_out_s: Vec<f64> = (0..BLOCKS).map(offset_without).collect();
+    let mean_s = left_out_s.iter().sum::<f64>() / BLOCKS as f64;
+    let squares: f64 = left_out_s.iter().map(|offset_s| (offset_s - mean_s).powi(2)).sum();
+    let half_width_s = STUDENT_T_975 * (squares * (BLOCKS - 1) as f64 / BLOCKS as f64).sqrt().max(RESOLUTION_S);
+    let half_width_s = half_width_s + FIRST_MOTION_SHARE * best.response.mean_delay_s();
     Ok(ClockFit {
         offset_s: best.offset_s,
-        interval_95_s: [best.offset_s - half_s, best.offset_s + half_s],
+        interval_95_s: [best.offset_s - half_width_s, best.offset_s + half_width_s],
         lag_s: best.response.mean_delay_s(),
         explained: 1.0 - best.unexplained,
         dead_time_s: 0.0,
@@ -186,15 +189,15 @@ mod tests {
         for seed in 0..5 {
             let (commands, mut frames) = motion(seed, false);
             frames.iter_mut().for_each(|(frame_s, _)| *frame_s += 37.123);
-            let found = estimate(&commands, frames, (None, None)).unwrap();
+            let fit = estimate(&commands, frames, None, None).unwrap();
             // The truth: these frames began 2 s before the commands.
-            let [low_s, high_s] = found.interval_95_s;
-            assert!((found.offset_s + 39.123).abs() < 1e-3, "{found:?}");
+            let [low_s, high_s] = fit.interval_95_s;
+            assert!((fit.offset_s + 39.123).abs() < 1e-3, "{fit:?}");
             inside += i32::from((low_s..high_s).contains(&-39.123));
             // Beside the part that is left for a first motion that differs.
-            let scatter_s = high_s - low_s - 2.0 * FIRST_MOTION * found.lag_s;
-            assert!(scatter_s < 2e-3 && found.explained > 0.9, "{found:?}");
-            assert!((found.lag_s - 0.08).abs() < 4e-3, "{found:?}");
+            let scatter_s = high_s - low_s - 2.0 * FIRST_MOTION_SHARE * fit.lag_s;
+            assert!(scatter_s < 2e-3 && fit.explained > 0.9, "{fit:?}");
+            assert!((fit.lag_s - 0.08).abs() < 4e-3, "{fit:?}");
         }
         assert!(inside >= 4, "{inside} of 5");
     }
@@ -204,14 +207,14 @@ mod tests {
         // Where motion begins and ends would tell the offset.
         let (commands, mut frames) = motion(1, true);
         frames.retain(|(frame_s, _)| (10.0..50.0).contains(frame_s));
-        let said = estimate(&commands, frames.clone(), (None, None)).unwrap_err().0;
+        let said = estimate(&commands, frames.clone(), None, None).unwrap_err().0;
         assert!(said.contains("fit alike"), "{said}");
         // Within a period a lag makes up for an offset.
-        let said = estimate(&commands, frames.clone(), (Some(-2.3), Some(-1.9))).unwrap_err().0;
+        let said = estimate(&commands, frames.clone(), Some(-2.3), Some(-1.9)).unwrap_err().0;
         assert!(said.contains("fit alike"), "{said}");
         let at_rest = frames.iter().map(|(frame_s, tip)| (*frame_s, [0.0, 0.0, tip[2]])).collect();
-        let said = estimate(&commands, at_rest, (None, None)).unwrap_err().0;
+        let said = estimate(&commands, at_rest, None, None).unwrap_err().0;
         assert!(said.contains("at the best offset"), "{said}");
-        assert!(estimate(&commands, frames[..30].to_vec(), (None, None)).is_err());
+        assert!(estimate(&commands, frames[..30].to_vec(), None, None).is_err());
     }
 }

@@ -141,8 +141,8 @@ impl LogTable {
         let topic = self.topic.as_ref();
         let position =
             topic.and_then(|topic| topic.position).map(|prefix| ["x", "y", "z"].map(|axis| part(prefix, axis)));
-        let turn = topic.and_then(|topic| topic.orientation);
-        (position, turn.map(|prefix| ["w", "x", "y", "z"].map(|axis| part(prefix, axis))))
+        let orientation = topic.and_then(|topic| topic.orientation);
+        (position, orientation.map(|prefix| ["w", "x", "y", "z"].map(|axis| part(prefix, axis))))
     }
 
     /// The column that the key `key` of the map names.

@@ -39,8 +39,8 @@ pub(crate) struct Stamps {
 /// # Errors
 /// [`DataError`] names file, line and column.
 pub(crate) fn stamps(table: &LogTable, time: Option<&TimeColumn>, key: &str) -> Result<Stamps, DataError> {
-    let of_bag = TimeColumn { column: ColumnName::Name(table.own_time()), unit: TimeUnit::Ns, zone: None };
-    let time = time.unwrap_or(&of_bag);
+    let topic_time = TimeColumn { column: ColumnName::Name(table.own_time()), unit: TimeUnit::Ns, zone: None };
+    let time = time.unwrap_or(&topic_time);
     let column = table.column(&time.column, key)?;
     let rows = 0..table.rows.len();
     if time.unit != TimeUnit::Iso8601 {
@@ -48,13 +48,13 @@ pub(crate) fn stamps(table: &LogTable, time: Option<&TimeColumn>, key: &str) -> 
         return Ok(Stamps { column, ns, is_zoned: None });
     }
     // The check of the map has read the zone.
-    let given_s = time.zone.as_deref().and_then(zone_s);
+    let map_zone_s = time.zone.as_deref().and_then(zone_s);
     let mut ns = Vec::with_capacity(table.rows.len());
-    let mut zoned = None;
+    let mut all_zoned = None;
     for row in rows {
-        let read = table.iso_time(column, row)?;
-        let is_zoned = read.is_zoned() || given_s.is_some();
-        if *zoned.get_or_insert(is_zoned) != is_zoned {
+        let time_of_row = table.iso_time(column, row)?;
+        let is_zoned = time_of_row.is_zoned() || map_zone_s.is_some();
+        if *all_zoned.get_or_insert(is_zoned) != is_zoned {
             let with = if is_zoned { "without" } else { "with" };
             return Err(table.wrong(
                 column,
@@ -63,9 +63,9 @@ pub(crate) fn stamps(table: &LogTable, time: Option<&TimeColumn>, key: &str) -> 
             ));
         }
         let expected = "a date from 1678 to 2261";
-        ns.push(read.utc_ns(given_s.unwrap_or(0)).ok_or_else(|| table.wrong(column, row, expected))?);
+        ns.push(time_of_row.utc_ns(map_zone_s.unwrap_or(0)).ok_or_else(|| table.wrong(column, row, expected))?);
     }
-    Ok(Stamps { column, ns, is_zoned: zoned })
+    Ok(Stamps { column, ns, is_zoned: all_zoned })
 }
 
 /// Reads the commands.
@@ -133,22 +133,27 @@ fn trials(table: &LogTable, map: &CommandsMap, stamps_ns: &[i64]) -> Result<Tria
         return Ok(((0..stamps_ns.len()).map(follow).collect(), None));
     };
     let column = table.column(name, "commands.trial")?;
-    let mut seen: Vec<String> = Vec::new();
+    let mut labels: Vec<String> = Vec::new();
     for row in 0..table.rows.len() {
         let label = table.text(column, row);
-        if seen.last().is_some_and(|last| *last == label) {
+        if labels.last().is_some_and(|last| *last == label) {
             continue;
         }
-        if label.is_empty() || seen.iter().any(|known| *known == label) {
+        if label.is_empty() || labels.iter().any(|earlier| *earlier == label) {
             return Err(table.wrong(column, row, "a new trial: the rows of a trial stand together"));
         }
-        seen.push(label.into_owned());
+        labels.push(label.into_owned());
     }
-    let own = trial_numbers(seen.iter().map(String::as_str));
-    let names = own.is_none().then(|| (0..table.rows.len()).map(|row| table.text(column, row).into_owned()).collect());
-    let numbers = own.unwrap_or_else(|| (0..seen.len() as u64).collect());
-    let place = |row| seen.iter().position(|label| *label == table.text(column, row)).map_or(0, |place| numbers[place]);
-    Ok(((0..table.rows.len()).map(place).collect(), names))
+    let label_numbers = trial_numbers(labels.iter().map(String::as_str));
+    let names = label_numbers
+        .is_none()
+        .then(|| (0..table.rows.len()).map(|row| table.text(column, row).into_owned()).collect());
+    let numbers = label_numbers.unwrap_or_else(|| (0..labels.len() as u64).collect());
+    let number_of_row = |row| {
+        let place = labels.iter().position(|label| *label == table.text(column, row));
+        place.map_or(0, |place| numbers[place])
+    };
+    Ok(((0..table.rows.len()).map(number_of_row).collect(), names))
 }
 
 /// The numbers that labels of trials are; none where one is a name, or where two are the same number.
@@ -165,13 +170,14 @@ pub(crate) fn trial_numbers<'a>(labels: impl Iterator<Item = &'a str>) -> Option
 /// Number at home of a column, row by row.
 struct Home<'a> {
     zero: ZeroAt,
-    given: Option<f64>,
+    /// What the map says, in place of `zero`.
+    home_number: Option<f64>,
     starts: &'a [usize],
 }
 
 impl Home<'_> {
     fn at(&self, numbers: &[f64], row: usize) -> f64 {
-        self.given.unwrap_or_else(|| match self.zero {
+        self.home_number.unwrap_or_else(|| match self.zero {
             ZeroAt::Zero => 0.0,
             ZeroAt::FirstRow => numbers[0],
             ZeroAt::TrialStart => numbers[self.starts[row]],
@@ -187,13 +193,13 @@ fn numbers(table: &LogTable, name: &ColumnName, key: &str) -> Result<Vec<f64>, D
 
 fn tendon_rows(table: &LogTable, map: &TendonsMap, starts: &[usize]) -> Result<(Actuation, Rows), DataError> {
     let (kind, factor) = map.unit.factor();
-    let usual = if map.measure == TendonMeasure::Length { ZeroAt::FirstRow } else { ZeroAt::Zero };
+    let default_zero = if map.measure == TendonMeasure::Length { ZeroAt::FirstRow } else { ZeroAt::Zero };
     let sign = if map.measure == TendonMeasure::Pulled { 1.0 } else { -1.0 };
     let mut columns = Vec::new();
     for (tendon, name) in map.columns.iter().enumerate() {
         let numbers = numbers(table, name, "commands.tendons.columns")?;
-        let given = map.home.as_ref().map(|home| home[tendon]);
-        let home = Home { zero: map.zero.unwrap_or(usual), given, starts };
+        let home_number = map.home.as_ref().map(|home| home[tendon]);
+        let home = Home { zero: map.zero.unwrap_or(default_zero), home_number, starts };
         let scale = map.scale.as_ref().map_or(1.0, |scale| if scale.len() == 1 { scale[0] } else { scale[tendon] });
         // The difference to home is 0 there, and not −0.
         let pulled = |row: usize| (numbers[row] - home.at(&numbers, row)) * (sign * factor * scale) + 0.0;
@@ -210,7 +216,7 @@ fn tendon_rows(table: &LogTable, map: &TendonsMap, starts: &[usize]) -> Result<(
 fn drive_track(table: &LogTable, name: &str, map: &DriveMap, starts: &[usize]) -> Result<DriveTrack, DataError> {
     let (kind, factor) = map.unit.factor();
     let numbers = numbers(table, &map.column, &format!("commands.drives.{name}.column"))?;
-    let home = Home { zero: map.zero, given: map.home, starts };
+    let home = Home { zero: map.zero, home_number: map.home, starts };
     let scale = factor * map.scale.unwrap_or(1.0);
     let displacement = (0..numbers.len()).map(|row| (numbers[row] - home.at(&numbers, row)) * scale + 0.0).collect();
     let unit = if kind == CommandKind::Length { DriveUnit::Metres } else { DriveUnit::Radians };

@@ -105,11 +105,12 @@ fn date_days(text: &str) -> Option<i64> {
     if month == 0 || day == 0 || day > lengths[month as usize - 1] {
         return None;
     }
-    let before = year - 1;
-    let of_years = 365 * before + before / 4 - before / 100 + before / 400;
-    let of_months: i64 = lengths[..month as usize - 1].iter().sum();
+    // Proleptic Gregorian calendar, counted from 0001-01-01.
+    let past_years = year - 1;
+    let year_days = 365 * past_years + past_years / 4 - past_years / 100 + past_years / 400;
+    let month_days: i64 = lengths[..month as usize - 1].iter().sum();
     // 719,162 days lie between 0001-01-01 and 1970-01-01.
-    Some(of_years + of_months + day - 1 - 719_162)
+    Some(year_days + month_days + day - 1 - 719_162)
 }
 
 /// Seconds since midnight of `hh:mm`, `hh:mm:ss`, `hhmm` or `hhmmss`; a second may be a leap second.
@@ -128,8 +129,8 @@ fn fraction_ns(digits: &str) -> Option<i64> {
     if !digits.bytes().all(|byte| byte.is_ascii_digit()) {
         return None;
     }
-    let kept: String = digits.chars().chain(std::iter::repeat('0')).take(FRACTION_DIGITS).collect();
-    kept.parse().ok()
+    let nine_digits: String = digits.chars().chain(std::iter::repeat('0')).take(FRACTION_DIGITS).collect();
+    nine_digits.parse().ok()
 }
 
 #[cfg(test)]

@@ -18,7 +18,8 @@ use crate::data::{DataError, Recording};
 pub(super) struct JoinedLog {
     pub(super) file: PathBuf,
     pub(super) commands: TimedCommands,
-    pub(super) own_file: PathBuf,
+    /// File of the bodies.
+    pub(super) tracking_file: PathBuf,
     pub(super) bodies: MappedBodies,
 }
 
@@ -29,10 +30,13 @@ struct PlacedLog {
 }
 
 /// Commands without tracking. `names`: of the trials, where the logs are trials with names.
-pub(super) fn alone(parts: Vec<(PathBuf, TimedCommands)>, names: Option<&[String]>) -> Result<MappedImport, DataError> {
+pub(super) fn without_tracking(
+    parts: Vec<(PathBuf, TimedCommands)>,
+    names: Option<&[String]>,
+) -> Result<MappedImport, DataError> {
     let (files, recordings): (Vec<PathBuf>, Vec<Recording>) =
         parts.into_iter().map(|(file, commands)| (file, commands.recording)).unzip();
-    let recording = whole(&files, &recordings, names)?;
+    let recording = joined_commands(&files, &recordings, names)?;
     Ok(MappedImport { recording, imported: None, clocks: Vec::new(), passed_over: Vec::new() })
 }
 
@@ -58,15 +62,15 @@ pub(super) fn join(
             clocks.extend(fit.map(|fit| TrialClock { trial, fit }));
             at_s
         };
-        check_overlap(&log.bodies.time_s, (&log.file, &at_s))?;
+        check_overlap(&log.bodies.time_s, &log.file, &at_s)?;
         placed.push(PlacedLog { log, at_s });
     }
-    let (log, bodies, own_file) = one_after_another(placed, max_gap_s, names)?;
+    let (log, bodies, tracking_file) = one_after_another(placed, max_gap_s, names)?;
     // The check of the map has read the axes.
-    let axes = map.to_axes().map_err(|(_, error)| fault(&own_file, error.found, error.expected))?;
+    let axes = map.to_axes().map_err(|(_, error)| fault(&tracking_file, error.found, error.expected))?;
     let frame = if map.frame == FrameChoice::Base { TipFrame::Base } else { TipFrame::Tracking };
     let options = ImportOptions { axes, frame, max_gap_s, gap_key: "`tracking.max_gap_s` of the map" };
-    let export = Export::of_times(own_file, bodies.time_s);
+    let export = Export::of_times(tracking_file, bodies.time_s);
     let points = bodies.points.iter().map(|(name, body)| (name.clone(), body)).collect();
     let parts = ImportedBodies { base: &bodies.base, tip: &bodies.tip, points };
     let mut imported = import(&export, &parts, &log, &options)?;
@@ -83,29 +87,29 @@ pub(super) fn join(
 
 /// Time of each command on the clock of the bodies, and the offset where it is estimated.
 fn on_one_clock(log: &JoinedLog, clock: &ClockMap) -> Result<(Vec<f64>, Option<ClockFit>), DataError> {
-    let JoinedLog { file, commands: TimedCommands { recording, stamps_ns, is_zoned }, own_file, bodies } = log;
+    let JoinedLog { file, commands: TimedCommands { recording, stamps_ns, is_zoned }, tracking_file, bodies } = log;
     check_one_clock(file, recording, stamps_ns)?;
     let since = |from_ns: i64| stamps_ns.iter().map(move |stamp| (stamp - from_ns) as f64 / NS).collect::<Vec<f64>>();
-    let mut found = None;
+    let mut estimate = None;
     let offset_s = match clock {
         ClockMap::Same => {
-            check_zones((file, *is_zoned), (own_file, bodies.is_zoned))?;
+            check_zones(file, *is_zoned, tracking_file, bodies.is_zoned)?;
             0.0
         }
         ClockMap::OffsetS(offset_s) => *offset_s,
         ClockMap::Estimate(range) => {
             // From the first stamp of each clock, so that their different origins take no digits.
             let origin_s = (stamps_ns[0] - bodies.first_ns) as f64 / NS;
-            let limits = (range.from_s.map(|s| s - origin_s), range.to_s.map(|s| s - origin_s));
+            let [from_s, to_s] = [range.from_s, range.to_s].map(|limit_s| limit_s.map(|s| s - origin_s));
             let steps = CommandSteps { time_s: since(stamps_ns[0]), rows: command_rows(recording) };
-            let fit = clock_fit::estimate(&steps, tips_from_base(bodies), limits)
-                .map_err(|(found, expected)| fault(own_file, found, &expected))?;
+            let fit = clock_fit::estimate(&steps, tips_from_base(bodies), from_s, to_s)
+                .map_err(|(found, expected)| fault(tracking_file, found, &expected))?;
             let fit = fit.shifted(origin_s).with_dead_time(range.dead_time_s);
-            found = Some(fit);
+            estimate = Some(fit);
             fit.offset_s
         }
     };
-    Ok((since(bodies.first_ns).into_iter().map(|at_s| at_s - offset_s).collect(), found))
+    Ok((since(bodies.first_ns).into_iter().map(|at_s| at_s - offset_s).collect(), estimate))
 }
 
 /// Puts logs one after another in time, so far apart that nothing is interpolated between them.
@@ -118,9 +122,9 @@ fn one_after_another(
     let mut recordings = Vec::new();
     let mut files = Vec::new();
     let mut all_at_s = Vec::new();
-    let mut all: Option<(MappedBodies, PathBuf)> = None;
+    let mut joined_bodies: Option<(MappedBodies, PathBuf)> = None;
     let mut end_s = 0.0;
-    for PlacedLog { log: JoinedLog { file, commands, own_file, mut bodies }, at_s } in placed {
+    for PlacedLog { log: JoinedLog { file, commands, tracking_file, mut bodies }, at_s } in placed {
         let mut shift_s = 0.0;
         if several {
             let begin_s = at_s[0].min(bodies.time_s.first().copied().unwrap_or(at_s[0]));
@@ -132,16 +136,16 @@ fn one_after_another(
         end_s = last_s + max_gap_s + 1.0;
         recordings.push(commands.recording);
         files.push(file);
-        match &mut all {
-            None => all = Some((bodies, own_file)),
-            Some((all, _)) => append(all, bodies),
+        match &mut joined_bodies {
+            None => joined_bodies = Some((bodies, tracking_file)),
+            Some((joined_bodies, _)) => append(joined_bodies, bodies),
         }
     }
-    let Some((bodies, own_file)) = all else {
+    let Some((bodies, tracking_file)) = joined_bodies else {
         return Err(fault(Path::new(""), "no logs".to_owned(), "at least one"));
     };
-    let commands = whole(&files, &recordings, names)?;
-    Ok((Log { file: files.swap_remove(0), commands, at_s: all_at_s }, bodies, own_file))
+    let commands = joined_commands(&files, &recordings, names)?;
+    Ok((Log { file: files.swap_remove(0), commands, at_s: all_at_s }, bodies, tracking_file))
 }
 
 /// Appends the poses of the same bodies at later times.
@@ -154,7 +158,7 @@ fn append(all: &mut MappedBodies, later: MappedBodies) {
 }
 
 /// The recordings as one, with the names of the trials where they have names.
-fn whole(files: &[PathBuf], parts: &[Recording], names: Option<&[String]>) -> Result<Recording, DataError> {
+fn joined_commands(files: &[PathBuf], parts: &[Recording], names: Option<&[String]>) -> Result<Recording, DataError> {
     let extra = parts.first().map(|part| part.extra.clone()).unwrap_or_default();
     let mut joined = Recording::joined(parts).map_err(|error| {
         let text = error.to_string();
@@ -196,12 +200,14 @@ fn check_one_clock(file: &Path, recording: &Recording, stamps_ns: &[i64]) -> Res
 
 /// Refuses dates of one clock of which only one has a zone.
 fn check_zones(
-    (file, is_zoned): (&Path, Option<bool>),
-    (own_file, own): (&Path, Option<bool>),
+    file: &Path,
+    is_zoned: Option<bool>,
+    tracking_file: &Path,
+    tracking_is_zoned: Option<bool>,
 ) -> Result<(), DataError> {
-    let lacking = match (is_zoned, own) {
+    let lacking = match (is_zoned, tracking_is_zoned) {
         (Some(false), Some(true)) => file,
-        (Some(true), Some(false)) => own_file,
+        (Some(true), Some(false)) => tracking_file,
         _ => return Ok(()),
     };
     let found = "dates without a zone, and with one in the other times".to_owned();
@@ -219,14 +225,14 @@ fn command_rows(recording: &Recording) -> Vec<Vec<f64>> {
 /// Times on the tracker's clock and tips relative to the base, where both were tracked.
 fn tips_from_base(bodies: &MappedBodies) -> Vec<(f64, Point3)> {
     /// The base may be tracked in other frames than the tip.
-    const NEAR_S: f64 = 1.0;
+    const MAX_BASE_GAP_S: f64 = 1.0;
     let tips = bodies.time_s.iter().zip(&bodies.tip.poses);
-    let seen = tips.filter_map(|(&time_s, pose)| {
+    let tracked = tips.filter_map(|(&time_s, pose)| {
         let tip = (*pose)?;
-        let base = resample::at(&bodies.time_s, &bodies.base.poses, time_s, NEAR_S)?;
+        let base = resample::pose_at(&bodies.time_s, &bodies.base.poses, time_s, MAX_BASE_GAP_S)?;
         let away_m = nalgebra::Vector3::from(tip.position_m) - base.translation.vector;
-        let turned = if bodies.base.has_orientation { base.rotation.inverse() * away_m } else { away_m };
-        Some((time_s, turned.into()))
+        let along_base_m = if bodies.base.has_orientation { base.rotation.inverse() * away_m } else { away_m };
+        Some((time_s, along_base_m.into()))
     });
-    seen.collect()
+    tracked.collect()
 }

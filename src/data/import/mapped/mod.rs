@@ -36,7 +36,7 @@ pub use units::{AngleUnit, CommandUnit, LengthUnit, MassUnit, TimeUnit};
 use super::Imported;
 use crate::data::{DataError, Recording};
 use commands::TimedCommands;
-use join::{JoinedLog, alone, join};
+use join::{JoinedLog, join, without_tracking};
 use tracking::MappedBodies;
 use trial_files::FoundTrials;
 
@@ -69,42 +69,53 @@ pub struct TrialClock {
 pub fn import_text(files: &[PathBuf], map: &ImportMap) -> Result<MappedImport, DataError> {
     let Some(names) = &map.trial_files else {
         let file = &files[map.commands.file - 1];
-        let own_file = map.tracking.as_ref().map(|tracking| {
+        let tracking_file = map.tracking.as_ref().map(|tracking| {
             let source = SourceKind::Text { files: files.len(), from_folder: false };
             files[tracking.file_of(source) - 1].as_path()
         });
-        let (commands, bodies) = read_log(file, own_file, map)?;
-        return joined(vec![(file.clone(), own_file.map(Path::to_owned), commands, bodies)], map, None);
+        let (commands, bodies) = read_log(file, tracking_file, map)?;
+        let tracking_file = tracking_file.map(Path::to_owned);
+        return joined(vec![ReadLog { file: file.clone(), tracking_file, commands, bodies }], map, None);
     };
-    let found = FoundTrials::among(files, names)?;
+    let found_trials = FoundTrials::among(files, names)?;
     let mut logs = Vec::new();
-    for trial in &found.trials {
-        let own_file = trial.tracking.as_ref().unwrap_or(&trial.commands);
-        let (mut commands, bodies) = read_log(&trial.commands, map.tracking.is_some().then_some(own_file), map)?;
+    for trial in &found_trials.trials {
+        let tracking_file = trial.tracking.as_ref().unwrap_or(&trial.commands);
+        let (mut commands, bodies) = read_log(&trial.commands, map.tracking.is_some().then_some(tracking_file), map)?;
         commands.recording.trial.fill(trial.number);
-        logs.push((trial.commands.clone(), Some(own_file.clone()), commands, bodies));
+        let (file, tracking_file) = (trial.commands.clone(), Some(tracking_file.clone()));
+        logs.push(ReadLog { file, tracking_file, commands, bodies });
     }
-    let names: Vec<String> = found.trials.iter().map(|trial| trial.name.clone()).collect();
-    let imported = joined(logs, map, found.named.then_some(&names))?;
-    Ok(MappedImport { passed_over: found.passed_over, ..imported })
+    let names: Vec<String> = found_trials.trials.iter().map(|trial| trial.name.clone()).collect();
+    let imported = joined(logs, map, found_trials.named.then_some(&names))?;
+    Ok(MappedImport { passed_over: found_trials.passed_over, ..imported })
 }
 
 /// Files of a log, commands and bodies in them.
-type ReadLog = (PathBuf, Option<PathBuf>, TimedCommands, Option<MappedBodies>);
+struct ReadLog {
+    file: PathBuf,
+    tracking_file: Option<PathBuf>,
+    commands: TimedCommands,
+    bodies: Option<MappedBodies>,
+}
 
 /// Reads the commands of a file and the bodies of another, or of the same.
 fn read_log(
     file: &Path,
-    own_file: Option<&Path>,
+    tracking_file: Option<&Path>,
     map: &ImportMap,
 ) -> Result<(TimedCommands, Option<MappedBodies>), DataError> {
     let format = map.commands.text.as_ref().unwrap_or(&map.text);
     let table = delimited::read(file, format)?;
     let commands = commands::read(&table, &map.commands)?;
-    let Some((tracking, own_file)) = map.tracking.as_ref().zip(own_file) else { return Ok((commands, None)) };
-    let own_format = tracking.text.as_ref().unwrap_or(&map.text);
-    let own = if own_file == file && own_format == format { table } else { delimited::read(own_file, own_format)? };
-    let bodies = tracking::read(tracking, &|_| Ok(own.clone()))?;
+    let Some((tracking, tracking_file)) = map.tracking.as_ref().zip(tracking_file) else { return Ok((commands, None)) };
+    let tracking_format = tracking.text.as_ref().unwrap_or(&map.text);
+    let tracking_table = if tracking_file == file && tracking_format == format {
+        table
+    } else {
+        delimited::read(tracking_file, tracking_format)?
+    };
+    let bodies = tracking::read(tracking, &|_| Ok(tracking_table.clone()))?;
     Ok((commands, Some(bodies)))
 }
 
@@ -112,11 +123,11 @@ fn read_log(
 fn joined(logs: Vec<ReadLog>, map: &ImportMap, names: Option<&Vec<String>>) -> Result<MappedImport, DataError> {
     let names = names.map(Vec::as_slice);
     let Some(tracking) = &map.tracking else {
-        return alone(logs.into_iter().map(|(file, _, commands, _)| (file, commands)).collect(), names);
+        return without_tracking(logs.into_iter().map(|log| (log.file, log.commands)).collect(), names);
     };
-    let log = |(file, own_file, commands, bodies): ReadLog| {
-        let own_file = own_file.unwrap_or_else(|| file.clone());
-        bodies.map(|bodies| JoinedLog { file, commands, own_file, bodies })
+    let log = |ReadLog { file, tracking_file, commands, bodies }: ReadLog| {
+        let tracking_file = tracking_file.unwrap_or_else(|| file.clone());
+        bodies.map(|bodies| JoinedLog { file, commands, tracking_file, bodies })
     };
     join(logs.into_iter().filter_map(log).collect(), tracking, tracking.time.is_none(), names)
 }

@@ -37,19 +37,20 @@ impl StepResponse {
     /// The free motion after `time_s`: cosine- and sine-like parts, both with their decay.
     pub(super) fn after(self, time_s: f64) -> Propagated {
         let (rate, decay) = (1.0 / self.time_s, self.damping / self.time_s);
-        let split = self.damping * self.damping - 1.0;
-        let (cosine, sine) = if split.abs() < 1e-9 {
+        // The poles are (−ζ ± √(ζ² − 1))/T: equal, complex or real.
+        let discriminant = self.damping * self.damping - 1.0;
+        let (cosine, sine) = if discriminant.abs() < 1e-9 {
             let envelope = (-decay * time_s).exp();
             (envelope, envelope * time_s)
-        } else if split < 0.0 {
-            let turn = rate * (-split).sqrt();
-            let (sine, cosine) = (turn * time_s).sin_cos();
+        } else if discriminant < 0.0 {
+            let frequency = rate * (-discriminant).sqrt();
+            let (sine, cosine) = (frequency * time_s).sin_cos();
             let envelope = (-decay * time_s).exp();
-            (envelope * cosine, envelope * sine / turn)
+            (envelope * cosine, envelope * sine / frequency)
         } else {
-            let apart = rate * split.sqrt();
-            let [slow, fast] = [apart - decay, -apart - decay].map(|pole| (pole * time_s).exp());
-            (0.5 * (slow + fast), 0.5 * (slow - fast) / apart)
+            let split_rate = rate * discriminant.sqrt();
+            let [slow, fast] = [split_rate - decay, -split_rate - decay].map(|pole| (pole * time_s).exp());
+            (0.5 * (slow + fast), 0.5 * (slow - fast) / split_rate)
         };
         Propagated { deviation: [cosine + decay * sine, sine], rate: [-rate * rate * sine, cosine - decay * sine] }
     }
@@ -67,8 +68,8 @@ mod tests {
             let (mut deviation, mut rate) = (1.0, 4.0);
             let step_s = 1e-5;
             for _ in 0..20_000 {
-                let push = -deviation / 0.01 - 2.0 * damping * rate / 0.1;
-                rate += step_s * push;
+                let acceleration = -deviation / 0.01 - 2.0 * damping * rate / 0.1;
+                rate += step_s * acceleration;
                 deviation += step_s * rate;
             }
             let after = response.after(0.2);

@@ -21,11 +21,13 @@ pub(super) const MIN_FRAMES: usize = 50;
 /// Share of the commands that the tracking must cover.
 const MIN_COVERED_SHARE: f64 = 0.5;
 /// Resolution of the estimate, seconds.
-pub(super) const FINEST_S: f64 = 1e-5;
-/// Newton steps at most, their dampings in turn, and the step of differences in offsets and logarithms.
-const MAX_POLISHES: usize = 15;
+pub(super) const RESOLUTION_S: f64 = 1e-5;
+/// Most Newton steps.
+const MAX_NEWTON_STEPS: usize = 15;
+/// Dampings of a Newton step that are tried in turn, as shares of the diagonal.
 const DAMPINGS: [f64; 6] = [0.0, 1e-3, 1e-2, 0.1, 1.0, 10.0];
-const DIFFERENCE: f64 = 0.02;
+/// Step of differences, in mean delays for the offset and in logarithms for the response.
+const DIFFERENCE_STEP: f64 = 0.02;
 
 /// Deviations and rates of every row and component.
 pub(super) type States = [Vec<[f64; 2]>];
@@ -55,8 +57,8 @@ impl TipMotion<'_> {
         for row in 1..rows.len() {
             let after = response.after(time_s[row] - time_s[row - 1]);
             let follow = |(k, [deviation, rate]): (usize, &[f64; 2])| {
-                let of = |[a, b]: [f64; 2]| a * deviation + b * rate;
-                [of(after.deviation) + rows[row - 1][k] - rows[row][k], of(after.rate)]
+                let propagated = |[a, b]: [f64; 2]| a * deviation + b * rate;
+                [propagated(after.deviation) + rows[row - 1][k] - rows[row][k], propagated(after.rate)]
             };
             states.push(states[row - 1].iter().enumerate().map(follow).collect());
         }
@@ -67,7 +69,8 @@ impl TipMotion<'_> {
     pub(super) fn blocks(
         &self,
         offset_s: f64,
-        (response, states): (StepResponse, &States),
+        response: StepResponse,
+        states: &States,
         blocks: usize,
     ) -> Option<Vec<FitSums>> {
         let CommandSteps { time_s, rows } = self.commands;
@@ -77,7 +80,7 @@ impl TipMotion<'_> {
         // Centred features keep the sums of squares exact.
         let centre = &rows[0];
         let first_tip = self.frames[0].1;
-        let mut numbers = vec![1.0; width];
+        let mut features_and_tip = vec![1.0; width];
         let mut row = 0;
         let mut covered = 0;
         for &(frame_s, tip) in &self.frames {
@@ -89,25 +92,26 @@ impl TipMotion<'_> {
                 row += 1;
             }
             let [of_deviation, of_rate] = response.after(now_s - time_s[row]).deviation;
-            let (features, tip_from_first) = numbers[1..].split_at_mut(width - 1 - AXES);
+            let (features, tip_from_first) = features_and_tip[1..].split_at_mut(width - 1 - AXES);
             for (k, feature) in features.iter_mut().enumerate() {
                 let [deviation, rate] = states[row][k];
                 *feature = rows[row][k] + of_deviation * deviation + of_rate * rate - centre[k];
             }
             tip_from_first.iter_mut().enumerate().for_each(|(axis, value)| *value = tip[axis] - first_tip[axis]);
-            sums[row * blocks / rows.len()].add(&numbers);
+            sums[row * blocks / rows.len()].add(&features_and_tip);
             covered += 1;
         }
         let span_s = self.frames[self.frames.len() - 1].0 - self.frames[0].0;
-        let wanted = (end_s - time_s[0]).min(span_s) / span_s.max(f64::MIN_POSITIVE) * self.frames.len() as f64;
-        (covered as f64 >= MIN_COVERED_SHARE * wanted && covered >= MIN_FRAMES.min(self.frames.len())).then_some(sums)
+        let expected_frames =
+            (end_s - time_s[0]).min(span_s) / span_s.max(f64::MIN_POSITIVE) * self.frames.len() as f64;
+        (covered as f64 >= MIN_COVERED_SHARE * expected_frames && covered >= MIN_FRAMES.min(self.frames.len()))
+            .then_some(sums)
     }
 
     /// Share of the squares that stays unexplained at an offset and a response, without one block.
     fn unexplained(&self, offset_s: f64, response: StepResponse, without: Option<usize>) -> f64 {
-        let with_states = (response, &self.states(response)[..]);
         let count = if without.is_some() { BLOCKS } else { 1 };
-        let Some(blocks) = self.blocks(offset_s, with_states, count) else { return 1.0 };
+        let Some(blocks) = self.blocks(offset_s, response, &self.states(response), count) else { return 1.0 };
         let kept = blocks.iter().enumerate().filter(|(block, _)| Some(*block) != without).map(|(_, sums)| sums);
         let all = kept.fold(FitSums::new(blocks[0].width), |mut all, sums| {
             all.merge(sums);
@@ -131,6 +135,7 @@ impl TipMotion<'_> {
             response,
             unexplained: self.unexplained(offset_s, response, without),
         };
+        // A pattern search: the best of the neighbours as long as one is better, else half of the step.
         let mut best = at(start.offset_s, start.response);
         let ([mut step_s, finest_s], mut factor) = (reach_s, 1.6_f64);
         while step_s > finest_s {
@@ -174,9 +179,9 @@ impl TipMotion<'_> {
             OffsetCandidate { offset_s, response, unexplained: self.unexplained(offset_s, response, without) }
         };
         let (mut place, mut best) = (Vector3::zeros(), at(&Vector3::zeros()));
-        for _ in 0..MAX_POLISHES {
+        for _ in 0..MAX_NEWTON_STEPS {
             let (gradient, curvature) = derivatives(&|p| at(p).unexplained, &place, best.unexplained);
-            let before = best.offset_s;
+            let previous_s = best.offset_s;
             let damped = |damping: &f64| {
                 let size = curvature.diagonal().map(|entry| damping * entry.abs().max(f64::MIN_POSITIVE));
                 let step = (curvature + Matrix3::from_diagonal(&size)).cholesky()?.solve(&gradient);
@@ -185,7 +190,7 @@ impl TipMotion<'_> {
             };
             let Some((next, improved)) = DAMPINGS.iter().find_map(damped) else { break };
             (place, best) = (next, improved);
-            if (best.offset_s - before).abs() < FINEST_S {
+            if (best.offset_s - previous_s).abs() < RESOLUTION_S {
                 break;
             }
         }
@@ -199,18 +204,22 @@ impl TipMotion<'_> {
     }
 }
 
-/// Gradient and matrix of second derivatives of `of`, which is `here` at `place`.
-fn derivatives(of: &dyn Fn(&Vector3<f64>) -> f64, place: &Vector3<f64>, here: f64) -> (Vector3<f64>, Matrix3<f64>) {
-    let step = |axis: usize, size: f64| Vector3::ith(axis, size * DIFFERENCE);
-    let ends: [[f64; 2]; 3] = std::array::from_fn(|axis| [1.0, -1.0].map(|size| of(&(place + step(axis, size)))));
-    let gradient = Vector3::from_fn(|axis, _| (ends[axis][0] - ends[axis][1]) / (2.0 * DIFFERENCE));
+/// Gradient and matrix of second derivatives of `function`, which is `value` at `place`, by central differences.
+fn derivatives(
+    function: &dyn Fn(&Vector3<f64>) -> f64,
+    place: &Vector3<f64>,
+    value: f64,
+) -> (Vector3<f64>, Matrix3<f64>) {
+    let step = |axis: usize, size: f64| Vector3::ith(axis, size * DIFFERENCE_STEP);
+    let ends: [[f64; 2]; 3] = std::array::from_fn(|axis| [1.0, -1.0].map(|size| function(&(place + step(axis, size)))));
+    let gradient = Vector3::from_fn(|axis, _| (ends[axis][0] - ends[axis][1]) / (2.0 * DIFFERENCE_STEP));
     let mut curvature = Matrix3::zeros();
     for a in 0..3 {
-        curvature[(a, a)] = (ends[a][0] + ends[a][1] - 2.0 * here) / (DIFFERENCE * DIFFERENCE);
+        curvature[(a, a)] = (ends[a][0] + ends[a][1] - 2.0 * value) / (DIFFERENCE_STEP * DIFFERENCE_STEP);
         for b in 0..a {
-            let both = [1.0, -1.0].map(|size| of(&(place + step(a, size) + step(b, size))));
+            let both = [1.0, -1.0].map(|size| function(&(place + step(a, size) + step(b, size))));
             let single: f64 = ends[a].iter().chain(&ends[b]).sum();
-            let mixed = (both[0] + both[1] + 2.0 * here - single) / (2.0 * DIFFERENCE * DIFFERENCE);
+            let mixed = (both[0] + both[1] + 2.0 * value - single) / (2.0 * DIFFERENCE_STEP * DIFFERENCE_STEP);
             (curvature[(a, b)], curvature[(b, a)]) = (mixed, mixed);
         }
     }

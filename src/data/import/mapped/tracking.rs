@@ -76,12 +76,12 @@ pub(crate) fn read(
 /// Columns of a body.
 struct PoseColumns {
     position: [usize; 3],
-    orientation: Option<TurnColumns>,
+    orientation: Option<OrientationColumns>,
     valid: Option<usize>,
 }
 
 /// Columns of an orientation.
-enum TurnColumns {
+enum OrientationColumns {
     /// w, x, y, z.
     Quaternion([usize; 4]),
     /// Angles, and what they mean.
@@ -89,29 +89,30 @@ enum TurnColumns {
 }
 
 fn columns(table: &LogTable, map: &TrackingMap, body: &BodyMap, path: &str) -> Result<PoseColumns, DataError> {
-    let (own_position, own_orientation) = table.own_pose();
+    let (message_position, message_orientation) = table.own_pose();
     let find = |names: &[ColumnName], key: &str| -> Result<Vec<usize>, DataError> {
         names.iter().map(|name| table.column(name, &format!("{path}.{key}"))).collect()
     };
-    let position = body.position.clone().or(own_position).unwrap_or_else(|| {
+    let position = body.position.clone().or(message_position).unwrap_or_else(|| {
         // Refused below as a column that is not there.
         ["x", "y", "z"].map(|name| ColumnName::Name(name.to_owned()))
     });
     let position = find(&position, "position")?;
-    let given = body.orientation.clone().map(|[a, b, c, d]| match map.quaternion {
+    let named_orientation = body.orientation.clone().map(|[a, b, c, d]| match map.quaternion {
         QuaternionOrder::Wxyz => [a, b, c, d],
         QuaternionOrder::Xyzw => [d, a, b, c],
     });
     // Without its own position a body is that of the message.
-    let own = own_orientation.filter(|_| body.position.is_none());
+    let default_orientation = message_orientation.filter(|_| body.position.is_none());
     let orientation = match (&body.angles, map.euler) {
         (Some(names), Some(euler)) => {
-            let found = find(names, "angles")?;
-            Some(TurnColumns::Angles([found[0], found[1], found[2]], euler))
+            let indices = find(names, "angles")?;
+            Some(OrientationColumns::Angles([indices[0], indices[1], indices[2]], euler))
         }
         _ => {
-            let found = given.or(own).map(|names| find(&names, "orientation")).transpose()?;
-            found.map(|found| TurnColumns::Quaternion([found[0], found[1], found[2], found[3]]))
+            let indices =
+                named_orientation.or(default_orientation).map(|names| find(&names, "orientation")).transpose()?;
+            indices.map(|indices| OrientationColumns::Quaternion([indices[0], indices[1], indices[2], indices[3]]))
         }
     };
     let valid = map.valid.as_ref().map(|name| table.column(name, "tracking.valid")).transpose()?;
@@ -132,10 +133,10 @@ fn track(table: &LogTable, map: &TrackingMap, body: &BodyMap, path: &str) -> Res
     for row in rows {
         let pose = pose(table, map, &columns, row)?;
         match (poses.last_mut(), time) {
-            (Some((before, _)), Some(time)) if *before > stamps_ns[row] => {
+            (Some((last_ns, _)), Some(time)) if *last_ns > stamps_ns[row] => {
                 return Err(table.wrong(time, row, "no earlier time than in the row before"));
             }
-            (Some((before, seen)), Some(_)) if *before == stamps_ns[row] => *seen = seen.or(pose),
+            (Some((last_ns, last_pose)), Some(_)) if *last_ns == stamps_ns[row] => *last_pose = last_pose.or(pose),
             _ => poses.push((stamps_ns[row], pose)),
         }
     }
@@ -153,19 +154,21 @@ fn pose(table: &LogTable, map: &TrackingMap, columns: &PoseColumns, row: usize) 
     if map.lost_value.is_some_and(|lost| position.iter().all(|x| *x == lost)) {
         return Ok(None);
     }
-    let turn = match &columns.orientation {
+    let quaternion = match &columns.orientation {
         None => Some([1.0, 0.0, 0.0, 0.0]),
-        Some(columns) => turn(table, columns, row)?,
+        Some(columns) => orientation(table, columns, row)?,
     };
     let metres = map.unit.metres();
-    Ok(turn.map(|quaternion| Pose { position_m: position.map(|x| x * metres), quaternion }))
+    Ok(quaternion.map(|quaternion| Pose { position_m: position.map(|x| x * metres), quaternion }))
 }
 
 /// The quaternion w, x, y, z in a row; none where tracking was lost.
-fn turn(table: &LogTable, columns: &TurnColumns, row: usize) -> Result<Option<[f64; 4]>, DataError> {
+fn orientation(table: &LogTable, columns: &OrientationColumns, row: usize) -> Result<Option<[f64; 4]>, DataError> {
     match columns {
-        TurnColumns::Angles(columns, euler) => Ok(numbers(table, columns, row)?.map(|angles| euler.quaternion(angles))),
-        TurnColumns::Quaternion(columns) => {
+        OrientationColumns::Angles(columns, euler) => {
+            Ok(numbers(table, columns, row)?.map(|angles| euler.quaternion(angles)))
+        }
+        OrientationColumns::Quaternion(columns) => {
             let quaternion = numbers(table, columns, row)?.filter(|parts| parts.iter().any(|part| *part != 0.0));
             let Some(quaternion) = quaternion else { return Ok(None) };
             unit_length(&quaternion).map_err(|length| {

@@ -137,13 +137,13 @@ impl FilePattern {
 fn fits(parts: &[PatternPart], name: &[char], trial: &mut Option<String>) -> bool {
     let Some((part, rest)) = parts.split_first() else { return name.is_empty() };
     match part {
-        PatternPart::Character(wanted) => name.first() == Some(wanted) && fits(rest, &name[1..], trial),
+        PatternPart::Character(character) => name.first() == Some(character) && fits(rest, &name[1..], trial),
         PatternPart::One => !name.is_empty() && fits(rest, &name[1..], trial),
-        PatternPart::Any => (0..=name.len()).any(|taken| fits(rest, &name[taken..], trial)),
-        PatternPart::Trial => (1..=name.len()).any(|taken| {
-            let fitting = fits(rest, &name[taken..], trial);
+        PatternPart::Any => (0..=name.len()).any(|length| fits(rest, &name[length..], trial)),
+        PatternPart::Trial => (1..=name.len()).any(|length| {
+            let fitting = fits(rest, &name[length..], trial);
             if fitting {
-                *trial = Some(name[..taken].iter().collect());
+                *trial = Some(name[..length].iter().collect());
             }
             fitting
         }),

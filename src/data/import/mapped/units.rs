@@ -100,9 +100,9 @@ impl TimeUnit {
         }
         let scale = 10i128.pow(decimals as u32);
         let whole = if whole.is_empty() { 0 } else { whole.parse::<i128>().ok()?.checked_mul(scale)? };
-        let part = format!("0.{fraction}").parse::<f64>().ok()? * scale as f64;
-        let size = i64::try_from(whole + part.round() as i128).ok()?;
-        Some(if negative { -size } else { size })
+        let fraction_ns = format!("0.{fraction}").parse::<f64>().ok()? * scale as f64;
+        let magnitude = i64::try_from(whole + fraction_ns.round() as i128).ok()?;
+        Some(if negative { -magnitude } else { magnitude })
     }
 }
 

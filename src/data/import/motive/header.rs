@@ -120,11 +120,11 @@ fn bodies(path: &Path, header_rows: &HeaderRows, rotation: Rotation) -> Result<V
 fn markers(header_rows: &HeaderRows, rotation: Rotation) -> Vec<BodyColumns> {
     let places = |((name, _), columns): &((&str, &str), Vec<usize>)| {
         let all = |quantity: &str, parts: &[&str]| -> Option<Vec<usize>> {
-            let one = |part: &&str| match matching(header_rows, columns, (quantity, part))[..] {
+            let only_column = |part: &&str| match matching(header_rows, columns, (quantity, part))[..] {
                 [index] => Some(index),
                 _ => None,
             };
-            parts.iter().map(one).collect()
+            parts.iter().map(only_column).collect()
         };
         let position = all("Position", &["X", "Y", "Z"])?;
         let rotation = all("Rotation", rotation.parts()).unwrap_or_default();
@@ -139,8 +139,8 @@ fn of_kind<'a>(header_rows: &HeaderRows<'a>, kind: &str) -> Vec<((&'a str, &'a s
     let fits = |index: &usize| header_rows.kinds.cell(*index).eq_ignore_ascii_case(kind);
     for index in (0..header_rows.kinds.cells.len()).filter(fits) {
         let key = (header_rows.names.cell(index), header_rows.ids.map_or("", |ids| ids.cell(index)));
-        match columns.iter_mut().find(|(known, _)| *known == key) {
-            Some((_, known)) => known.push(index),
+        match columns.iter_mut().find(|(other, _)| *other == key) {
+            Some((_, indices)) => indices.push(index),
             None => columns.push((key, vec![index])),
         }
     }
@@ -164,15 +164,15 @@ fn place(
     columns: &[usize],
     (quantity, part): (&str, &str),
 ) -> Result<usize, DataError> {
-    let found = matching(header_rows, columns, (quantity, part));
-    if let [index] = found[..] {
+    let indices = matching(header_rows, columns, (quantity, part));
+    if let [index] = indices[..] {
         return Ok(index);
     }
     Err(DataError::Cell {
         file: path.to_owned(),
         place: format!("line {}", header_rows.parts.number),
         column: format!("{name} {quantity} {part}"),
-        found: if found.is_empty() { "no such column".to_owned() } else { format!("{} such columns", found.len()) },
+        found: if indices.is_empty() { "no such column".to_owned() } else { format!("{} such columns", indices.len()) },
         expected: "one for every rigid body".to_owned(),
     })
 }

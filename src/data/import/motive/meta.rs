@@ -39,7 +39,7 @@ pub(crate) struct Meta {
 const UNITS: [(&str, f64); 5] =
     [("meters", 1.0), ("centimeters", 1e-2), ("millimeters", 1e-3), ("inches", 0.0254), ("feet", 0.3048)];
 
-const FIRST: &str = "`Format Version,1.2…`: an export by Motive with its header";
+const EXPECTED_FIRST_LINE: &str = "`Format Version,1.2…`: an export by Motive with its header";
 
 /// Reads the first line.
 pub(crate) fn meta(path: &Path, line: &ExportLine) -> Result<Meta, DataError> {
@@ -49,7 +49,7 @@ pub(crate) fn meta(path: &Path, line: &ExportLine) -> Result<Meta, DataError> {
         return Err(line_error(path, line.number, found, "Motive's own file: commas between cells, points in numbers"));
     }
     if !first.eq_ignore_ascii_case("Format Version") {
-        return Err(line_error(path, line.number, shown(&clipped(first)), FIRST));
+        return Err(line_error(path, line.number, shown(&clipped(first)), EXPECTED_FIRST_LINE));
     }
     let version = line.cell(1);
     // Later minor versions have so far only added keys and rows, which are found by name.
@@ -68,7 +68,7 @@ pub(crate) fn meta(path: &Path, line: &ExportLine) -> Result<Meta, DataError> {
 fn unit(path: &Path, line: &ExportLine) -> Result<f64, DataError> {
     const KEY: &str = "Length Units";
     let name = value(line, KEY).unwrap_or_default();
-    let unit = UNITS.iter().find(|(known, _)| name.eq_ignore_ascii_case(known));
+    let unit = UNITS.iter().find(|(unit_name, _)| name.eq_ignore_ascii_case(unit_name));
     let expected = || "`Meters`, `Centimeters`, `Millimeters`, `Inches` or `Feet`".to_owned();
     unit.map(|(_, unit_m)| *unit_m).ok_or_else(|| bad_value(path, KEY, name, expected()))
 }
@@ -95,6 +95,10 @@ fn bad_value(path: &Path, key: &str, found: &str, expected: String) -> DataError
 
 /// A text shortened for messages.
 fn clipped(text: &str) -> String {
-    const LONGEST: usize = 40;
-    if text.chars().count() <= LONGEST { text.to_owned() } else { text.chars().take(LONGEST).chain(['…']).collect() }
+    const MAX_CHARACTERS: usize = 40;
+    if text.chars().count() <= MAX_CHARACTERS {
+        text.to_owned()
+    } else {
+        text.chars().take(MAX_CHARACTERS).chain(['…']).collect()
+    }
 }

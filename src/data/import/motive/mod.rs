@@ -67,9 +67,9 @@ impl Export {
     /// # Errors
     /// [`DataError::Line`] lists all of them when none or several have it.
     pub fn body(&self, name: &str) -> Result<&Body, DataError> {
-        let is_it = |body: &Body| body.name == name;
-        let kind = if self.bodies.iter().any(is_it) { &self.bodies } else { &self.markers };
-        only(kind, &is_it).ok_or_else(|| self.unclear(format!("one called `{name}`")))
+        let has_name = |body: &Body| body.name == name;
+        let kind = if self.bodies.iter().any(has_name) { &self.bodies } else { &self.markers };
+        only(kind, &has_name).ok_or_else(|| self.unclear(format!("one called `{name}`")))
     }
 
     /// The rigid body called `word`, or else the only one whose name begins so, ignoring case; or else such a marker.
@@ -94,16 +94,16 @@ impl Export {
             let names: Vec<String> = names.chain(more).collect();
             (!names.is_empty()).then(|| format!("the {what} {}", names.join(", ")))
         };
-        let both = [listed(&self.bodies, "rigid bodies"), listed(&self.markers, "markers")];
-        let found = both.into_iter().flatten().collect::<Vec<String>>().join(" and ");
+        let lists = [listed(&self.bodies, "rigid bodies"), listed(&self.markers, "markers")];
+        let found = lists.into_iter().flatten().collect::<Vec<String>>().join(" and ");
         line_error(&self.file, self.names_line, found, expected)
     }
 }
 
 /// The only one that `fits`.
 fn only<'a>(bodies: &'a [Body], fits: &dyn Fn(&Body) -> bool) -> Option<&'a Body> {
-    let found: Vec<&Body> = bodies.iter().filter(|body| fits(body)).collect();
-    if let [body] = found[..] { Some(body) } else { None }
+    let fitting: Vec<&Body> = bodies.iter().filter(|body| fits(body)).collect();
+    if let [body] = fitting[..] { Some(body) } else { None }
 }
 
 /// Most names of one kind in a message.

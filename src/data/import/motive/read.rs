@@ -16,7 +16,7 @@ use crate::data::{DataError, csv};
 /// Reads a whole export.
 pub(crate) fn export(path: &Path, bytes: &[u8]) -> Result<Export, DataError> {
     let text = csv::decode(path, bytes)?;
-    let whole = text.ends_with(['\n', '\r']);
+    let ends_with_line_end = text.ends_with(['\n', '\r']);
     let text = text.trim_end_matches(['\n', '\r']);
     let mut lines = text.lines().enumerate().map(|(index, line)| split(path, index + 1, line));
     let Some(first) = lines.next() else {
@@ -26,14 +26,14 @@ pub(crate) fn export(path: &Path, bytes: &[u8]) -> Result<Export, DataError> {
     let meta = meta::meta(path, &first?)?;
     let layout = layout(path, &mut lines, &meta)?;
     let mut frames = Frames { path, meta, layout, time_s: Vec::new(), poses: Vec::new() };
-    let mut short = None;
+    let mut short_line = None;
     for line in lines {
         let line = line?;
-        short = (line.cells.len() < frames.layout.width).then_some((line.number, line.cells.len()));
+        short_line = (line.cells.len() < frames.layout.width).then_some((line.number, line.cells.len()));
         frames.push(&line)?;
     }
     // Spreadsheets drop trailing empty cells; a last line without a line end was cut off.
-    if let Some((number, cells)) = short.filter(|_| !whole) {
+    if let Some((number, cells)) = short_line.filter(|_| !ends_with_line_end) {
         let expected = format!("{} as in the header: the file was cut off", frames.layout.width);
         return Err(line_error(path, number, format!("{cells} cells"), expected));
     }
@@ -60,23 +60,23 @@ fn layout<'a>(
     lines: &mut impl Iterator<Item = Result<ExportLine<'a>, DataError>>,
     meta: &Meta,
 ) -> Result<ExportLayout, DataError> {
-    const LAST: &str = "the row `Frame,Time (Seconds),X,Y,Z,…` before the frames";
+    const EXPECTED_LAST_ROW: &str = "the row `Frame,Time (Seconds),X,Y,Z,…` before the frames";
     let mut rows: Vec<ExportLine> = Vec::new();
-    let mut last = 1;
+    let mut last_line = 1;
     for line in lines {
         let line = line?;
-        last = line.number;
+        last_line = line.number;
         if header::is_last(&line) {
             return header::layout(path, &rows, &line, meta.rotation);
         }
         if line.cell(0).parse::<f64>().is_ok() {
-            return Err(line_error(path, line.number, "a row of numbers", LAST));
+            return Err(line_error(path, line.number, "a row of numbers", EXPECTED_LAST_ROW));
         }
         if line.filled() > 0 {
             rows.push(line);
         }
     }
-    Err(line_error(path, last, "the end of the file", LAST))
+    Err(line_error(path, last_line, "the end of the file", EXPECTED_LAST_ROW))
 }
 
 /// The frames read so far.
@@ -98,8 +98,8 @@ impl Frames<'_> {
         }
         let time_s = self.time(line)?;
         self.time_s.push(time_s);
-        for places in self.layout.bodies.iter().chain(&self.layout.markers) {
-            self.poses.push(self.pose(line, places)?);
+        for columns in self.layout.bodies.iter().chain(&self.layout.markers) {
+            self.poses.push(self.pose(line, columns)?);
         }
         Ok(())
     }
@@ -119,33 +119,33 @@ impl Frames<'_> {
 
     /// The pose of a body in a frame, unturned for a marker without orientation. Motive leaves the cells of an untracked
     /// body empty or sets all of them to 0.
-    fn pose(&self, line: &ExportLine, places: &BodyColumns) -> Result<Option<Pose>, DataError> {
+    fn pose(&self, line: &ExportLine, columns: &BodyColumns) -> Result<Option<Pose>, DataError> {
         let mut position_m = [0.0; 3];
-        let mut turn = [0.0; 4];
+        let mut rotation = [0.0; 4];
         let mut tracked = true;
-        let position = places.position.iter().zip(["Position X", "Position Y", "Position Z"]);
+        let position = columns.position.iter().zip(["Position X", "Position Y", "Position Z"]);
         for (value, (&index, what)) in position_m.iter_mut().zip(position) {
-            match self.number(line, places, index, what)? {
+            match self.number(line, columns, index, what)? {
                 Some(number) => *value = number * self.meta.unit_m,
                 None => tracked = false,
             }
         }
         let parts = self.meta.rotation.parts();
-        for (value, (&index, part)) in turn.iter_mut().zip(places.rotation.iter().zip(parts)) {
-            match self.number(line, places, index, &format!("Rotation {part}"))? {
+        for (value, (&index, part)) in rotation.iter_mut().zip(columns.rotation.iter().zip(parts)) {
+            match self.number(line, columns, index, &format!("Rotation {part}"))? {
                 Some(number) => *value = number,
                 None => tracked = false,
             }
         }
-        let is_point = places.rotation.is_empty();
-        let blank = position_m.iter().chain(&turn).all(|&value| value == 0.0);
-        if !tracked || blank && (is_point || parts.len() == turn.len()) {
+        let is_point = columns.rotation.is_empty();
+        let is_zero = position_m.iter().chain(&rotation).all(|&value| value == 0.0);
+        if !tracked || is_zero && (is_point || parts.len() == rotation.len()) {
             return Ok(None);
         }
         let quaternion = match self.meta.rotation {
             _ if is_point => [1.0, 0.0, 0.0, 0.0],
-            Rotation::Quaternion => self.unit(line, places, turn)?,
-            Rotation::Xyz => from_xyz([turn[0], turn[1], turn[2]]),
+            Rotation::Quaternion => self.unit(line, columns, rotation)?,
+            Rotation::Xyz => from_xyz([rotation[0], rotation[1], rotation[2]]),
         };
         Ok(Some(Pose { position_m, quaternion }))
     }
@@ -153,26 +153,26 @@ impl Frames<'_> {
     fn number(
         &self,
         line: &ExportLine,
-        places: &BodyColumns,
+        columns: &BodyColumns,
         index: usize,
         what: &str,
     ) -> Result<Option<f64>, DataError> {
         let cell = line.cell(index);
         number(cell).ok_or_else(|| {
-            let column = format!("{} {what}", places.name);
+            let column = format!("{} {what}", columns.name);
             self.bad(line, column, cell, "a number with a decimal point, or nothing".to_owned())
         })
     }
 
-    fn unit(&self, line: &ExportLine, places: &BodyColumns, turn: [f64; 4]) -> Result<[f64; 4], DataError> {
-        let length = unit_length(&turn).map_err(|length| {
+    fn unit(&self, line: &ExportLine, columns: &BodyColumns, rotation: [f64; 4]) -> Result<[f64; 4], DataError> {
+        let length = unit_length(&rotation).map_err(|length| {
             let expected = "a unit quaternion".to_owned();
-            let found = format!("{} of length {length:.4}", shown(line.cell(places.rotation[0])));
-            let column = format!("{} Rotation W", places.name);
+            let found = format!("{} of length {length:.4}", shown(line.cell(columns.rotation[0])));
+            let column = format!("{} Rotation W", columns.name);
             let place = format!("line {}", line.number);
             DataError::Cell { file: self.path.to_owned(), place, column, found, expected }
         })?;
-        Ok(turn.map(|part| part / length))
+        Ok(rotation.map(|part| part / length))
     }
 
     fn bad(&self, line: &ExportLine, column: String, cell: &str, expected: String) -> DataError {
@@ -188,9 +188,9 @@ impl Frames<'_> {
         let (rigid, count) = (self.layout.bodies.len(), self.layout.bodies.len() + self.layout.markers.len());
         let all = self.layout.bodies.into_iter().chain(self.layout.markers).enumerate();
         let mut bodies: Vec<Body> = all
-            .map(|(index, places)| {
+            .map(|(index, columns)| {
                 let poses = self.poses.iter().skip(index).step_by(count).copied().collect();
-                Body { name: places.name, has_orientation: !places.rotation.is_empty(), poses }
+                Body { name: columns.name, has_orientation: !columns.rotation.is_empty(), poses }
             })
             .collect();
         let markers = bodies.split_off(rigid);

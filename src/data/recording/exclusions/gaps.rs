@@ -6,35 +6,35 @@ use crate::data::Recording;
 use crate::math::summary::quantile;
 
 /// A step longer than this many median steps is a gap.
-const LONG: f64 = 2.5;
+const MIN_GAP_STEPS: f64 = 2.5;
 /// Steps within this share of the median are regular, and this share of all steps must be. A recording of other steps
 /// has pauses of its own.
-const SAME: f64 = 0.05;
-const REGULAR: f64 = 0.95;
+const REGULAR_TOLERANCE: f64 = 0.05;
+const MIN_REGULAR_SHARE: f64 = 0.95;
 /// Time after which unknown commands have no influence, seconds.
-const FORGOTTEN_S: f64 = 1.0;
+const MEMORY_S: f64 = 1.0;
 
 /// Rows after gaps.
 pub(super) fn find(measured: &Recording) -> Vec<Exclusion> {
     let trials = measured.trials();
     let step_s = |row: usize| measured.time_s[row] - measured.time_s[row - 1];
     let steps_s: Vec<f64> = trials.iter().flat_map(|(_, rows)| (rows.start + 1..rows.end).map(step_s)).collect();
-    let usual_s = quantile(&steps_s, 0.5);
-    let regular = steps_s.iter().filter(|step_s| (**step_s - usual_s).abs() <= SAME * usual_s).count();
-    if (regular as f64) < REGULAR * steps_s.len() as f64 {
+    let median_s = quantile(&steps_s, 0.5);
+    let regular = steps_s.iter().filter(|step_s| (**step_s - median_s).abs() <= REGULAR_TOLERANCE * median_s).count();
+    if (regular as f64) < MIN_REGULAR_SHARE * steps_s.len() as f64 {
         return Vec::new();
     }
-    let mut found = Vec::new();
+    let mut exclusions = Vec::new();
     for (_, rows) in trials {
-        for gap in (rows.start + 1..rows.end).filter(|&row| step_s(row) > LONG * usual_s) {
+        for gap in (rows.start + 1..rows.end).filter(|&row| step_s(row) > MIN_GAP_STEPS * median_s) {
             let [from_s, to_s] = [gap - 1, gap].map(|row| measured.time_s[row]);
             let why = format!("rows between {from_s} s and {to_s} s are missing, and with them commands");
-            let near = (gap..rows.end).take_while(|&row| measured.time_s[row] <= to_s + FORGOTTEN_S);
-            found.extend(near.map(|row| Exclusion { row, why: why.clone() }));
+            let affected = (gap..rows.end).take_while(|&row| measured.time_s[row] <= to_s + MEMORY_S);
+            exclusions.extend(affected.map(|row| Exclusion { row, why: why.clone() }));
         }
     }
-    found.dedup_by_key(|excluded| excluded.row);
-    found
+    exclusions.dedup_by_key(|excluded| excluded.row);
+    exclusions
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Jumps of the tip by one, two or three rows that neither the robot nor a wrong model can make: both ways, far above
 //! the local variation of the residual, and against the motion that the model predicts.
 
-use super::{Exclusion, apart_m, dot, length};
+use super::{Exclusion, difference_m, dot, length};
 use crate::base::Point3;
 use crate::math::summary::quantile;
 
@@ -9,68 +9,80 @@ use crate::math::summary::quantile;
 ///
 /// Chosen on recordings of an independent chain (`recordings/twin`): friction, delay, anisotropy and payloads stay below
 /// 8, jumps of 9 mm at a noise of 0.5 mm are above 17.
-const SIGNIFICANT: f64 = 10.0;
+const MIN_SIGNIFICANCE: f64 = 10.0;
 /// … and above this share of the largest predicted step nearby, since effects act where the robot moves.
-const MOTION_SHARE: f64 = 0.5;
+const MIN_MOTION_SHARE: f64 = 0.5;
 /// Longest jump, rows. Longer excursions may be physical.
-const LONGEST: usize = 3;
+const MAX_JUMP_ROWS: usize = 3;
 /// Median length of a vector of three independent standard normal numbers.
 const MEDIAN_LENGTH: f64 = 1.538;
 /// Smallest standard deviation, metres: rounding of recorded numbers.
-const LEAST_M: f64 = 1e-5;
+const MIN_SIGMA_M: f64 = 1e-5;
 /// Fewest rows of a trial from which its ends are judged.
-const FEWEST_ROWS: usize = 6;
+const MIN_TRIAL_ROWS: usize = 6;
 
 /// Jumps of the place called `what` in `trials`, lists of rows in which it was seen.
 pub(super) fn find(
-    (what, positions_m): (&str, &[Point3]),
+    what: &str,
+    positions_m: &[Point3],
     predicted_m: &[Point3],
     trials: &[Vec<usize>],
 ) -> Vec<Exclusion> {
-    let residual_m: Vec<Point3> = positions_m.iter().zip(predicted_m).map(|(here, own)| apart_m(here, own)).collect();
+    let residual_m: Vec<Point3> =
+        positions_m.iter().zip(predicted_m).map(|(measured, predicted)| difference_m(measured, predicted)).collect();
     let scale = Scale::new(&residual_m, predicted_m, trials);
     let starts_agree = starts_agree(&residual_m, trials, &scale);
-    let mut found = Vec::new();
+    let mut exclusions = Vec::new();
     for trial in trials {
         let mut kept = trial.clone();
         // One after the other, the largest first: a jump disturbs the comparison of its neighbours.
-        while let Some((places, size_m)) = largest_jump(&kept, &residual_m, predicted_m, &scale, starts_agree) {
+        while let Some(Jump { places, size_m, .. }) =
+            largest_jump(&kept, &residual_m, predicted_m, &scale, starts_agree)
+        {
             for &row in &kept[places.clone()] {
-                found.push(Exclusion { row, why: format!("{what} jumps by {:.1} mm and returns", 1e3 * size_m) });
+                exclusions.push(Exclusion { row, why: format!("{what} jumps by {:.1} mm and returns", 1e3 * size_m) });
             }
             kept.drain(places);
         }
     }
-    found.sort_by_key(|excluded| excluded.row);
-    found
+    exclusions.sort_by_key(|excluded| excluded.row);
+    exclusions
 }
 
-/// The most significant jump among the rows `kept` of a trial: places in `kept`, and size in metres.
+/// A jump among the rows that are kept of a trial.
+struct Jump {
+    /// Places among these rows.
+    places: std::ops::Range<usize>,
+    size_m: f64,
+    significance: f64,
+}
+
+/// The most significant jump among the rows `kept` of a trial.
 fn largest_jump(
     kept: &[usize],
     residual_m: &[Point3],
     predicted_m: &[Point3],
     scale: &Scale,
     starts_agree: bool,
-) -> Option<(std::ops::Range<usize>, f64)> {
-    let mut largest: Option<(f64, std::ops::Range<usize>, f64)> = None;
+) -> Option<Jump> {
+    let mut largest: Option<Jump> = None;
     for first in 0..kept.len() {
-        for count in 1..=LONGEST.min(kept.len() - first) {
+        for count in 1..=MAX_JUMP_ROWS.min(kept.len() - first) {
             let places = first..first + count;
             if first == 0 && !starts_agree {
                 continue;
             }
             let size_m = jump_m(kept, &places, residual_m);
             let motion_m = largest_step_m(predicted_m, kept[first], kept[first + count - 1]);
-            let long = count as f64;
-            let significance = size_m / (long * scale.sigma_m(motion_m));
-            let more = largest.as_ref().is_none_or(|(most, ..)| significance > *most);
-            if significance > SIGNIFICANT && size_m > long * MOTION_SHARE * motion_m && more {
-                largest = Some((significance, places, size_m));
+            let rows = count as f64;
+            let significance = size_m / (rows * scale.sigma_m(motion_m));
+            let is_largest = largest.as_ref().is_none_or(|jump| significance > jump.significance);
+            if significance > MIN_SIGNIFICANCE && size_m > rows * MIN_MOTION_SHARE * motion_m && is_largest {
+                largest = Some(Jump { places, size_m, significance });
             }
         }
     }
-    largest.map(|(_, places, size_m)| (places, size_m))
+    largest
 }
 
 /// How far the residual at `places` of `kept` stands out from the rows before and after them, metres: the smaller of the
@@ -79,24 +91,29 @@ fn jump_m(kept: &[usize], places: &std::ops::Range<usize>, residual_m: &[Point3]
     let at = |place: usize| &residual_m[kept[place]];
     let before = places.start.checked_sub(1).map(at);
     let after = (places.end < kept.len()).then(|| at(places.end));
-    let each = places.clone().map(|place| match (before, after) {
+    let sizes_m = places.clone().map(|place| match (before, after) {
         (Some(before), Some(after)) => {
-            let (there, back) = (apart_m(at(place), before), apart_m(at(place), after));
-            let both: Point3 = std::array::from_fn(|axis| there[axis] + back[axis]);
-            let long = length(&both).max(f64::MIN_POSITIVE);
-            (dot(&there, &both) / long).min(dot(&back, &both) / long)
+            let (from_before, from_after) = (difference_m(at(place), before), difference_m(at(place), after));
+            let direction: Point3 = std::array::from_fn(|axis| from_before[axis] + from_after[axis]);
+            let norm = length(&direction).max(f64::MIN_POSITIVE);
+            (dot(&from_before, &direction) / norm).min(dot(&from_after, &direction) / norm)
         }
-        (Some(one), None) | (None, Some(one)) if kept.len() >= FEWEST_ROWS => 0.5 * length(&apart_m(at(place), one)),
+        (Some(neighbour), None) | (None, Some(neighbour)) if kept.len() >= MIN_TRIAL_ROWS => {
+            0.5 * length(&difference_m(at(place), neighbour))
+        }
         _ => 0.0,
     });
-    each.fold(f64::INFINITY, f64::min)
+    sizes_m.fold(f64::INFINITY, f64::min)
 }
 
 /// Largest predicted step from the row before `first` to two rows after `last`, metres. Effects may delay motion.
 fn largest_step_m(predicted_m: &[Point3], first: usize, last: usize) -> f64 {
     let rows = first.saturating_sub(1)..(last + 3).min(predicted_m.len());
-    let near = &predicted_m[rows];
-    near.windows(2).map(|two| length(&apart_m(&two[1], &two[0]))).fold(0.0, |a: f64, b| if b > a { b } else { a })
+    let nearby = &predicted_m[rows];
+    nearby
+        .windows(2)
+        .map(|pair| length(&difference_m(&pair[1], &pair[0])))
+        .fold(0.0, |a: f64, b| if b > a { b } else { a })
 }
 
 /// Standard deviation of the change of the residual from row to row, as a function of the predicted motion.
@@ -109,25 +126,26 @@ struct Scale {
 impl Scale {
     /// Medians over the slower and the faster half of the rows, which single jumps do not move.
     fn new(residual_m: &[Point3], predicted_m: &[Point3], trials: &[Vec<usize>]) -> Scale {
-        let step = |two: &[usize]| {
-            let moved = |of: &[Point3]| length(&apart_m(&of[two[1]], &of[two[0]]));
+        let step = |pair: &[usize]| {
+            let moved = |points: &[Point3]| length(&difference_m(&points[pair[1]], &points[pair[0]]));
             (moved(predicted_m), moved(residual_m))
         };
         let steps: Vec<(f64, f64)> = trials.iter().flat_map(|rows| rows.windows(2).map(step)).collect();
         let motions: Vec<f64> = steps.iter().map(|(motion_m, _)| *motion_m).collect();
         let middle = quantile(&motions, 0.5);
         let half = |fast: bool| {
-            let of: Vec<(f64, f64)> =
+            let steps_of_half: Vec<(f64, f64)> =
                 steps.iter().copied().filter(|(motion_m, _)| (*motion_m > middle) == fast).collect();
-            let changes: Vec<f64> = of.iter().map(|(_, change_m)| *change_m).collect();
-            let squares: Vec<f64> = of.iter().map(|(motion_m, _)| motion_m * motion_m).collect();
+            let changes: Vec<f64> = steps_of_half.iter().map(|(_, change_m)| *change_m).collect();
+            let squares: Vec<f64> = steps_of_half.iter().map(|(motion_m, _)| motion_m * motion_m).collect();
             (quantile(&changes, 0.5) / MEDIAN_LENGTH, quantile(&squares, 0.5))
         };
         let ((slow_m, slow_m2), (fast_m, fast_m2)) = (half(false), half(true));
-        let grows = (fast_m * fast_m - slow_m * slow_m).max(0.0) / (fast_m2 - slow_m2).max(LEAST_M * LEAST_M);
+        let variance_growth =
+            (fast_m * fast_m - slow_m * slow_m).max(0.0) / (fast_m2 - slow_m2).max(MIN_SIGMA_M * MIN_SIGMA_M);
         Scale {
-            at_rest_m: if slow_m.is_nan() { f64::INFINITY } else { slow_m.max(LEAST_M) },
-            per_motion: if grows.is_nan() { 0.0 } else { grows },
+            at_rest_m: if slow_m.is_nan() { f64::INFINITY } else { slow_m.max(MIN_SIGMA_M) },
+            per_motion: if variance_growth.is_nan() { 0.0 } else { variance_growth },
         }
     }
 
@@ -141,8 +159,11 @@ fn starts_agree(residual_m: &[Point3], trials: &[Vec<usize>], scale: &Scale) -> 
     let starts: Vec<&Point3> = trials.iter().filter_map(|rows| rows.first()).map(|&row| &residual_m[row]).collect();
     let centre: Point3 =
         std::array::from_fn(|axis| quantile(&starts.iter().map(|start| start[axis]).collect::<Vec<f64>>(), 0.5));
-    let near = starts.iter().filter(|start| length(&apart_m(start, &centre)) < SIGNIFICANT * scale.at_rest_m).count();
-    starts.len() > 2 && 2 * near > starts.len()
+    let close = starts
+        .iter()
+        .filter(|start| length(&difference_m(start, &centre)) < MIN_SIGNIFICANCE * scale.at_rest_m)
+        .count();
+    starts.len() > 2 && 2 * close > starts.len()
 }
 
 #[cfg(test)]
@@ -158,8 +179,8 @@ mod tests {
             for axis in 0..3 {
                 let (mut measured, predicted_m) = circles();
                 rows.iter().for_each(|&row| measured.tip_m.as_mut().unwrap()[row][axis] -= size_m);
-                let found = Exclusions::find(&measured, &predicted_m);
-                assert_eq!(found.jumps.iter().map(|jump| jump.row).collect::<Vec<_>>(), rows, "axis {axis}");
+                let exclusions = Exclusions::find(&measured, &predicted_m);
+                assert_eq!(exclusions.jumps.iter().map(|jump| jump.row).collect::<Vec<_>>(), rows, "axis {axis}");
             }
         }
     }
@@ -171,8 +192,8 @@ mod tests {
         let tips_m = measured.tip_m.as_mut().unwrap();
         tips_m[41][0] += 0.01;
         tips_m[42][1] -= 0.012;
-        let found = Exclusions::find(&measured, &predicted_m);
-        assert_eq!(found.jumps.iter().map(|jump| jump.row).collect::<Vec<_>>(), [41, 42]);
+        let exclusions = Exclusions::find(&measured, &predicted_m);
+        assert_eq!(exclusions.jumps.iter().map(|jump| jump.row).collect::<Vec<_>>(), [41, 42]);
     }
 
     /// A step that stays, and a bump of a second, may be physical: a contact, a payload that falls.

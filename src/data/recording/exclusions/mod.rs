@@ -14,7 +14,7 @@ use crate::base::Point3;
 use crate::data::Recording;
 
 /// Above this share of suspicious rows none is excluded: a rule that finds so many has met a robot, not a fault.
-const MOST_SHARE: f64 = 0.1;
+const MAX_EXCLUDED_SHARE: f64 = 0.1;
 
 /// A row that is excluded.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,30 +43,32 @@ impl Exclusions {
         measured
             .tip_m
             .as_ref()
-            .map_or_else(Exclusions::default, |tips_m| Exclusions::find_at((measured, tips_m), "the tip", predicted_m))
+            .map_or_else(Exclusions::default, |tips_m| Exclusions::find_at(measured, tips_m, "the tip", predicted_m))
     }
 
     /// The same of another tracked place, called `what`, that was measured at `positions_m` in each row.
-    pub fn find_at((measured, positions_m): (&Recording, &[Point3]), what: &str, predicted_m: &[Point3]) -> Exclusions {
+    pub fn find_at(measured: &Recording, positions_m: &[Point3], what: &str, predicted_m: &[Point3]) -> Exclusions {
         let is_seen = |row: usize| measured.is_valid(row) && positions_m[row].iter().all(|x| x.is_finite());
         let rows = |range: std::ops::Range<usize>| range.filter(|&row| is_seen(row)).collect::<Vec<usize>>();
         let trials: Vec<Vec<usize>> = measured.trials().into_iter().map(|(_, range)| rows(range)).collect();
         let all: usize = trials.iter().map(Vec::len).sum();
-        let few = |found: Vec<Exclusion>| if found.len() as f64 > MOST_SHARE * all as f64 { Vec::new() } else { found };
+        let unless_many = |exclusions: Vec<Exclusion>| {
+            if exclusions.len() as f64 > MAX_EXCLUDED_SHARE * all as f64 { Vec::new() } else { exclusions }
+        };
         let (frozen, gaps) =
-            (few(frozen::find(measured, positions_m, predicted_m, &trials)), few(gaps::find(measured)));
+            (unless_many(frozen::find(measured, positions_m, predicted_m, &trials)), unless_many(gaps::find(measured)));
         let is_kept = |row: &usize| frozen.iter().chain(&gaps).all(|excluded| excluded.row != *row);
         let kept: Vec<Vec<usize>> = trials.iter().map(|rows| rows.iter().copied().filter(is_kept).collect()).collect();
-        let jumps = few(jumps::find((what, positions_m), predicted_m, &kept));
+        let jumps = unless_many(jumps::find(what, positions_m, predicted_m, &kept));
         Exclusions { jumps, frozen, gaps }
     }
 
     /// Adds those of `other` whose rows are not excluded already.
     pub fn extend(&mut self, other: Exclusions) {
-        let known: BTreeSet<usize> = self.all().map(|excluded| excluded.row).collect();
-        let add = |own: &mut Vec<Exclusion>, more: Vec<Exclusion>| {
-            own.extend(more.into_iter().filter(|excluded| !known.contains(&excluded.row)));
-            own.sort_by_key(|excluded| excluded.row);
+        let excluded_rows: BTreeSet<usize> = self.all().map(|excluded| excluded.row).collect();
+        let add = |exclusions: &mut Vec<Exclusion>, further: Vec<Exclusion>| {
+            exclusions.extend(further.into_iter().filter(|excluded| !excluded_rows.contains(&excluded.row)));
+            exclusions.sort_by_key(|excluded| excluded.row);
         };
         add(&mut self.jumps, other.jumps);
         add(&mut self.frozen, other.frozen);
@@ -97,17 +99,17 @@ impl Exclusions {
             (&self.frozen, "the pose repeats to the last bit while the robot moves"),
             (&self.gaps, "rows and their commands are missing in the second before"),
         ];
-        let told = kinds.into_iter().filter(|(rows, _)| !rows.is_empty());
+        let present = kinds.into_iter().filter(|(rows, _)| !rows.is_empty());
         let sentence = |(rows, what): (&Vec<Exclusion>, &str)| {
             let (count, all, which) = (rows.len(), measured.len(), places(rows, measured));
             format!("In {count} of {all} rows {what} ({which}); these rows were excluded.")
         };
-        told.map(sentence).collect()
+        present.map(sentence).collect()
     }
 }
 
 /// Most runs of rows that a sentence names.
-const MOST_NAMED: usize = 6;
+const MAX_NAMED_PLACES: usize = 6;
 
 /// Trials and times of `rows`, neighbouring ones together.
 fn places(rows: &[Exclusion], measured: &Recording) -> String {
@@ -118,15 +120,15 @@ fn places(rows: &[Exclusion], measured: &Recording) -> String {
         let to = if first == last { String::new() } else { format!(" to {}", measured.time_s[last]) };
         format!("trial {} at {}{to} s", measured.trial[first], measured.time_s[first])
     };
-    let mut named: Vec<String> = runs.iter().take(MOST_NAMED).map(place).collect();
-    if runs.len() > MOST_NAMED {
-        named.push(format!("{} more places", runs.len() - MOST_NAMED));
+    let mut named: Vec<String> = runs.iter().take(MAX_NAMED_PLACES).map(place).collect();
+    if runs.len() > MAX_NAMED_PLACES {
+        named.push(format!("{} more places", runs.len() - MAX_NAMED_PLACES));
     }
     named.join(", ")
 }
 
 /// The difference of two points.
-fn apart_m(a: &Point3, b: &Point3) -> Point3 {
+fn difference_m(a: &Point3, b: &Point3) -> Point3 {
     std::array::from_fn(|axis| a[axis] - b[axis])
 }
 

@@ -17,7 +17,7 @@ pub(in crate::runner) const GAP: Stage<usize, (Handle<Transitions>, Handle<Trans
 fn gap_sample(model: &Transitions, robot: &Transitions, sample: usize) -> GapSample {
     let (pulls, sim, real) = (model.pulls_m.row(sample), model.to_m.row(sample), robot.to_m.row(sample));
     let tendon = |index: usize| pulls.get(index).copied().unwrap_or(f64::NAN);
-    let further: Vec<String> =
+    let further_tendons: Vec<String> =
         pulls.iter().skip(4).map(|&pull_m| round_significant(pull_m, SIGNIFICANT_DIGITS).to_string()).collect();
     GapSample {
         sample: sample as u64,
@@ -25,7 +25,7 @@ fn gap_sample(model: &Transitions, robot: &Transitions, sample: usize) -> GapSam
         tendon_2_m: tendon(1),
         tendon_3_m: tendon(2),
         tendon_4_m: tendon(3),
-        further_tendons_m: further.join(" "),
+        further_tendons_m: further_tendons.join(" "),
         sim_x_m: sim[0],
         sim_y_m: sim[1],
         sim_z_m: sim[2],

@@ -1,6 +1,6 @@
 //! How good the answer to a blind case is.
 
-use crate::benchmark::{self, CaseAnswer, CaseBatch, ScoredCase, Truth};
+use crate::benchmark::{self, CaseAnswer, CaseBatch, CaseSetting, ScoredCase, Truth};
 use crate::effects::Model;
 use crate::runner::graph::stage::{Handle, Stage, StageKind};
 
@@ -9,7 +9,8 @@ pub(in crate::runner) const SCORE: Stage<ScoreParams, (Handle<Truth>, Handle<Cas
     kind: StageKind { name: "blind_score", module: module_path!(), cost_ms: 1 },
     job: |params, (truth, answer)| {
         let ScoreParams { case, batch, correlation, model } = params;
-        Ok(benchmark::score(*case, batch, *correlation, model, truth, answer))
+        let setting = CaseSetting { number: *case, batch, correlation: *correlation };
+        Ok(benchmark::score(setting, model, truth, answer))
     },
 };
 

@@ -54,6 +54,6 @@ fn answer(
     baseline: Option<&Recording>,
     options: &Options,
 ) -> Result<CaseAnswer, String> {
-    let found = discover(model, measured, baseline, options).map_err(|error| error.to_string())?;
-    Ok(CaseAnswer::new(&found.findings, found.alternatives.stiffness_only_m, found.alternatives.gp_m))
+    let discovery = discover(model, measured, baseline, options).map_err(|error| error.to_string())?;
+    Ok(CaseAnswer::new(&discovery.findings, discovery.alternatives.stiffness_only_m, discovery.alternatives.gp_m))
 }

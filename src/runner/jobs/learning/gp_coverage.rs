@@ -1,7 +1,6 @@
 //! How often the intervals of the Gaussian process hold what they promise, on predefined points that it has not seen.
 
 use super::gaussian_process::GpParams;
-use crate::base::Seed;
 use crate::learn::gp::Gp;
 use crate::learn::networks::Trained;
 use crate::math::distribution::normal_quantile;
@@ -18,31 +17,32 @@ pub(in crate::runner) const GP_COVERAGE: Stage<CoverageParams, CoverageInputs, V
     kind: StageKind { name: "gp_coverage", module: module_path!(), cost_ms: 50 },
     job: |params, (pool, network, gp)| {
         let all = points(pool, network)?;
-        let GpParams { config, points: size, seed } = &params.gp;
-        let chosen = config.selection.choose(&all.inputs, *size, Seed(*seed)).map_err(|error| error.to_string())?;
-        let others: Vec<usize> = (0..all.inputs.len()).filter(|index| chosen.binary_search(index).is_err()).collect();
-        let unseen = all.select(&others);
-        let foretold = gp.predict_rows(&unseen.inputs).map_err(|error| error.to_string())?;
+        let chosen = params.gp.chosen(&all)?;
+        let unseen_indices: Vec<usize> =
+            (0..all.inputs.len()).filter(|index| chosen.binary_search(index).is_err()).collect();
+        let unseen = all.select(&unseen_indices);
+        let predicted = gp.predict_rows(&unseen.inputs).map_err(|error| error.to_string())?;
         let noise_m = gp.noise_std();
         let mut rows = Vec::new();
         for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
             // In standard deviations of what would be measured: of the gap and of the noise.
-            let deviations: Vec<f64> = (0..others.len())
+            let deviations: Vec<f64> = (0..unseen_indices.len())
                 .map(|row| {
-                    let error_m = unseen.errors_m.row(row)[axis] - foretold.mean.row(row)[axis];
-                    error_m.abs() / (foretold.variance.row(row)[axis] + noise_m[axis].powi(2)).sqrt()
+                    let error_m = unseen.errors_m.row(row)[axis] - predicted.mean.row(row)[axis];
+                    error_m.abs() / (predicted.variance.row(row)[axis] + noise_m[axis].powi(2)).sqrt()
                 })
                 .collect();
             for &promised in &params.shares {
-                let width = normal_quantile(0.5 + 0.5 * promised);
-                let covered = deviations.iter().filter(|deviation| **deviation <= width).count();
+                // A normal error lies within ± this many standard deviations in the promised share of cases.
+                let quantile = normal_quantile(0.5 + 0.5 * promised);
+                let covered = deviations.iter().filter(|deviation| **deviation <= quantile).count();
                 rows.push(GpCoverage {
-                    points: *size as u64,
-                    kernel: config.kernel.name().to_owned(),
+                    points: params.gp.points as u64,
+                    kernel: params.gp.config.kernel.name().to_owned(),
                     axis: name.to_owned(),
                     promised,
-                    covered: covered as f64 / others.len() as f64,
-                    unseen: others.len() as u64,
+                    covered: covered as f64 / unseen_indices.len() as f64,
+                    unseen: unseen_indices.len() as u64,
                 });
             }
         }

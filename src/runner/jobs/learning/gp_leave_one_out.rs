@@ -24,8 +24,9 @@ fn rows(gp: &Gp, shares: &[f64]) -> Vec<GpLeftOut> {
             .collect();
         let log_probability = left_out.log_probability.iter().map(|row| row[axis]).sum::<f64>() / count;
         for &promised in shares {
-            let width = normal_quantile(0.5 + 0.5 * promised);
-            let inside = |(error_m, variance): (&f64, &[f64])| *error_m <= width * variance[axis].sqrt();
+            // A normal error lies within ± this many standard deviations in the promised share of cases.
+            let quantile = normal_quantile(0.5 + 0.5 * promised);
+            let inside = |(error_m, variance): (&f64, &[f64])| *error_m <= quantile * variance[axis].sqrt();
             let covered = errors_m.iter().zip(left_out.variance.iter()).filter(|pair| inside(*pair)).count();
             rows.push(GpLeftOut {
                 points: gp.points() as u64,

@@ -19,14 +19,15 @@ pub(in crate::runner) fn train_imitating(
     Stage {
         kind: StageKind { name: network.stage, module: module_path!(), cost_ms: 60_000 },
         job: |params, start| {
+            // DAgger (Ross, Gordon & Bagnell 2011): each round adds what the latest network meets, and trains on all.
             let (mut trained, mut samples) = (start.clone(), Vec::new());
             for round in 0..params.options().rounds as u64 {
                 samples.extend(params.record(&trained.network, Seed(params.network.seed).child("round").index(round))?);
                 let all = Transitions::concat(&samples);
                 let (inputs, outputs) = (columns(&all, params.network.inputs), columns(&all, params.network.outputs));
                 let (config, seed) = (&params.network.config, Seed(params.network.seed));
-                let next = trained.network.retrain(&inputs, &outputs, &all.starts, config, seed);
-                trained = next.map_err(|error| error.to_string())?;
+                let retrained = trained.network.retrain(&inputs, &outputs, &all.starts, config, seed);
+                trained = retrained.map_err(|error| error.to_string())?;
             }
             Ok(trained)
         },
@@ -86,7 +87,7 @@ impl ImitationParams {
         };
         let poses = tasks::reached_poses(robot(0.0)?.as_mut(), &self.explore, options.targets, seed);
         let poses = poses.map_err(|error| error.to_string())?;
-        let ways = tasks::imitate(robot(options.noise_m)?.as_mut(), policy, &poses, options.ticks, seed);
-        ways.map_err(|error| error.to_string())
+        let trajectories = tasks::imitate(robot(options.noise_m)?.as_mut(), policy, &poses, options.ticks, seed);
+        trajectories.map_err(|error| error.to_string())
     }
 }

@@ -12,8 +12,8 @@ pub(in crate::runner) fn train(network: &NetworkDescription) -> Stage<NetworkPar
     Stage {
         kind: StageKind { name: network.stage, module: module_path!(), cost_ms: 1000 },
         job: |params, samples| {
-            let first = params.points.map(|points| samples.first(points));
-            let samples = first.as_ref().unwrap_or(samples);
+            let limited = params.points.map(|points| samples.first(points));
+            let samples = limited.as_ref().unwrap_or(samples);
             let (inputs, outputs) = (columns(samples, params.inputs), columns(samples, params.outputs));
             let trained = Network::train(&inputs, &outputs, &samples.starts, &params.config, Seed(params.seed));
             trained.map_err(|error| error.to_string())
@@ -33,13 +33,13 @@ pub(in crate::runner) struct NetworkParams {
 }
 
 /// Some columns of samples, side by side.
-pub(in crate::runner::jobs) fn columns(samples: &Transitions, wanted: &[SampleColumns]) -> Rows {
-    let one = |columns: &SampleColumns| match columns {
+pub(in crate::runner::jobs) fn columns(samples: &Transitions, chosen: &[SampleColumns]) -> Rows {
+    let column = |columns: &SampleColumns| match columns {
         SampleColumns::Pulls => &samples.pulls_m,
         SampleColumns::TipBefore => &samples.from_m,
         SampleColumns::TipAfter => &samples.to_m,
     };
-    let mut all = wanted.iter().map(one);
+    let mut all = chosen.iter().map(column);
     let first = all.next().cloned().unwrap_or_default();
     all.fold(first, |rows, next| joined(&rows, next))
 }

@@ -31,21 +31,21 @@ pub(in crate::runner) struct DiagnoseParams {
 }
 
 impl DiagnoseParams {
-    /// The answer for the model with the effects that are `known`. Data that allow none are an answer, too: a lab then has no
+    /// The answer for the model with the `identified` effects. Data that allow none are an answer, too: a lab then has no
     /// line to add.
-    fn answer(&self, known: &[EffectSpec], measured: &Transitions, baseline: Option<&Transitions>) -> Diagnosis {
+    fn answer(&self, identified: &[EffectSpec], measured: &Transitions, baseline: Option<&Transitions>) -> Diagnosis {
         let mut model = self.model.clone();
-        model.effects.extend(known.iter().cloned());
+        model.effects.extend(identified.iter().cloned());
         let baseline = baseline.map(|baseline| recording(baseline, self.step_s));
         let measured = recording(measured, self.step_s);
         let samples = measured.len() as u64;
         match discover(&model, &measured, baseline.as_ref(), &self.options) {
-            Ok(found) => Diagnosis {
-                verdict: found.findings.verdict.name().to_owned(),
-                effects: found.model.effects.iter().skip(model.effects.len()).cloned().collect(),
+            Ok(discovery) => Diagnosis {
+                verdict: discovery.findings.verdict.name().to_owned(),
+                effects: discovery.model.effects.iter().skip(model.effects.len()).cloned().collect(),
                 samples,
-                gap_m: [found.findings.gap.before_m, found.findings.gap.after_m],
-                noise_floor_m: found.findings.noise_floor_m,
+                gap_m: [discovery.findings.gap.before_m, discovery.findings.gap.after_m],
+                noise_floor_m: discovery.findings.noise_floor_m,
             },
             Err(error) => Diagnosis::nothing(format!("failed: {error}"), samples),
         }

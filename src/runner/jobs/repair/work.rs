@@ -18,19 +18,20 @@ pub(in crate::runner) const MONITOR: Stage<WorkParams, WorkInputs, TriedMonitor>
     job: |params, inputs| {
         let (mut work, options, step_s) = (params.begin(inputs)?, &params.options, params.condition.step_s);
         let trial_s = options.trial_steps as f64 * step_s;
-        let count = (options.calibration_s / trial_s).ceil() as u64;
+        let calibration_trials = (options.calibration_s / trial_s).ceil() as u64;
         let calibration: Vec<Vec<Point3>> =
-            (0..count).map(|index| work.innovations_m(index).into_iter().flatten().collect()).collect();
+            (0..calibration_trials).map(|index| work.innovations_m(index).into_iter().flatten().collect()).collect();
         let monitor = Monitor::calibrate(&calibration, options, step_s, Seed(params.condition.seed));
         let monitor = monitor.map_err(|error| error.to_string())?;
-        let more = (options.watched_s / trial_s).ceil() as u64;
+        let watched_trials = (options.watched_s / trial_s).ceil() as u64;
         let mut state = monitor.watch();
         let mut false_alarms = 0;
-        for index in count..count + more {
+        for index in calibration_trials..calibration_trials + watched_trials {
             let innovations = work.innovations_m(index);
-            false_alarms += innovations.iter().flatten().filter(|one| state.alarms(one)).count() as u64;
+            false_alarms +=
+                innovations.iter().flatten().filter(|innovation_m| state.alarms(innovation_m)).count() as u64;
         }
-        Ok(TriedMonitor { monitor, watched_s: more as f64 * trial_s, false_alarms })
+        Ok(TriedMonitor { monitor, watched_s: watched_trials as f64 * trial_s, false_alarms })
     },
 };
 
@@ -42,7 +43,9 @@ pub(in crate::runner) const ALARM: Stage<WorkParams, (WorkInputs, Handle<TriedMo
         let mut state = tried.monitor.watch();
         let trial_s = params.options.trial_steps as f64 * step_s;
         for index in 0..(params.options.patience_s / trial_s).ceil() as u64 {
-            let alarms = |one: &Option<Point3>| one.as_ref().is_some_and(|one| state.alarms(one));
+            let alarms = |innovation_m: &Option<Point3>| {
+                innovation_m.as_ref().is_some_and(|innovation_m| state.alarms(innovation_m))
+            };
             if let Some(place) = work.innovations_m(index).iter().position(alarms) {
                 return Ok(Some(index as f64 * trial_s + (place + 1) as f64 * step_s));
             }

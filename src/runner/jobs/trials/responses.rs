@@ -6,7 +6,7 @@ use crate::rows::responses::{PaceLap, ResponseTrial};
 use crate::runner::graph::stage::{Handle, Stage, StageKind};
 use crate::runner::jobs::data::targets::Targets;
 use crate::runner::jobs::parts::identified::Identified;
-use crate::tasks::{self, Lap, Response, WatchedRobot};
+use crate::tasks::{self, Lap, LapTimes, Response, ResponseLimits, WatchedRobot};
 
 /// Responses to the targets.
 pub(in crate::runner) const RESPONSE: Stage<ResponseParams, (PartHandles, Handle<Targets>), Vec<ResponseTrial>> =
@@ -15,7 +15,8 @@ pub(in crate::runner) const RESPONSE: Stage<ResponseParams, (PartHandles, Handle
         job: |params, (parts, targets)| {
             let condition = &params.condition;
             let (mut policy, mut robot) = (condition.policy(parts)?, params.robot()?);
-            let limits = (params.duration_s, condition.options.limits.max_step_m);
+            let max_step_m = condition.options.limits.max_step_m;
+            let limits = ResponseLimits { duration_s: params.duration_s, max_step_m };
             let mut trials = Vec::with_capacity(targets.len());
             // The seed of a trial depends on its target's number, never on the policy.
             for (draw, (_, target_m)) in targets.iter().enumerate() {
@@ -34,9 +35,10 @@ pub(in crate::runner) const PACE: Stage<PaceParams, (PartHandles, Handle<Vec<Poi
         let condition = &params.trial.condition;
         let (mut policy, mut robot) = (condition.policy(parts)?, params.trial.robot()?);
         let lap = |&speed: &f64| {
-            let (times_s, seed) = ((params.trial.duration_s, params.lap_s / speed), Seed(condition.seed));
-            let lap = tasks::lap(&mut robot, policy.as_mut(), path, condition.feedback, times_s, seed);
-            Ok(pace_lap(speed, times_s.1, lap.map_err(|error| error.to_string())?))
+            let times = LapTimes { lead_in_s: params.trial.duration_s, lap_s: params.lap_s / speed };
+            let seed = Seed(condition.seed);
+            let lap = tasks::lap(&mut robot, policy.as_mut(), path, condition.feedback, times, seed);
+            Ok(pace_lap(speed, times.lap_s, lap.map_err(|error| error.to_string())?))
         };
         params.speeds.iter().map(lap).collect()
     },
