@@ -17,6 +17,8 @@ BLIND_LOOK := $(if $(filter 10,$(SEEDS)),,$(call share,0,4) $(call share,1,23) $
   $(call share,4,2) $(call share,5,23))
 PEERS_VENV := target/peers-venv
 PYTHON_VENV := target/python-venv
+# Where there is Python, its package is compiled and looked at beside the program.
+PACKAGES := $(if $(shell command -v python3),--workspace)
 SPINEBENCH := cargo run --release --quiet --
 
 help: ## this list
@@ -90,7 +92,7 @@ NEXTEST := $(shell cargo nextest --version 2>/dev/null | head -1)
 check: ## while you work (3 minutes): format, lints, unit and contract tests, one `discover` per verdict
 	cargo fmt --check
 	rustfmt --check --edition 2024 $(SOURCES)
-	cargo clippy --release --all-targets -- -D warnings
+	cargo clippy --release $(PACKAGES) --all-targets -- -D warnings
 ifdef NEXTEST
 	cargo nextest run --release --lib --test contract --test discovery -E 'not binary(discovery) or test(/^per_verdict::/)'
 else
@@ -101,7 +103,7 @@ endif
 test: ## everything that guards a promise (12 minutes): format, lints, all tests, documentation
 	cargo fmt --check
 	rustfmt --check --edition 2024 $(SOURCES)
-	cargo clippy --release --all-targets -- -D warnings
+	cargo clippy --release $(PACKAGES) --all-targets -- -D warnings
 ifdef NEXTEST
 	cargo nextest run --release
 else
