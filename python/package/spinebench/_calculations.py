@@ -204,9 +204,10 @@ def _answer(written: tuple[Model, str, bytes, bytes]) -> Discovery:
 
 
 def _proposals(answer: Discovery, commands: list[bytes]) -> list[Proposal]:
-    names = ("name", "what", "minutes", "separation")
-    told = zip(answer.findings["proposals"], commands, strict=True)
-    return [Proposal(*(one[name] for name in names), _frame(csv)) for one, csv in told]
+    return [
+        Proposal(one["name"], one["what"], one["minutes"], one["separation"], _frame(csv))
+        for one, csv in zip(answer.findings["proposals"], commands, strict=True)
+    ]
 
 
 def discover(
