@@ -33,6 +33,8 @@ pub const WHITE: Colour = [255, 255, 255];
 
 /// Width of a figure over two columns, hundredths of an inch.
 pub const PAGE_WIDTH: f64 = 720.0;
+/// Room for the numbers and the label of the y axis left of a panel, hundredths of an inch.
+pub(crate) const LEFT_MARGIN: f64 = 56.0;
 /// Size of labels and legends (8 pt).
 pub const TEXT: f64 = 11.1;
 /// Size of tick labels (7 pt).

@@ -72,14 +72,14 @@ impl SlurmArgs {
             let (one, other) = (&first.name, &other.name);
             refuse!("slurm: found other settings in `{other}` than in `{one}`, expected the same");
         }
-        let given = first.slurm.clone();
+        let spec_options = first.slurm.clone();
         let options = SlurmOptions {
-            partition: self.partition.clone().or(given.partition),
-            account: self.account.clone().or(given.account),
-            time_min: self.time_min.or(given.time_min),
-            memory_mb: self.memory_mb.or(given.memory_mb),
-            cpus: self.cpus.unwrap_or(given.cpus),
-            ..given
+            partition: self.partition.clone().or(spec_options.partition),
+            account: self.account.clone().or(spec_options.account),
+            time_min: self.time_min.or(spec_options.time_min),
+            memory_mb: self.memory_mb.or(spec_options.memory_mb),
+            cpus: self.cpus.unwrap_or(spec_options.cpus),
+            ..spec_options
         };
         let refuse = |bad: spinebench::base::BadOption| {
             let option = bad.key.replace('_', "-");

@@ -1,7 +1,7 @@
 //! `spinebench run`.
 
 use super::cluster::SlurmArgs;
-use crate::cli::program::interrupted::end_with_words;
+use crate::cli::program::interrupted::exit_on_interrupt;
 use crate::cli::program::outputs::check_folder;
 use crate::cli::program::shared::{CacheArgs, ResultsArg, SpecArgs, ThreadArgs};
 use crate::cli::{CommandError, CommandResult};
@@ -67,7 +67,7 @@ impl RunCommand {
         }
         // The monitor of a cluster tells itself what Ctrl-C means.
         if folder.is_none() {
-            end_with_words("interrupted; what is computed is stored, and the same command goes on from there");
+            exit_on_interrupt("interrupted; what is computed is stored, and the same command goes on from there");
         }
         let options = match &folder {
             Some(folder) => RunOptions { record: folder, ..RunOptions::new(1, progress) },

@@ -1,6 +1,6 @@
 //! `spinebench verify`.
 
-use crate::cli::program::interrupted::end_with_words;
+use crate::cli::program::interrupted::exit_on_interrupt;
 use crate::cli::program::shared::ThreadArgs;
 use crate::cli::{CommandError, CommandResult};
 use clap::Args;
@@ -50,7 +50,7 @@ impl VerifyCommand {
             .prefix("spinebench-verify-")
             .tempdir()
             .map_err(|error| CommandError::Failed(format!("cannot create a temporary folder: {error}")))?;
-        end_with_words("interrupted; nothing was compared, and the same command begins again");
+        exit_on_interrupt("interrupted; nothing was compared, and the same command begins again");
         let (store, wanted) = (Store::at(scratch.path()), campaign.wanted());
         let outcomes = runner::execute(&campaign.graph, &store, &wanted, &RunOptions::new(self.threads.jobs, progress))
             .map_err(|failure| CommandError::Failed(failure.to_string()))?;

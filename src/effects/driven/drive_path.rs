@@ -41,8 +41,8 @@ impl DriveState {
             now_s += part_s;
             path.ends_s.push(now_s);
             if part_s > 1e-9 * duration_s {
-                let asked = between(&from_m, &self.commanded_m, (now_s / ramp_s).min(1.0));
-                self.actual_m = apply_effects(effects, asked, part_s);
+                let commanded_m = between(&from_m, &self.commanded_m, (now_s / ramp_s).min(1.0));
+                self.actual_m = apply_effects(effects, commanded_m, part_s);
             }
             path.positions_m.push(self.actual_m.clone());
         }

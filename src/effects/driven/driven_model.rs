@@ -79,8 +79,8 @@ impl DrivenModel {
         let mut kept: Vec<usize> = (0..variables.len()).collect();
         let mut left_out = Vec::new();
         loop {
-            let near: Vec<Variable> = kept.iter().map(|&index| variables[index].clone()).collect();
-            match DrivenModel::varied(model, extra, &near) {
+            let variables_kept: Vec<Variable> = kept.iter().map(|&index| variables[index].clone()).collect();
+            match DrivenModel::varied(model, extra, &variables_kept) {
                 Err(VariationError::NotPerturbable(index)) => left_out.push(kept.remove(index)),
                 driven => {
                     left_out.sort_unstable();
@@ -148,8 +148,8 @@ impl DrivenModel {
     /// Replaces the tip load in addition to the model's; `load` may depend on the rod (for example on its gravity).
     pub fn set_extra_tip_load(&mut self, load: &dyn Fn(&RodParams) -> TipWrench) {
         self.rods.set_tip_load(&|params| {
-            let (own, extra) = (params.tip_load, load(params));
-            TipWrench { force_n: own.force_n + extra.force_n, moment_nm: own.moment_nm + extra.moment_nm }
+            let (model_load, extra) = (params.tip_load, load(params));
+            TipWrench { force_n: model_load.force_n + extra.force_n, moment_nm: model_load.moment_nm + extra.moment_nm }
         });
     }
 
@@ -186,8 +186,8 @@ impl DrivenModel {
             each.map(|((drive_state, effects), target)| drive_state.move_to(effects, target, duration_s)).collect();
         let parts = |number: usize| {
             // Followers use the leader's parts unless they have as many of their own.
-            let own = if paths[number].ends_s.len() == paths[0].ends_s.len() { number } else { 0 };
-            &paths[own].ends_s
+            let source = if paths[number].ends_s.len() == paths[0].ends_s.len() { number } else { 0 };
+            &paths[source].ends_s
         };
         let part_s = |number: usize, part: usize| {
             let start_s = if part == 0 { 0.0 } else { parts(number)[part - 1] };
@@ -277,7 +277,7 @@ impl DrivenModel {
             return Err(PlantError::Refused(format!("{} tendons, expected {tendons}", commands.len())));
         }
         let follows = commands.contains(&TendonCommand::Follow);
-        let asked = |(rod, shift): (&Rod, Option<(usize, f64)>)| {
+        let requested = |(rod, shift): (&Rod, Option<(usize, f64)>)| {
             let following = if follows { rod.following_pulls_m() } else { vec![0.0; tendons] };
             let pull = |(tendon, (command, following)): (usize, (&TendonCommand, f64))| match *command {
                 TendonCommand::Pull(pull) => {
@@ -290,7 +290,7 @@ impl DrivenModel {
         let shifts = std::iter::once(None).chain(
             self.perturbations.iter().map(|perturbation| perturbation.shift(self.next, &self.drive_displacements)),
         );
-        Ok(self.each_rod().zip(shifts).map(asked).collect())
+        Ok(self.each_rod().zip(shifts).map(requested).collect())
     }
 
     /// Updates the positions of following drives from the shapes.
@@ -312,11 +312,11 @@ impl DrivenModel {
             self.perturbations.iter().map(|perturbation| perturbation.shift(self.next, &self.drive_displacements)),
         );
         let each = shifts.map(|shift| {
-            let own = |(tendon, &tension): (usize, &f64)| match shift {
+            let drive = |(tendon, &tension): (usize, &f64)| match shift {
                 Some((shifted, step)) if shifted == tendon => Drive::Tension(tension + step),
                 _ => Drive::Tension(tension),
             };
-            tensions_n.iter().enumerate().map(own).collect()
+            tensions_n.iter().enumerate().map(drive).collect()
         });
         each.collect()
     }

@@ -54,9 +54,9 @@ impl Perturbation {
 /// The gain in which two models differ, if they do.
 fn changed_gain(model: &Model, candidate: &Model) -> CommandShift {
     let pairs = model.drives.values().zip(candidate.drives.values()).enumerate();
-    let gains = pairs.flat_map(|(drive, (own, other))| {
-        let each = own.gains.iter().zip(&other.gains).zip(&own.tendons);
-        each.map(move |((own, other), tendon)| (own != other, CommandShift::Gain { tendon: tendon - 1, drive }))
+    let gains = pairs.flat_map(|(drive, (drive_before, drive_after))| {
+        let each = drive_before.gains.iter().zip(&drive_after.gains).zip(&drive_before.tendons);
+        each.map(move |((before, after), tendon)| (before != after, CommandShift::Gain { tendon: tendon - 1, drive }))
     });
     gains.into_iter().find(|(differs, _)| *differs).map_or(CommandShift::Nothing, |(_, shift)| shift)
 }

@@ -95,27 +95,27 @@ const UNITS: &[(&str, &str, f64)] = &[
 impl ModelParameter {
     /// All parameters of `model`, in the order of its file.
     pub fn all(model: &Model) -> Vec<ModelParameter> {
-        let mut found = Vec::new();
+        let mut parameters = Vec::new();
         if let Ok(Value::Object(robot)) = serde_json::to_value(&model.robot) {
             for (key, value) in robot.iter().filter(|(key, _)| *key != "resolution") {
-                collect(value, &format!("robot.{key}"), &mut found);
+                collect(value, &format!("robot.{key}"), &mut parameters);
             }
         }
         for (index, effect) in model.effects.iter().enumerate() {
             let Ok(value) = serde_json::to_value(effect) else { continue };
             for (key, value) in value[effect.card().name].as_object().into_iter().flatten() {
-                collect(value, &format!("effects[{index}].{key}"), &mut found);
+                collect(value, &format!("effects[{index}].{key}"), &mut parameters);
             }
         }
         if let Ok(obstacles) = serde_json::to_value(&model.obstacles) {
-            collect(&obstacles, "obstacles", &mut found);
+            collect(&obstacles, "obstacles", &mut parameters);
         }
         if let (Ok(tracking), Ok(drives)) = (serde_json::to_value(&model.tracking), serde_json::to_value(&model.drives))
         {
-            collect(&tracking, "tracking", &mut found);
-            collect(&drives, "drives", &mut found);
+            collect(&tracking, "tracking", &mut parameters);
+            collect(&drives, "drives", &mut parameters);
         }
-        found
+        parameters
     }
 
     /// The parameter of `model` at `path`.
@@ -164,9 +164,9 @@ impl ModelParameter {
     /// # Errors
     /// As [`ModelParameter::value`].
     pub fn scale(&self, model: &Model) -> Result<f64, ParameterError> {
-        let usual = UNITS.iter().find(|(_, unit, _)| *unit == self.unit).map_or(1.0, |row| row.2);
+        let typical = UNITS.iter().find(|(_, unit, _)| *unit == self.unit).map_or(1.0, |row| row.2);
         let size = self.value(model)?.abs();
-        Ok(if size > 0.1 * usual { size } else { usual })
+        Ok(if size > 0.1 * typical { size } else { typical })
     }
 
     /// Finite-difference derivative of `points` of whole models: central with a step of `step` times the scale, or
@@ -230,18 +230,18 @@ impl fmt::Display for ModelParameter {
 }
 
 /// Adds the parameters at and below `value`.
-fn collect(value: &Value, path: &str, found: &mut Vec<ModelParameter>) {
+fn collect(value: &Value, path: &str, parameters: &mut Vec<ModelParameter>) {
     match value {
         Value::Number(number) if number.is_f64() => {
             let name = path.rsplit('.').next().unwrap_or_default().split('[').next().unwrap_or_default();
             let unit = UNITS.iter().find(|(end, ..)| name.ends_with(end)).map_or("1", |row| row.1);
-            found.push(ModelParameter { path: path.to_owned(), unit });
+            parameters.push(ModelParameter { path: path.to_owned(), unit });
         }
         Value::Array(items) => {
-            items.iter().enumerate().for_each(|(index, item)| collect(item, &format!("{path}[{index}]"), found));
+            items.iter().enumerate().for_each(|(index, item)| collect(item, &format!("{path}[{index}]"), parameters));
         }
         Value::Object(fields) => {
-            fields.iter().for_each(|(key, item)| collect(item, &format!("{path}.{key}"), found));
+            fields.iter().for_each(|(key, item)| collect(item, &format!("{path}.{key}"), parameters));
         }
         _ => {}
     }

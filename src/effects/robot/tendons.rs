@@ -136,8 +136,8 @@ impl Tendons {
 
     /// Angle at which a tendon starts, degrees.
     fn angle_deg(&self, i: usize) -> f64 {
-        let own = self.paths.as_ref().and_then(|paths| paths[i].first());
-        own.map_or(self.angles_deg[i], |point| point.y_m.atan2(point.x_m).to_degrees())
+        let first_point = self.paths.as_ref().and_then(|paths| paths[i].first());
+        first_point.map_or(self.angles_deg[i], |point| point.y_m.atan2(point.x_m).to_degrees())
     }
 
     /// Largest distance of a tendon from the backbone, metres.
@@ -172,15 +172,15 @@ impl Tendons {
     }
 
     fn path(&self, i: usize) -> TendonPath {
-        let own = self.paths.as_ref().map_or(&[][..], |paths| &paths[i]);
-        let points = if own.is_empty() {
+        let path = self.paths.as_ref().map_or(&[][..], |paths| &paths[i]);
+        let points = if path.is_empty() {
             let (sin, cos) = exact_sin_cos_deg(self.angles_deg[i]);
             let at = |s_m: f64, radius_m: f64| PathPoint { s_m, offset_m: [radius_m * cos, radius_m * sin] };
             let base = at(0.0, self.radii_m.as_ref().map_or(self.radius_m, |radii| radii[i]));
             let further = self.profile.iter().map(|point| at(point.s_m, point.radius_m));
             std::iter::once(base).chain(further).collect()
         } else {
-            own.iter().map(|point| PathPoint { s_m: point.s_m, offset_m: [point.x_m, point.y_m] }).collect()
+            path.iter().map(|point| PathPoint { s_m: point.s_m, offset_m: [point.x_m, point.y_m] }).collect()
         };
         TendonPath { points, twist_rad_m: self.twists_rad_m.as_ref().map_or(0.0, |twists| twists[i]) }
     }

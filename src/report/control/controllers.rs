@@ -7,7 +7,7 @@ use super::controllers_table::{controller_rows, markdown};
 use crate::math::summary::mean;
 use crate::report::cells::modes_in_order;
 use crate::report::drawing::{Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend};
-use crate::report::order::{ascending, trainings};
+use crate::report::order::{ascending, last_training};
 use crate::report::style::{
     GREY, PAGE_WIDTH, SMALL, mode_title, policies_in_order, policy_label, policy_look, training_label,
 };
@@ -40,8 +40,7 @@ struct Curves<'a> {
 
 /// The panels of the last kind of training: networks are at their best there.
 fn draw(rows: &[ControllerRow], paces: &[PaceRow]) -> Canvas {
-    let known = trainings(rows.iter().map(|row| row.training.as_str()));
-    let training = known.last().copied().unwrap_or_default();
+    let training = last_training(rows.iter().map(|row| row.training.as_str()));
     let rows: Vec<&ControllerRow> = rows.iter().filter(|row| row.training == training).collect();
     let paces: Vec<&PaceRow> = paces.iter().filter(|row| row.training == training && row.status.is_ok()).collect();
     let modes = rows.iter().map(|row| row.cell.mode.as_str()).chain(paces.iter().map(|row| row.cell.mode.as_str()));

@@ -96,7 +96,7 @@ fn attributed(
 /// The three tables in Markdown, errors in millimetres.
 pub(crate) fn markdown(rows: &[PopulationRow], claims: &[RobotClaimRow], effects: &[AttributionRow]) -> String {
     let decided: Vec<&AttributionRow> = effects.iter().filter(|row| row.p_holm < 0.05).collect();
-    let asked: BTreeSet<&str> = effects.iter().map(|row| row.effect.as_str()).collect();
+    let compared_effects: BTreeSet<&str> = effects.iter().map(|row| row.effect.as_str()).collect();
     let mut text = format!(
         "Errors over robots in mm; that of a robot is its mean over targets.\n\n{}",
         error_table(rows).markdown()
@@ -106,7 +106,7 @@ pub(crate) fn markdown(rows: &[PopulationRow], claims: &[RobotClaimRow], effects
     }
     text += &format!(
         "\nEffects that change an error (p below 0.05 after Holm's correction over {} effects), mm.\n\n{}",
-        asked.len(),
+        compared_effects.len(),
         if decided.is_empty() { "None.\n".to_owned() } else { effect_table(&decided).markdown() }
     );
     text

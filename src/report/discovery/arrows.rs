@@ -11,11 +11,11 @@ use crate::math::summary::quantile;
 use crate::report::drawing::{Axis, Canvas, CanvasPoint, Panel, Text, TextAlign, range};
 
 /// Arrows in a panel: more would cover each other.
-const ARROWS: usize = 160;
+const MAX_ARROWS: usize = 160;
 /// Horizontal and vertical axis of each view: the robot points to the right.
 const VIEWS: [(usize, usize); 2] = [(2, 0), (2, 1)];
 /// Long arrows (the 90th percentile of those before) are about this long, hundredths of an inch.
-const LONG: f64 = 20.0;
+const ARROW_LENGTH: f64 = 20.0;
 
 /// A sample: measured tip and residual, metres.
 struct ArrowSample {
@@ -54,7 +54,7 @@ pub(super) fn draw(canvas: &mut Canvas, rows: &[ResidualRow], floor_m: f64, both
     let tall = length(0);
     let scale = (room / length(2)).min(if wide { 230.0 } else { 190.0 } / tall);
     let sizes: Vec<f64> = samples.iter().map(|sample| size(&sample.before_m)).collect();
-    let magnified = magnification(LONG / (1e3 * scale * quantile(&sizes, 0.9)).max(1e-9));
+    let magnified = magnification(ARROW_LENGTH / (1e3 * scale * quantile(&sizes, 0.9)).max(1e-9));
     let moments: &[&str] = if both { &["before", "after"] } else { &["before"] };
     let high = scale * tall;
     let mut left = gap - 4.0;
@@ -85,7 +85,7 @@ pub(super) fn draw(canvas: &mut Canvas, rows: &[ResidualRow], floor_m: f64, both
 fn note(canvas: &mut Canvas, magnified: f64, count: usize, y: f64) {
     let lines = [
         format!("from the measured tip, away from where the model puts it, {} × as long", number(magnified, 1)),
-        match count.div_ceil(ARROWS) {
+        match count.div_ceil(MAX_ARROWS) {
             1 => String::new(),
             stride => format!("one sample in {stride} of {count}"),
         },
@@ -135,7 +135,7 @@ fn arrows(
     magnified: f64,
     floor_m: f64,
 ) {
-    let stride = samples.len().div_ceil(ARROWS).max(1);
+    let stride = samples.len().div_ceil(MAX_ARROWS).max(1);
     let mut shown: Vec<&ArrowSample> = samples.iter().step_by(stride).collect();
     shown.retain(|sample| residual(sample).iter().all(|part| part.is_finite()));
     shown.sort_by(|a, b| size(&residual(a)).total_cmp(&size(&residual(b))));

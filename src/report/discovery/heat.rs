@@ -3,11 +3,11 @@
 
 use super::super::style::{GREY, HAIR, INK, SMALL, TEXT, capitalised};
 use super::format::{fitted, ratio_text};
-use super::scale::{SIGNIFICANT, cell};
+use super::scale::{SIGNIFICANCE_LEVEL, cell};
 use crate::data::findings::PlaceRow;
 use crate::report::drawing::{Canvas, CanvasPoint, Text, TextAlign};
 
-const ROW: f64 = 17.0;
+const ROW_HEIGHT: f64 = 17.0;
 /// Axes in the order of their columns, and their headings.
 const AXES: [(&str, &str); 4] = [("x", "x"), ("y", "y"), ("z", "z"), ("all", "distance")];
 
@@ -45,8 +45,12 @@ pub(super) fn draw(canvas: &mut Canvas, rows: &[PlaceRow], both: bool, top: f64)
             y += 5.0;
         }
         let room = columns.first - left - 14.0;
-        let name =
-            Text::new(fitted(&place.place, SMALL, room), [left + 8.0, y + 0.5 * ROW + 3.5], SMALL, TextAlign::Left);
+        let name = Text::new(
+            fitted(&place.place, SMALL, room),
+            [left + 8.0, y + 0.5 * ROW_HEIGHT + 3.5],
+            SMALL,
+            TextAlign::Left,
+        );
         canvas.text(name);
         for (index, (axis, _)) in columns.axes.iter().enumerate() {
             let same = |row: &&PlaceRow| row.by == place.by && row.place == place.place && row.axis == *axis;
@@ -54,7 +58,7 @@ pub(super) fn draw(canvas: &mut Canvas, rows: &[PlaceRow], both: bool, top: f64)
                 cells(canvas, &columns, row, [columns.first + pitch * index as f64, y]);
             }
         }
-        y += ROW;
+        y += ROW_HEIGHT;
     }
     y
 }
@@ -83,12 +87,12 @@ fn cells(canvas: &mut Canvas, columns: &Columns, row: &PlaceRow, [x, y]: CanvasP
         let [x0, x1] = [x + columns.wide * turn as f64, x + columns.wide * (turn + 1) as f64];
         let ratio = rms_m / row.floor_m;
         let (ground, ink) = cell(ratio);
-        canvas.rectangle([x0 + 0.6, y + 0.6], [x1 - 0.6, y + ROW - 0.6], ground, 1.0);
-        let real = p < SIGNIFICANT;
+        canvas.rectangle([x0 + 0.6, y + 0.6], [x1 - 0.6, y + ROW_HEIGHT - 0.6], ground, 1.0);
+        let real = p < SIGNIFICANCE_LEVEL;
         // In narrow cells the number makes room for the dot.
         let (aside, corner, radius) = if columns.wide < 40.0 { (2.0, 3.0, 1.3) } else { (0.0, 5.0, 1.7) };
         let middle = 0.5 * (x0 + x1) - if real { aside } else { 0.0 };
-        let number = Text::new(ratio_text(ratio), [middle, y + 0.5 * ROW + 3.5], SMALL, TextAlign::Centre);
+        let number = Text::new(ratio_text(ratio), [middle, y + 0.5 * ROW_HEIGHT + 3.5], SMALL, TextAlign::Centre);
         canvas.text(Text { bold: real, ..number.colour(ink) });
         if real {
             canvas.disc([x1 - corner, y + corner], radius, ink, 1.0);
@@ -107,15 +111,15 @@ pub(super) fn key(canvas: &mut Canvas, [x, y]: CanvasPoint) {
 /// Each place once, in order of appearance, groups together.
 fn places(rows: &[PlaceRow]) -> Vec<&PlaceRow> {
     let mut groups: Vec<&str> = Vec::new();
-    let mut found: Vec<&PlaceRow> = Vec::new();
+    let mut distinct_places: Vec<&PlaceRow> = Vec::new();
     for row in rows {
         if !groups.contains(&row.by.as_str()) {
             groups.push(&row.by);
         }
-        if !found.iter().any(|other| other.by == row.by && other.place == row.place) {
-            found.push(row);
+        if !distinct_places.iter().any(|other| other.by == row.by && other.place == row.place) {
+            distinct_places.push(row);
         }
     }
-    found.sort_by_key(|row| groups.iter().position(|group| *group == row.by));
-    found
+    distinct_places.sort_by_key(|row| groups.iter().position(|group| *group == row.by));
+    distinct_places
 }

@@ -10,7 +10,7 @@ use crate::report::style::PAGE_WIDTH;
 const TELEPHONE_WIDTH: f64 = 372.0;
 
 /// A table with more columns scrolls on a telephone.
-const MANY: usize = 4;
+const MAX_NARROW_COLUMNS: usize = 4;
 
 /// A self-contained document: no script, no link, nothing fetched. Its control characters become replacement characters.
 pub(crate) fn document(title: &str, content: &Markup) -> String {
@@ -69,7 +69,7 @@ pub(crate) fn captioned(figure: &Markup, caption: &str) -> Markup {
 pub(crate) fn table(header: &[&str], rows: &[Vec<Markup>]) -> Markup {
     html! {
         @if !rows.is_empty() {
-            div .scroll .many[header.len() > MANY] {
+            div .scroll .many[header.len() > MAX_NARROW_COLUMNS] {
                 table {
                     thead { tr { @for name in header { th scope="col" { (name) } } } }
                     tbody {

@@ -15,7 +15,7 @@ const STEPS: [(f64, Colour, Colour); 6] = [
 ];
 
 /// Corrected probability under which a place is marked as more than noise.
-pub(super) const SIGNIFICANT: f64 = 0.01;
+pub(super) const SIGNIFICANCE_LEVEL: f64 = 0.01;
 
 /// The step of a ratio; none where it is not a number.
 fn step(ratio: f64) -> Option<&'static (f64, Colour, Colour)> {

@@ -15,9 +15,9 @@ pub(super) const FIGURE: Figure =
         name: "claims", about: "The paper’s claims: its figure, ours with an interval, and the verdict", render
     };
 
-const ROW: f64 = 17.0;
+const ROW_HEIGHT: f64 = 17.0;
 /// Range of the ratio of ours to the paper's; ratios outside are drawn as arrows at the edge.
-const REACH: [f64; 2] = [-1.0, 3.0];
+const RATIO_RANGE: [f64; 2] = [-1.0, 3.0];
 
 fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     let claims = &published.claims;
@@ -82,7 +82,7 @@ fn look(verdict: &str) -> (Colour, Marker, bool) {
 }
 
 fn draw(claims: &[ClaimRow]) -> Canvas {
-    let high = ROW * claims.len() as f64;
+    let high = ROW_HEIGHT * claims.len() as f64;
     let top = 58.0;
     let mut canvas = Canvas::new(PAGE_WIDTH, (top + high + 44.0).round());
     let keys = ["reproduced", "not reproduced", "undecided"].map(|verdict| {
@@ -90,7 +90,7 @@ fn draw(claims: &[ClaimRow]) -> Canvas {
         (LegendEntry::Marker(marker, colour, hollow), verdict)
     });
     legend(&mut canvas, [236.0, 18.0], PAGE_WIDTH, &keys);
-    let axis = Axis::exact("ours / paper", REACH[0], REACH[1], 4);
+    let axis = Axis::exact("ours / paper", RATIO_RANGE[0], RATIO_RANGE[1], 4);
     let rows = Axis::bare_to(claims.len() as f64);
     let panel =
         canvas.panel(Panel { corner: [236.0, top], size: [208.0, high], x: axis, y: rows, title: String::new() });
@@ -106,7 +106,7 @@ fn draw(claims: &[ClaimRow]) -> Canvas {
     let widest = claims.iter().map(|row| text_width(&claim_label(&row.claim), SMALL, false)).fold(148.0, f64::max);
     let size = SMALL * 148.0 / widest;
     for (index, row) in claims.iter().enumerate() {
-        let y = top + ROW * (index as f64 + 0.5);
+        let y = top + ROW_HEIGHT * (index as f64 + 0.5);
         claim(&mut canvas, &panel, row, y);
         let first = index == 0 || claims[index - 1].claim != row.claim;
         let base = y + 0.36 * SMALL;
@@ -120,7 +120,7 @@ fn draw(claims: &[ClaimRow]) -> Canvas {
         canvas.text(Text::new(ours, [columns[1].0, base], SMALL, TextAlign::Left).colour(look(&row.verdict).0));
         canvas.text(Text::new(shown.unit, [columns[2].0, base], SMALL, TextAlign::Left));
         if first && index > 0 {
-            let edge = y - ROW / 2.0;
+            let edge = y - ROW_HEIGHT / 2.0;
             canvas.line(&[[10.0, edge], [PAGE_WIDTH - 10.0, edge]], HAIR, crate::report::style::GRID, &[]);
         }
     }
@@ -132,7 +132,7 @@ fn claim(canvas: &mut Canvas, panel: &Panel, row: &ClaimRow, y: f64) {
     let (colour, marker, hollow) = look(&row.verdict);
     let place = |value: f64| {
         let ratio = value / row.paper;
-        ratio.is_finite().then(|| [panel.at(ratio.clamp(REACH[0], REACH[1]), 0.0)[0], y])
+        ratio.is_finite().then(|| [panel.at(ratio.clamp(RATIO_RANGE[0], RATIO_RANGE[1]), 0.0)[0], y])
     };
     let Some(middle) = place(row.ours) else {
         let words = if row.paper == 0.0 { "paper: 0, no ratio" } else { "no figure in the paper" };
@@ -145,8 +145,8 @@ fn claim(canvas: &mut Canvas, panel: &Panel, row: &ClaimRow, y: f64) {
         canvas.line(&[low, high], 1.8, colour, &[]);
     }
     let ratio = row.ours / row.paper;
-    if !(REACH[0]..=REACH[1]).contains(&ratio) {
-        let way = if ratio > REACH[1] { 1.0 } else { -1.0 };
+    if !(RATIO_RANGE[0]..=RATIO_RANGE[1]).contains(&ratio) {
+        let way = if ratio > RATIO_RANGE[1] { 1.0 } else { -1.0 };
         let tip = [middle[0] + 5.0 * way, y];
         canvas.area(vec![tip, [tip[0] - 9.0 * way, y - 4.5], [tip[0] - 9.0 * way, y + 4.5]], colour, 1.0);
         return;

@@ -17,7 +17,7 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 /// Horizontal and vertical axis of each projection.
 const PROJECTIONS: [(usize, usize); 3] = [(2, 0), (2, 1), (1, 0)];
 /// Dots of each kind in a projection: more would only cover each other.
-const DOTS: usize = 1500;
+const MAX_DOTS: usize = 1500;
 const BINS: usize = 40;
 
 fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
@@ -60,7 +60,7 @@ fn summary(gaps: &[GapRow]) -> Vec<GapSummaryRow> {
 }
 
 fn draw(gaps: &[GapRow]) -> Canvas {
-    let stride = gaps.len().div_ceil(DOTS).max(1);
+    let stride = gaps.len().div_ceil(MAX_DOTS).max(1);
     let shown: Vec<&GapRow> = gaps.iter().step_by(stride).collect();
     let spans = spans_mm(gaps);
     let span = |axis: usize| spans[axis][1] - spans[axis][0];

@@ -13,14 +13,14 @@ use crate::report::style::{
 const SHADES: [Colour; 6] =
     [[255, 250, 232], [254, 227, 145], [254, 175, 67], [224, 106, 19], [153, 52, 4], [84, 20, 0]];
 /// Smallest width of a cell that holds a number.
-const LEAST_WIDE: f64 = 36.0;
-const CELL_HIGH: f64 = 22.0;
+const MIN_NUMBER_WIDTH: f64 = 36.0;
+const MAX_CELL_HEIGHT: f64 = 22.0;
 /// Largest height of a map.
-const MOST_HIGH: f64 = 300.0;
+const MAX_MAP_HEIGHT: f64 = 300.0;
 /// Least distance of two maps side by side: the width of a title.
-const TITLE: f64 = 150.0;
+const MIN_MAP_WIDTH: f64 = 150.0;
 /// Width for the name of a row.
-const NAME: f64 = 160.0;
+const NAME_WIDTH: f64 = 160.0;
 
 /// One map: its title and rows.
 struct HeatMap<'a> {
@@ -88,16 +88,18 @@ fn group(
 
 /// The maps of one kind of training, mode by mode.
 fn maps<'a>(entries: &[&'a SweepEntry<'a>], training: &str) -> Vec<HeatMap<'a>> {
-    let own: Vec<&'a SweepEntry<'a>> = entries.iter().copied().filter(|entry| entry.row.training == training).collect();
+    let of_training: Vec<&'a SweepEntry<'a>> =
+        entries.iter().copied().filter(|entry| entry.row.training == training).collect();
     let sized = sized(entries);
     let mut maps = Vec::new();
-    for mode in distinct(own.iter().map(|entry| entry.row.cell.mode.as_str())) {
-        let own: Vec<&'a SweepEntry<'a>> = own.iter().copied().filter(|entry| entry.row.cell.mode == mode).collect();
-        for name in distinct(own.iter().map(|entry| series_label(entry.row, sized))) {
-            let ours = own.iter().copied().filter(|entry| series_label(entry.row, sized) == name);
+    for mode in distinct(of_training.iter().map(|entry| entry.row.cell.mode.as_str())) {
+        let of_mode: Vec<&'a SweepEntry<'a>> =
+            of_training.iter().copied().filter(|entry| entry.row.cell.mode == mode).collect();
+        for name in distinct(of_mode.iter().map(|entry| series_label(entry.row, sized))) {
+            let of_series = of_mode.iter().copied().filter(|entry| series_label(entry.row, sized) == name);
             let words = mode_title(mode);
             let title = if words.is_empty() { name.clone() } else { format!("{name}, {words}") };
-            maps.push(HeatMap { title, entries: ours.collect() });
+            maps.push(HeatMap { title, entries: of_series.collect() });
         }
     }
     maps
@@ -131,8 +133,11 @@ fn paint(
         }
     }
     // Names of columns, skipping those that would overlap.
-    let widest =
-        across.values.iter().map(|value| text_width(&across.shown(value, NAME), SMALL, false)).fold(0.0, f64::max);
+    let widest = across
+        .values
+        .iter()
+        .map(|value| text_width(&across.shown(value, NAME_WIDTH), SMALL, false))
+        .fold(0.0, f64::max);
     let every = if across.is_number() { ((widest + 5.0) / wide).ceil().max(1.0) as usize } else { 1 };
     for (column, value) in across.values.iter().enumerate().step_by(every) {
         let room = wide * every as f64 - 3.0;
@@ -157,7 +162,7 @@ fn rows(canvas: &mut Canvas, down: &SweptAxis, layout: &HeatMapLayout, corner: C
     let every = ((SMALL + 2.0) / high).ceil().max(1.0) as usize;
     for (row, value) in down.values.iter().enumerate().step_by(every) {
         let y = corner[1] + high * (row as f64 + 0.5) + 0.36 * SMALL;
-        canvas.text(Text::new(down.shown(value, NAME), [corner[0] - 5.0, y], SMALL, TextAlign::Right));
+        canvas.text(Text::new(down.shown(value, NAME_WIDTH), [corner[0] - 5.0, y], SMALL, TextAlign::Right));
     }
     let height = high * down.values.len() as f64;
     let beside = [corner[0] - layout.names + TEXT, corner[1] + 0.5 * height];
@@ -203,16 +208,19 @@ fn contrast(one: Colour, other: Colour) -> f64 {
 
 impl HeatMapLayout {
     fn new(down: &SweptAxis, across: &SweptAxis) -> HeatMapLayout {
-        let widest =
-            down.values.iter().map(|value| text_width(&down.shown(value, NAME), SMALL, false)).fold(0.0, f64::max);
+        let widest = down
+            .values
+            .iter()
+            .map(|value| text_width(&down.shown(value, NAME_WIDTH), SMALL, false))
+            .fold(0.0, f64::max);
         let names = widest + TEXT + 14.0;
-        let wanted = across.values.iter().map(|value| text_width(&across.shown(value, NAME), SMALL, false) + 8.0);
-        let wanted = wanted.fold(LEAST_WIDE, f64::max);
+        let wanted = across.values.iter().map(|value| text_width(&across.shown(value, NAME_WIDTH), SMALL, false) + 8.0);
+        let wanted = wanted.fold(MIN_NUMBER_WIDTH, f64::max);
         let free = PAGE_WIDTH - 24.0 - names;
         let wide = wanted.min(free / across.values.len() as f64);
-        let high = CELL_HIGH.min(MOST_HIGH / down.values.len() as f64);
+        let high = MAX_CELL_HEIGHT.min(MAX_MAP_HEIGHT / down.values.len() as f64);
         // Wide enough for a title such as "Gaussian process, closed loop with load", which may be longer than a map.
-        let map = (wide * across.values.len() as f64).max(TITLE) + 18.0;
+        let map = (wide * across.values.len() as f64).max(MIN_MAP_WIDTH) + 18.0;
         let columns = (((PAGE_WIDTH - 12.0 - names) / map).floor() as usize).max(1);
         HeatMapLayout { names, cell: [wide, high], columns, pitch: [map, high * down.values.len() as f64 + 64.0] }
     }
@@ -227,9 +235,9 @@ mod tests {
         let shades: Vec<(Colour, Colour)> = (0..=100).map(|step| shade(f64::from(step), (0.0, 100.0))).collect();
         assert!(shades.windows(2).all(|pair| contrast(pair[0].0, WHITE) < contrast(pair[1].0, WHITE)));
         // On a ground halfway between white and ink neither stands out by more than the root of their own contrast.
-        let least = contrast(WHITE, INK).sqrt() * 0.99;
+        let min_contrast = contrast(WHITE, INK).sqrt() * 0.99;
         for (ground, ink) in shades {
-            assert!(contrast(ground, ink) > least, "{ground:?}");
+            assert!(contrast(ground, ink) > min_contrast, "{ground:?}");
         }
         assert_eq!(shade(f64::NAN, (0.0, 1.0)), (WHITE, GREY));
         assert_eq!(shade(2.0, (2.0, 2.0)).0, SHADES[0]);

@@ -39,7 +39,7 @@ impl SimulatedController {
             return;
         }
         if let Activity::Homing(homing) = &mut self.activity {
-            homing.asked = true;
+            homing.query_pending = true;
         } else {
             self.report();
         }
