@@ -39,6 +39,9 @@ pub(crate) const LEFT_MARGIN: f64 = 56.0;
 pub const TEXT: f64 = 11.1;
 /// Size of tick labels (7 pt).
 pub const SMALL: f64 = 9.8;
+/// Half the height of a capital or digit of the embedded font, in ems: with its baseline this far
+/// below a line, a text is centred on it.
+pub(crate) const HALF_CAP: f64 = 0.36;
 /// Width of a data line.
 pub const LINE: f64 = 1.5;
 /// Width of axes, ticks and thin intervals.

@@ -164,6 +164,7 @@ impl SimulatedAxes {
         let mut next_mm_s = 0.0;
         for block in self.blocks.iter_mut().rev() {
             block.exit_mm_s = next_mm_s;
+            // v² = v_exit² + 2 a s.
             let stoppable_mm_s = (next_mm_s * next_mm_s + 2.0 * block.acceleration_mm_s2 * block.remaining_mm).sqrt();
             next_mm_s = block.corner_mm_s.min(stoppable_mm_s);
         }
@@ -248,6 +249,7 @@ impl SimulatedAxes {
 /// Largest speed at a corner, by GRBL's junction deviation.
 fn corner_mm_s(before: &[f64; 4], after: &[f64; 4], acceleration_mm_s2: f64) -> f64 {
     let cosine = -before.iter().zip(after).map(|(one, other)| one * other).sum::<f64>();
+    // Back the way it came: a stop. Straight on: no limit.
     if cosine > 0.999_999 {
         return 0.0;
     }
@@ -255,6 +257,7 @@ fn corner_mm_s(before: &[f64; 4], after: &[f64; 4], acceleration_mm_s2: f64) -> 
     if half_sine > 0.999_999 {
         return f64::INFINITY;
     }
+    // v² = a δ sin(θ/2) / (1 − sin(θ/2)), θ the angle between the two moves.
     (acceleration_mm_s2 * JUNCTION_MM * half_sine / (1.0 - half_sine)).sqrt()
 }
 

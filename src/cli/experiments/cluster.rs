@@ -149,6 +149,7 @@ impl WorkCommand {
             let expected = "expected a task of a Slurm job array";
             number.ok_or_else(|| CommandError::BadInput(format!("{name}: found no number, {expected}")))
         };
+        // The number of this process among all tasks of all jobs of the array.
         let worker = number("SLURM_ARRAY_TASK_ID")? * number("SLURM_NTASKS")? + number("SLURM_PROCID")?;
         let threads = match self.threads.jobs {
             0 => number("SLURM_CPUS_PER_TASK").unwrap_or(1),

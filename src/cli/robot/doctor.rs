@@ -214,6 +214,7 @@ fn test_tendons(plant: &mut Hardware) -> Result<usize, CommandError> {
     let mut motions = Vec::new();
     for tendon in 0..plant.tendons() {
         let mut seen_m = [f64::NAN; 3];
+        // Three steps to the displacement, and three ticks to come to rest.
         for share in [1.0, 2.0, 3.0, 3.0, 3.0, 3.0] {
             let mut pulls_m = vec![0.0; plant.tendons()];
             pulls_m[tendon] = PULL_M * share / 3.0;

@@ -58,6 +58,7 @@ impl Effect for Delay {
         }
         self.past.iter_mut().for_each(|(age, _)| *age += dt_s);
         self.past.push_back((0.0, pulls_m.to_vec()));
+        // The first two are those around the delayed time.
         while self.past.len() > 2 && self.past[1].0 >= self.time_s {
             self.past.pop_front();
         }

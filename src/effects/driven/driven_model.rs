@@ -61,6 +61,7 @@ impl DrivenModel {
             driven.places.push(varied.places);
             params.push(varied.params);
         }
+        // The model itself is number 0, the first variable number 1.
         driven.rods = PerturbedRods::new(model.rod(extra), params)
             .map_err(|NotPerturbable(number)| VariationError::NotPerturbable(number - 1))?;
         Ok(driven)
@@ -193,6 +194,7 @@ impl DrivenModel {
             let start_s = if part == 0 { 0.0 } else { parts(number)[part - 1] };
             (start_s, parts(number)[part] - start_s)
         };
+        // A command that ends with its ramp has a hold of no duration.
         for part in (0..paths[0].ends_s.len()).filter(|&part| part_s(0, part).1 > 1e-9 * duration_s) {
             let at = |number: usize, t: f64| paths[number].drives(commands, part_s(number, part).0 + t);
             solved(self.rods.advance_with(&at, &|number| part_s(number, part).1))?;

@@ -81,6 +81,7 @@ pub(crate) fn perturb(
     match variable {
         Variable::Parameter(parameter) => {
             let (value, scale) = (parameter.value(model)?, parameter.scale(model)?);
+            // Backwards where a step forwards leaves the range or changes the grid.
             for step in [RELATIVE_STEP * scale, -RELATIVE_STEP * scale] {
                 // The perturbation after rounding of the sum.
                 let (there, step) = (value + step, (value + step) - value);

@@ -196,7 +196,9 @@ impl ModelParameter {
         };
         let (before, after) = (at(-1.0)?, at(1.0)?);
         let rates = match (before, after) {
+            // (f₁ − f₋₁) / 2 h.
             (Some(before), Some(after)) => weighted(&[(-0.5, Some(before)), (0.5, Some(after))]),
+            // (−3 f₀ + 4 f₁ − f₂) / 2 h, and its mirror image.
             (None, after) => weighted(&[(-1.5, at(0.0)?), (2.0, after), (-0.5, at(2.0)?)]),
             (before, None) => weighted(&[(1.5, at(0.0)?), (-2.0, before), (0.5, at(-2.0)?)]),
         };

@@ -194,6 +194,7 @@ impl Backbone {
             end_m: piece.end_m,
             bending_n_m2: [bending * (1.0 + piece.anisotropy), bending * (1.0 - piece.anisotropy)],
             principal_angle_rad: piece.principal_angle_deg.to_radians(),
+            // The polar moment of a round section is twice its second moment.
             torsion_n_m2: measured(
                 piece.torsion_stiffness_n_m2,
                 self.torsion_stiffness_n_m2,

@@ -125,6 +125,7 @@ impl Tendons {
     pub(super) fn layout(&self, length_m: f64) -> TendonLayout {
         let mut ends_m: Vec<f64> = (0..self.angles_deg.len()).map(|i| self.end_m(i, length_m)).collect();
         ends_m.sort_by(f64::total_cmp);
+        // Ends that differ by rounding alone are of one segment.
         ends_m.dedup_by(|a, b| (*a - *b).abs() < 1e-6 * length_m);
         let ending = |end_m: f64| {
             let here = |&i: &usize| (self.end_m(i, length_m) - end_m).abs() < 1e-6 * length_m;

@@ -230,6 +230,7 @@ impl Robot {
     /// Tendons that all lie within a few degrees of each other are in radians.
     fn check_angles(&self) -> Checked {
         let angles = &self.tendons.angles_deg;
+        // Angles that are written in radians are at most 2π.
         let all_small = angles.iter().all(|angle| angle.abs() <= 6.3);
         let apart = angles.iter().any(|angle| (angle - angles[0]).abs() > 0.5);
         if !(all_small && apart) || self.tendons.paths.is_some() {

@@ -121,6 +121,7 @@ impl RecedingHorizon {
         let MpcOptions { horizon, move_weight, .. } = self.options;
         let step_m = self.limits.max_step_m.unwrap_or(2.0 * self.limits.travel_m);
         let Some(jacobian) = self.model.jacobian(&goal.bend_m) else { return goal.clone() };
+        // The bend counts by what it moves of the tip at the goal.
         let metric = jacobian.transpose() * jacobian;
         let remaining_m: Vec<f64> = goal.bend_m.iter().zip(&in_force.bend_m).map(|(to, from)| to - from).collect();
         let mut change_m = first_move_m(&metric, &remaining_m, horizon, move_weight, step_m);
@@ -129,6 +130,7 @@ impl RecedingHorizon {
         for _ in 0..MAX_SCALINGS {
             let bend_m: Vec<f64> = in_force.bend_m.iter().zip(&change_m).map(|(from, change)| from + change).collect();
             let Some(pose) = self.model.expect(&bend_m) else {
+                // No equilibrium there: half the way.
                 change_m.iter_mut().for_each(|change_m| *change_m *= 0.5);
                 continue;
             };
@@ -138,6 +140,7 @@ impl RecedingHorizon {
             if largest_m <= step_m && (!limited || at_goal || largest_m >= MIN_SHARE_OF_LIMIT * step_m) {
                 break;
             }
+            // Into the middle of the accepted band: pulls are not linear in the bend.
             let share = 0.5 * (1.0 + MIN_SHARE_OF_LIMIT) * step_m / largest_m;
             for (change_m, remaining_m) in change_m.iter_mut().zip(&remaining_m) {
                 *change_m = (share * *change_m).clamp(-remaining_m.abs(), remaining_m.abs());

@@ -16,18 +16,21 @@ pub(crate) fn first_move_m(
     step_m: f64,
 ) -> Vec<f64> {
     let count = remaining_m.len();
-    let largest = metric.diagonal().sum();
+    // The trace bounds the largest eigenvalue of a positive semidefinite matrix.
+    let eigenvalue_bound = metric.diagonal().sum();
     // Largest curvature of the sum: that of the map from moves to bends has norm below ticks(ticks + 1)/2.
-    let curvature = 2.0 * (largest * (ticks * (ticks + 1)) as f64 / 2.0 + weight);
+    let curvature = 2.0 * (eigenvalue_bound * (ticks * (ticks + 1)) as f64 / 2.0 + weight);
     let mut moves = vec![0.0; ticks * count];
     let (mut extrapolated, mut momentum) = (moves.clone(), 1.0_f64);
     for _ in 0..ITERATIONS {
         let gradient = gradient(metric, remaining_m, &extrapolated, weight);
+        // A gradient step of one over the curvature, projected onto the permitted moves.
         let next: Vec<f64> = extrapolated
             .iter()
             .zip(&gradient)
             .map(|(value, slope)| (value - slope / curvature).clamp(-step_m, step_m))
             .collect();
+        // Nesterov: t' = (1 + √(1 + 4 t²)) / 2, extrapolation by (t − 1) / t'.
         let following = 0.5 * (1.0 + (1.0 + 4.0 * momentum * momentum).sqrt());
         let share = (momentum - 1.0) / following;
         extrapolated = next.iter().zip(&moves).map(|(next, last)| next + share * (next - last)).collect();

@@ -9,7 +9,7 @@ use crate::data::findings::CaseRow;
 use crate::report::discovery::format::fitted;
 use crate::report::drawing::{Canvas, CanvasPoint, Text, TextAlign, text_width};
 use crate::report::order::distinct;
-use crate::report::style::{BLUE, Colour, GREY, HAIR, INK, PAGE_WIDTH, SKY, SMALL, TEXT, VERMILION, WHITE};
+use crate::report::style::{BLUE, Colour, GREY, HAIR, HALF_CAP, INK, PAGE_WIDTH, SKY, SMALL, TEXT, VERMILION, WHITE};
 
 /// Number of cases with one truth and one answer (`confusion.csv`).
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -107,7 +107,7 @@ pub(crate) fn draw(cases: &[CaseRow]) -> Canvas {
     let longest = names.iter().map(|name| text_width(name, size, false)).fold(0.0, f64::max);
     let top = 44.0 + longest;
     for (index, (answer, name)) in columns.iter().zip(&names).enumerate() {
-        let x = LEFT_MARGIN + wide * (index as f64 + 0.5) + 0.36 * size + gap(answer);
+        let x = LEFT_MARGIN + wide * (index as f64 + 0.5) + HALF_CAP * size + gap(answer);
         let colour = if matches!(answer, AnswerClass::Named(_)) { INK } else { GREY };
         canvas.text(Text::new(name, [x, top - 6.0], size, TextAlign::Left).upwards().colour(colour));
     }
@@ -189,7 +189,7 @@ fn cell(canvas: &mut Canvas, line: &MatrixRow, column: &AnswerClass, [x, y]: Can
     let words = here.len().to_string();
     let size = SMALL.min(SMALL * 0.86 * wide / text_width(&words, SMALL, false).max(1.0));
     let ink = if luminance(colour) > 0.3 { INK } else { WHITE };
-    let middle = [0.5 * (from[0] + to[0]), 0.5 * (from[1] + to[1]) + 0.36 * size];
+    let middle = [0.5 * (from[0] + to[0]), 0.5 * (from[1] + to[1]) + HALF_CAP * size];
     canvas.text(Text::new(words, middle, size, TextAlign::Centre).colour(ink));
 }
 

@@ -5,7 +5,7 @@ use crate::report::cells::modes_in_order;
 use crate::report::drawing::{Axis, Canvas, Panel, Text, TextAlign};
 use crate::report::order::last_training;
 use crate::report::style::{
-    GREY, HAIR, INK, LEFT_MARGIN, MARKER, Marker, PAGE_WIDTH, SMALL, TALL, TEXT, claim_label, mode_title,
+    GREY, HAIR, HALF_CAP, INK, LEFT_MARGIN, MARKER, Marker, PAGE_WIDTH, SMALL, TALL, TEXT, claim_label, mode_title,
     policies_in_order, policy_label, policy_look, training_label,
 };
 use crate::report::{Artifact, Figure, Published, ReportError, csv, text};
@@ -91,7 +91,7 @@ fn spread(canvas: &mut Canvas, panel: &Panel, x: f64, row: &PopulationRow) {
     canvas.marker(at(row.median_m), look.marker, MARKER, look.colour, false);
     let words = format!("{:.1}", 1e3 * row.median_m);
     let [left, middle] = at(row.median_m);
-    canvas.text(Text::new(words, [left + 9.0, middle + 0.36 * SMALL], SMALL, TextAlign::Left));
+    canvas.text(Text::new(words, [left + 9.0, middle + HALF_CAP * SMALL], SMALL, TextAlign::Left));
 }
 
 /// The share of robots on which each claim holds, below `top`; returns where it ends.
@@ -107,7 +107,7 @@ fn shares(canvas: &mut Canvas, claims: &[&RobotClaimRow], top: f64) -> f64 {
         let at = |share: f64| panel.at(100.0 * share, y);
         canvas.line(&[at(row.low_95), at(row.high_95)], 1.8, INK, &[]);
         canvas.marker(at(row.share), Marker::Circle, MARKER, INK, false);
-        let base = at(0.0)[1] + 0.36 * SMALL;
+        let base = at(0.0)[1] + HALF_CAP * SMALL;
         canvas.text(Text::new(claim_label(&row.claim), [CLAIMS_LEFT - 8.0, base], SMALL, TextAlign::Right));
         let words = format!("{} of {}", row.held, row.robots);
         canvas.text(Text::new(words, [PAGE_WIDTH - 52.0, base], SMALL, TextAlign::Left));

@@ -72,8 +72,9 @@ fn attributed(
     if with_m.len() < 2 || without_m.len() < 2 {
         return None;
     }
-    let share = |errors_m: &[f64]| standard_deviation(errors_m).powi(2) / errors_m.len() as f64;
-    let (a, b) = (share(&with_m), share(&without_m));
+    let squared_error_m2 = |errors_m: &[f64]| standard_deviation(errors_m).powi(2) / errors_m.len() as f64;
+    let (a, b) = (squared_error_m2(&with_m), squared_error_m2(&without_m));
+    // Degrees of freedom by Welch and Satterthwaite: the variances may differ.
     let freedom = (a + b).powi(2) / (a * a / (with_m.len() - 1) as f64 + b * b / (without_m.len() - 1) as f64);
     let difference_m = mean(&with_m) - mean(&without_m);
     let half_m = student_95(freedom) * (a + b).sqrt();

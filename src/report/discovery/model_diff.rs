@@ -34,6 +34,7 @@ pub(crate) fn compare<'a>(before: &'a str, after: &'a str) -> Vec<DiffLine<'a>> 
 
 /// Longest common subsequence by dynamic programming.
 fn common<'a>(old: &[&'a str], new: &[&'a str]) -> Vec<DiffLine<'a>> {
+    // length[i][j]: of the longest common subsequence of old[i..] and new[j..].
     let mut length = vec![vec![0u32; new.len() + 1]; old.len() + 1];
     for i in (0..old.len()).rev() {
         for j in (0..new.len()).rev() {

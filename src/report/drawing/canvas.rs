@@ -141,6 +141,7 @@ fn dashes(points: &[CanvasPoint], dash: Dash) -> Vec<Vec<CanvasPoint>> {
             let share = remaining / length;
             from = [from[0] + share * (pair[1][0] - from[0]), from[1] + share * (pair[1][1] - from[1])];
             length -= remaining;
+            // Even lengths are drawn, odd ones are gaps.
             if dash_index % 2 == 0 {
                 piece.push(from);
                 pieces.push(std::mem::take(&mut piece));

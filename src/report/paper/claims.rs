@@ -3,7 +3,7 @@
 use crate::report::drawing::{Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend, signed, text_width};
 use crate::report::page::markup::MarkdownTable;
 use crate::report::style::{
-    Colour, DASHED, GREEN, GREY, HAIR, INK, MARKER, Marker, PAGE_WIDTH, SMALL, VERMILION, WHITE, claim_label,
+    Colour, DASHED, GREEN, GREY, HAIR, HALF_CAP, INK, MARKER, Marker, PAGE_WIDTH, SMALL, VERMILION, WHITE, claim_label,
     training_short,
 };
 use crate::report::{Artifact, Figure, Published, ReportError, text};
@@ -109,7 +109,7 @@ fn draw(claims: &[ClaimRow]) -> Canvas {
         let y = top + ROW_HEIGHT * (index as f64 + 0.5);
         claim(&mut canvas, &panel, row, y);
         let first = index == 0 || claims[index - 1].claim != row.claim;
-        let base = y + 0.36 * SMALL;
+        let base = y + HALF_CAP * SMALL;
         let shown = shown(row);
         let ours = format!("{} {}", shown.ours, shown.interval.unwrap_or_default());
         if first {
@@ -138,7 +138,7 @@ fn claim(canvas: &mut Canvas, panel: &Panel, row: &ClaimRow, y: f64) {
         let words = if row.paper == 0.0 { "paper: 0, no ratio" } else { "no figure in the paper" };
         let at = panel.at(0.08, 0.0)[0];
         canvas.rectangle([at - 2.0, y - 6.0], [at + 2.0 + text_width(words, 8.6, false), y + 6.0], WHITE, 1.0);
-        canvas.text(Text::new(words, [at, y + 0.36 * SMALL], 8.6, TextAlign::Left).colour(GREY));
+        canvas.text(Text::new(words, [at, y + HALF_CAP * SMALL], 8.6, TextAlign::Left).colour(GREY));
         return;
     };
     if let (Some(low), Some(high)) = (place(row.low_95), place(row.high_95)) {

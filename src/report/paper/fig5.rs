@@ -113,6 +113,7 @@ fn spans_mm(gaps: &[GapRow]) -> [[f64; 2]; 3] {
 fn histograms(canvas: &mut Canvas, gaps: &[GapRow], top: f64) {
     let gaps_mm: Vec<Vec<f64>> =
         (0..3).map(|axis| differences_m(gaps, axis).iter().map(|gap| 1e3 * gap).collect()).collect();
+    // Single outliers do not stretch the scale: the outer bins take them.
     let (low, high) = range(gaps_mm.iter().flat_map(|gaps| [quantile(gaps, 0.001), quantile(gaps, 0.999)]));
     let largest = low.abs().max(high.abs());
     let x = Axis::covering("", [-largest, largest].into_iter(), 4);

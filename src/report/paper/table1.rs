@@ -9,8 +9,8 @@ use crate::report::drawing::{Axis, Canvas, LegendEntry, Panel, Text, TextAlign, 
 use crate::report::order::trainings;
 use crate::report::page::markup::{MarkdownTable, latex};
 use crate::report::style::{
-    BLUE, Colour, GREEN, HAIR, INK, MARKER, Marker, ORANGE, PAGE_WIDTH, SMALL, policies_in_order, policy_label,
-    policy_latex, policy_markdown, training_label,
+    BLUE, Colour, GREEN, HAIR, HALF_CAP, INK, MARKER, Marker, ORANGE, PAGE_WIDTH, SMALL, policies_in_order,
+    policy_label, policy_latex, policy_markdown, training_label,
 };
 use crate::report::{Artifact, Figure, Published, ReportError, csv, text};
 use crate::rows::experiment::ReachSummaryRow;
@@ -228,7 +228,7 @@ fn facet(
             let Some(entry) = entry(summary, source, policy, mode) else {
                 let word = printed(None, policy, mode);
                 let x = panel.corner[0] + 8.0;
-                canvas.text(Text::new(word, [x, y + 0.36 * SMALL], SMALL, TextAlign::Left).colour(source.colour));
+                canvas.text(Text::new(word, [x, y + HALF_CAP * SMALL], SMALL, TextAlign::Left).colour(source.colour));
                 continue;
             };
             let place = |value_m: f64| [panel.at(1e3 * value_m, 0.0)[0], y];

@@ -46,6 +46,7 @@ fn draw(rows: &[&PeerRow]) -> Canvas {
             y: if index == 0 { y.clone() } else { y.bare() },
             title: format!("({}) {}", char::from(b'a' + (index % 26) as u8), ROBOTS.label(robot)),
         });
+        // Real time: 10³ ms of the processor for a second.
         panel.line(&mut canvas, &[[panel.x.low, 3.0], [panel.x.high, 3.0]], GREY, DASHED, HAIR);
         curves(&mut canvas, &panel, &of_robot);
     }

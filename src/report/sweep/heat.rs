@@ -6,7 +6,7 @@ use super::{SweepEntry, series_label, sized, training_heading};
 use crate::report::drawing::{Canvas, CanvasPoint, Text, TextAlign, text_width};
 use crate::report::order::{distinct, trainings};
 use crate::report::style::{
-    Colour, GREY, HAIR, INK, PAGE_WIDTH, SMALL, TALL, TEXT, WHITE, capitalised, heading, mode_title,
+    Colour, GREY, HAIR, HALF_CAP, INK, PAGE_WIDTH, SMALL, TALL, TEXT, WHITE, capitalised, heading, mode_title,
 };
 
 /// Light to dark, so that a grey print keeps the order; ColorBrewer's YlOrBr, safe for colour-blind readers.
@@ -128,7 +128,7 @@ fn paint(
         canvas.rectangle([x, y], [x + wide, y + high], ground, 1.0);
         let words = if value_mm.is_finite() { digits(value_mm, scale) } else { "–".to_owned() };
         if high >= SMALL + 2.0 && text_width(&words, SMALL, false) + 2.0 <= wide {
-            let middle = [x + 0.5 * wide, y + 0.5 * high + 0.36 * SMALL];
+            let middle = [x + 0.5 * wide, y + 0.5 * high + HALF_CAP * SMALL];
             canvas.text(Text::new(words, middle, SMALL, TextAlign::Centre).colour(ink));
         }
     }
@@ -161,7 +161,7 @@ fn rows(canvas: &mut Canvas, down: &SweptAxis, layout: &HeatMapLayout, corner: C
     let high = layout.cell[1];
     let every = ((SMALL + 2.0) / high).ceil().max(1.0) as usize;
     for (row, value) in down.values.iter().enumerate().step_by(every) {
-        let y = corner[1] + high * (row as f64 + 0.5) + 0.36 * SMALL;
+        let y = corner[1] + high * (row as f64 + 0.5) + HALF_CAP * SMALL;
         canvas.text(Text::new(down.shown(value, NAME_WIDTH), [corner[0] - 5.0, y], SMALL, TextAlign::Right));
     }
     let height = high * down.values.len() as f64;

@@ -71,6 +71,7 @@ impl SimulatedController {
         if closed == [true; 4] {
             let pull_off_mm = table::value(&self.settings, 27);
             let slow_mm_s = table::value(&self.settings, 24) / 60.0;
+            // Two back-offs at the search speed, one slow approach, and the pauses.
             homing.remaining_s = Some(2.0 * pull_off_mm / speed_mm_s + pull_off_mm / slow_mm_s + PAUSES_S);
             return Ok(());
         }
