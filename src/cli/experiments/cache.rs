@@ -122,8 +122,8 @@ fn prune(
     }
     let codes = codes();
     let useless = |entry: &&StoredEntry| {
-        let old = older_than.is_some_and(|limit| days(entry.age) > limit);
-        old || entry.state(&codes) == EntryState::Stale || store.damage(entry).is_some()
+        let too_old = older_than.is_some_and(|limit| days(entry.age) > limit);
+        too_old || entry.state(&codes) == EntryState::Stale || store.damage(entry).is_some()
     };
     let useless: Vec<&StoredEntry> = entries.iter().filter(useless).collect();
     let leftover_files = store.leftovers().map_err(CommandError::failed)?;

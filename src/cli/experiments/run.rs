@@ -139,8 +139,8 @@ fn summarise(progress: &Progress, campaign: &Campaign, outcomes: &Outcomes, publ
 fn tell_files(progress: &Progress, campaign: &Campaign, published: &[Publication], out: &Path) {
     for (entry, publication) in campaign.entries.iter().zip(published) {
         let name = &entry.experiment.name;
-        let shown = |path: &&PathBuf| path.extension().is_some_and(|end| end == "md" || end == "png");
-        let shown = publication.files.keys().filter(shown).map(|path| out.join(path).display().to_string());
+        let is_shown = |path: &&PathBuf| path.extension().is_some_and(|end| end == "md" || end == "png");
+        let shown = publication.files.keys().filter(is_shown).map(|path| out.join(path).display().to_string());
         let mut places = vec![format!("{}/", out.join("results").join(name).display())];
         places.extend(shown);
         progress.say(&format!("{name}: {}", places.join(", ").replace("./", "")));

@@ -108,11 +108,12 @@ impl VerifyCommand {
             return Ok(self.experiments.clone());
         }
         let results = self.out.join("results");
-        let nothing = |found: &str| format!("{}: found {found}, expected published experiments", results.display());
-        let folders = std::fs::read_dir(&results).map_err(|error| nothing(&error.to_string()))?;
+        let none_published =
+            |found: &str| format!("{}: found {found}, expected published experiments", results.display());
+        let folders = std::fs::read_dir(&results).map_err(|error| none_published(&error.to_string()))?;
         let folders = folders.flatten().filter(|folder| folder.path().join("spec.yaml").is_file());
         let mut names: Vec<String> = folders.map(|folder| folder.file_name().to_string_lossy().into_owned()).collect();
         names.sort();
-        if names.is_empty() { Err(nothing("none")) } else { Ok(names) }
+        if names.is_empty() { Err(none_published("none")) } else { Ok(names) }
     }
 }

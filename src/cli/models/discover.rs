@@ -256,7 +256,7 @@ impl DiscoverCommand {
         .map_err(CommandError::failed)?;
         std::fs::create_dir_all(&self.out)
             .map_err(|error| CommandError::failed(format!("{}: {error}", self.out.display())))?;
-        let old = self.old_commands();
+        let old_files = self.old_commands();
         for file in &files {
             write_atomic(&self.out.join(&file.name), &file.bytes).map_err(CommandError::failed)?;
         }
@@ -266,7 +266,8 @@ impl DiscoverCommand {
         for next in &answer.next_experiments {
             next.commands.write(&self.out.join(&next.proposal.file)).map_err(CommandError::failed)?;
         }
-        for file in old.iter().filter(|old| !answer.next_experiments.iter().any(|next| next.proposal.file == **old)) {
+        let proposed = |file: &&String| answer.next_experiments.iter().any(|next| next.proposal.file == **file);
+        for file in old_files.iter().filter(|file| !proposed(file)) {
             let _ = std::fs::remove_file(self.out.join(file));
         }
         write_atomic(&self.out.join("model.yaml"), &model_bytes).map_err(CommandError::failed)?;

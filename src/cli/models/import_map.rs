@@ -96,7 +96,7 @@ fn finish(mapped: &MappedImport, out: &Path, progress: &Progress) -> CommandResu
 
 fn print_clock(TrialClock { trial, fit }: &TrialClock) {
     let ClockFit { offset_s, interval_95_s: [low_s, high_s], lag_s, explained, dead_time_s } = fit;
-    let of = trial.map_or(String::new(), |trial| format!("trial {trial}: "));
+    let prefix = trial.map_or(String::new(), |trial| format!("trial {trial}: "));
     let dead_time = if *dead_time_s > 0.0 {
         format!("The interval is for a dead time of the drive up to {dead_time_s} s.")
     } else {
@@ -105,7 +105,7 @@ fn print_clock(TrialClock { trial, fit }: &TrialClock) {
             .to_owned()
     };
     eprintln!(
-        "note: {of}the tracker's times are shifted by {offset_s:.4} s (95 % interval {low_s:.4} to {high_s:.4} s): at this \
+        "note: {prefix}the tracker's times are shifted by {offset_s:.4} s (95 % interval {low_s:.4} to {high_s:.4} s): at this \
          offset the commands, with a lag of {lag_s:.3} s, explain {:.1} % of the tip's motion. {dead_time}",
         100.0 * explained
     );

@@ -72,10 +72,10 @@ fn probe(folder: &Path, bytes: usize) -> io::Result<()> {
         .take_while(|place| !place.as_os_str().is_empty() && !place.exists())
         .map(Path::to_owned)
         .collect();
-    let tried = write_probe(folder, bytes);
+    let result = write_probe(folder, bytes);
     // A folder in which another process has begun to write stays.
     missing.iter().for_each(|made| drop(std::fs::remove_dir(made)));
-    tried
+    result
 }
 
 fn write_probe(folder: &Path, bytes: usize) -> io::Result<()> {

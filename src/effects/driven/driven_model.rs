@@ -250,13 +250,13 @@ impl DrivenModel {
             let positions = seen.positions_m().map(|position_m| Vector3::from(*position_m));
             positions.zip(turns).collect::<Vec<MeasuredPose>>()
         };
-        let here = measured(0, self.rod());
+        let unperturbed = measured(0, self.rod());
         let rate = |(number, (perturbation, rod)): (usize, (&Perturbation, &Rod))| {
             let between = |((here_m, turn), (there_m, turned)): (&MeasuredPose, MeasuredPose)| TipRate {
                 position_m: (there_m - here_m) / perturbation.step,
                 rotation_rad: rotation::log(&(turned * turn.transpose())) / perturbation.step,
             };
-            let mut rates: Vec<TipRate> = here.iter().zip(measured(number + 1, rod)).map(between).collect();
+            let mut rates: Vec<TipRate> = unperturbed.iter().zip(measured(number + 1, rod)).map(between).collect();
             PoseRates { tip: rates.remove(0), points: rates }
         };
         self.perturbations.iter().zip(self.rods.others()).enumerate().map(rate).collect()

@@ -69,7 +69,7 @@ pub(crate) fn perturb(
     index: usize,
 ) -> Result<PerturbedModel, VariationError> {
     let params = model.rod(extra);
-    let plain = |step: f64, shift: CommandShift, params: RodParams| PerturbedModel {
+    let of_model = |step: f64, shift: CommandShift, params: RodParams| PerturbedModel {
         perturbation: Perturbation { step, shift },
         drive_time_s: model.robot.drive_time_s,
         params,
@@ -101,15 +101,15 @@ pub(crate) fn perturb(
             if *tendon >= params.tendons.len() {
                 return Err(VariationError::Missing(index));
             }
-            Ok(plain(RELATIVE_STEP * COMMAND_SCALE, CommandShift::Commands(*tendon, commands.clone()), params))
+            Ok(of_model(RELATIVE_STEP * COMMAND_SCALE, CommandShift::Commands(*tendon, commands.clone()), params))
         }
         Variable::Force(along) => {
             changed.tip_load.force_n[axis(*along)?] += RELATIVE_STEP * FORCE_SCALE_N;
-            Ok(plain(RELATIVE_STEP * FORCE_SCALE_N, CommandShift::Nothing, changed))
+            Ok(of_model(RELATIVE_STEP * FORCE_SCALE_N, CommandShift::Nothing, changed))
         }
         Variable::Moment(about) => {
             changed.tip_load.moment_nm[axis(*about)?] += RELATIVE_STEP * MOMENT_SCALE_NM;
-            Ok(plain(RELATIVE_STEP * MOMENT_SCALE_NM, CommandShift::Nothing, changed))
+            Ok(of_model(RELATIVE_STEP * MOMENT_SCALE_NM, CommandShift::Nothing, changed))
         }
     }
 }

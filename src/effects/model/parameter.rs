@@ -183,8 +183,8 @@ impl ModelParameter {
         let step = step * self.scale(model).map_err(VariationError::from)?;
         let value = self.value(model).map_err(VariationError::from)?;
         let at = |steps: f64| -> Result<Option<Vec<Point3>>, E> {
-            let there = self.with_value(model, value + steps * step).map_err(VariationError::from)?;
-            if there.check().is_ok() { points(&there).map(Some) } else { Ok(None) }
+            let candidate = self.with_value(model, value + steps * step).map_err(VariationError::from)?;
+            if candidate.check().is_ok() { points(&candidate).map(Some) } else { Ok(None) }
         };
         let weighted = |terms: &[(f64, Option<Vec<Point3>>)]| -> Option<Vec<Point3>> {
             let terms: Vec<(f64, &Vec<Point3>)> =
@@ -208,8 +208,8 @@ impl ModelParameter {
     /// The model as a JSON tree and the JSON pointer of the parameter.
     fn place(&self, model: &Model) -> Result<(Value, String), ParameterError> {
         // JSON cannot hold the infinite values of the numerical resolution.
-        let plain = Robot { resolution: Resolution::default(), ..model.robot.clone() };
-        let model = Model { robot: plain, ..model.clone() };
+        let robot = Robot { resolution: Resolution::default(), ..model.robot.clone() };
+        let model = Model { robot, ..model.clone() };
         let root = serde_json::to_value(&model).map_err(|_| self.unknown())?;
         let mut pointer = format!("/{}", self.path.replace(']', "").replace(['.', '['], "/"));
         if let Some(rest) = pointer.strip_prefix("/effects/") {

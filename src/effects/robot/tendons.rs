@@ -128,9 +128,9 @@ impl Tendons {
         // Ends that differ by rounding alone are of one segment.
         ends_m.dedup_by(|a, b| (*a - *b).abs() < 1e-6 * length_m);
         let ending = |end_m: f64| {
-            let here = |&i: &usize| (self.end_m(i, length_m) - end_m).abs() < 1e-6 * length_m;
+            let ends_here = |&i: &usize| (self.end_m(i, length_m) - end_m).abs() < 1e-6 * length_m;
             let placed = |tendon| PlacedTendon { tendon, angle_deg: self.angle_deg(tendon) };
-            (0..self.angles_deg.len()).filter(here).map(placed).collect()
+            (0..self.angles_deg.len()).filter(ends_here).map(placed).collect()
         };
         TendonLayout { segments: ends_m.into_iter().map(ending).collect() }
     }

@@ -22,7 +22,7 @@ pub(crate) const ENTRY: PolicyEntry = PolicyEntry {
     make: |mut parts, options| {
         let error = Some(parts.error("mpc")?);
         let (travel_m, slack_m) = (options.limits.travel_m, options.mpc.slack_m);
-        let model = RestModel::new((parts.tip_model("mpc")?, error), parts.layout("mpc")?, travel_m, slack_m);
+        let model = RestModel::new(parts.tip_model("mpc")?, error, parts.layout("mpc")?, travel_m, slack_m);
         Ok(Box::new(SingleController::new(RecedingHorizon::new(model, options.mpc, options), "", options)))
     },
     ..PolicyEntry::PLAIN

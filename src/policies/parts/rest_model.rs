@@ -28,7 +28,7 @@ pub fn nearest_at_rest_m(
     travel_m: f64,
     targets_m: &[Point3],
 ) -> Vec<f64> {
-    let mut model = RestModel::new((model, None), layout, travel_m, 0.0);
+    let mut model = RestModel::new(model, None, layout, travel_m, 0.0);
     let straight_m = vec![0.0; model.bends()];
     let mut nearest = |target_m: &Point3| {
         model.restart();
@@ -59,7 +59,8 @@ pub(crate) struct RestModel {
 
 impl RestModel {
     pub(crate) fn new(
-        (model, error): (Box<dyn TipModel>, Option<Arc<dyn ErrorModel>>),
+        model: Box<dyn TipModel>,
+        error: Option<Arc<dyn ErrorModel>>,
         layout: TendonLayout,
         travel_m: f64,
         slack_m: f64,

@@ -172,25 +172,25 @@ fn keys(canvas: &mut Canvas) {
 /// Number of cases of a row with an answer; darker for a larger share.
 fn cell(canvas: &mut Canvas, line: &MatrixRow, column: &AnswerClass, [x, y]: CanvasPoint, wide: f64) {
     let [from, to] = [[x + 0.5, y + 0.5], [x + wide - 0.5, y + ROW_HEIGHT - 0.5]];
-    let here: Vec<&&CaseRow> = line.cases.iter().filter(|case| AnswerClass::of(case) == *column).collect();
-    if here.is_empty() {
+    let matching_cases: Vec<&&CaseRow> = line.cases.iter().filter(|case| AnswerClass::of(case) == *column).collect();
+    if matching_cases.is_empty() {
         canvas.rectangle(from, to, [244, 244, 244], 1.0);
         return;
     }
-    let right = 2 * here.iter().filter(|case| case.right).count() >= here.len();
+    let right = 2 * matching_cases.iter().filter(|case| case.right).count() >= matching_cases.len();
     let hue = match column {
         _ if right => BLUE,
         AnswerClass::GroupWith | AnswerClass::Group => SKY,
         _ => VERMILION,
     };
-    let share = here.len() as f64 / line.cases.len() as f64;
+    let share = matching_cases.len() as f64 / line.cases.len() as f64;
     let colour = mixed(hue, 0.25 + 0.75 * share.sqrt());
     canvas.rectangle(from, to, colour, 1.0);
-    let words = here.len().to_string();
-    let size = SMALL.min(SMALL * 0.86 * wide / text_width(&words, SMALL, false).max(1.0));
+    let count = matching_cases.len().to_string();
+    let size = SMALL.min(SMALL * 0.86 * wide / text_width(&count, SMALL, false).max(1.0));
     let ink = if luminance(colour) > 0.3 { INK } else { WHITE };
     let middle = [0.5 * (from[0] + to[0]), 0.5 * (from[1] + to[1]) + HALF_CAP * size];
-    canvas.text(Text::new(words, middle, size, TextAlign::Centre).colour(ink));
+    canvas.text(Text::new(count, middle, size, TextAlign::Centre).colour(ink));
 }
 
 /// A colour mixed with white.

@@ -186,14 +186,14 @@ pub(crate) fn summary(cases: &[CaseRow]) -> Vec<SummaryRow> {
     let mut rows = part("all", cases.iter());
     if samples.len() > 1 {
         for count in samples.iter().rev() {
-            let here = cases.iter().filter(|case| case.samples as f64 == *count);
-            rows.extend(part(&format!("{count} samples"), here));
+            let with_samples = cases.iter().filter(|case| case.samples as f64 == *count);
+            rows.extend(part(&format!("{count} samples"), with_samples));
         }
     }
     if noises.len() > 1 {
         for noise_m in &noises {
-            let here = cases.iter().filter(|case| case.noise_m == *noise_m);
-            rows.extend(part(&noise_name(*noise_m), here));
+            let with_noise = cases.iter().filter(|case| case.noise_m == *noise_m);
+            rows.extend(part(&noise_name(*noise_m), with_noise));
         }
     }
     rows

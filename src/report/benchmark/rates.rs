@@ -86,6 +86,6 @@ fn mark(canvas: &mut Canvas, panel: &Panel, row: &SummaryRow, look: Look, y: f64
     if row.value.is_finite() {
         canvas.marker(place(row.value), look.marker, 0.85 * MARKER, look.colour, false);
     }
-    let words = format!("{}{}", plain(row), interval(row));
-    canvas.text(Text::new(words, [PAGE_WIDTH - 10.0, y + 3.5], 0.92 * SMALL, TextAlign::Right).colour(INK));
+    let label = format!("{}{}", plain(row), interval(row));
+    canvas.text(Text::new(label, [PAGE_WIDTH - 10.0, y + 3.5], 0.92 * SMALL, TextAlign::Right).colour(INK));
 }

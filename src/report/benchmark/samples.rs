@@ -45,11 +45,12 @@ pub(crate) fn draw(cases: &[CaseRow]) -> Canvas {
         closing("GP", |case| case.gp_m),
         closing("stiffness refitted", |case| case.stiffness_only_m),
     ];
-    let axis = "squared error beyond noise (%)";
-    panel(&mut canvas, 0, ("(a) gap closed on held-out trials", axis), cases, &remedies);
+    let (title, axis) = ("(a) gap closed on held-out trials", "squared error beyond noise (%)");
+    SamplesPanel { title, axis, lines: &remedies }.draw(&mut canvas, 0, cases);
     let noises = ascending(cases.iter().map(|case| case.noise_m));
     let noises: Vec<Series> = noises.into_iter().take(LOOKS.len()).map(named).collect();
-    panel(&mut canvas, 1, ("(b) single effects named right", "share (%)"), cases, &noises);
+    let (title, axis) = ("(b) single effects named right", "share (%)");
+    SamplesPanel { title, axis, lines: &noises }.draw(&mut canvas, 1, cases);
     let note = "(a): medians of singles and pairs, what is beyond the axis at its end; bars: 95 % intervals";
     canvas.text(
         Text::new(note, [PAGE_WIDTH - 14.0, TOP_MARGIN + PANEL_HEIGHT + 50.0], SMALL, TextAlign::Right).colour(GREY),
@@ -57,30 +58,41 @@ pub(crate) fn draw(cases: &[CaseRow]) -> Canvas {
     canvas
 }
 
-/// Draws panel number `index` under its legend.
-fn panel(canvas: &mut Canvas, index: usize, (title, axis): (&str, &str), cases: &[CaseRow], all: &[Series]) {
-    let counts = ascending(cases.iter().map(|case| case.samples as f64));
-    let names: Vec<String> = counts.iter().map(f64::to_string).collect();
-    let left = LEFT_MARGIN + (PANEL_WIDTH + LEFT_MARGIN + 12.0) * index as f64;
-    let keys: Vec<(LegendEntry, &str)> =
-        LOOKS.into_iter().zip(all).map(|(look, (name, _))| (LegendEntry::Plain(look), name.as_str())).collect();
-    legend(canvas, [left, 18.0], left + PANEL_WIDTH, &keys);
-    let panel = canvas.panel(Panel {
-        corner: [left, TOP_MARGIN],
-        size: [PANEL_WIDTH, PANEL_HEIGHT],
-        x: Axis::categories("samples in the recording", &names),
-        y: Axis::exact(axis, 0.0, 100.0, 5),
-        title: title.to_owned(),
-    });
-    for (turn, ((_, estimate), look)) in all.iter().zip(LOOKS).enumerate() {
-        let aside = 0.06 * (turn as f64 - 0.5 * (all.len() - 1) as f64);
-        let at = |count: f64| {
-            let here: Vec<&CaseRow> = cases.iter().filter(|case| case.samples as f64 == count).collect();
-            estimate(&here)
-        };
-        let places = counts.iter().enumerate();
-        let points = places.filter_map(|(place, count)| at(*count).map(|interval| (place as f64 + aside, interval)));
-        series(canvas, &panel, &points.collect::<Vec<(f64, IntervalEstimate)>>(), look);
+/// A panel: its title, the label of its axis and its lines.
+struct SamplesPanel<'a> {
+    title: &'static str,
+    axis: &'static str,
+    lines: &'a [Series<'a>],
+}
+
+impl SamplesPanel<'_> {
+    /// Draws panel number `index` under its legend.
+    fn draw(&self, canvas: &mut Canvas, index: usize, cases: &[CaseRow]) {
+        let SamplesPanel { title, axis, lines } = *self;
+        let counts = ascending(cases.iter().map(|case| case.samples as f64));
+        let names: Vec<String> = counts.iter().map(f64::to_string).collect();
+        let left = LEFT_MARGIN + (PANEL_WIDTH + LEFT_MARGIN + 12.0) * index as f64;
+        let keys: Vec<(LegendEntry, &str)> =
+            LOOKS.into_iter().zip(lines).map(|(look, (name, _))| (LegendEntry::Plain(look), name.as_str())).collect();
+        legend(canvas, [left, 18.0], left + PANEL_WIDTH, &keys);
+        let panel = canvas.panel(Panel {
+            corner: [left, TOP_MARGIN],
+            size: [PANEL_WIDTH, PANEL_HEIGHT],
+            x: Axis::categories("samples in the recording", &names),
+            y: Axis::exact(axis, 0.0, 100.0, 5),
+            title: title.to_owned(),
+        });
+        for (turn, ((_, estimate), look)) in lines.iter().zip(LOOKS).enumerate() {
+            let aside = 0.06 * (turn as f64 - 0.5 * (lines.len() - 1) as f64);
+            let at = |count: f64| {
+                let with_samples: Vec<&CaseRow> = cases.iter().filter(|case| case.samples as f64 == count).collect();
+                estimate(&with_samples)
+            };
+            let places = counts.iter().enumerate();
+            let points =
+                places.filter_map(|(place, count)| at(*count).map(|interval| (place as f64 + aside, interval)));
+            series(canvas, &panel, &points.collect::<Vec<(f64, IntervalEstimate)>>(), look);
+        }
     }
 }
 

@@ -105,8 +105,8 @@ fn numbers(findings: &CalibrationFindings) -> Markup {
 
 /// A value of any size.
 fn size(value: f64) -> String {
-    let plain = value == 0.0 || (1e-3..1e5).contains(&value.abs());
-    if plain || !value.is_finite() { number(value, 4) } else { format!("{value:.3e}") }
+    let readable = value == 0.0 || (1e-3..1e5).contains(&value.abs());
+    if readable || !value.is_finite() { number(value, 4) } else { format!("{value:.3e}") }
 }
 
 fn stages(findings: &CalibrationFindings) -> Markup {

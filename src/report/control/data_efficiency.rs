@@ -109,14 +109,14 @@ fn draw(rows: &[ControllerRow]) -> Canvas {
     let training = last_training(rows.iter().map(|row| row.training.as_str()));
     let rows: Vec<&ControllerRow> = rows.iter().filter(|row| row.training == training).collect();
     let modes = modes_in_order(rows.iter().map(|row| row.cell.mode.as_str()));
-    let shown = policies_in_order(rows.iter().map(|row| row.cell.policy.as_str()));
+    let policies = policies_in_order(rows.iter().map(|row| row.cell.policy.as_str()));
     let mut sizes = distinct(rows.iter().map(|row| points(row)));
     sizes.sort_unstable();
     let names: Vec<String> = sizes.iter().map(u64::to_string).collect();
     let (left, gap, high, pitch) = (56.0, 22.0, 180.0, 250.0);
     let width = (PAGE_WIDTH - left - 12.0 - gap * (modes.len() - 1) as f64) / modes.len() as f64;
     let keys: Vec<(LegendEntry, &str)> =
-        shown.iter().map(|policy| (LegendEntry::Plain(policy_look(policy)), policy_label(policy))).collect();
+        policies.iter().map(|policy| (LegendEntry::Plain(policy_look(policy)), policy_label(policy))).collect();
     let mut canvas = Canvas::new(PAGE_WIDTH, TALL);
     let base = legend(&mut canvas, [left, 16.0], PAGE_WIDTH - 8.0, &keys);
     let note = format!("means over targets and repetitions, error of the true tip; {}", training_label(training));
@@ -133,7 +133,7 @@ fn draw(rows: &[ControllerRow]) -> Canvas {
                 y: if column == 0 { y.clone() } else { y.bare() },
                 title: format!("{}, {when}", mode_title(mode)),
             });
-            for policy in &shown {
+            for policy in &policies {
                 let place = |row: &ControllerRow| sizes.iter().position(|size| *size == points(row)).unwrap_or(0);
                 let point = |row: &&ControllerRow| [place(row) as f64, (1e3 * error_m(row)).log10(), f64::NAN];
                 let line: Vec<[f64; 3]> =

@@ -50,8 +50,8 @@ fn draw(rows: &[GpCoverageRow]) -> Canvas {
             let of_curve = |row: &&GpCoverageRow| row.coverage.axis == *axis && row.coverage.points == *points;
             let shares = ascending(rows.iter().filter(of_curve).map(|row| row.coverage.promised));
             let point = |promised: &f64| {
-                let same = rows.iter().filter(of_curve).filter(|row| row.coverage.promised == *promised);
-                let covered = mean(&same.map(|row| row.coverage.covered).collect::<Vec<_>>());
+                let same_share = rows.iter().filter(of_curve).filter(|row| row.coverage.promised == *promised);
+                let covered = mean(&same_share.map(|row| row.coverage.covered).collect::<Vec<_>>());
                 [100.0 * promised, 100.0 * covered, f64::NAN]
             };
             let line: Vec<[f64; 3]> = shares.iter().map(point).filter(|point| point[1].is_finite()).collect();

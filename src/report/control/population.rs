@@ -89,9 +89,9 @@ fn spread(canvas: &mut Canvas, panel: &Panel, x: f64, row: &PopulationRow) {
     canvas.line(&[at(row.p25_m), at(row.p75_m)], 5.0, look.colour, &[]);
     canvas.marker(at(row.largest_m), Marker::Diamond, MARKER, look.colour, true);
     canvas.marker(at(row.median_m), look.marker, MARKER, look.colour, false);
-    let words = format!("{:.1}", 1e3 * row.median_m);
+    let label = format!("{:.1}", 1e3 * row.median_m);
     let [left, middle] = at(row.median_m);
-    canvas.text(Text::new(words, [left + 9.0, middle + HALF_CAP * SMALL], SMALL, TextAlign::Left));
+    canvas.text(Text::new(label, [left + 9.0, middle + HALF_CAP * SMALL], SMALL, TextAlign::Left));
 }
 
 /// The share of robots on which each claim holds, below `top`; returns where it ends.
@@ -109,8 +109,8 @@ fn shares(canvas: &mut Canvas, claims: &[&RobotClaimRow], top: f64) -> f64 {
         canvas.marker(at(row.share), Marker::Circle, MARKER, INK, false);
         let base = at(0.0)[1] + HALF_CAP * SMALL;
         canvas.text(Text::new(claim_label(&row.claim), [CLAIMS_LEFT - 8.0, base], SMALL, TextAlign::Right));
-        let words = format!("{} of {}", row.held, row.robots);
-        canvas.text(Text::new(words, [PAGE_WIDTH - 52.0, base], SMALL, TextAlign::Left));
+        let label = format!("{} of {}", row.held, row.robots);
+        canvas.text(Text::new(label, [PAGE_WIDTH - 52.0, base], SMALL, TextAlign::Left));
     }
     canvas.line(&[panel.at(50.0, 0.0), panel.at(50.0, claims.len() as f64)], HAIR, GREY, &[]);
     top + high + 44.0

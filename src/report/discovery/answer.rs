@@ -127,9 +127,9 @@ pub(super) fn effects(report: &DiscoveryReport) -> Markup {
 
 fn card(report: &DiscoveryReport, effect: &FoundEffect) -> Markup {
     let catalogue_text = report.text_of(&effect.name);
-    let rows = quantities(effect).into_iter().map(|one| {
-        let interval = if one.interval.is_empty() { NONE.to_owned() } else { one.interval };
-        vec![html! { code { (one.key) } }, html! { strong { (one.value) } }, html! { (interval) }]
+    let rows = quantities(effect).into_iter().map(|quantity| {
+        let interval = if quantity.interval.is_empty() { NONE.to_owned() } else { quantity.interval };
+        vec![html! { code { (quantity.key) } }, html! { strong { (quantity.value) } }, html! { (interval) }]
     });
     html! {
         article {

@@ -50,8 +50,8 @@ pub(super) fn draw(report: &DiscoveryReport, width: f64) -> Option<Canvas> {
     let proof_end = y;
     if !others.is_empty() {
         y += between;
-        let words = "Candidates, on trials of the fit that they have not seen";
-        heading(&mut canvas, words, y - 7.0, width);
+        let title = "Candidates, on trials of the fit that they have not seen";
+        heading(&mut canvas, title, y - 7.0, width);
     }
     for bar in &others {
         y = draw_bar(&mut canvas, &panel, bar, y, floor_m);
@@ -88,19 +88,26 @@ fn proof(report: &DiscoveryReport) -> Vec<Bar> {
 /// The answer, where there is one, the leading candidates without it, and what others add to it. What other trials
 /// do not pin down, and so is worse than the model without any effect, is left out.
 fn others(report: &DiscoveryReport) -> Vec<Bar> {
-    let answer = report.findings.candidates.iter().find(|one| one.why_not.is_empty());
+    let answer = report.findings.candidates.iter().find(|candidate| candidate.why_not.is_empty());
     let shown = |name: &str| {
         let added = answer.and_then(|answer| name.strip_prefix(&answer.name)?.strip_prefix(" + "));
         added.map_or_else(|| name.to_owned(), |added| format!("… + {added}"))
     };
-    let is_shown = |one: &&Candidate| !one.why_not.is_empty() && one.after_m <= report.findings.gap.before_m;
-    let (more, rivals): (Vec<&Candidate>, Vec<&Candidate>) =
-        report.findings.candidates.iter().filter(is_shown).partition(|one| shown(&one.name) != one.name);
+    let is_shown =
+        |candidate: &&Candidate| !candidate.why_not.is_empty() && candidate.after_m <= report.findings.gap.before_m;
+    let (more, rivals): (Vec<&Candidate>, Vec<&Candidate>) = report
+        .findings
+        .candidates
+        .iter()
+        .filter(is_shown)
+        .partition(|candidate| shown(&candidate.name) != candidate.name);
     let beaten = rivals.into_iter().take(MAX_RIVALS).chain(more).take(MAX_CANDIDATES);
-    let others: Vec<Bar> =
-        beaten.map(|one| Bar { name: shown(&one.name), size_m: one.after_m, colour: OTHER }).collect();
-    let answer_bar = answer.filter(|one| one.after_m.is_finite() && !others.is_empty());
-    let answer_bar = answer_bar.map(|one| Bar { name: "the answer".to_owned(), size_m: one.after_m, colour: BLUE });
+    let others: Vec<Bar> = beaten
+        .map(|candidate| Bar { name: shown(&candidate.name), size_m: candidate.after_m, colour: OTHER })
+        .collect();
+    let answer_bar = answer.filter(|candidate| candidate.after_m.is_finite() && !others.is_empty());
+    let answer_bar =
+        answer_bar.map(|candidate| Bar { name: "the answer".to_owned(), size_m: candidate.after_m, colour: BLUE });
     answer_bar.into_iter().chain(others).collect()
 }
 
@@ -126,8 +133,8 @@ fn noise(canvas: &mut Canvas, x: f64, pieces: &[[f64; 2]], floor_m: f64) {
         canvas.line(&[[x, *from], [x, *to]], 1.3, INK, DASHED);
     }
     canvas.line(&[[x, top - 6.0], [x, top]], 1.3, INK, &[]);
-    let words = format!("noise floor {}", millimetres(floor_m));
-    let wide = text_width(&words, SMALL, false);
+    let label = format!("noise floor {}", millimetres(floor_m));
+    let wide = text_width(&label, SMALL, false);
     let at = (x - 0.5 * wide).clamp(130.0, (canvas.width - 10.0 - wide).max(130.0));
-    canvas.text(Text::new(words, [at, top - 9.0], SMALL, TextAlign::Left));
+    canvas.text(Text::new(label, [at, top - 9.0], SMALL, TextAlign::Left));
 }

@@ -38,13 +38,13 @@ pub(crate) fn document(title: &str, content: &Markup) -> String {
 /// [`ReportError::Draw`] when it cannot be painted.
 pub(crate) fn figure(name: &'static str, draw: impl Fn(f64) -> Option<Canvas>) -> Result<Markup, ReportError> {
     let failed = |error: PaintError| ReportError::Draw { figure: name, reason: error.to_string() };
-    let mut both = Markup::default();
+    let mut drawings = Markup::default();
     for (class, width) in [("wide", PAGE_WIDTH), ("narrow", TELEPHONE_WIDTH)] {
         if let Some(canvas) = draw(width) {
-            both.0 += &drawing(&svg(&canvas).map_err(failed)?, class, name).0;
+            drawings.0 += &drawing(&svg(&canvas).map_err(failed)?, class, name).0;
         }
     }
-    Ok(both)
+    Ok(drawings)
 }
 
 /// A drawing of our own painter, which escapes its texts, with a name for readers who do not see it.

@@ -43,11 +43,11 @@ fn shown(row: &ClaimRow) -> ClaimCells {
         let digits = if largest > 0.0 { (2.0 - largest.log10().floor()).clamp(0.0, 6.0) as usize } else { 0 };
         if value.is_finite() { signed(scale * value, digits) } else { "–".to_owned() }
     };
-    let whole = row.low_95.is_finite() && row.high_95.is_finite();
+    let has_interval = row.low_95.is_finite() && row.high_95.is_finite();
     ClaimCells {
         paper: number(row.paper, (scale * row.paper).abs()),
         ours: number(row.ours, largest),
-        interval: whole.then(|| format!("[{}, {}]", number(row.low_95, largest), number(row.high_95, largest))),
+        interval: has_interval.then(|| format!("[{}, {}]", number(row.low_95, largest), number(row.high_95, largest))),
         unit,
     }
 }
@@ -111,13 +111,15 @@ fn draw(claims: &[ClaimRow]) -> Canvas {
         let first = index == 0 || claims[index - 1].claim != row.claim;
         let base = y + HALF_CAP * SMALL;
         let shown = shown(row);
-        let ours = format!("{} {}", shown.ours, shown.interval.unwrap_or_default());
+        let ours_with_interval = format!("{} {}", shown.ours, shown.interval.unwrap_or_default());
         if first {
             canvas.text(Text::new(claim_label(&row.claim), [10.0, base], size, TextAlign::Left));
         }
         canvas.text(Text::new(training_short(&row.training), [228.0, base], 8.6, TextAlign::Right).colour(GREY));
         canvas.text(Text::new(shown.paper, [columns[0].0, base], SMALL, TextAlign::Left));
-        canvas.text(Text::new(ours, [columns[1].0, base], SMALL, TextAlign::Left).colour(look(&row.verdict).0));
+        canvas.text(
+            Text::new(ours_with_interval, [columns[1].0, base], SMALL, TextAlign::Left).colour(look(&row.verdict).0),
+        );
         canvas.text(Text::new(shown.unit, [columns[2].0, base], SMALL, TextAlign::Left));
         if first && index > 0 {
             let edge = y - ROW_HEIGHT / 2.0;
@@ -135,10 +137,10 @@ fn claim(canvas: &mut Canvas, panel: &Panel, row: &ClaimRow, y: f64) {
         ratio.is_finite().then(|| [panel.at(ratio.clamp(RATIO_RANGE[0], RATIO_RANGE[1]), 0.0)[0], y])
     };
     let Some(middle) = place(row.ours) else {
-        let words = if row.paper == 0.0 { "paper: 0, no ratio" } else { "no figure in the paper" };
+        let label = if row.paper == 0.0 { "paper: 0, no ratio" } else { "no figure in the paper" };
         let at = panel.at(0.08, 0.0)[0];
-        canvas.rectangle([at - 2.0, y - 6.0], [at + 2.0 + text_width(words, 8.6, false), y + 6.0], WHITE, 1.0);
-        canvas.text(Text::new(words, [at, y + HALF_CAP * SMALL], 8.6, TextAlign::Left).colour(GREY));
+        canvas.rectangle([at - 2.0, y - 6.0], [at + 2.0 + text_width(label, 8.6, false), y + 6.0], WHITE, 1.0);
+        canvas.text(Text::new(label, [at, y + HALF_CAP * SMALL], 8.6, TextAlign::Left).colour(GREY));
         return;
     };
     if let (Some(low), Some(high)) = (place(row.low_95), place(row.high_95)) {

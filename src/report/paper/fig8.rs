@@ -122,10 +122,10 @@ fn path(published: &Published, runs: &[Run]) -> (Vec<Point3>, Vec<Point3>) {
 fn target_path(canvas: &mut Canvas, published: &Published, runs: &[Run]) {
     let (targets, waypoints) = path(published, runs);
     let seed = runs.first().map(|run| run.rows[0].seed);
-    let seen = published.workspace.iter().filter(|row| Some(row.seed) == seed);
-    let seen: Vec<Point3> = seen.map(|row| [row.x_m, row.y_m, row.z_m]).collect();
-    let stride = seen.len().div_ceil(MAX_CLOUD_DOTS).max(1);
-    let cloud: Vec<Point3> = seen.into_iter().step_by(stride).collect();
+    let workspace_m = published.workspace.iter().filter(|row| Some(row.seed) == seed);
+    let workspace_m: Vec<Point3> = workspace_m.map(|row| [row.x_m, row.y_m, row.z_m]).collect();
+    let stride = workspace_m.len().div_ceil(MAX_CLOUD_DOTS).max(1);
+    let cloud: Vec<Point3> = workspace_m.into_iter().step_by(stride).collect();
     let tips = runs.iter().flat_map(|run| run.rows.iter().map(|row| tip(row)));
     let (corner, size) = ([12.0, 52.0], [318.0, 274.0]);
     let everything = cloud.iter().chain(&targets).chain(&waypoints).copied().chain(tips);
@@ -157,9 +157,9 @@ fn target_path(canvas: &mut Canvas, published: &Published, runs: &[Run]) {
 fn tracked(canvas: &mut Canvas, runs: &[Run], series_top: f64) {
     let left = 346.0;
     canvas.text(Text::new("(b) tracked paths", [left, 20.0], TEXT, TextAlign::Left).bold());
-    let near = runs.iter().flat_map(|run| run.rows.iter().flat_map(|row| [target(row), tip(row)]));
+    let tracked_points = runs.iter().flat_map(|run| run.rows.iter().flat_map(|row| [target(row), tip(row)]));
     let size = [180.0, 150.0];
-    let close = View::of(near, [0.0, 0.0], size, 6.0);
+    let close = View::of(tracked_points, [0.0, 0.0], size, 6.0);
     for (index, run) in runs.iter().enumerate() {
         let corner = [left + PICTURE_PITCH[0] * (index % 2) as f64, 52.0 + PICTURE_PITCH[1] * (index / 2) as f64];
         let view = close.moved(corner, size);
@@ -207,7 +207,7 @@ fn series(canvas: &mut Canvas, runs: &[Run], summary: &[TrackSummaryRow], top: f
 fn strip(canvas: &mut Canvas, panel: &Panel, run: &Run, summary: &[TrackSummaryRow]) {
     let look = policy_look(run.policy);
     let first = run.rows[0];
-    let same =
+    let is_run =
         |row: &&TrackSummaryRow| row.policy == first.policy && row.training == first.training && row.seed == first.seed;
     let points: Vec<[f64; 2]> = run.rows.iter().map(|row| [row.sample.time_s, 1e3 * row.sample.error_m]).collect();
     panel.line(canvas, &points, look.colour, SOLID, 1.1);
@@ -215,14 +215,14 @@ fn strip(canvas: &mut Canvas, panel: &Panel, run: &Run, summary: &[TrackSummaryR
     let line = |number: f64| panel.corner[1] + 12.0 + 14.0 * number;
     let name = Text::new(policy_label(run.policy), [right, line(0.0)], TEXT, TextAlign::Left);
     canvas.text(name.colour(look.colour).bold());
-    let Some(row) = summary.iter().find(same) else { return };
+    let Some(row) = summary.iter().find(is_run) else { return };
     let mean_mm = 1e3 * row.mean_error_m;
     panel.line(canvas, &[[panel.x.low, mean_mm], [panel.x.high, mean_mm]], GREY, DASHED, HAIR);
     let end = row.completion_time_s;
     panel.line(canvas, &[[end, panel.y.low], [end, panel.y.high]], INK, SOLID, HAIR);
     let end_words = if row.status.is_ok() { format!("{end:.0} s") } else { row.status.to_string() };
-    let words = [format!("mean {mean_mm:.1} mm"), format!("oscill. {:.1} mm", 1e3 * row.oscillation_m), end_words];
-    for (number, words) in words.into_iter().enumerate() {
-        canvas.text(Text::new(words, [right, line(number as f64 + 1.0)], SMALL, TextAlign::Left));
+    let labels = [format!("mean {mean_mm:.1} mm"), format!("oscill. {:.1} mm", 1e3 * row.oscillation_m), end_words];
+    for (number, label) in labels.into_iter().enumerate() {
+        canvas.text(Text::new(label, [right, line(number as f64 + 1.0)], SMALL, TextAlign::Left));
     }
 }

@@ -226,9 +226,9 @@ fn facet(
         for (line, source) in sources.iter().enumerate() {
             let y = middle + 16.0 * (line as f64 - (sources.len() - 1) as f64 / 2.0);
             let Some(entry) = entry(summary, source, policy, mode) else {
-                let word = printed(None, policy, mode);
+                let absent = printed(None, policy, mode);
                 let x = panel.corner[0] + 8.0;
-                canvas.text(Text::new(word, [x, y + HALF_CAP * SMALL], SMALL, TextAlign::Left).colour(source.colour));
+                canvas.text(Text::new(absent, [x, y + HALF_CAP * SMALL], SMALL, TextAlign::Left).colour(source.colour));
                 continue;
             };
             let place = |value_m: f64| [panel.at(1e3 * value_m, 0.0)[0], y];

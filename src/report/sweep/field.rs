@@ -182,11 +182,11 @@ fn decades(low: f64, high: f64) -> Vec<f64> {
 /// A number in plain notation, with a minus sign (U+2212).
 fn written(value: &str) -> String {
     let Some(number) = number(value) else { return value.to_owned() };
-    let plain = signed(number, 6);
-    let plain = if plain.contains('.') { plain.trim_end_matches('0').trim_end_matches('.') } else { &plain };
-    let exact = plain.replace('−', "-").parse::<f64>().is_ok_and(|read| (read / number - 1.0).abs() < 1e-6);
+    let decimal = signed(number, 6);
+    let decimal = if decimal.contains('.') { decimal.trim_end_matches('0').trim_end_matches('.') } else { &decimal };
+    let exact = decimal.replace('−', "-").parse::<f64>().is_ok_and(|read| (read / number - 1.0).abs() < 1e-6);
     if number == 0.0 || (exact && number.abs() < 1e6) {
-        plain.to_owned()
+        decimal.to_owned()
     } else {
         format!("{number:.3e}").replace('-', "−")
     }
@@ -198,9 +198,9 @@ fn shown(value: &str, room: f64) -> String {
         return text;
     }
     let mut letters: Vec<char> = text.rsplit('/').next().unwrap_or(&text).chars().collect();
-    let whole = letters.len();
+    let full_length = letters.len();
     while letters.len() > 1 {
-        let mark = if letters.len() < whole { "…" } else { "" };
+        let mark = if letters.len() < full_length { "…" } else { "" };
         let text: String = letters.iter().collect::<String>() + mark;
         if text_width(&text, SMALL, false) <= room {
             return text;

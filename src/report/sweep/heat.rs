@@ -28,6 +28,13 @@ struct HeatMap<'a> {
     entries: Vec<&'a SweepEntry<'a>>,
 }
 
+/// Smallest and largest value of a map, lightest and darkest.
+#[derive(Clone, Copy)]
+struct ColourScale {
+    low_mm: f64,
+    high_mm: f64,
+}
+
 /// Sizes of a map.
 struct HeatMapLayout {
     /// Width for the names of the rows.
@@ -97,8 +104,8 @@ fn maps<'a>(entries: &[&'a SweepEntry<'a>], training: &str) -> Vec<HeatMap<'a>> 
             of_training.iter().copied().filter(|entry| entry.row.cell.mode == mode).collect();
         for name in distinct(of_mode.iter().map(|entry| series_label(entry.row, sized))) {
             let of_series = of_mode.iter().copied().filter(|entry| series_label(entry.row, sized) == name);
-            let words = mode_title(mode);
-            let title = if words.is_empty() { name.clone() } else { format!("{name}, {words}") };
+            let mode_words = mode_title(mode);
+            let title = if mode_words.is_empty() { name.clone() } else { format!("{name}, {mode_words}") };
             maps.push(HeatMap { title, entries: of_series.collect() });
         }
     }
@@ -114,7 +121,10 @@ fn paint(
     corner: CanvasPoint,
 ) {
     let means_mm = || map.entries.iter().map(|entry| 1e3 * entry.row.mean_m).filter(|value| value.is_finite());
-    let scale = (means_mm().fold(f64::INFINITY, f64::min), means_mm().fold(f64::NEG_INFINITY, f64::max));
+    let scale = ColourScale {
+        low_mm: means_mm().fold(f64::INFINITY, f64::min),
+        high_mm: means_mm().fold(f64::NEG_INFINITY, f64::max),
+    };
     let [wide, high] = layout.cell;
     let (width, height) = (wide * across.values.len() as f64, high * down.values.len() as f64);
     canvas.text(Text::new(&map.title, [corner[0], corner[1] - 6.0], TEXT, TextAlign::Left).bold());
@@ -126,10 +136,10 @@ fn paint(
         let value_mm = 1e3 * entry.row.mean_m;
         let (ground, ink) = shade(value_mm, scale);
         canvas.rectangle([x, y], [x + wide, y + high], ground, 1.0);
-        let words = if value_mm.is_finite() { digits(value_mm, scale) } else { "–".to_owned() };
-        if high >= SMALL + 2.0 && text_width(&words, SMALL, false) + 2.0 <= wide {
+        let label = if value_mm.is_finite() { digits(value_mm, scale) } else { "–".to_owned() };
+        if high >= SMALL + 2.0 && text_width(&label, SMALL, false) + 2.0 <= wide {
             let middle = [x + 0.5 * wide, y + 0.5 * high + HALF_CAP * SMALL];
-            canvas.text(Text::new(words, middle, SMALL, TextAlign::Centre).colour(ink));
+            canvas.text(Text::new(label, middle, SMALL, TextAlign::Centre).colour(ink));
         }
     }
     // Names of columns, skipping those that would overlap.
@@ -170,18 +180,18 @@ fn rows(canvas: &mut Canvas, down: &SweptAxis, layout: &HeatMapLayout, corner: C
 }
 
 /// A number with three significant digits of the scale's larger end.
-fn digits(value: f64, (low, high): (f64, f64)) -> String {
-    let largest = low.abs().max(high.abs()).max(1e-12);
+fn digits(value_mm: f64, scale: ColourScale) -> String {
+    let largest = scale.low_mm.abs().max(scale.high_mm.abs()).max(1e-12);
     let places = (2.0 - largest.log10().floor()).clamp(0.0, 4.0) as usize;
-    if value.is_finite() { format!("{value:.places$}") } else { "–".to_owned() }
+    if value_mm.is_finite() { format!("{value_mm:.places$}") } else { "–".to_owned() }
 }
 
 /// Colour of a cell and of its number.
-fn shade(value: f64, (low, high): (f64, f64)) -> (Colour, Colour) {
-    if !value.is_finite() {
+fn shade(value_mm: f64, ColourScale { low_mm, high_mm }: ColourScale) -> (Colour, Colour) {
+    if !value_mm.is_finite() {
         return (WHITE, GREY);
     }
-    let share = if high > low { (value - low) / (high - low) } else { 0.0 };
+    let share = if high_mm > low_mm { (value_mm - low_mm) / (high_mm - low_mm) } else { 0.0 };
     let place = share.clamp(0.0, 1.0) * (SHADES.len() - 1) as f64;
     let first = (place.floor() as usize).min(SHADES.len() - 2);
     let part = place - first as f64;
@@ -214,10 +224,11 @@ impl HeatMapLayout {
             .map(|value| text_width(&down.shown(value, NAME_WIDTH), SMALL, false))
             .fold(0.0, f64::max);
         let names = widest + TEXT + 14.0;
-        let wanted = across.values.iter().map(|value| text_width(&across.shown(value, NAME_WIDTH), SMALL, false) + 8.0);
-        let wanted = wanted.fold(MIN_NUMBER_WIDTH, f64::max);
-        let free = PAGE_WIDTH - 24.0 - names;
-        let wide = wanted.min(free / across.values.len() as f64);
+        let label_width =
+            across.values.iter().map(|value| text_width(&across.shown(value, NAME_WIDTH), SMALL, false) + 8.0);
+        let label_width = label_width.fold(MIN_NUMBER_WIDTH, f64::max);
+        let free_width = PAGE_WIDTH - 24.0 - names;
+        let wide = label_width.min(free_width / across.values.len() as f64);
         let high = MAX_CELL_HEIGHT.min(MAX_MAP_HEIGHT / down.values.len() as f64);
         // Wide enough for a title such as "Gaussian process, closed loop with load", which may be longer than a map.
         let map = (wide * across.values.len() as f64).max(MIN_MAP_WIDTH) + 18.0;
@@ -232,14 +243,15 @@ mod tests {
 
     #[test]
     fn shades_grow_darker_and_numbers_on_them_are_read() {
-        let shades: Vec<(Colour, Colour)> = (0..=100).map(|step| shade(f64::from(step), (0.0, 100.0))).collect();
+        let scale = |low_mm, high_mm| ColourScale { low_mm, high_mm };
+        let shades: Vec<(Colour, Colour)> = (0..=100).map(|step| shade(f64::from(step), scale(0.0, 100.0))).collect();
         assert!(shades.windows(2).all(|pair| contrast(pair[0].0, WHITE) < contrast(pair[1].0, WHITE)));
         // On a ground halfway between white and ink neither stands out by more than the root of their own contrast.
         let min_contrast = contrast(WHITE, INK).sqrt() * 0.99;
         for (ground, ink) in shades {
             assert!(contrast(ground, ink) > min_contrast, "{ground:?}");
         }
-        assert_eq!(shade(f64::NAN, (0.0, 1.0)), (WHITE, GREY));
-        assert_eq!(shade(2.0, (2.0, 2.0)).0, SHADES[0]);
+        assert_eq!(shade(f64::NAN, scale(0.0, 1.0)), (WHITE, GREY));
+        assert_eq!(shade(2.0, scale(2.0, 2.0)).0, SHADES[0]);
     }
 }

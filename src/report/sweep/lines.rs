@@ -36,8 +36,8 @@ pub(super) fn draw(entries: &[&SweepEntry], field: &SweptAxis, measure: &str) ->
     let top = below + if headed { 60.0 } else { 42.0 };
     for (column, training) in kinds.iter().enumerate() {
         let middle = LEFT_MARGIN + column as f64 * (wide + PANEL_GAP) + wide / 2.0;
-        let words = if training_heading(training).is_empty() { String::new() } else { heading(training) };
-        canvas.text(Text::new(words, [middle, below + 37.0], TEXT, TextAlign::Centre).bold());
+        let title = if training_heading(training).is_empty() { String::new() } else { heading(training) };
+        canvas.text(Text::new(title, [middle, below + 37.0], TEXT, TextAlign::Centre).bold());
     }
     for (line, mode) in modes.iter().enumerate() {
         for (column, training) in kinds.iter().enumerate() {

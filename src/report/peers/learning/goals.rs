@@ -45,14 +45,14 @@ impl Goal {
             Goal::OverBest(wanted) => ("the fastest other", task.ratio_of_best(), wanted),
             Goal::Within(limit_s) => {
                 let (measured, limit) = (task.cpu_s(OURS), format!("≤ {} µs", 1e6 * limit_s));
-                let word = goal_verdict(measured.map(Averaged::inverse), 1.0 / limit_s).to_owned();
+                let verdict = goal_verdict(measured.map(Averaged::inverse), 1.0 / limit_s).to_owned();
                 let measured = measured.map_or("–".to_owned(), |measured| time(measured.mean));
-                return ["ours".to_owned(), limit, measured, word];
+                return ["ours".to_owned(), limit, measured, verdict];
             }
         };
-        let word = goal_verdict(measured, wanted).to_owned();
+        let verdict = goal_verdict(measured, wanted).to_owned();
         let measured = measured.map_or("–".to_owned(), with_interval);
-        [format!("{package} over ours"), format!("≥ {wanted}"), measured, word]
+        [format!("{package} over ours"), format!("≥ {wanted}"), measured, verdict]
     }
 }
 

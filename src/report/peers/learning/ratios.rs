@@ -41,7 +41,7 @@ impl<'a> TaskRows<'a> {
     pub(super) fn all(rows: &'a [LearningPeerRow]) -> Vec<TaskRows<'a>> {
         let mut tasks: Vec<TaskRows<'a>> = Vec::new();
         for row in rows {
-            if !tasks.iter().any(|one| one.task == row.task && one.size == row.size) {
+            if !tasks.iter().any(|task| task.task == row.task && task.size == row.size) {
                 tasks.push(TaskRows { rows, task: &row.task, size: row.size });
             }
         }
