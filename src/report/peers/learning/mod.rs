@@ -38,6 +38,8 @@ const LEFT_MARGIN: f64 = 46.0;
 /// Height of a task, and of the lower panels.
 const TASK_HEIGHT: f64 = 25.0;
 const CURVES_HEIGHT: f64 = 150.0;
+/// From one lower panel to the next.
+const CURVES_PITCH: f64 = (PAGE_WIDTH - 14.0) / CURVES.len() as f64;
 
 fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     let tasks = TaskRows::all(&published.learning_peers);
@@ -63,9 +65,8 @@ fn draw(tasks: &[TaskRows], peers: &[&str]) -> Canvas {
     let sizes =
         tasks.iter().filter(|task| CURVES.iter().any(|curves| curves.task == task.task)).map(|task| task.size as f64);
     let x = Axis::decades("samples N", sizes);
-    let wide = (PAGE_WIDTH - 14.0) / CURVES.len() as f64;
     for (index, curves) in CURVES.iter().enumerate() {
-        let corner = [LEFT_MARGIN + wide * index as f64, top];
+        let corner = [LEFT_MARGIN + CURVES_PITCH * index as f64, top];
         curves.draw(&mut canvas, tasks, peers, corner, &x);
     }
     canvas
@@ -117,7 +118,7 @@ impl TaskCurves {
             of_task.iter().filter_map(point).collect()
         };
         let times = peers.iter().flat_map(|peer| line(peer)).map(|[_, time]| time);
-        let size = [(PAGE_WIDTH - 14.0) / CURVES.len() as f64 - LEFT_MARGIN - 8.0, CURVES_HEIGHT];
+        let size = [CURVES_PITCH - LEFT_MARGIN - 8.0, CURVES_HEIGHT];
         let y = Axis::decades("", times);
         let panel = canvas.panel(Panel { corner, size, x: x.clone(), y, title: self.title.to_owned() });
         for peer in peers.iter().rev() {
