@@ -140,10 +140,10 @@ impl Robot {
             self.contact_radius_m
                 .map_or(Ok(()), |radius_m| BadOption::unless_not_negative("contact_radius_m", radius_m)),
         )?;
-        let thin = self.contact_radius_m.is_none_or(|radius_m| radius_m < length_m);
+        let fits = self.contact_radius_m.is_none_or(|radius_m| radius_m < length_m);
         let (radius_m, expected) =
             (self.contact_radius_m.unwrap_or_default(), "a radius less than the backbone's length");
-        at("", refuse(thin, "contact_radius_m", &radius_m, expected))?;
+        at("", refuse(fits, "contact_radius_m", &radius_m, expected))?;
         for (index, load) in self.loads.iter().enumerate() {
             at(&format!("loads[{index}].{}", load.name()), load.check(length_m))?;
         }
@@ -157,8 +157,8 @@ impl Robot {
         let cells = self.backbone.length_m / r.cell_m;
         at(refuse(cells <= MAX_PARTS as f64, "cell_m", &r.cell_m, "at most 10,000 cells along the backbone"))?;
         at(BadOption::unless_positive("time_step_s", r.time_step_s))?;
-        let judged = r.static_tolerance_m > 0.0;
-        at(refuse(judged, "static_tolerance_m", &r.static_tolerance_m, "a number above 0, or infinity"))?;
+        let positive = r.static_tolerance_m > 0.0;
+        at(refuse(positive, "static_tolerance_m", &r.static_tolerance_m, "a number above 0, or infinity"))?;
         let (tolerance_m, expected) = (r.motion_tolerance_m, "a positive number, or .inf for equal steps");
         at(refuse(tolerance_m > 0.0, "motion_tolerance_m", &tolerance_m, expected))?;
         let counts = [

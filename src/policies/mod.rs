@@ -204,7 +204,7 @@ impl PolicyEntry {
 pub fn networks() -> Vec<&'static NetworkDescription> {
     let mut networks = vec![&FORWARD];
     for network in REGISTRY.iter().flat_map(PolicyEntry::networks) {
-        if networks.iter().all(|known| known.name != network.name) {
+        if networks.iter().all(|other| other.name != network.name) {
             networks.push(network);
         }
     }

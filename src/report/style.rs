@@ -33,10 +33,15 @@ pub const WHITE: Colour = [255, 255, 255];
 
 /// Width of a figure over two columns, hundredths of an inch.
 pub const PAGE_WIDTH: f64 = 720.0;
+/// Room for the numbers and the label of the y axis left of a panel, hundredths of an inch.
+pub(crate) const LEFT_MARGIN: f64 = 56.0;
 /// Size of labels and legends (8 pt).
 pub const TEXT: f64 = 11.1;
 /// Size of tick labels (7 pt).
 pub const SMALL: f64 = 9.8;
+/// Half the height of a capital or digit of the embedded font, in ems: with its baseline this far
+/// below a line, a text is centred on it.
+pub(crate) const HALF_CAP: f64 = 0.36;
 /// Width of a data line.
 pub const LINE: f64 = 1.5;
 /// Width of axes, ticks and thin intervals.

@@ -5,11 +5,11 @@ use std::collections::VecDeque;
 /// Time step of the motion, seconds.
 const STEP_S: f64 = 1e-3;
 /// Remaining distance below which a move has ended, mm.
-const END_MM: f64 = 5e-4;
+const END_TOLERANCE_MM: f64 = 5e-4;
 /// Junction deviation, which sets the speed at corners, mm (`$11`).
 const JUNCTION_MM: f64 = 0.01;
 /// Motion that is computed ahead and that a hold no longer changes, s: grblHAL's ten segments of 10 ms.
-const AHEAD_S: f64 = 0.1;
+const COMPUTED_AHEAD_S: f64 = 0.1;
 /// A hold that ends a last move within this time of its end discards the move, s: half of the segments.
 const DISCARDED_S: f64 = 0.05;
 
@@ -29,7 +29,7 @@ pub(crate) struct MotionLimits {
 struct PlannedMove {
     target_mm: [f64; 4],
     direction: [f64; 4],
-    left_mm: f64,
+    remaining_mm: f64,
     speed_mm_s: f64,
     acceleration_mm_s2: f64,
     /// Largest speed at its start, from the corner before it.
@@ -92,7 +92,7 @@ impl SimulatedAxes {
     /// cancelled jog does not.
     pub(crate) fn hold(&mut self, after_computed_motion: bool) {
         if !self.holding {
-            self.ahead_s = if after_computed_motion { AHEAD_S } else { 0.0 };
+            self.ahead_s = if after_computed_motion { COMPUTED_AHEAD_S } else { 0.0 };
         }
         self.holding = true;
     }
@@ -132,7 +132,7 @@ impl SimulatedAxes {
     pub(crate) fn push(&mut self, target_mm: [f64; 4], limits: &MotionLimits) {
         let way: [f64; 4] = std::array::from_fn(|axis| target_mm[axis] - self.planned_mm[axis]);
         let length_mm = way.iter().map(|part| part * part).sum::<f64>().sqrt();
-        if length_mm < END_MM {
+        if length_mm < END_TOLERANCE_MM {
             return;
         }
         self.blocks.extend(self.remainder.take());
@@ -150,21 +150,22 @@ impl SimulatedAxes {
         self.blocks.push_back(PlannedMove {
             target_mm,
             direction,
-            left_mm: length_mm,
+            remaining_mm: length_mm,
             speed_mm_s,
             acceleration_mm_s2,
             corner_mm_s,
             exit_mm_s: 0.0,
         });
-        self.intervention();
+        self.limit_exit_speeds();
     }
 
     /// Limits the exit speed of every move so that the following ones can stop in time.
-    fn intervention(&mut self) {
+    fn limit_exit_speeds(&mut self) {
         let mut next_mm_s = 0.0;
         for block in self.blocks.iter_mut().rev() {
             block.exit_mm_s = next_mm_s;
-            let stoppable_mm_s = (next_mm_s * next_mm_s + 2.0 * block.acceleration_mm_s2 * block.left_mm).sqrt();
+            // v² = v_exit² + 2 a s.
+            let stoppable_mm_s = (next_mm_s * next_mm_s + 2.0 * block.acceleration_mm_s2 * block.remaining_mm).sqrt();
             next_mm_s = block.corner_mm_s.min(stoppable_mm_s);
         }
     }
@@ -189,15 +190,15 @@ impl SimulatedAxes {
         self.speed_mm_s = if stops {
             (self.speed_mm_s - change_mm_s).max(0.0)
         } else {
-            let stoppable_mm_s = (block.exit_mm_s.powi(2) + 2.0 * block.acceleration_mm_s2 * block.left_mm).sqrt();
+            let stoppable_mm_s = (block.exit_mm_s.powi(2) + 2.0 * block.acceleration_mm_s2 * block.remaining_mm).sqrt();
             (self.speed_mm_s + change_mm_s).min(block.speed_mm_s).min(stoppable_mm_s)
         };
-        let mut way_mm = (self.speed_mm_s * STEP_S).min(block.left_mm);
-        let ends = block.left_mm - way_mm < END_MM && !stops;
+        let mut way_mm = (self.speed_mm_s * STEP_S).min(block.remaining_mm);
+        let ends = block.remaining_mm - way_mm < END_TOLERANCE_MM && !stops;
         if ends {
-            way_mm = block.left_mm;
+            way_mm = block.remaining_mm;
         }
-        block.left_mm -= way_mm;
+        block.remaining_mm -= way_mm;
         let (direction, target_mm) = (block.direction, block.target_mm);
         self.turn(std::array::from_fn(|axis| direction[axis] * way_mm));
         if ends {
@@ -214,7 +215,10 @@ impl SimulatedAxes {
     /// least one step.
     fn discard_remainder(&mut self) {
         let last = self.blocks.len() == 1;
-        if last && self.blocks[0].left_mm > 0.0 && self.blocks[0].left_mm <= DISCARDED_S * self.blocks[0].speed_mm_s {
+        if last
+            && self.blocks[0].remaining_mm > 0.0
+            && self.blocks[0].remaining_mm <= DISCARDED_S * self.blocks[0].speed_mm_s
+        {
             self.remainder = self.blocks.pop_front().map(|block| PlannedMove { exit_mm_s: 0.0, ..block });
             self.halt();
         }
@@ -245,6 +249,7 @@ impl SimulatedAxes {
 /// Largest speed at a corner, by GRBL's junction deviation.
 fn corner_mm_s(before: &[f64; 4], after: &[f64; 4], acceleration_mm_s2: f64) -> f64 {
     let cosine = -before.iter().zip(after).map(|(one, other)| one * other).sum::<f64>();
+    // Back the way it came: a stop. Straight on: no limit.
     if cosine > 0.999_999 {
         return 0.0;
     }
@@ -252,6 +257,7 @@ fn corner_mm_s(before: &[f64; 4], after: &[f64; 4], acceleration_mm_s2: f64) -> 
     if half_sine > 0.999_999 {
         return f64::INFINITY;
     }
+    // v² = a δ sin(θ/2) / (1 − sin(θ/2)), θ the angle between the two moves.
     (acceleration_mm_s2 * JUNCTION_MM * half_sine / (1.0 - half_sine)).sqrt()
 }
 

@@ -22,46 +22,46 @@ struct ClockState {
 
 impl RehearsalClock {
     /// A thread that panicked while holding the lock has left no inconsistent state.
-    fn moments(&self) -> MutexGuard<'_, ClockState> {
+    fn lock(&self) -> MutexGuard<'_, ClockState> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn advance_if_all_wait(&self, moments: &mut ClockState) {
-        if moments.awaited_s.is_empty() || moments.awaited_s.len() < moments.joined {
+    fn advance_if_all_wait(&self, state: &mut ClockState) {
+        if state.awaited_s.is_empty() || state.awaited_s.len() < state.joined {
             return;
         }
-        let next_s = moments.awaited_s.iter().copied().fold(f64::INFINITY, f64::min);
-        moments.now_s = next_s;
-        moments.awaited_s.retain(|&awaited_s| awaited_s > next_s);
+        let next_s = state.awaited_s.iter().copied().fold(f64::INFINITY, f64::min);
+        state.now_s = next_s;
+        state.awaited_s.retain(|&awaited_s| awaited_s > next_s);
         self.changed.notify_all();
     }
 }
 
 impl Clock for RehearsalClock {
     fn now_s(&self) -> f64 {
-        self.moments().now_s
+        self.lock().now_s
     }
 
     fn sleep_until(&self, time_s: f64) {
-        let mut moments = self.moments();
-        if time_s <= moments.now_s {
+        let mut state = self.lock();
+        if time_s <= state.now_s {
             return;
         }
-        moments.awaited_s.push(time_s);
-        self.advance_if_all_wait(&mut moments);
-        while moments.now_s < time_s {
-            moments = self.changed.wait(moments).unwrap_or_else(PoisonError::into_inner);
+        state.awaited_s.push(time_s);
+        self.advance_if_all_wait(&mut state);
+        while state.now_s < time_s {
+            state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
         }
     }
 
     fn join(&self) {
-        self.moments().joined += 1;
+        self.lock().joined += 1;
     }
 
     fn leave(&self) {
-        let mut moments = self.moments();
-        moments.joined = moments.joined.saturating_sub(1);
-        self.advance_if_all_wait(&mut moments);
+        let mut state = self.lock();
+        state.joined = state.joined.saturating_sub(1);
+        self.advance_if_all_wait(&mut state);
     }
 }
 

@@ -122,17 +122,17 @@ fn prune(
     }
     let codes = codes();
     let useless = |entry: &&StoredEntry| {
-        let old = older_than.is_some_and(|limit| days(entry.age) > limit);
-        old || entry.state(&codes) == EntryState::Stale || store.damage(entry).is_some()
+        let too_old = older_than.is_some_and(|limit| days(entry.age) > limit);
+        too_old || entry.state(&codes) == EntryState::Stale || store.damage(entry).is_some()
     };
     let useless: Vec<&StoredEntry> = entries.iter().filter(useless).collect();
-    let left = store.leftovers().map_err(CommandError::failed)?;
-    let bytes = useless.iter().map(|entry| entry.bytes).chain(left.iter().map(|(_, bytes)| *bytes)).sum();
+    let leftover_files = store.leftovers().map_err(CommandError::failed)?;
+    let bytes = useless.iter().map(|entry| entry.bytes).chain(leftover_files.iter().map(|(_, bytes)| *bytes)).sum();
     if !dry_run {
         useless.iter().try_for_each(|entry| store.remove(entry)).map_err(CommandError::failed)?;
-        left.iter().try_for_each(|(path, _)| std::fs::remove_file(path)).map_err(CommandError::failed)?;
+        leftover_files.iter().try_for_each(|(path, _)| std::fs::remove_file(path)).map_err(CommandError::failed)?;
     }
-    let (entries, leftovers, megabytes) = (useless.len(), left.len(), megabytes(bytes));
+    let (entries, leftovers, megabytes) = (useless.len(), leftover_files.len(), megabytes(bytes));
     let verb = if dry_run { "would remove" } else { "removed" };
     let _ = writeln!(text, "{verb} {entries} entries and {leftovers} unfinished files, {megabytes:.3} MB");
     Ok(())

@@ -72,14 +72,14 @@ impl SlurmArgs {
             let (one, other) = (&first.name, &other.name);
             refuse!("slurm: found other settings in `{other}` than in `{one}`, expected the same");
         }
-        let given = first.slurm.clone();
+        let spec_options = first.slurm.clone();
         let options = SlurmOptions {
-            partition: self.partition.clone().or(given.partition),
-            account: self.account.clone().or(given.account),
-            time_min: self.time_min.or(given.time_min),
-            memory_mb: self.memory_mb.or(given.memory_mb),
-            cpus: self.cpus.unwrap_or(given.cpus),
-            ..given
+            partition: self.partition.clone().or(spec_options.partition),
+            account: self.account.clone().or(spec_options.account),
+            time_min: self.time_min.or(spec_options.time_min),
+            memory_mb: self.memory_mb.or(spec_options.memory_mb),
+            cpus: self.cpus.unwrap_or(spec_options.cpus),
+            ..spec_options
         };
         let refuse = |bad: spinebench::base::BadOption| {
             let option = bad.key.replace('_', "-");
@@ -149,6 +149,7 @@ impl WorkCommand {
             let expected = "expected a task of a Slurm job array";
             number.ok_or_else(|| CommandError::BadInput(format!("{name}: found no number, {expected}")))
         };
+        // The number of this process among all tasks of all jobs of the array.
         let worker = number("SLURM_ARRAY_TASK_ID")? * number("SLURM_NTASKS")? + number("SLURM_PROCID")?;
         let threads = match self.threads.jobs {
             0 => number("SLURM_CPUS_PER_TASK").unwrap_or(1),

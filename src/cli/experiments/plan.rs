@@ -35,9 +35,9 @@ impl PlanCommand {
 fn describe(entry: &CampaignEntry, needs: &[Need], text: &mut String) {
     let experiment = &entry.experiment;
     let cells = entry.cells();
-    let left = cells.iter().filter(|cell| needs[cell.stage] == Need::Compute).count();
+    let to_compute = cells.iter().filter(|cell| needs[cell.stage] == Need::Compute).count();
     let (name, seeds, all) = (&experiment.name, experiment.seeds, cells.len());
-    let _ = writeln!(text, "{name}: {all} runs over {seeds} seeds, {} stored, {left} left", all - left);
+    let _ = writeln!(text, "{name}: {all} runs over {seeds} seeds, {} stored, {to_compute} left", all - to_compute);
     for cell in cells {
         let state = if needs[cell.stage] == Need::Compute { "left" } else { "stored" };
         let _ = writeln!(text, "  {state:6} {}", cell.label);
@@ -55,9 +55,9 @@ fn stages(campaign: &Campaign, needs: &[Need], text: &mut String) {
             Need::Compute => counts[1] += 1,
         }
     }
-    let [stored, left] = kinds.values().fold([0, 0], |sum, counts| [sum[0] + counts[0], sum[1] + counts[1]]);
-    let _ = writeln!(text, "stages: {stored} stored, {left} left");
-    for (kind, [stored, left]) in kinds {
-        let _ = writeln!(text, "  {kind:16} {stored:6} stored {left:6} left");
+    let [stored, to_compute] = kinds.values().fold([0, 0], |sum, counts| [sum[0] + counts[0], sum[1] + counts[1]]);
+    let _ = writeln!(text, "stages: {stored} stored, {to_compute} left");
+    for (kind, [stored, to_compute]) in kinds {
+        let _ = writeln!(text, "  {kind:16} {stored:6} stored {to_compute:6} left");
     }
 }

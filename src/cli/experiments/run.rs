@@ -1,7 +1,7 @@
 //! `spinebench run`.
 
 use super::cluster::SlurmArgs;
-use crate::cli::program::interrupted::end_with_words;
+use crate::cli::program::interrupted::exit_on_interrupt;
 use crate::cli::program::outputs::check_folder;
 use crate::cli::program::shared::{CacheArgs, ResultsArg, SpecArgs, ThreadArgs};
 use crate::cli::{CommandError, CommandResult};
@@ -67,7 +67,7 @@ impl RunCommand {
         }
         // The monitor of a cluster tells itself what Ctrl-C means.
         if folder.is_none() {
-            end_with_words("interrupted; what is computed is stored, and the same command goes on from there");
+            exit_on_interrupt("interrupted; what is computed is stored, and the same command goes on from there");
         }
         let options = match &folder {
             Some(folder) => RunOptions { record: folder, ..RunOptions::new(1, progress) },
@@ -139,8 +139,8 @@ fn summarise(progress: &Progress, campaign: &Campaign, outcomes: &Outcomes, publ
 fn tell_files(progress: &Progress, campaign: &Campaign, published: &[Publication], out: &Path) {
     for (entry, publication) in campaign.entries.iter().zip(published) {
         let name = &entry.experiment.name;
-        let shown = |path: &&PathBuf| path.extension().is_some_and(|end| end == "md" || end == "png");
-        let shown = publication.files.keys().filter(shown).map(|path| out.join(path).display().to_string());
+        let is_shown = |path: &&PathBuf| path.extension().is_some_and(|end| end == "md" || end == "png");
+        let shown = publication.files.keys().filter(is_shown).map(|path| out.join(path).display().to_string());
         let mut places = vec![format!("{}/", out.join("results").join(name).display())];
         places.extend(shown);
         progress.say(&format!("{name}: {}", places.join(", ").replace("./", "")));

@@ -1,6 +1,6 @@
 //! `spinebench verify`.
 
-use crate::cli::program::interrupted::end_with_words;
+use crate::cli::program::interrupted::exit_on_interrupt;
 use crate::cli::program::shared::ThreadArgs;
 use crate::cli::{CommandError, CommandResult};
 use clap::Args;
@@ -50,7 +50,7 @@ impl VerifyCommand {
             .prefix("spinebench-verify-")
             .tempdir()
             .map_err(|error| CommandError::Failed(format!("cannot create a temporary folder: {error}")))?;
-        end_with_words("interrupted; nothing was compared, and the same command begins again");
+        exit_on_interrupt("interrupted; nothing was compared, and the same command begins again");
         let (store, wanted) = (Store::at(scratch.path()), campaign.wanted());
         let outcomes = runner::execute(&campaign.graph, &store, &wanted, &RunOptions::new(self.threads.jobs, progress))
             .map_err(|failure| CommandError::Failed(failure.to_string()))?;
@@ -108,11 +108,12 @@ impl VerifyCommand {
             return Ok(self.experiments.clone());
         }
         let results = self.out.join("results");
-        let nothing = |found: &str| format!("{}: found {found}, expected published experiments", results.display());
-        let folders = std::fs::read_dir(&results).map_err(|error| nothing(&error.to_string()))?;
+        let none_published =
+            |found: &str| format!("{}: found {found}, expected published experiments", results.display());
+        let folders = std::fs::read_dir(&results).map_err(|error| none_published(&error.to_string()))?;
         let folders = folders.flatten().filter(|folder| folder.path().join("spec.yaml").is_file());
         let mut names: Vec<String> = folders.map(|folder| folder.file_name().to_string_lossy().into_owned()).collect();
         names.sort();
-        if names.is_empty() { Err(nothing("none")) } else { Ok(names) }
+        if names.is_empty() { Err(none_published("none")) } else { Ok(names) }
     }
 }

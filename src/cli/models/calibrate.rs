@@ -1,6 +1,6 @@
 //! `spinebench calibrate`.
 
-use crate::cli::program::interrupted::end_with_words;
+use crate::cli::program::interrupted::exit_on_interrupt;
 use crate::cli::program::outputs::{REPORT_BYTES, check_folder, check_yaml};
 use crate::cli::program::shared::StartsArg;
 use crate::cli::{CommandError, CommandResult};
@@ -65,12 +65,12 @@ impl CalibrateCommand {
         let measured = read_to_calibrate(&self.measured, &model, self.at_rest).map_err(CommandError::bad_input)?;
         check_yaml(&self.out)?;
         self.report.as_ref().map_or(Ok(()), |folder| check_folder(folder, REPORT_BYTES))?;
-        end_with_words("interrupted; nothing was written, and the same command begins again");
+        exit_on_interrupt("interrupted; nothing was written, and the same command begins again");
         progress.step("fitting");
-        let found = calibrate(&model, &measured, &self.options()).map_err(|error| self.refusal(&error))?;
+        let calibration = calibrate(&model, &measured, &self.options()).map_err(|error| self.refusal(&error))?;
         progress.done();
-        let text = model_text(&found.model).map_err(CommandError::failed)?;
-        let report = CalibrationReport { findings: &found.findings, sightings: &found.sightings };
+        let text = model_text(&calibration.model).map_err(CommandError::failed)?;
+        let report = CalibrationReport { findings: &calibration.findings, sightings: &calibration.sightings };
         let files = calibration_artifacts(&report).map_err(CommandError::failed)?;
         write_atomic(&self.out, text.as_bytes()).map_err(CommandError::bad_input)?;
         if let Some(folder) = &self.report {
@@ -81,7 +81,7 @@ impl CalibrateCommand {
         if let Some(words) = model.tracking.starts.told() {
             println!("{words}");
         }
-        print(&found);
+        print(&calibration);
         if let Some(folder) = &self.report {
             println!("{}", folder.join("report.html").display());
         }
@@ -119,8 +119,8 @@ impl CalibrateCommand {
 }
 
 /// Prints the result.
-fn print(found: &Calibration) {
-    let CalibrationFindings { numbers, before_m, after_m, positions, rows, .. } = &found.findings;
+fn print(calibration: &Calibration) {
+    let CalibrationFindings { numbers, before_m, after_m, positions, rows, .. } = &calibration.findings;
     for number in numbers {
         let (name, value, low, high) = (&number.name, number.value, number.low, number.high);
         println!("{name}: {value:.5e}, 95 % interval {low:.5e} to {high:.5e}");
@@ -131,18 +131,18 @@ fn print(found: &Calibration) {
     let (before_mm, after_mm) = (before_m * 1e3, after_m * 1e3);
     let what = if positions == rows { "tip error" } else { "error of all points" };
     println!("rms {what} over {rows} rows: {before_mm:.3} mm before, {after_mm:.3} mm after");
-    for stage in &found.findings.stages {
+    for stage in &calibration.findings.stages {
         let kept = if stage.kept { "kept" } else { "left out" };
         let error_mm = 1e3 * stage.cross_validated_m;
         println!("  {:<32} {:3} numbers, cross-validated {error_mm:8.3} mm: {kept}", stage.name, stage.numbers);
     }
-    if let Some(held_out) = &found.findings.held_out {
+    if let Some(held_out) = &calibration.findings.held_out {
         print_held_out(held_out);
     }
-    for pair in &found.findings.trade_offs {
+    for pair in &calibration.findings.trade_offs {
         println!("{} and {} trade against each other (correlation {:.3})", pair.first, pair.second, pair.correlation);
     }
-    for limitation in &found.findings.limitations {
+    for limitation in &calibration.findings.limitations {
         println!("note: {limitation}");
     }
 }

@@ -1,6 +1,6 @@
 //! `spinebench discover`.
 
-use crate::cli::program::interrupted::end_with_words;
+use crate::cli::program::interrupted::exit_on_interrupt;
 use crate::cli::program::outputs::{REPORT_BYTES, check_folder};
 use crate::cli::program::shared::StartsArg;
 use crate::cli::{CommandError, CommandResult};
@@ -87,7 +87,7 @@ impl DiscoverCommand {
         self.refuse_own_baseline(&measured, baseline.as_ref())?;
         let plant = self.plant.as_ref().map(|file| simulated(file, &model)).transpose()?;
         check_folder(&self.out, REPORT_BYTES)?;
-        end_with_words("interrupted; nothing was written, and the same command begins again");
+        exit_on_interrupt("interrupted; nothing was written, and the same command begins again");
         let trials = self
             .measured
             .iter()
@@ -256,7 +256,7 @@ impl DiscoverCommand {
         .map_err(CommandError::failed)?;
         std::fs::create_dir_all(&self.out)
             .map_err(|error| CommandError::failed(format!("{}: {error}", self.out.display())))?;
-        let old = self.old_commands();
+        let old_files = self.old_commands();
         for file in &files {
             write_atomic(&self.out.join(&file.name), &file.bytes).map_err(CommandError::failed)?;
         }
@@ -266,7 +266,8 @@ impl DiscoverCommand {
         for next in &answer.next_experiments {
             next.commands.write(&self.out.join(&next.proposal.file)).map_err(CommandError::failed)?;
         }
-        for file in old.iter().filter(|old| !answer.next_experiments.iter().any(|next| next.proposal.file == **old)) {
+        let proposed = |file: &&String| answer.next_experiments.iter().any(|next| next.proposal.file == **file);
+        for file in old_files.iter().filter(|file| !proposed(file)) {
             let _ = std::fs::remove_file(self.out.join(file));
         }
         write_atomic(&self.out.join("model.yaml"), &model_bytes).map_err(CommandError::failed)?;
@@ -322,11 +323,12 @@ fn simulated(file: &Path, model: &Model) -> Result<SimulatedSpec, CommandError> 
     match read_plant(file).map_err(CommandError::bad_input)? {
         PlantSpec::Simulated(plant) => {
             let plant = *plant;
-            let (found, expected) = (plant.model.robot.tendons.angles_deg.len(), model.robot.tendons.angles_deg.len());
-            if found == expected {
+            let (tendons, expected) =
+                (plant.model.robot.tendons.angles_deg.len(), model.robot.tendons.angles_deg.len());
+            if tendons == expected {
                 return Ok(plant);
             }
-            Err(refuse(format!("{found} tendons"), format!("{expected}, the number of tendons of the model")))
+            Err(refuse(format!("{tendons} tendons"), format!("{expected}, the number of tendons of the model")))
         }
         other => Err(refuse(other.kind().to_owned(), "a simulated plant".to_owned())),
     }

@@ -76,7 +76,7 @@ enum TipFrameArg {
 }
 
 /// Angle between base and tracking frame above which the choice of frame is reported, degrees.
-const TURNED_DEG: f64 = 0.5;
+const MIN_REPORTED_TURN_DEG: f64 = 0.5;
 
 impl ImportCommand {
     pub(crate) fn execute(self, progress: &Progress) -> CommandResult {
@@ -98,8 +98,8 @@ impl Motive {
             refuse!("{file}: found `{name}` as base and as tip, expected two different bodies");
         }
         let points = self.points.iter().map(|named| point(&export, named)).collect::<Result<Vec<_>, _>>()?;
-        let twice = |(k, (name, _)): (usize, &(String, &Body))| points[..k].iter().any(|(known, _)| known == name);
-        if let Some((name, _)) = points.iter().enumerate().find(|own| twice(*own)).map(|(_, point)| point) {
+        let twice = |(k, (name, _)): (usize, &(String, &Body))| points[..k].iter().any(|(earlier, _)| earlier == name);
+        if let Some((name, _)) = points.iter().enumerate().find(|indexed| twice(*indexed)).map(|(_, point)| point) {
             refuse!("--points: found `{name}` twice, expected every name once");
         }
         let bodies = ImportedBodies { base, tip, points };
@@ -134,13 +134,13 @@ impl Motive {
             );
         }
         let turn_deg = imported.base_turn_rad.to_degrees();
-        if turn_deg > TURNED_DEG {
-            let (given, other) = match self.frame {
+        if turn_deg > MIN_REPORTED_TURN_DEG {
+            let (axes_words, alternative) = match self.frame {
                 TipFrameArg::Base => ("the base's", "--frame tracking shows a tilted base"),
                 TipFrameArg::Tracking => ("the tracking frame's", "--frame base removes a rotated tracking frame"),
             };
             eprintln!(
-                "note: the base body is rotated by {turn_deg:.1}° relative to the tracking frame; the tip is expressed along {given} axes ({other})"
+                "note: the base body is rotated by {turn_deg:.1}° relative to the tracking frame; the tip is expressed along {axes_words} axes ({alternative})"
             );
         }
     }
@@ -151,11 +151,11 @@ const OPTIONS: SettingNames =
 
 /// The body of this name; without one, the only body whose name begins with `usual`.
 fn body<'a>(export: &'a Export, name: Option<&str>, usual: &str) -> Result<&'a Body, CommandError> {
-    let found = match name {
+    let body = match name {
         Some(name) => export.body(name),
         None => export.body_like(usual),
     };
-    found.map_err(|error| CommandError::BadInput(format!("{error} (--{usual} NAME)")))
+    body.map_err(|error| CommandError::BadInput(format!("{error} (--{usual} NAME)")))
 }
 
 /// A point along the robot: its name in the recording, and its body or marker.

@@ -55,8 +55,8 @@ impl CsvImport {
         let logs = LogFiles::find(&self.logs).map_err(CommandError::bad_input)?;
         let map = read_map(&self.by.map, SourceKind::from(&logs)).map_err(CommandError::bad_input)?;
         check_recording(&self.by.out, 0)?;
-        let found = import_text(&logs.files, &map).map_err(CommandError::bad_input)?;
-        finish(&found, &self.by.out, progress)
+        let mapped = import_text(&logs.files, &map).map_err(CommandError::bad_input)?;
+        finish(&mapped, &self.by.out, progress)
     }
 }
 
@@ -64,8 +64,8 @@ impl McapImport {
     pub(crate) fn execute(self, progress: &Progress) -> CommandResult {
         let map = read_map(&self.by.map, SourceKind::Bag).map_err(CommandError::bad_input)?;
         check_recording(&self.by.out, 0)?;
-        let found = import_bag(&self.bag, &map).map_err(CommandError::bad_input)?;
-        finish(&found, &self.by.out, progress)
+        let mapped = import_bag(&self.bag, &map).map_err(CommandError::bad_input)?;
+        finish(&mapped, &self.by.out, progress)
     }
 }
 
@@ -76,27 +76,27 @@ const KEYS: SettingNames = SettingNames {
 };
 
 /// Prints notes and writes the recording.
-fn finish(found: &MappedImport, out: &Path, progress: &Progress) -> CommandResult {
-    check_recording(out, found.recording.len())?;
-    found.recording.write(out).map_err(CommandError::bad_input)?;
-    found.clocks.iter().for_each(print_clock);
-    if let Some(first) = found.passed_over.first() {
-        let (count, first) = (found.passed_over.len(), first.display());
+fn finish(mapped: &MappedImport, out: &Path, progress: &Progress) -> CommandResult {
+    check_recording(out, mapped.recording.len())?;
+    mapped.recording.write(out).map_err(CommandError::bad_input)?;
+    mapped.clocks.iter().for_each(print_clock);
+    if let Some(first) = mapped.passed_over.first() {
+        let (count, first) = (mapped.passed_over.len(), first.display());
         eprintln!(
             "note: the names of {count} files fit no pattern of `trial_files` (the first is {first}); they were not read"
         );
     }
-    if let Some(imported) = &found.imported {
-        print_lost(imported.lost, found.recording.len(), out);
-        print_doubts(&imported.doubts, &found.recording, &KEYS);
+    if let Some(imported) = &mapped.imported {
+        print_lost(imported.lost, mapped.recording.len(), out);
+        print_doubts(&imported.doubts, &mapped.recording, &KEYS);
     }
-    progress.say(&written(out, &found.recording));
+    progress.say(&written(out, &mapped.recording));
     Ok(())
 }
 
 fn print_clock(TrialClock { trial, fit }: &TrialClock) {
     let ClockFit { offset_s, interval_95_s: [low_s, high_s], lag_s, explained, dead_time_s } = fit;
-    let of = trial.map_or(String::new(), |trial| format!("trial {trial}: "));
+    let prefix = trial.map_or(String::new(), |trial| format!("trial {trial}: "));
     let dead_time = if *dead_time_s > 0.0 {
         format!("The interval is for a dead time of the drive up to {dead_time_s} s.")
     } else {
@@ -105,7 +105,7 @@ fn print_clock(TrialClock { trial, fit }: &TrialClock) {
             .to_owned()
     };
     eprintln!(
-        "note: {of}the tracker's times are shifted by {offset_s:.4} s (95 % interval {low_s:.4} to {high_s:.4} s): at this \
+        "note: {prefix}the tracker's times are shifted by {offset_s:.4} s (95 % interval {low_s:.4} to {high_s:.4} s): at this \
          offset the commands, with a lag of {lag_s:.3} s, explain {:.1} % of the tip's motion. {dead_time}",
         100.0 * explained
     );

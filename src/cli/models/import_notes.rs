@@ -5,9 +5,9 @@ use spinebench::data::import::ImportDoubts;
 use std::path::Path;
 
 /// The tip follows a command after this at the latest, seconds; later the clocks may be apart.
-const LATE_S: f64 = 0.08;
+const MAX_ONSET_S: f64 = 0.08;
 /// … and never this much before it, seconds.
-const EARLY_S: f64 = 0.02;
+const MAX_LEAD_S: f64 = 0.02;
 
 /// What notes call the settings that would mend a mistake.
 pub(crate) struct SettingNames {
@@ -47,12 +47,12 @@ pub(crate) fn print_doubts(doubts: &ImportDoubts, recording: &Recording, names: 
         );
     }
     match doubts.onset_s {
-        Some(onset_s) if onset_s < -EARLY_S => eprintln!(
+        Some(onset_s) if onset_s < -MAX_LEAD_S => eprintln!(
             "note: the tip begins to move {:.2} s before its commands: the tracker's clock is ahead of the log's by at \
              least that ({clock})",
             -onset_s
         ),
-        Some(onset_s) if onset_s > LATE_S => eprintln!(
+        Some(onset_s) if onset_s > MAX_ONSET_S => eprintln!(
             "note: the tip begins to follow its commands {onset_s:.2} s late: the tracker's clock is behind the log's, or \
              the drive is late"
         ),

@@ -4,20 +4,20 @@ use spinebench::hardware::interrupt::Interrupt;
 use std::time::Duration;
 
 /// Time between looks at the request to end.
-const LOOK: Duration = Duration::from_millis(20);
+const POLL_PERIOD: Duration = Duration::from_millis(20);
 /// Exit status of a program that was ended by SIGINT.
-const STATUS: i32 = 130;
+const SIGINT_STATUS: i32 = 130;
 
 /// From now on the first Ctrl-C (or SIGTERM) ends the process with these words, at once: whoever calls this keeps nothing
 /// half-written. A system that refuses the handlers ends it without words.
-pub(crate) fn end_with_words(words: &'static str) {
+pub(crate) fn exit_on_interrupt(words: &'static str) {
     let Ok(interrupt) = Interrupt::of_process() else { return };
     let watch = move || {
         while !interrupt.raised() {
-            std::thread::sleep(LOOK);
+            std::thread::sleep(POLL_PERIOD);
         }
         eprintln!("\n{words}");
-        std::process::exit(STATUS);
+        std::process::exit(SIGINT_STATUS);
     };
     // Without a thread for it, the second Ctrl-C ends the process.
     drop(std::thread::Builder::new().name("interrupt".into()).spawn(watch));

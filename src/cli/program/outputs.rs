@@ -43,7 +43,7 @@ pub(crate) fn check_file(file: &Path, bytes: usize) -> CommandResult {
         refuse!("{}: found a folder, expected the name of a file", file.display());
     }
     let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    probe(folder, bytes).map_err(|error| told(file, &error, "a file in a folder that can be written to"))
+    probe(folder, bytes).map_err(|error| write_error(file, &error, "a file in a folder that can be written to"))
 }
 
 /// Checks that files of `bytes` bytes together can be written to `folder`, which need not exist. Leaves nothing behind.
@@ -51,10 +51,10 @@ pub(crate) fn check_file(file: &Path, bytes: usize) -> CommandResult {
 /// # Errors
 /// [`CommandError::BadInput`] for a folder that cannot be made or written to, [`CommandError::Failed`] for a full disk.
 pub(crate) fn check_folder(folder: &Path, bytes: usize) -> CommandResult {
-    probe(folder, bytes).map_err(|error| told(folder, &error, "a writable folder"))
+    probe(folder, bytes).map_err(|error| write_error(folder, &error, "a writable folder"))
 }
 
-fn told(place: &Path, error: &io::Error, expected: &str) -> CommandError {
+fn write_error(place: &Path, error: &io::Error, expected: &str) -> CommandError {
     let place = place.display();
     match error.kind() {
         io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
@@ -72,10 +72,10 @@ fn probe(folder: &Path, bytes: usize) -> io::Result<()> {
         .take_while(|place| !place.as_os_str().is_empty() && !place.exists())
         .map(Path::to_owned)
         .collect();
-    let tried = write_probe(folder, bytes);
+    let result = write_probe(folder, bytes);
     // A folder in which another process has begun to write stays.
     missing.iter().for_each(|made| drop(std::fs::remove_dir(made)));
-    tried
+    result
 }
 
 fn write_probe(folder: &Path, bytes: usize) -> io::Result<()> {

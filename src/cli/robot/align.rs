@@ -17,7 +17,7 @@ use std::path::PathBuf;
 const REST_STEPS: usize = 8;
 /// Largest residual rms over the rms distance of the points from their centre: above it the points do not correspond to
 /// each other.
-const MISFIT: f64 = 0.35;
+const MAX_RELATIVE_RESIDUAL: f64 = 0.35;
 
 /// Find the pose of the robot's base frame in the tracker's base body, from measured tips and the model's predictions.
 ///
@@ -57,12 +57,12 @@ impl AlignCommand {
             }
             None => (self.record_poses(&options)?, true),
         };
-        let found = aligned(&options, &recording, at_rest).map_err(|words| match &self.measured {
+        let alignment = aligned(&options, &recording, at_rest).map_err(|words| match &self.measured {
             Some(file) => CommandError::BadInput(format!("{}: {words}", file.display())),
             None => CommandError::Failed(words),
         })?;
-        options.tracking.alignment = found.pose;
-        print_alignment(&found)?;
+        options.tracking.alignment = alignment.pose;
+        print_alignment(&alignment)?;
         if let Some(out) = &self.out {
             let text = to_yaml(&PlantSpec::Hardware(options)).map_err(CommandError::failed)?;
             write_atomic(out, text.as_bytes()).map_err(CommandError::bad_input)?;
@@ -94,28 +94,28 @@ fn aligned(options: &HardwareOptions, measured: &Recording, at_rest: bool) -> Re
     let rows = (0..measured.len())
         .filter(|&row| measured.is_valid(row) && played.is_valid(row) && finite(&model_m[row]) && finite(&seen_m[row]));
     let (model_m, seen_m): (Vec<Point3>, Vec<Point3>) = rows.map(|row| (model_m[row], seen_m[row])).unzip();
-    let found = realign(&options.tracking.alignment, &model_m, &seen_m).map_err(|fault| fault.to_string())?;
-    if found.residual_m <= MISFIT * found.spread_m {
-        return Ok(found);
+    let alignment = realign(&options.tracking.alignment, &model_m, &seen_m).map_err(|fault| fault.to_string())?;
+    if alignment.residual_m <= MAX_RELATIVE_RESIDUAL * alignment.spread_m {
+        return Ok(alignment);
     }
-    if found.directions_agree() {
-        return Ok(Alignment { pose: found.straight_pose, ..found });
+    if alignment.directions_agree() {
+        return Ok(Alignment { pose: alignment.straight_pose, ..alignment });
     }
-    let (left_mm, spread_mm) = (found.residual_m * 1e3, found.spread_m * 1e3);
+    let (residual_mm, spread_mm) = (alignment.residual_m * 1e3, alignment.spread_m * 1e3);
     Err(format!(
-        "no rotation and shift fits the measured tips: residual {left_mm:.1} mm rms of {spread_mm:.1} mm, {:.2} times \
+        "no rotation and shift fits the measured tips: residual {residual_mm:.1} mm rms of {spread_mm:.1} mm, {:.2} times \
          the predicted bend, directions {:.0} degrees apart; check tip_body, base_body, up_axis, the order of the \
          tendons, and the model",
-        found.ratio,
-        found.apart_rad.to_degrees()
+        alignment.ratio,
+        alignment.apart_rad.to_degrees()
     ))
 }
 
 /// Ratios of measured to predicted bends that are not worth a word.
 const AS_PREDICTED: [f64; 2] = [0.9, 1.1];
 
-fn print_alignment(found: &Alignment) -> CommandResult {
-    let Alignment { pose, residual_m, worst_m, turn_rad, .. } = found;
+fn print_alignment(alignment: &Alignment) -> CommandResult {
+    let Alignment { pose, residual_m, worst_m, turn_rad, .. } = alignment;
     #[derive(serde::Serialize)]
     struct TrackingSection<'a> {
         alignment: &'a RigidPose,
@@ -134,7 +134,7 @@ fn print_alignment(found: &Alignment) -> CommandResult {
         worst_m * 1e3,
         turn_rad.to_degrees()
     );
-    let Alignment { ratio, apart_rad, .. } = found;
+    let Alignment { ratio, apart_rad, .. } = alignment;
     if !(AS_PREDICTED[0]..=AS_PREDICTED[1]).contains(ratio) {
         println!(
             "# the robot bends {ratio:.2} times as far as the model; directions agree within {:.1} degrees rms: calibrate \

@@ -16,15 +16,15 @@ const WATCH_S: f64 = 2.0;
 /// Test displacement of each tendon, metres, in steps of a third of it.
 const PULL_M: f64 = 0.006;
 /// Smallest motion of the tip that counts as motion, metres.
-const SEEN_M: f64 = 0.002;
+const MIN_MOTION_M: f64 = 0.002;
 
 /// Largest ratio, either way, and largest angle, degrees, between the measured and the predicted motion of one tendon: sag,
 /// creep and a tilted base change both by so much, swapped tendons by ninety degrees and more.
-const ONE_TENDON: Agreement = Agreement { most_ratio: 3.0, most_apart_deg: 60.0 };
+const ONE_TENDON: Agreement = Agreement { max_ratio: 3.0, max_apart_deg: 60.0 };
 
 /// The same of two opposite tendons, whose difference sag and creep do not change: beyond it, the model's dimensions, the
 /// screws' `$100`… or the tracker's unit are wrong, or the alignment.
-const PAIR: Agreement = Agreement { most_ratio: 1.6, most_apart_deg: 30.0 };
+const PAIR: Agreement = Agreement { max_ratio: 1.6, max_apart_deg: 30.0 };
 
 /// Check a robot's hardware: ports, versions, settings, rates, frames. Moves nothing without --move.
 #[derive(Args)]
@@ -54,8 +54,8 @@ impl DoctorCommand {
 
 /// Limits of the agreement of two motions.
 struct Agreement {
-    most_ratio: f64,
-    most_apart_deg: f64,
+    max_ratio: f64,
+    max_apart_deg: f64,
 }
 
 fn length_m(motion_m: &Point3) -> f64 {
@@ -77,20 +77,20 @@ impl Agreement {
     /// Prints how far the tip moved and in which direction, against the prediction; returns 1 if either is wrong.
     fn print(&self, what: &str, moved_m: &Point3, predicted_m: &Point3) -> usize {
         let (ratio, apart_deg) = (length_m(moved_m) / length_m(predicted_m), angle_deg(moved_m, predicted_m));
-        let least = 1.0 / self.most_ratio;
-        let sized = length_m(moved_m) > SEEN_M && (least..=self.most_ratio).contains(&ratio);
-        let directed = apart_deg <= self.most_apart_deg;
+        let min_ratio = 1.0 / self.max_ratio;
+        let sized = length_m(moved_m) > MIN_MOTION_M && (min_ratio..=self.max_ratio).contains(&ratio);
+        let directed = apart_deg <= self.max_apart_deg;
         let advice = match (sized, directed) {
             (true, true) => String::new(),
             (false, true) => format!(
-                "; expected a ratio of {least:.2} to {}: check the model's dimensions and stiffness, $100 to $103 and the \
+                "; expected a ratio of {min_ratio:.2} to {}: check the model's dimensions and stiffness, $100 to $103 and the \
                  tracker's unit",
-                self.most_ratio
+                self.max_ratio
             ),
             (_, false) => format!(
                 "; expected at most {} degrees: check the order of the tendons, up_axis and the alignment (`spinebench \
                  align`)",
-                self.most_apart_deg
+                self.max_apart_deg
             ),
         };
         let words = format!(
@@ -196,8 +196,8 @@ fn report_frames(tracking: &TrackingStatus, rate_hz: f64) -> usize {
     wrong += print_check(jitter_ms < 20.0, &format!("frame jitter: {jitter_ms:.1} ms, expected below 20"));
     wrong +=
         print_check(tracking.foreign == 0, &format!("frames from other servers: {}, expected 0", tracking.foreign));
-    if let Some((_, found)) = &tracking.second_source_last {
-        wrong += print_check(false, &format!("two sources of frames: {found}; stop one of them"));
+    if let Some((_, sources)) = &tracking.second_source_last {
+        wrong += print_check(false, &format!("two sources of frames: {sources}; stop one of them"));
     }
     wrong += print_check(tracking.malformed == 0, &format!("unreadable frames: {}, expected 0", tracking.malformed));
     wrong
@@ -214,6 +214,7 @@ fn test_tendons(plant: &mut Hardware) -> Result<usize, CommandError> {
     let mut motions = Vec::new();
     for tendon in 0..plant.tendons() {
         let mut seen_m = [f64::NAN; 3];
+        // Three steps to the displacement, and three ticks to come to rest.
         for share in [1.0, 2.0, 3.0, 3.0, 3.0, 3.0] {
             let mut pulls_m = vec![0.0; plant.tendons()];
             pulls_m[tendon] = PULL_M * share / 3.0;

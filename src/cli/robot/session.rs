@@ -117,18 +117,19 @@ impl<'a> RecordingSession<'a> {
 
     fn begins_with(&self, earlier: &Recording) -> bool {
         let (count, commands) = (earlier.len(), self.commands);
-        let hung = |recording: &Recording, row: usize| recording.known_load_kg.as_ref().map_or(0.0, |load| load[row]);
+        let hung_kg =
+            |recording: &Recording, row: usize| recording.known_load_kg.as_ref().map_or(0.0, |load| load[row]);
         let columns = |recording: &Recording| recording.drives.iter().map(DriveTrack::column).collect::<Vec<_>>();
         count <= commands.len()
             && columns(earlier) == columns(commands)
             && earlier.trial == commands.trial[..count]
             && earlier.time_s == commands.time_s[..count]
             && (0..count).all(|row| {
-                let same = match earlier.drives.is_empty() {
+                let same_command = match earlier.drives.is_empty() {
                     true => earlier.commands.row(row) == commands.commands.row(row),
                     false => earlier.drive_displacements(row) == commands.drive_displacements(row),
                 };
-                same && hung(earlier, row) == hung(commands, row)
+                same_command && hung_kg(earlier, row) == hung_kg(commands, row)
             })
     }
 
@@ -153,9 +154,9 @@ impl<'a> RecordingSession<'a> {
                 Ok(trial) => self.append_trial(trial)?,
                 Err(error) => {
                     let (done, all) = (self.trials(), trials.len());
-                    let words = "run the same command to resume";
+                    let advice = "run the same command to resume";
                     return Err(CommandError::Failed(format!(
-                        "trial {number}: {error}; {done} of {all} trials are kept, {words}"
+                        "trial {number}: {error}; {done} of {all} trials are kept, {advice}"
                     )));
                 }
             }

@@ -38,7 +38,7 @@ pub(crate) const CARD: Card = Card {
 };
 
 /// A smaller curvature is that of a wall, 1/m.
-const FLAT_1_M: f64 = 0.01;
+const MIN_BALL_CURVATURE_1_M: f64 = 0.01;
 
 impl Contact {
     /// Shape and place in the frame of the base at `base_m` with the rotation `base_r`.
@@ -46,7 +46,7 @@ impl Contact {
         let (sin, cos) = self.azimuth_rad.sin_cos();
         let outwards = base_r * Vector3::new(cos, sin, 0.0);
         let nearest_m = base_m + outwards * self.distance_m + base_r.column(2) * self.position_m;
-        if self.curvature_1_m < FLAT_1_M {
+        if self.curvature_1_m < MIN_BALL_CURVATURE_1_M {
             return ObstacleShape::HalfSpace { normal: -outwards, offset_m: -outwards.dot(&nearest_m) };
         }
         let radius_m = 1.0 / self.curvature_1_m;

@@ -54,6 +54,7 @@ impl MomentLaw for Creep {
     }
 
     fn commit(&self, state: &mut HistoryState, curvature_rad_m: [f64; 2], _bending_n_m2: f64, dt_s: f64) {
+        // Exact for a curvature that is constant during the step.
         let approach = 1.0 - (-dt_s / self.time_s).exp();
         for axis in 0..2 {
             state[axis] += approach * (curvature_rad_m[axis] - state[axis]);

@@ -30,7 +30,7 @@ impl Effect for FrameShift {
 
     fn observe(&self, seen: &mut Observation) {
         for position_m in seen.positions_m() {
-            position_m.iter_mut().zip(self.shift_m).for_each(|(own, shift)| *own += shift);
+            position_m.iter_mut().zip(self.shift_m).for_each(|(coordinate, shift)| *coordinate += shift);
         }
     }
 }

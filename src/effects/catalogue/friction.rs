@@ -84,6 +84,7 @@ impl Prandtl {
         if size <= self.moment_nm {
             return [[k, 0.0], [0.0, k]];
         }
+        // Of a radial return only the part across the direction of slip stays elastic.
         let (share, n) = (self.moment_nm / size, [trial[0] / size, trial[1] / size]);
         let entry = |a: usize, b: usize| share * k * (f64::from(u8::from(a == b)) - n[a] * n[b]);
         [[entry(0, 0), entry(0, 1)], [entry(1, 0), entry(1, 1)]]
@@ -100,6 +101,7 @@ impl MomentLaw for Prandtl {
         let trial = self.trial(state, curvature_rad_m);
         let borne = self.borne(trial);
         for axis in 0..2 {
+            // The slider follows until the spring bears no more than the slip moment.
             if borne[axis] != trial[axis] {
                 state[axis] = curvature_rad_m[axis] - borne[axis] / self.stiffness_n_m2;
             }

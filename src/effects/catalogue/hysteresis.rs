@@ -17,7 +17,7 @@ pub struct Hysteresis {
 }
 
 /// Number of elements: enough that the loop looks smooth against 0.5 mm of noise.
-const ELEMENTS: usize = 5;
+const ELEMENT_COUNT: usize = 5;
 
 pub(crate) const CARD: Card = Card {
     name: "hysteresis",
@@ -38,8 +38,8 @@ impl Effect for Hysteresis {
     }
 
     fn modify_rod(&self, rod: &mut RodParams) {
-        for element in 1..=ELEMENTS {
-            let yields_at_rad_m = self.range_rad_m * element as f64 / ELEMENTS as f64;
+        for element in 1..=ELEMENT_COUNT {
+            let yields_at_rad_m = self.range_rad_m * element as f64 / ELEMENT_COUNT as f64;
             rod.moment_laws.push(Arc::new(Element { share: self.share, yields_at_rad_m }));
         }
     }
@@ -55,7 +55,7 @@ struct Element {
 
 impl Element {
     fn at(&self, bending_n_m2: f64) -> Prandtl {
-        let stiffness_n_m2 = bending_n_m2 * self.share / ELEMENTS as f64;
+        let stiffness_n_m2 = bending_n_m2 * self.share / ELEMENT_COUNT as f64;
         Prandtl { moment_nm: stiffness_n_m2 * self.yields_at_rad_m, stiffness_n_m2, coupled: true }
     }
 }

@@ -39,12 +39,12 @@ impl Effect for ServoLag {
     fn modify_command(&mut self, pulls_m: &mut [f64], dt_s: f64) {
         self.last_m.resize(pulls_m.len(), (0.0, 0.0));
         for (pull, last) in pulls_m.iter_mut().zip(&mut self.last_m) {
-            let asked = *pull;
+            let command = *pull;
             if self.time_s > 0.0 && dt_s.is_finite() {
-                let behind = self.time_s * (asked - last.0) / dt_s;
-                *pull = asked - behind + (last.1 - last.0 + behind) * (-dt_s / self.time_s).exp();
+                let steady_lag = self.time_s * (command - last.0) / dt_s;
+                *pull = command - steady_lag + (last.1 - last.0 + steady_lag) * (-dt_s / self.time_s).exp();
             }
-            *last = (asked, *pull);
+            *last = (command, *pull);
         }
     }
 }

@@ -31,9 +31,10 @@ impl DriveState {
         duration_s: f64,
     ) -> DrivePath {
         let ramp_s = self.drive_time_s.min(duration_s);
-        let late = effects.iter().any(|effect| effect.has_lag());
-        let count = if late { (duration_s / ramp_s - 1e-9).ceil() } else { 1.0 };
-        let parts = if late { vec![duration_s / count; count as usize] } else { vec![ramp_s, duration_s - ramp_s] };
+        // Positions with a lag are curves: one part a ramp. Others are straight on ramp and hold.
+        let has_lag = effects.iter().any(|effect| effect.has_lag());
+        let count = if has_lag { (duration_s / ramp_s - 1e-9).ceil() } else { 1.0 };
+        let parts = if has_lag { vec![duration_s / count; count as usize] } else { vec![ramp_s, duration_s - ramp_s] };
         let from_m = std::mem::replace(&mut self.commanded_m, target_m);
         let mut path = DrivePath { ends_s: Vec::new(), positions_m: vec![self.actual_m.clone()] };
         let mut now_s = 0.0;
@@ -41,8 +42,8 @@ impl DriveState {
             now_s += part_s;
             path.ends_s.push(now_s);
             if part_s > 1e-9 * duration_s {
-                let asked = between(&from_m, &self.commanded_m, (now_s / ramp_s).min(1.0));
-                self.actual_m = apply_effects(effects, asked, part_s);
+                let commanded_m = between(&from_m, &self.commanded_m, (now_s / ramp_s).min(1.0));
+                self.actual_m = apply_effects(effects, commanded_m, part_s);
             }
             path.positions_m.push(self.actual_m.clone());
         }

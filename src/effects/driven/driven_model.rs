@@ -61,6 +61,7 @@ impl DrivenModel {
             driven.places.push(varied.places);
             params.push(varied.params);
         }
+        // The model itself is number 0, the first variable number 1.
         driven.rods = PerturbedRods::new(model.rod(extra), params)
             .map_err(|NotPerturbable(number)| VariationError::NotPerturbable(number - 1))?;
         Ok(driven)
@@ -79,8 +80,8 @@ impl DrivenModel {
         let mut kept: Vec<usize> = (0..variables.len()).collect();
         let mut left_out = Vec::new();
         loop {
-            let near: Vec<Variable> = kept.iter().map(|&index| variables[index].clone()).collect();
-            match DrivenModel::varied(model, extra, &near) {
+            let variables_kept: Vec<Variable> = kept.iter().map(|&index| variables[index].clone()).collect();
+            match DrivenModel::varied(model, extra, &variables_kept) {
                 Err(VariationError::NotPerturbable(index)) => left_out.push(kept.remove(index)),
                 driven => {
                     left_out.sort_unstable();
@@ -148,8 +149,8 @@ impl DrivenModel {
     /// Replaces the tip load in addition to the model's; `load` may depend on the rod (for example on its gravity).
     pub fn set_extra_tip_load(&mut self, load: &dyn Fn(&RodParams) -> TipWrench) {
         self.rods.set_tip_load(&|params| {
-            let (own, extra) = (params.tip_load, load(params));
-            TipWrench { force_n: own.force_n + extra.force_n, moment_nm: own.moment_nm + extra.moment_nm }
+            let (model_load, extra) = (params.tip_load, load(params));
+            TipWrench { force_n: model_load.force_n + extra.force_n, moment_nm: model_load.moment_nm + extra.moment_nm }
         });
     }
 
@@ -186,13 +187,14 @@ impl DrivenModel {
             each.map(|((drive_state, effects), target)| drive_state.move_to(effects, target, duration_s)).collect();
         let parts = |number: usize| {
             // Followers use the leader's parts unless they have as many of their own.
-            let own = if paths[number].ends_s.len() == paths[0].ends_s.len() { number } else { 0 };
-            &paths[own].ends_s
+            let source = if paths[number].ends_s.len() == paths[0].ends_s.len() { number } else { 0 };
+            &paths[source].ends_s
         };
         let part_s = |number: usize, part: usize| {
             let start_s = if part == 0 { 0.0 } else { parts(number)[part - 1] };
             (start_s, parts(number)[part] - start_s)
         };
+        // A command that ends with its ramp has a hold of no duration.
         for part in (0..paths[0].ends_s.len()).filter(|&part| part_s(0, part).1 > 1e-9 * duration_s) {
             let at = |number: usize, t: f64| paths[number].drives(commands, part_s(number, part).0 + t);
             solved(self.rods.advance_with(&at, &|number| part_s(number, part).1))?;
@@ -248,13 +250,13 @@ impl DrivenModel {
             let positions = seen.positions_m().map(|position_m| Vector3::from(*position_m));
             positions.zip(turns).collect::<Vec<MeasuredPose>>()
         };
-        let here = measured(0, self.rod());
+        let unperturbed = measured(0, self.rod());
         let rate = |(number, (perturbation, rod)): (usize, (&Perturbation, &Rod))| {
             let between = |((here_m, turn), (there_m, turned)): (&MeasuredPose, MeasuredPose)| TipRate {
                 position_m: (there_m - here_m) / perturbation.step,
                 rotation_rad: rotation::log(&(turned * turn.transpose())) / perturbation.step,
             };
-            let mut rates: Vec<TipRate> = here.iter().zip(measured(number + 1, rod)).map(between).collect();
+            let mut rates: Vec<TipRate> = unperturbed.iter().zip(measured(number + 1, rod)).map(between).collect();
             PoseRates { tip: rates.remove(0), points: rates }
         };
         self.perturbations.iter().zip(self.rods.others()).enumerate().map(rate).collect()
@@ -277,7 +279,7 @@ impl DrivenModel {
             return Err(PlantError::Refused(format!("{} tendons, expected {tendons}", commands.len())));
         }
         let follows = commands.contains(&TendonCommand::Follow);
-        let asked = |(rod, shift): (&Rod, Option<(usize, f64)>)| {
+        let requested = |(rod, shift): (&Rod, Option<(usize, f64)>)| {
             let following = if follows { rod.following_pulls_m() } else { vec![0.0; tendons] };
             let pull = |(tendon, (command, following)): (usize, (&TendonCommand, f64))| match *command {
                 TendonCommand::Pull(pull) => {
@@ -290,7 +292,7 @@ impl DrivenModel {
         let shifts = std::iter::once(None).chain(
             self.perturbations.iter().map(|perturbation| perturbation.shift(self.next, &self.drive_displacements)),
         );
-        Ok(self.each_rod().zip(shifts).map(asked).collect())
+        Ok(self.each_rod().zip(shifts).map(requested).collect())
     }
 
     /// Updates the positions of following drives from the shapes.
@@ -312,11 +314,11 @@ impl DrivenModel {
             self.perturbations.iter().map(|perturbation| perturbation.shift(self.next, &self.drive_displacements)),
         );
         let each = shifts.map(|shift| {
-            let own = |(tendon, &tension): (usize, &f64)| match shift {
+            let drive = |(tendon, &tension): (usize, &f64)| match shift {
                 Some((shifted, step)) if shifted == tendon => Drive::Tension(tension + step),
                 _ => Drive::Tension(tension),
             };
-            tensions_n.iter().enumerate().map(own).collect()
+            tensions_n.iter().enumerate().map(drive).collect()
         });
         each.collect()
     }

@@ -1,4 +1,4 @@
-//! TODO
+//! A model driven by commands: its drives, its observations and their derivatives.
 
 pub(super) mod drive_path;
 pub(super) mod driven_model;

@@ -54,9 +54,9 @@ impl Perturbation {
 /// The gain in which two models differ, if they do.
 fn changed_gain(model: &Model, candidate: &Model) -> CommandShift {
     let pairs = model.drives.values().zip(candidate.drives.values()).enumerate();
-    let gains = pairs.flat_map(|(drive, (own, other))| {
-        let each = own.gains.iter().zip(&other.gains).zip(&own.tendons);
-        each.map(move |((own, other), tendon)| (own != other, CommandShift::Gain { tendon: tendon - 1, drive }))
+    let gains = pairs.flat_map(|(drive, (drive_before, drive_after))| {
+        let each = drive_before.gains.iter().zip(&drive_after.gains).zip(&drive_before.tendons);
+        each.map(move |((before, after), tendon)| (before != after, CommandShift::Gain { tendon: tendon - 1, drive }))
     });
     gains.into_iter().find(|(differs, _)| *differs).map_or(CommandShift::Nothing, |(_, shift)| shift)
 }
@@ -69,7 +69,7 @@ pub(crate) fn perturb(
     index: usize,
 ) -> Result<PerturbedModel, VariationError> {
     let params = model.rod(extra);
-    let plain = |step: f64, shift: CommandShift, params: RodParams| PerturbedModel {
+    let of_model = |step: f64, shift: CommandShift, params: RodParams| PerturbedModel {
         perturbation: Perturbation { step, shift },
         drive_time_s: model.robot.drive_time_s,
         params,
@@ -81,6 +81,7 @@ pub(crate) fn perturb(
     match variable {
         Variable::Parameter(parameter) => {
             let (value, scale) = (parameter.value(model)?, parameter.scale(model)?);
+            // Backwards where a step forwards leaves the range or changes the grid.
             for step in [RELATIVE_STEP * scale, -RELATIVE_STEP * scale] {
                 // The perturbation after rounding of the sum.
                 let (there, step) = (value + step, (value + step) - value);
@@ -100,15 +101,15 @@ pub(crate) fn perturb(
             if *tendon >= params.tendons.len() {
                 return Err(VariationError::Missing(index));
             }
-            Ok(plain(RELATIVE_STEP * COMMAND_SCALE, CommandShift::Commands(*tendon, commands.clone()), params))
+            Ok(of_model(RELATIVE_STEP * COMMAND_SCALE, CommandShift::Commands(*tendon, commands.clone()), params))
         }
         Variable::Force(along) => {
             changed.tip_load.force_n[axis(*along)?] += RELATIVE_STEP * FORCE_SCALE_N;
-            Ok(plain(RELATIVE_STEP * FORCE_SCALE_N, CommandShift::Nothing, changed))
+            Ok(of_model(RELATIVE_STEP * FORCE_SCALE_N, CommandShift::Nothing, changed))
         }
         Variable::Moment(about) => {
             changed.tip_load.moment_nm[axis(*about)?] += RELATIVE_STEP * MOMENT_SCALE_NM;
-            Ok(plain(RELATIVE_STEP * MOMENT_SCALE_NM, CommandShift::Nothing, changed))
+            Ok(of_model(RELATIVE_STEP * MOMENT_SCALE_NM, CommandShift::Nothing, changed))
         }
     }
 }

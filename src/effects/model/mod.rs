@@ -1,4 +1,4 @@
-//! TODO
+//! A model file: the robot, its effects, obstacles, drives and tracked points, and its parameters.
 
 pub(super) mod obstacles;
 pub(super) mod parameter;

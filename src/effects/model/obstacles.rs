@@ -78,7 +78,7 @@ pub struct Capsule {
 }
 
 /// Shortest vector that is a direction.
-const SHORTEST_DIRECTION: f64 = 1e-9;
+const MIN_DIRECTION_NORM: f64 = 1e-9;
 
 impl ObstacleSpec {
     /// Refuses numbers that make no obstacle.
@@ -103,13 +103,13 @@ impl ObstacleSpec {
 
     /// The keys of the shapes that are given.
     fn shapes(&self) -> impl Iterator<Item = &'static str> {
-        let given = [
+        let shapes = [
             (self.plane.is_some(), "plane"),
             (self.sphere.is_some(), "sphere"),
             (self.cylinder.is_some(), "cylinder"),
             (self.capsule.is_some(), "capsule"),
         ];
-        given.into_iter().filter(|(given, _)| *given).map(|(_, name)| name)
+        shapes.into_iter().filter(|(present, _)| *present).map(|(_, name)| name)
     }
 
     /// The key of its shape.
@@ -119,19 +119,20 @@ impl ObstacleSpec {
 
     /// The obstacle as the rod has it; `None` without a shape.
     pub(crate) fn for_rod(&self) -> Option<rod::Obstacle> {
-        let plane = self.plane.map(|own| half_space(own.normal, own.distance_m));
-        let sphere = self
-            .sphere
-            .map(|own| ObstacleShape::Sphere { center_m: Vector3::from(own.center_m), radius_m: own.radius_m });
-        let cylinder = self.cylinder.map(|own| ObstacleShape::Cylinder {
-            center_m: Vector3::from(own.center_m),
-            axis: Vector3::from(own.axis).normalize(),
-            radius_m: own.radius_m,
-            length_m: own.length_m.unwrap_or(f64::INFINITY),
+        let plane = self.plane.map(|plane| half_space(plane.normal, plane.distance_m));
+        let sphere = self.sphere.map(|sphere| ObstacleShape::Sphere {
+            center_m: Vector3::from(sphere.center_m),
+            radius_m: sphere.radius_m,
         });
-        let capsule = self.capsule.map(|own| ObstacleShape::Capsule {
-            ends_m: [Vector3::from(own.start_m), Vector3::from(own.end_m)],
-            radius_m: own.radius_m,
+        let cylinder = self.cylinder.map(|cylinder| ObstacleShape::Cylinder {
+            center_m: Vector3::from(cylinder.center_m),
+            axis: Vector3::from(cylinder.axis).normalize(),
+            radius_m: cylinder.radius_m,
+            length_m: cylinder.length_m.unwrap_or(f64::INFINITY),
+        });
+        let capsule = self.capsule.map(|capsule| ObstacleShape::Capsule {
+            ends_m: [Vector3::from(capsule.start_m), Vector3::from(capsule.end_m)],
+            radius_m: capsule.radius_m,
         });
         Some(rod::Obstacle {
             shape: plane.or(sphere).or(cylinder).or(capsule)?,
@@ -180,6 +181,6 @@ impl Capsule {
 /// Refuses a vector that has no direction.
 pub(crate) fn direction(key: &'static str, direction: &[f64; 3]) -> Result<(), BadOption> {
     BadOption::unless_all_finite(key, direction)?;
-    let has_length = Vector3::from(*direction).norm() > SHORTEST_DIRECTION;
+    let has_length = Vector3::from(*direction).norm() > MIN_DIRECTION_NORM;
     BadOption::unless(has_length, key, format!("{direction:?}"), "a vector that is not zero")
 }

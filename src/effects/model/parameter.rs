@@ -95,27 +95,27 @@ const UNITS: &[(&str, &str, f64)] = &[
 impl ModelParameter {
     /// All parameters of `model`, in the order of its file.
     pub fn all(model: &Model) -> Vec<ModelParameter> {
-        let mut found = Vec::new();
+        let mut parameters = Vec::new();
         if let Ok(Value::Object(robot)) = serde_json::to_value(&model.robot) {
             for (key, value) in robot.iter().filter(|(key, _)| *key != "resolution") {
-                collect(value, &format!("robot.{key}"), &mut found);
+                collect(value, &format!("robot.{key}"), &mut parameters);
             }
         }
         for (index, effect) in model.effects.iter().enumerate() {
             let Ok(value) = serde_json::to_value(effect) else { continue };
             for (key, value) in value[effect.card().name].as_object().into_iter().flatten() {
-                collect(value, &format!("effects[{index}].{key}"), &mut found);
+                collect(value, &format!("effects[{index}].{key}"), &mut parameters);
             }
         }
         if let Ok(obstacles) = serde_json::to_value(&model.obstacles) {
-            collect(&obstacles, "obstacles", &mut found);
+            collect(&obstacles, "obstacles", &mut parameters);
         }
         if let (Ok(tracking), Ok(drives)) = (serde_json::to_value(&model.tracking), serde_json::to_value(&model.drives))
         {
-            collect(&tracking, "tracking", &mut found);
-            collect(&drives, "drives", &mut found);
+            collect(&tracking, "tracking", &mut parameters);
+            collect(&drives, "drives", &mut parameters);
         }
-        found
+        parameters
     }
 
     /// The parameter of `model` at `path`.
@@ -164,9 +164,9 @@ impl ModelParameter {
     /// # Errors
     /// As [`ModelParameter::value`].
     pub fn scale(&self, model: &Model) -> Result<f64, ParameterError> {
-        let usual = UNITS.iter().find(|(_, unit, _)| *unit == self.unit).map_or(1.0, |row| row.2);
+        let typical = UNITS.iter().find(|(_, unit, _)| *unit == self.unit).map_or(1.0, |row| row.2);
         let size = self.value(model)?.abs();
-        Ok(if size > 0.1 * usual { size } else { usual })
+        Ok(if size > 0.1 * typical { size } else { typical })
     }
 
     /// Finite-difference derivative of `points` of whole models: central with a step of `step` times the scale, or
@@ -183,8 +183,8 @@ impl ModelParameter {
         let step = step * self.scale(model).map_err(VariationError::from)?;
         let value = self.value(model).map_err(VariationError::from)?;
         let at = |steps: f64| -> Result<Option<Vec<Point3>>, E> {
-            let there = self.with_value(model, value + steps * step).map_err(VariationError::from)?;
-            if there.check().is_ok() { points(&there).map(Some) } else { Ok(None) }
+            let candidate = self.with_value(model, value + steps * step).map_err(VariationError::from)?;
+            if candidate.check().is_ok() { points(&candidate).map(Some) } else { Ok(None) }
         };
         let weighted = |terms: &[(f64, Option<Vec<Point3>>)]| -> Option<Vec<Point3>> {
             let terms: Vec<(f64, &Vec<Point3>)> =
@@ -196,7 +196,9 @@ impl ModelParameter {
         };
         let (before, after) = (at(-1.0)?, at(1.0)?);
         let rates = match (before, after) {
+            // (f₁ − f₋₁) / 2 h.
             (Some(before), Some(after)) => weighted(&[(-0.5, Some(before)), (0.5, Some(after))]),
+            // (−3 f₀ + 4 f₁ − f₂) / 2 h, and its mirror image.
             (None, after) => weighted(&[(-1.5, at(0.0)?), (2.0, after), (-0.5, at(2.0)?)]),
             (before, None) => weighted(&[(1.5, at(0.0)?), (-2.0, before), (0.5, at(-2.0)?)]),
         };
@@ -206,8 +208,8 @@ impl ModelParameter {
     /// The model as a JSON tree and the JSON pointer of the parameter.
     fn place(&self, model: &Model) -> Result<(Value, String), ParameterError> {
         // JSON cannot hold the infinite values of the numerical resolution.
-        let plain = Robot { resolution: Resolution::default(), ..model.robot.clone() };
-        let model = Model { robot: plain, ..model.clone() };
+        let robot = Robot { resolution: Resolution::default(), ..model.robot.clone() };
+        let model = Model { robot, ..model.clone() };
         let root = serde_json::to_value(&model).map_err(|_| self.unknown())?;
         let mut pointer = format!("/{}", self.path.replace(']', "").replace(['.', '['], "/"));
         if let Some(rest) = pointer.strip_prefix("/effects/") {
@@ -230,18 +232,18 @@ impl fmt::Display for ModelParameter {
 }
 
 /// Adds the parameters at and below `value`.
-fn collect(value: &Value, path: &str, found: &mut Vec<ModelParameter>) {
+fn collect(value: &Value, path: &str, parameters: &mut Vec<ModelParameter>) {
     match value {
         Value::Number(number) if number.is_f64() => {
             let name = path.rsplit('.').next().unwrap_or_default().split('[').next().unwrap_or_default();
             let unit = UNITS.iter().find(|(end, ..)| name.ends_with(end)).map_or("1", |row| row.1);
-            found.push(ModelParameter { path: path.to_owned(), unit });
+            parameters.push(ModelParameter { path: path.to_owned(), unit });
         }
         Value::Array(items) => {
-            items.iter().enumerate().for_each(|(index, item)| collect(item, &format!("{path}[{index}]"), found));
+            items.iter().enumerate().for_each(|(index, item)| collect(item, &format!("{path}[{index}]"), parameters));
         }
         Value::Object(fields) => {
-            fields.iter().for_each(|(key, item)| collect(item, &format!("{path}.{key}"), found));
+            fields.iter().for_each(|(key, item)| collect(item, &format!("{path}.{key}"), parameters));
         }
         _ => {}
     }

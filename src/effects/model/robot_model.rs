@@ -83,8 +83,9 @@ impl Model {
     pub fn rod(&self, extra: &[EffectSpec]) -> RodParams {
         let mut rod = self.robot.rod();
         rod.contact.obstacles = self.obstacles.iter().filter_map(ObstacleSpec::for_rod).collect();
-        let (hung, own): (Vec<_>, Vec<_>) = self.effects(extra).into_iter().partition(|effect| effect.is_payload());
-        own.iter().chain(&hung).for_each(|effect| effect.modify_rod(&mut rod));
+        let (payloads, others): (Vec<_>, Vec<_>) =
+            self.effects(extra).into_iter().partition(|effect| effect.is_payload());
+        others.iter().chain(&payloads).for_each(|effect| effect.modify_rod(&mut rod));
         rod
     }
 

@@ -48,11 +48,11 @@ pub fn check_drives(drives: &BTreeMap<String, TendonDrive>, count: usize) -> Res
             return Err((String::new(), BadOption { key: "drives", found: format!("`{name}`"), expected }));
         }
         let exists = |tendon: &usize| (1..=count).contains(tendon);
-        let twice = |(index, tendon): (usize, &usize)| drive.tendons[..index].contains(tendon);
+        let repeated = |(index, tendon): (usize, &usize)| drive.tendons[..index].contains(tendon);
         if drive.tendons.is_empty() || !drive.tendons.iter().all(exists) {
             return refuse("tendons", format!("{:?}", drive.tendons), "numbers of tendons of this robot, from 1");
         }
-        if drive.tendons.iter().enumerate().any(twice) {
+        if drive.tendons.iter().enumerate().any(repeated) {
             return refuse("tendons", format!("{:?}", drive.tendons), "each tendon once");
         }
         if drive.gains.len() != drive.tendons.len() {

@@ -131,14 +131,14 @@ impl Backbone {
     fn radii(&self) -> Vec<Radii> {
         let (mut outer, mut inner) = (self.radius_m, self.inner_radius_m);
         let piece = |piece: &Piece| {
-            let own = |start: &mut f64, from: Option<f64>, to: Option<f64>| {
+            let ends = |start: &mut f64, from: Option<f64>, to: Option<f64>| {
                 let from = from.unwrap_or(*start);
                 *start = to.unwrap_or(from);
                 [from, *start]
             };
             Radii {
-                outer: own(&mut outer, piece.radius_m, piece.end_radius_m),
-                inner: own(&mut inner, piece.inner_radius_m, piece.end_inner_radius_m),
+                outer: ends(&mut outer, piece.radius_m, piece.end_radius_m),
+                inner: ends(&mut inner, piece.inner_radius_m, piece.end_inner_radius_m),
             }
         };
         self.pieces.iter().map(piece).collect()
@@ -164,13 +164,15 @@ impl Backbone {
         match &mut self.bending_stiffness_n_m2 {
             Some(measured) => {
                 *measured *= scale;
-                pieces.for_each(|piece| piece.bending_stiffness_n_m2.iter_mut().for_each(|own| *own *= scale));
+                pieces.for_each(|piece| {
+                    piece.bending_stiffness_n_m2.iter_mut().for_each(|stiffness| *stiffness *= scale)
+                });
             }
             None => {
                 self.youngs_modulus_pa *= scale;
                 pieces.for_each(|piece| {
-                    let own = piece.bending_stiffness_n_m2.iter_mut().chain(piece.youngs_modulus_pa.iter_mut());
-                    own.for_each(|own| *own *= scale);
+                    let stiffnesses = piece.bending_stiffness_n_m2.iter_mut().chain(piece.youngs_modulus_pa.iter_mut());
+                    stiffnesses.for_each(|stiffness| *stiffness *= scale);
                 });
             }
         }
@@ -181,7 +183,9 @@ impl Backbone {
         let [area, second_moment] = [disc, second_moment_of_disc].map(|of| of(radii.outer[0]) - of(radii.inner[0]));
         let youngs_modulus_pa = piece.youngs_modulus_pa.unwrap_or(self.youngs_modulus_pa);
         let shear_modulus_pa = youngs_modulus_pa / (2.0 * (1.0 + piece.poisson_ratio.unwrap_or(self.poisson_ratio)));
-        let measured = |own: Option<f64>, whole: Option<f64>, computed: f64| own.or(whole).unwrap_or(computed);
+        let measured = |of_piece: Option<f64>, of_backbone: Option<f64>, computed: f64| {
+            of_piece.or(of_backbone).unwrap_or(computed)
+        };
         let bending =
             measured(piece.bending_stiffness_n_m2, self.bending_stiffness_n_m2, youngs_modulus_pa * second_moment);
         let rest = Vector3::from(piece.rest_curvature_rad_m);
@@ -190,6 +194,7 @@ impl Backbone {
             end_m: piece.end_m,
             bending_n_m2: [bending * (1.0 + piece.anisotropy), bending * (1.0 - piece.anisotropy)],
             principal_angle_rad: piece.principal_angle_deg.to_radians(),
+            // The polar moment of a round section is twice its second moment.
             torsion_n_m2: measured(
                 piece.torsion_stiffness_n_m2,
                 self.torsion_stiffness_n_m2,

@@ -128,6 +128,7 @@ impl Robot {
 
     /// Whether the disks fill the backbone between the sections.
     fn disks_fill_backbone(&self) -> bool {
+        // Thinner disks are lumped: spread, their mass would have no bounded density.
         let one_more = self.sections.count > 0 && self.disks.count == self.sections.count + 1;
         self.disks.positions_m.is_none() && one_more && self.disk_thickness_m() >= 1e-6
     }

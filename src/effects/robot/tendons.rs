@@ -125,19 +125,20 @@ impl Tendons {
     pub(super) fn layout(&self, length_m: f64) -> TendonLayout {
         let mut ends_m: Vec<f64> = (0..self.angles_deg.len()).map(|i| self.end_m(i, length_m)).collect();
         ends_m.sort_by(f64::total_cmp);
+        // Ends that differ by rounding alone are of one segment.
         ends_m.dedup_by(|a, b| (*a - *b).abs() < 1e-6 * length_m);
         let ending = |end_m: f64| {
-            let here = |&i: &usize| (self.end_m(i, length_m) - end_m).abs() < 1e-6 * length_m;
+            let ends_here = |&i: &usize| (self.end_m(i, length_m) - end_m).abs() < 1e-6 * length_m;
             let placed = |tendon| PlacedTendon { tendon, angle_deg: self.angle_deg(tendon) };
-            (0..self.angles_deg.len()).filter(here).map(placed).collect()
+            (0..self.angles_deg.len()).filter(ends_here).map(placed).collect()
         };
         TendonLayout { segments: ends_m.into_iter().map(ending).collect() }
     }
 
     /// Angle at which a tendon starts, degrees.
     fn angle_deg(&self, i: usize) -> f64 {
-        let own = self.paths.as_ref().and_then(|paths| paths[i].first());
-        own.map_or(self.angles_deg[i], |point| point.y_m.atan2(point.x_m).to_degrees())
+        let first_point = self.paths.as_ref().and_then(|paths| paths[i].first());
+        first_point.map_or(self.angles_deg[i], |point| point.y_m.atan2(point.x_m).to_degrees())
     }
 
     /// Largest distance of a tendon from the backbone, metres.
@@ -172,15 +173,15 @@ impl Tendons {
     }
 
     fn path(&self, i: usize) -> TendonPath {
-        let own = self.paths.as_ref().map_or(&[][..], |paths| &paths[i]);
-        let points = if own.is_empty() {
+        let path = self.paths.as_ref().map_or(&[][..], |paths| &paths[i]);
+        let points = if path.is_empty() {
             let (sin, cos) = exact_sin_cos_deg(self.angles_deg[i]);
             let at = |s_m: f64, radius_m: f64| PathPoint { s_m, offset_m: [radius_m * cos, radius_m * sin] };
             let base = at(0.0, self.radii_m.as_ref().map_or(self.radius_m, |radii| radii[i]));
             let further = self.profile.iter().map(|point| at(point.s_m, point.radius_m));
             std::iter::once(base).chain(further).collect()
         } else {
-            own.iter().map(|point| PathPoint { s_m: point.s_m, offset_m: [point.x_m, point.y_m] }).collect()
+            path.iter().map(|point| PathPoint { s_m: point.s_m, offset_m: [point.x_m, point.y_m] }).collect()
         };
         TendonPath { points, twist_rad_m: self.twists_rad_m.as_ref().map_or(0.0, |twists| twists[i]) }
     }

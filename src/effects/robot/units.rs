@@ -88,13 +88,13 @@ impl UnitRange {
     /// Refuses a number that no robot has; names the unit in which it would be usual.
     pub(crate) fn check(&self, key: &'static str, value: f64) -> Result<(), BadOption> {
         let size = value.abs();
-        let left_to_others = size == 0.0 || !size.is_finite() || (value < 0.0 && !self.signed);
-        let good = left_to_others || (self.hard[0]..=self.hard[1]).contains(&size);
-        BadOption::unless(good, key, self.found(value), self.expected)
+        let checked_elsewhere = size == 0.0 || !size.is_finite() || (value < 0.0 && !self.signed);
+        let good = checked_elsewhere || (self.hard[0]..=self.hard[1]).contains(&size);
+        BadOption::unless(good, key, self.with_likely_unit(value), self.expected)
     }
 
     /// The number, with the unit that was likely meant.
-    fn found(&self, value: f64) -> String {
+    fn with_likely_unit(&self, value: f64) -> String {
         let usual = |factor: f64| (self.usual[0]..=self.usual[1]).contains(&(value.abs() * factor));
         match self.others.iter().find(|(_, factor)| usual(*factor)) {
             Some((unit, factor)) => {
@@ -141,7 +141,7 @@ impl Robot {
             (quantity.unusual_decades(value), format!("robot.{path}{dot}{key}"), value)
         };
         let all = self.quantities().into_iter().map(doubt);
-        let worst = all.max_by(|left, right| left.0.total_cmp(&right.0))?;
+        let worst = all.max_by(|one, other| one.0.total_cmp(&other.0))?;
         (worst.0 > 0.0).then_some((worst.1, worst.2))
     }
 
@@ -195,8 +195,10 @@ impl Robot {
         let radii = [("backbone", self.backbone.radius_m, &RADIUS), ("tendons", self.tendons.radius_m, &TENDON_RADIUS)];
         for (path, radius_m, quantity) in radii {
             if radius_m >= length_m {
-                let found =
-                    format!("{}, which is not less than the robot's length of {length_m} m", quantity.found(radius_m));
+                let found = format!(
+                    "{}, which is not less than the robot's length of {length_m} m",
+                    quantity.with_likely_unit(radius_m)
+                );
                 at(
                     path,
                     Err(BadOption { key: "radius_m", found, expected: "a radius in metres, less than `length_m`" }),
@@ -228,6 +230,7 @@ impl Robot {
     /// Tendons that all lie within a few degrees of each other are in radians.
     fn check_angles(&self) -> Checked {
         let angles = &self.tendons.angles_deg;
+        // Angles that are written in radians are at most 2π.
         let all_small = angles.iter().all(|angle| angle.abs() <= 6.3);
         let apart = angles.iter().any(|angle| (angle - angles[0]).abs() > 0.5);
         if !(all_small && apart) || self.tendons.paths.is_some() {

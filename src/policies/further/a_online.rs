@@ -173,10 +173,10 @@ mod tests {
         let mut online = online(&learning, None);
         let (without, with) = (remaining_m(&mut plain, 60), remaining_m(&mut online, 60));
         assert!(without > 0.004 && with < 0.5 * without, "{without} {with}");
-        let asked = |model: &dyn ErrorModel| model.error_m(&[0.009, -0.002], &[0.036, -0.01, 0.2]);
-        assert_ne!(asked(&*learning), asked(&*error));
+        let predicted_m = |model: &dyn ErrorModel| model.error_m(&[0.009, -0.002], &[0.036, -0.01, 0.2]);
+        assert_ne!(predicted_m(&*learning), predicted_m(&*error));
         online.reset();
-        assert_eq!(asked(&*learning), asked(&*error));
+        assert_eq!(predicted_m(&*learning), predicted_m(&*error));
     }
 
     /// A tip that does not follow: what is learned says ever more, and the target moves no further than the bound.
@@ -204,7 +204,7 @@ mod tests {
         let learning = error.learning(100, Leaving::MostAlike).unwrap();
         let mut online = online(&learning, Some(0.0001));
         remaining_m(&mut online, 5);
-        let asked = |model: &dyn ErrorModel| model.error_m(&[0.009, -0.002], &[0.036, -0.01, 0.2]);
-        assert_eq!(asked(&*learning), asked(&*error));
+        let predicted_m = |model: &dyn ErrorModel| model.error_m(&[0.009, -0.002], &[0.036, -0.01, 0.2]);
+        assert_eq!(predicted_m(&*learning), predicted_m(&*error));
     }
 }

@@ -103,9 +103,9 @@ impl SteadySwitch {
         self.target_m = Some(*target_m);
         self.tried_m = [None; 2];
         let near = |(at_m, _): &&(Point3, Branch)| distance_m(at_m, target_m) <= self.options.region_m;
-        let known = self.memory.iter().filter(near);
+        let nearby = self.memory.iter().filter(near);
         let nearest =
-            known.min_by(|left, right| distance_m(&left.0, target_m).total_cmp(&distance_m(&right.0, target_m)));
+            nearby.min_by(|one, other| distance_m(&one.0, target_m).total_cmp(&distance_m(&other.0, target_m)));
         if let Some(&(_, better)) = nearest {
             self.change_to(better);
         }

@@ -15,7 +15,7 @@ pub(crate) const ENTRY: PolicyEntry = PolicyEntry {
     make: |mut parts, options| {
         let (travel_m, slack_m) = (options.limits.travel_m, options.model_integral.slack_m);
         let layout = parts.layout("model_integral")?;
-        let model = RestModel::new((parts.tip_model("model_integral")?, None), layout, travel_m, slack_m);
+        let model = RestModel::new(parts.tip_model("model_integral")?, None, layout, travel_m, slack_m);
         let controller = RecedingHorizon::new(model, options.model_integral.as_horizon(), options);
         Ok(Box::new(SingleController::new(controller, "", options)))
     },

@@ -22,7 +22,7 @@ pub(crate) const ENTRY: PolicyEntry = PolicyEntry {
     make: |mut parts, options| {
         let error = Some(parts.error("mpc")?);
         let (travel_m, slack_m) = (options.limits.travel_m, options.mpc.slack_m);
-        let model = RestModel::new((parts.tip_model("mpc")?, error), parts.layout("mpc")?, travel_m, slack_m);
+        let model = RestModel::new(parts.tip_model("mpc")?, error, parts.layout("mpc")?, travel_m, slack_m);
         Ok(Box::new(SingleController::new(RecedingHorizon::new(model, options.mpc, options), "", options)))
     },
     ..PolicyEntry::PLAIN
@@ -75,11 +75,11 @@ impl MpcOptions {
 }
 
 /// Evaluations of the model to find the move that takes the drive to its limit.
-const MOST_SCALINGS: usize = 4;
+const MAX_SCALINGS: usize = 4;
 /// Share of the limit that is as good as the limit.
-const NEARLY: f64 = 0.96;
+const MIN_SHARE_OF_LIMIT: f64 = 0.96;
 /// Bends that differ by less are the same, metres.
-const SAME_M: f64 = 1e-9;
+const BEND_TOLERANCE_M: f64 = 1e-9;
 
 /// The controller with its state between ticks.
 pub(crate) struct RecedingHorizon {
@@ -121,26 +121,29 @@ impl RecedingHorizon {
         let MpcOptions { horizon, move_weight, .. } = self.options;
         let step_m = self.limits.max_step_m.unwrap_or(2.0 * self.limits.travel_m);
         let Some(jacobian) = self.model.jacobian(&goal.bend_m) else { return goal.clone() };
+        // The bend counts by what it moves of the tip at the goal.
         let metric = jacobian.transpose() * jacobian;
-        let left_m: Vec<f64> = goal.bend_m.iter().zip(&in_force.bend_m).map(|(to, from)| to - from).collect();
-        let mut change_m = first_move_m(&metric, &left_m, horizon, move_weight, step_m);
+        let remaining_m: Vec<f64> = goal.bend_m.iter().zip(&in_force.bend_m).map(|(to, from)| to - from).collect();
+        let mut change_m = first_move_m(&metric, &remaining_m, horizon, move_weight, step_m);
         let limited = change_m.iter().any(|change_m| change_m.abs() >= step_m);
         let mut next = in_force.clone();
-        for _ in 0..MOST_SCALINGS {
+        for _ in 0..MAX_SCALINGS {
             let bend_m: Vec<f64> = in_force.bend_m.iter().zip(&change_m).map(|(from, change)| from + change).collect();
             let Some(pose) = self.model.expect(&bend_m) else {
+                // No equilibrium there: half the way.
                 change_m.iter_mut().for_each(|change_m| *change_m *= 0.5);
                 continue;
             };
-            let most_m = largest_change_m(&in_force.pulls_m, &pose.pulls_m);
-            let there = bend_m.iter().zip(&goal.bend_m).all(|(bend, goal)| (bend - goal).abs() <= SAME_M);
+            let largest_m = largest_change_m(&in_force.pulls_m, &pose.pulls_m);
+            let at_goal = bend_m.iter().zip(&goal.bend_m).all(|(bend, goal)| (bend - goal).abs() <= BEND_TOLERANCE_M);
             next = pose;
-            if most_m <= step_m && (!limited || there || most_m >= NEARLY * step_m) {
+            if largest_m <= step_m && (!limited || at_goal || largest_m >= MIN_SHARE_OF_LIMIT * step_m) {
                 break;
             }
-            let share = 0.5 * (1.0 + NEARLY) * step_m / most_m;
-            for (change_m, left_m) in change_m.iter_mut().zip(&left_m) {
-                *change_m = (share * *change_m).clamp(-left_m.abs(), left_m.abs());
+            // Into the middle of the accepted band: pulls are not linear in the bend.
+            let share = 0.5 * (1.0 + MIN_SHARE_OF_LIMIT) * step_m / largest_m;
+            for (change_m, remaining_m) in change_m.iter_mut().zip(&remaining_m) {
+                *change_m = (share * *change_m).clamp(-remaining_m.abs(), remaining_m.abs());
             }
         }
         next
@@ -176,8 +179,8 @@ impl ControlLaw for RecedingHorizon {
         let goal = self.goal(&in_force, target_m);
         let next = self.next(&in_force, &goal);
         let moved_m = largest_change_m(&in_force.bend_m, &goal.bend_m);
-        let known = !reading.fresh || self.disturbance.sd_m() <= self.options.settled_sd_m;
-        let settled = moved_m <= self.options.settled_pull_m && known;
+        let disturbance_settled = !reading.fresh || self.disturbance.sd_m() <= self.options.settled_sd_m;
+        let settled = moved_m <= self.options.settled_pull_m && disturbance_settled;
         let pulls_m = next.pulls_m.clone();
         self.before_m = Some(in_force.tip_m);
         self.in_force = Some(next);

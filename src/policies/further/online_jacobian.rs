@@ -65,6 +65,9 @@ impl OnlineJacobianOptions {
     }
 }
 
+/// Damping of the inverse, as a share of the first guess of the Jacobian.
+const DAMPING_SHARE: f64 = 0.05;
+
 struct JacobianController {
     bends: BendDirections,
     options: OnlineJacobianOptions,
@@ -95,21 +98,23 @@ impl JacobianController {
         if distance_m == 0.0 {
             return;
         }
+        // Prediction: each entry may have changed in proportion to the motion.
         let drift = (self.options.drift_per_m * distance_m).powi(2);
         (0..bend_m.len()).for_each(|index| self.covariance[(index, index)] += drift);
         let seen_m = DVector::from_iterator(3, tip_m.iter().zip(from_m).map(|(to, from)| to - from));
         let along = &self.covariance * &moved_m;
-        // Both ends of the motion are measured.
+        // K = P h / (hᵀ P h + r), with twice the noise: both ends of the motion are measured.
         let gain = &along / (moved_m.dot(&along) + 2.0 * self.options.noise_m.powi(2));
         let surprise_m = seen_m - &self.jacobian * &moved_m;
         self.jacobian += surprise_m * gain.transpose();
+        // P ← P − K hᵀ P.
         self.covariance -= gain * along.transpose();
     }
 
     /// The change of the bend that takes the tip by `error_m`, damped where the Jacobian is nearly singular.
     fn change_m(&self, error_m: Point3) -> Option<Vec<f64>> {
         let transposed = self.jacobian.transpose();
-        let damping = (0.05 * self.options.first_gain).powi(2);
+        let damping = (DAMPING_SHARE * self.options.first_gain).powi(2);
         let count = self.bend_m.len();
         let normal = &transposed * &self.jacobian + damping * DMatrix::identity(count, count);
         let change_m = normal.cholesky()?.solve(&(transposed * DVector::from_row_slice(&error_m)));
@@ -121,6 +126,7 @@ impl ControlLaw for JacobianController {
     fn reset(&mut self) {
         let OnlineJacobianOptions { first_gain, first_sd, .. } = self.options;
         self.bend_m.fill(0.0);
+        // Components alternate between x and y; the tip moves with those of its own axis.
         self.jacobian =
             DMatrix::from_fn(3, self.bend_m.len(), |row, column| if row == column % 2 { first_gain } else { 0.0 });
         self.covariance = first_sd.powi(2) * DMatrix::identity(self.bend_m.len(), self.bend_m.len());

@@ -43,7 +43,7 @@ pub trait OutsideDecider: Send {
 }
 
 /// A change of command below this is none, metres.
-const SAME_M: f64 = 1e-5;
+const COMMAND_TOLERANCE_M: f64 = 1e-5;
 
 /// A decider behind the limits.
 pub(super) struct OutsideController {
@@ -89,7 +89,7 @@ impl Policy for OutsideController {
         let limited = self.limits.apply(&decision.pulls_m, &seen.pulls_m)?;
         let settled = decision.settled.unwrap_or_else(|| {
             let near = reading.fresh && distance_m(&reading.tip_m, target_m) <= self.settled_m;
-            near || largest_change_m(pulls_m, &decision.pulls_m) <= SAME_M
+            near || largest_change_m(pulls_m, &decision.pulls_m) <= COMMAND_TOLERANCE_M
         });
         self.last_m = Some(limited.pulls_m.clone());
         Ok(Action { pulls_m: limited.pulls_m, settled: settled && limited.arrived, branch: "" })

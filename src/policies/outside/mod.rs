@@ -90,12 +90,12 @@ impl OutsidePolicy {
     /// What is not as it should be, in words.
     pub fn build(&self, content: &[u8], tendons: usize, options: &PolicyOptions) -> Result<Box<dyn Policy>, String> {
         let (decider, settled_m): (Box<dyn OutsideDecider>, f64) = match self {
-            OutsidePolicy::Onnx(own) => {
-                let policy = onnx_policy::OnnxDecider::new(own, content, tendons);
-                let words = |(found, expected)| format!("{}: found {found}, expected {expected}", own.file.display());
-                (Box::new(policy.map_err(words)?), own.settled_m)
+            OutsidePolicy::Onnx(onnx) => {
+                let policy = onnx_policy::OnnxDecider::new(onnx, content, tendons);
+                let words = |(found, expected)| format!("{}: found {found}, expected {expected}", onnx.file.display());
+                (Box::new(policy.map_err(words)?), onnx.settled_m)
             }
-            OutsidePolicy::Python(own) => (own.decider()?, own.settled_m),
+            OutsidePolicy::Python(python) => (python.decider()?, python.settled_m),
         };
         Ok(Box::new(OutsideController::new(decider, settled_m, options)))
     }

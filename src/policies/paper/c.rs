@@ -98,9 +98,12 @@ impl Default for COptions {
     fn default() -> Self {
         COptions {
             switch_threshold_m: 0.015,
+            // About 1 mm at the tip.
             same_command_m: 0.0002,
+            // In 95 % of ticks the noise of a resting tip is below it.
             rest_m: 0.002,
             leg_ticks: 40,
+            // Two tries tell all that a third could (docs/decisions.md).
             max_switches: 2,
             check: SwitchCheck::Final,
             start: StartBranch::A,

@@ -29,7 +29,7 @@ impl LimitOptions {
 }
 
 /// Changes below this are rounding, not a limit that binds.
-const ARRIVED_M: f64 = 1e-12;
+const ROUNDING_M: f64 = 1e-12;
 
 /// The limits and the command in force.
 pub(crate) struct ActuatorLimits {
@@ -77,7 +77,7 @@ impl ActuatorLimits {
         } else {
             last.iter().zip(&goal).map(|(from, to)| (from + share * (to - from)).clamp(-travel_m, travel_m)).collect()
         };
-        Ok(LimitedCommand { pulls_m, arrived: (1.0 - share) * largest <= ARRIVED_M })
+        Ok(LimitedCommand { pulls_m, arrived: (1.0 - share) * largest <= ROUNDING_M })
     }
 }
 

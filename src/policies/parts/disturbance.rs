@@ -70,8 +70,10 @@ impl DisturbanceFilter {
     /// A measurement, where the expected tip has moved by `moved_m` since the last one.
     pub(crate) fn measured(&mut self, tip_m: &Point3, expected_m: &Point3, moved_m: f64) {
         let options = &self.options;
+        // Prediction: the disturbance drifts, the more the farther the robot moves.
         self.variance_m2 += options.drift_m.powi(2) + (options.drift_per_motion * moved_m).powi(2);
         let noise_m2 = options.noise_m.powi(2) + (options.lag_per_motion * moved_m).powi(2);
+        // Correction: gain P / (P + R), then P ← (1 − gain) P.
         let gain = self.variance_m2 / (self.variance_m2 + noise_m2);
         for (axis, offset_m) in self.offset_m.iter_mut().enumerate() {
             *offset_m += gain * (tip_m[axis] - expected_m[axis] - *offset_m);

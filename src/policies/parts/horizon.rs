@@ -8,38 +8,47 @@ use nalgebra::DMatrix;
 const ITERATIONS: usize = 400;
 
 /// The first move, metres, of those that take the bend to one that is `left_m` away.
-pub(crate) fn first_move_m(metric: &DMatrix<f64>, left_m: &[f64], ticks: usize, weight: f64, step_m: f64) -> Vec<f64> {
-    let count = left_m.len();
-    let largest = metric.diagonal().sum();
+pub(crate) fn first_move_m(
+    metric: &DMatrix<f64>,
+    remaining_m: &[f64],
+    ticks: usize,
+    weight: f64,
+    step_m: f64,
+) -> Vec<f64> {
+    let count = remaining_m.len();
+    // The trace bounds the largest eigenvalue of a positive semidefinite matrix.
+    let eigenvalue_bound = metric.diagonal().sum();
     // Largest curvature of the sum: that of the map from moves to bends has norm below ticks(ticks + 1)/2.
-    let curvature = 2.0 * (largest * (ticks * (ticks + 1)) as f64 / 2.0 + weight);
+    let curvature = 2.0 * (eigenvalue_bound * (ticks * (ticks + 1)) as f64 / 2.0 + weight);
     let mut moves = vec![0.0; ticks * count];
-    let (mut ahead, mut momentum) = (moves.clone(), 1.0_f64);
+    let (mut extrapolated, mut momentum) = (moves.clone(), 1.0_f64);
     for _ in 0..ITERATIONS {
-        let gradient = gradient(metric, left_m, &ahead, weight);
-        let next: Vec<f64> = ahead
+        let gradient = gradient(metric, remaining_m, &extrapolated, weight);
+        // A gradient step of one over the curvature, projected onto the permitted moves.
+        let next: Vec<f64> = extrapolated
             .iter()
             .zip(&gradient)
             .map(|(value, slope)| (value - slope / curvature).clamp(-step_m, step_m))
             .collect();
+        // Nesterov: t' = (1 + √(1 + 4 t²)) / 2, extrapolation by (t − 1) / t'.
         let following = 0.5 * (1.0 + (1.0 + 4.0 * momentum * momentum).sqrt());
         let share = (momentum - 1.0) / following;
-        ahead = next.iter().zip(&moves).map(|(next, last)| next + share * (next - last)).collect();
+        extrapolated = next.iter().zip(&moves).map(|(next, last)| next + share * (next - last)).collect();
         (moves, momentum) = (next, following);
     }
     moves.truncate(count);
     moves
 }
 
-fn gradient(metric: &DMatrix<f64>, left_m: &[f64], moves: &[f64], weight: f64) -> Vec<f64> {
-    let count = left_m.len();
-    let mut beyond_m: Vec<f64> = left_m.iter().map(|left_m| -left_m).collect();
+fn gradient(metric: &DMatrix<f64>, remaining_m: &[f64], moves: &[f64], weight: f64) -> Vec<f64> {
+    let count = remaining_m.len();
+    let mut overshoot_m: Vec<f64> = remaining_m.iter().map(|remaining_m| -remaining_m).collect();
     // The slope of each tick's own error, and from the end on the sum of those after it.
     let mut slopes = Vec::with_capacity(moves.len());
     for step in moves.chunks_exact(count) {
-        beyond_m.iter_mut().zip(step).for_each(|(beyond, change)| *beyond += change);
+        overshoot_m.iter_mut().zip(step).for_each(|(overshoot, change)| *overshoot += change);
         for row in 0..count {
-            let sum: f64 = (0..count).map(|column| metric[(row, column)] * beyond_m[column]).sum();
+            let sum: f64 = (0..count).map(|column| metric[(row, column)] * overshoot_m[column]).sum();
             slopes.push(2.0 * sum);
         }
     }

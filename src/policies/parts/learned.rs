@@ -12,9 +12,9 @@ use crate::learn::networks::{Network, NetworkState};
 /// the memory is its own.
 pub struct NetworkInverse {
     network: Arc<Network>,
-    /// MemoryUpdate as of the last tick.
+    /// Memory as of the last tick.
     memory: NetworkState,
-    /// MemoryUpdate after the last question.
+    /// Memory after the last question.
     next: NetworkState,
 }
 

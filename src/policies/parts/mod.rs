@@ -1,4 +1,4 @@
-//! TODO
+//! What several policies share: learned models, the model at rest, limits of the drives, the tip.
 
 pub(super) mod actuator_limits;
 pub(super) mod bends;

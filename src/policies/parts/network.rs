@@ -46,19 +46,20 @@ impl NetworkOptions {
 pub(crate) struct RecurrentInverse {
     model: Box<dyn InverseModel>,
     memory: MemoryUpdate,
-    asked: bool,
+    /// Whether the network was evaluated since the last tick began.
+    consulted: bool,
 }
 
 impl RecurrentInverse {
     pub(crate) fn new(model: Box<dyn InverseModel>, memory: MemoryUpdate) -> Self {
-        let mut network = RecurrentInverse { model, memory, asked: false };
+        let mut network = RecurrentInverse { model, memory, consulted: false };
         network.reset();
         network
     }
 
     pub(crate) fn reset(&mut self) {
         self.model.reset();
-        self.asked = false;
+        self.consulted = false;
     }
 
     /// Begins a control tick.
@@ -68,16 +69,16 @@ impl RecurrentInverse {
             MemoryUpdate::EveryTick => true,
             MemoryUpdate::Rest => false,
         };
-        if self.asked && moves_on {
+        if self.consulted && moves_on {
             self.model.tick();
         }
-        self.asked = false;
+        self.consulted = false;
     }
 
     /// Finite displacements from the network, metres.
     pub(crate) fn pulls(&mut self, from_m: &Point3, to_m: &Point3) -> Result<Displacements, PolicyError> {
         let pulls_m = self.model.pulls(from_m, to_m)?;
-        self.asked = true;
+        self.consulted = true;
         PolicyError::unless_finite("output of the inverse network", &pulls_m)?;
         Ok(pulls_m)
     }

@@ -9,13 +9,13 @@ use crate::base::{Displacements, Point3, RestPose, TendonLayout, TipModel, dista
 use crate::policies::ErrorModel;
 
 /// Largest change of a bend in a Gauss-Newton step, metres: about the size over which the derivatives hold.
-const TRUST_M: f64 = 0.01;
+const MAX_STEP_M: f64 = 0.01;
 /// The inverse is found when a step changes no component of the bend by more than this, metres.
-const FOUND_M: f64 = 1e-5;
+const STEP_TOLERANCE_M: f64 = 1e-5;
 /// Damping of the steps, metres of tip for each metre of bend: far below the 3 to 5 of a robot that bends.
 const DAMPING: f64 = 0.2;
 /// Evaluations of the model to come back within the travel.
-const MOST_PROJECTIONS: usize = 3;
+const MAX_PROJECTIONS: usize = 3;
 
 /// Steps to the bend that is nearest to a target, from home.
 const NEAREST_STEPS: usize = 40;
@@ -28,7 +28,7 @@ pub fn nearest_at_rest_m(
     travel_m: f64,
     targets_m: &[Point3],
 ) -> Vec<f64> {
-    let mut model = RestModel::new((model, None), layout, travel_m, 0.0);
+    let mut model = RestModel::new(model, None, layout, travel_m, 0.0);
     let straight_m = vec![0.0; model.bends()];
     let mut nearest = |target_m: &Point3| {
         model.restart();
@@ -59,7 +59,8 @@ pub(crate) struct RestModel {
 
 impl RestModel {
     pub(crate) fn new(
-        (model, error): (Box<dyn TipModel>, Option<Arc<dyn ErrorModel>>),
+        model: Box<dyn TipModel>,
+        error: Option<Arc<dyn ErrorModel>>,
         layout: TendonLayout,
         travel_m: f64,
         slack_m: f64,
@@ -102,11 +103,11 @@ impl RestModel {
 
     /// The same of the bend nearby that no tendon has to be pulled beyond the travel for.
     fn expect_within(&mut self, mut bend_m: Vec<f64>) -> Option<ExpectedPose> {
-        for _ in 0..MOST_PROJECTIONS {
+        for _ in 0..MAX_PROJECTIONS {
             let pose = self.expect(&bend_m)?;
             let beyond = pose.pulls_m.iter().map(|pull_m| (pull_m - self.travel_m).max(0.0));
             let beyond_m: Vec<f64> = beyond.collect();
-            if beyond_m.iter().all(|beyond_m| *beyond_m <= FOUND_M) {
+            if beyond_m.iter().all(|beyond_m| *beyond_m <= STEP_TOLERANCE_M) {
                 return Some(pose);
             }
             for (tendon, [cos, sin], segment) in placed(&self.layout) {
@@ -132,7 +133,8 @@ impl RestModel {
         let mut step_m: Option<Vec<f64>> = None;
         for _ in 0..steps {
             let Some(full_m) = step_m.take().or_else(|| self.step_m(&best, tip_m)) else { break };
-            if share * full_m.iter().fold(0.0_f64, |most, step_m| most.max(step_m.abs())) <= FOUND_M {
+            if share * full_m.iter().fold(0.0_f64, |largest_m, step_m| largest_m.max(step_m.abs())) <= STEP_TOLERANCE_M
+            {
                 break;
             }
             let bend_m: Vec<f64> =
@@ -152,7 +154,7 @@ impl RestModel {
         let count = from.bend_m.len();
         let normal = jacobian.transpose() * &jacobian + DAMPING.powi(2) * DMatrix::identity(count, count);
         let step_m = normal.cholesky()?.solve(&(jacobian.transpose() * error_m));
-        let share = (TRUST_M / step_m.amax()).min(1.0);
+        let share = (MAX_STEP_M / step_m.amax()).min(1.0);
         Some(step_m.iter().map(|value| share * value).collect())
     }
 }

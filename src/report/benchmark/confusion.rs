@@ -9,7 +9,7 @@ use crate::data::findings::CaseRow;
 use crate::report::discovery::format::fitted;
 use crate::report::drawing::{Canvas, CanvasPoint, Text, TextAlign, text_width};
 use crate::report::order::distinct;
-use crate::report::style::{BLUE, Colour, GREY, HAIR, INK, PAGE_WIDTH, SKY, SMALL, TEXT, VERMILION, WHITE};
+use crate::report::style::{BLUE, Colour, GREY, HAIR, HALF_CAP, INK, PAGE_WIDTH, SKY, SMALL, TEXT, VERMILION, WHITE};
 
 /// Number of cases with one truth and one answer (`confusion.csv`).
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -33,22 +33,22 @@ const GROUPS: [(&str, &str); 4] = [
     ("inside", "Unknown, within its span"),
 ];
 
-const LEFT: f64 = 168.0;
-const ROW: f64 = 17.0;
+const LEFT_MARGIN: f64 = 168.0;
+const ROW_HEIGHT: f64 = 17.0;
 
 /// Every truth and answer that occurs, truths by kind and in order of appearance.
 pub(crate) fn counts(cases: &[CaseRow]) -> Vec<CountRow> {
     let kinds = ["nothing", "single", "pair", "outside", "inside"];
-    let place = |group: &str| kinds.iter().position(|known| *known == group).unwrap_or(kinds.len());
+    let place = |group: &str| kinds.iter().position(|name| *name == group).unwrap_or(kinds.len());
     let truths = distinct(cases.iter().map(|case| case.truth.as_str()));
-    let mut found: BTreeMap<(usize, String, usize, String), [u64; 2]> = BTreeMap::new();
+    let mut counts_by_answer: BTreeMap<(usize, String, usize, String), [u64; 2]> = BTreeMap::new();
     for case in cases {
         let truth = truths.iter().position(|truth| *truth == case.truth).unwrap_or(truths.len());
         let answer = match AnswerClass::of(case) {
             AnswerClass::Several => case.answer.clone(),
             other => other.name().to_owned(),
         };
-        let count = found.entry((place(&case.group), case.group.clone(), truth, answer)).or_default();
+        let count = counts_by_answer.entry((place(&case.group), case.group.clone(), truth, answer)).or_default();
         count[0] += 1;
         count[1] += u64::from(case.right);
     }
@@ -59,7 +59,7 @@ pub(crate) fn counts(cases: &[CaseRow]) -> Vec<CountRow> {
         cases,
         right,
     };
-    found.into_iter().map(row).collect()
+    counts_by_answer.into_iter().map(row).collect()
 }
 
 /// A row of the figure.
@@ -72,9 +72,9 @@ struct MatrixRow<'a> {
 fn lines(cases: &[CaseRow]) -> Vec<MatrixRow<'_>> {
     let mut lines = Vec::new();
     for (group, _) in GROUPS {
-        let own: Vec<&CaseRow> = cases.iter().filter(|case| case.group == group).collect();
-        for truth in distinct(own.iter().map(|case| case.truth.as_str())) {
-            let cases = own.iter().copied().filter(|case| case.truth == truth).collect();
+        let of_group: Vec<&CaseRow> = cases.iter().filter(|case| case.group == group).collect();
+        for truth in distinct(of_group.iter().map(|case| case.truth.as_str())) {
+            let cases = of_group.iter().copied().filter(|case| case.truth == truth).collect();
             lines.push(MatrixRow { group, truth, cases });
         }
     }
@@ -85,12 +85,12 @@ fn lines(cases: &[CaseRow]) -> Vec<MatrixRow<'_>> {
 fn columns(lines: &[MatrixRow]) -> Vec<AnswerClass> {
     let hidden = lines.iter().filter(|line| line.group == "single").map(|line| line.truth.to_owned());
     let mut columns: Vec<AnswerClass> = hidden.map(AnswerClass::Named).collect();
-    let given = lines.iter().flat_map(|line| line.cases.iter().map(|case| AnswerClass::of(case)));
-    let mut strange: Vec<AnswerClass> =
-        given.filter(|answer| matches!(answer, AnswerClass::Named(_)) && !columns.contains(answer)).collect();
-    strange.sort();
-    strange.dedup();
-    columns.extend(strange);
+    let answers = lines.iter().flat_map(|line| line.cases.iter().map(|case| AnswerClass::of(case)));
+    let mut other_names: Vec<AnswerClass> =
+        answers.filter(|answer| matches!(answer, AnswerClass::Named(_)) && !columns.contains(answer)).collect();
+    other_names.sort();
+    other_names.dedup();
+    columns.extend(other_names);
     columns.extend(AnswerClass::OTHERS);
     columns
 }
@@ -101,13 +101,13 @@ pub(crate) fn draw(cases: &[CaseRow]) -> Canvas {
     let columns = columns(&lines);
     let mut canvas = Canvas::new(PAGE_WIDTH, 1e5);
     keys(&mut canvas);
-    let wide = (PAGE_WIDTH - LEFT - 44.0) / columns.len() as f64;
+    let wide = (PAGE_WIDTH - LEFT_MARGIN - 44.0) / columns.len() as f64;
     let size = SMALL.min(0.9 * wide);
     let names: Vec<String> = columns.iter().map(|column| fitted(column.name(), size, 180.0)).collect();
     let longest = names.iter().map(|name| text_width(name, size, false)).fold(0.0, f64::max);
     let top = 44.0 + longest;
     for (index, (answer, name)) in columns.iter().zip(&names).enumerate() {
-        let x = LEFT + wide * (index as f64 + 0.5) + 0.36 * size + gap(answer);
+        let x = LEFT_MARGIN + wide * (index as f64 + 0.5) + HALF_CAP * size + gap(answer);
         let colour = if matches!(answer, AnswerClass::Named(_)) { INK } else { GREY };
         canvas.text(Text::new(name, [x, top - 6.0], size, TextAlign::Left).upwards().colour(colour));
     }
@@ -121,15 +121,17 @@ pub(crate) fn draw(cases: &[CaseRow]) -> Canvas {
             y = heading(&mut canvas, group, y);
         }
         let name = if line.truth.is_empty() { "nothing" } else { line.truth };
-        let name = fitted(name, SMALL, LEFT - 28.0);
-        canvas.text(Text::new(name, [LEFT - 8.0, y + 0.5 * ROW + 3.5], SMALL, TextAlign::Right));
+        let name = fitted(name, SMALL, LEFT_MARGIN - 28.0);
+        canvas.text(Text::new(name, [LEFT_MARGIN - 8.0, y + 0.5 * ROW_HEIGHT + 3.5], SMALL, TextAlign::Right));
         for (index, column) in columns.iter().enumerate() {
-            let corner = [LEFT + wide * index as f64 + gap(column), y];
+            let corner = [LEFT_MARGIN + wide * index as f64 + gap(column), y];
             cell(&mut canvas, line, column, corner, wide);
         }
         let count = line.cases.len().to_string();
-        canvas.text(Text::new(count, [PAGE_WIDTH - 10.0, y + 0.5 * ROW + 3.5], SMALL, TextAlign::Right).colour(GREY));
-        y += ROW;
+        canvas.text(
+            Text::new(count, [PAGE_WIDTH - 10.0, y + 0.5 * ROW_HEIGHT + 3.5], SMALL, TextAlign::Right).colour(GREY),
+        );
+        y += ROW_HEIGHT;
     }
     if lines.is_empty() {
         canvas.text(Text::new(
@@ -150,7 +152,7 @@ fn gap(answer: &AnswerClass) -> f64 {
 }
 
 fn heading(canvas: &mut Canvas, group: &str, y: f64) -> f64 {
-    let words = GROUPS.iter().find(|(known, _)| *known == group).map_or(group, |(_, words)| *words);
+    let words = GROUPS.iter().find(|(name, _)| *name == group).map_or(group, |(_, words)| *words);
     canvas.text(Text::new(words, [12.0, y + 13.0], SMALL, TextAlign::Left).bold());
     canvas.line(&[[12.0, y], [PAGE_WIDTH - 10.0, y]], HAIR, crate::report::style::GRID, &[]);
     y + 18.0
@@ -169,26 +171,26 @@ fn keys(canvas: &mut Canvas) {
 
 /// Number of cases of a row with an answer; darker for a larger share.
 fn cell(canvas: &mut Canvas, line: &MatrixRow, column: &AnswerClass, [x, y]: CanvasPoint, wide: f64) {
-    let [from, to] = [[x + 0.5, y + 0.5], [x + wide - 0.5, y + ROW - 0.5]];
-    let here: Vec<&&CaseRow> = line.cases.iter().filter(|case| AnswerClass::of(case) == *column).collect();
-    if here.is_empty() {
+    let [from, to] = [[x + 0.5, y + 0.5], [x + wide - 0.5, y + ROW_HEIGHT - 0.5]];
+    let matching_cases: Vec<&&CaseRow> = line.cases.iter().filter(|case| AnswerClass::of(case) == *column).collect();
+    if matching_cases.is_empty() {
         canvas.rectangle(from, to, [244, 244, 244], 1.0);
         return;
     }
-    let right = 2 * here.iter().filter(|case| case.right).count() >= here.len();
+    let right = 2 * matching_cases.iter().filter(|case| case.right).count() >= matching_cases.len();
     let hue = match column {
         _ if right => BLUE,
         AnswerClass::GroupWith | AnswerClass::Group => SKY,
         _ => VERMILION,
     };
-    let share = here.len() as f64 / line.cases.len() as f64;
+    let share = matching_cases.len() as f64 / line.cases.len() as f64;
     let colour = mixed(hue, 0.25 + 0.75 * share.sqrt());
     canvas.rectangle(from, to, colour, 1.0);
-    let words = here.len().to_string();
-    let size = SMALL.min(SMALL * 0.86 * wide / text_width(&words, SMALL, false).max(1.0));
+    let count = matching_cases.len().to_string();
+    let size = SMALL.min(SMALL * 0.86 * wide / text_width(&count, SMALL, false).max(1.0));
     let ink = if luminance(colour) > 0.3 { INK } else { WHITE };
-    let middle = [0.5 * (from[0] + to[0]), 0.5 * (from[1] + to[1]) + 0.36 * size];
-    canvas.text(Text::new(words, middle, size, TextAlign::Centre).colour(ink));
+    let middle = [0.5 * (from[0] + to[0]), 0.5 * (from[1] + to[1]) + HALF_CAP * size];
+    canvas.text(Text::new(count, middle, size, TextAlign::Centre).colour(ink));
 }
 
 /// A colour mixed with white.

@@ -7,9 +7,9 @@ use crate::report::drawing::{Axis, Canvas, CanvasPoint, LegendEntry, Panel, Text
 use crate::report::order::distinct;
 use crate::report::style::{GREEN, GREY, INK, LOOKS, Look, MARKER, PAGE_WIDTH, SMALL};
 
-const LEFT: f64 = 262.0;
-const RIGHT: f64 = 150.0;
-const TOP: f64 = 52.0;
+const LEFT_MARGIN: f64 = 262.0;
+const RIGHT_MARGIN: f64 = 150.0;
+const TOP_MARGIN: f64 = 52.0;
 
 /// Draws every share: all cases, or each number of samples where there are several.
 pub(crate) fn draw(rows: &[SummaryRow]) -> Canvas {
@@ -18,25 +18,27 @@ pub(crate) fn draw(rows: &[SummaryRow]) -> Canvas {
     let measures = distinct(rows.iter().map(|row| row.measure.as_str()));
     let pitch = 9.0 + 11.0 * parts.len() as f64;
     let high = pitch * measures.len() as f64;
-    let mut canvas = Canvas::new(PAGE_WIDTH, (TOP + high + 46.0).ceil());
+    let mut canvas = Canvas::new(PAGE_WIDTH, (TOP_MARGIN + high + 46.0).ceil());
     let keys: Vec<(LegendEntry, &str)> = parts.iter().zip(LOOKS).map(|(part, look)| (marker(look), *part)).collect();
-    legend(&mut canvas, [LEFT, 18.0], 520.0, &keys);
+    legend(&mut canvas, [LEFT_MARGIN, 18.0], 520.0, &keys);
     let goal = [540.0, 18.0];
     canvas.rectangle([goal[0], goal[1] - 9.0], [goal[0] + 22.0, goal[1] + 2.0], GREEN, 0.22);
     canvas.line(&[[goal[0], goal[1] - 9.0], [goal[0], goal[1] + 2.0]], 1.4, GREEN, &[]);
     canvas.text(Text::new("to be reached", [goal[0] + 27.0, goal[1]], SMALL, TextAlign::Left));
-    canvas.text(Text::new("[95 % interval]", [PAGE_WIDTH - 10.0, TOP - 8.0], SMALL, TextAlign::Right).colour(GREY));
+    canvas.text(
+        Text::new("[95 % interval]", [PAGE_WIDTH - 10.0, TOP_MARGIN - 8.0], SMALL, TextAlign::Right).colour(GREY),
+    );
     let panel = canvas.panel(Panel {
-        corner: [LEFT, TOP],
-        size: [PAGE_WIDTH - LEFT - RIGHT, high],
+        corner: [LEFT_MARGIN, TOP_MARGIN],
+        size: [PAGE_WIDTH - LEFT_MARGIN - RIGHT_MARGIN, high],
         x: Axis::exact("share (%)", 0.0, 100.0, 5),
         y: Axis::bare_to(1.0),
         title: String::new(),
     });
     for (index, measure) in measures.iter().enumerate() {
-        let y = TOP + pitch * index as f64;
-        let name = fitted(measure, SMALL, LEFT - 24.0);
-        canvas.text(Text::new(name, [LEFT - 8.0, y + 0.5 * pitch + 3.5], SMALL, TextAlign::Right));
+        let y = TOP_MARGIN + pitch * index as f64;
+        let name = fitted(measure, SMALL, LEFT_MARGIN - 24.0);
+        canvas.text(Text::new(name, [LEFT_MARGIN - 8.0, y + 0.5 * pitch + 3.5], SMALL, TextAlign::Right));
         let of = |part: &&str| rows.iter().find(|row| row.measure == *measure && row.part == **part).copied();
         if let Some(row) = rows.iter().find(|row| row.measure == *measure) {
             reach(&mut canvas, &panel, row, [y + 1.5, y + pitch - 1.5]);
@@ -84,6 +86,6 @@ fn mark(canvas: &mut Canvas, panel: &Panel, row: &SummaryRow, look: Look, y: f64
     if row.value.is_finite() {
         canvas.marker(place(row.value), look.marker, 0.85 * MARKER, look.colour, false);
     }
-    let words = format!("{}{}", plain(row), interval(row));
-    canvas.text(Text::new(words, [PAGE_WIDTH - 10.0, y + 3.5], 0.92 * SMALL, TextAlign::Right).colour(INK));
+    let label = format!("{}{}", plain(row), interval(row));
+    canvas.text(Text::new(label, [PAGE_WIDTH - 10.0, y + 3.5], 0.92 * SMALL, TextAlign::Right).colour(INK));
 }

@@ -37,9 +37,9 @@ pub(crate) fn median(values: &[f64]) -> Option<IntervalEstimate> {
         return None;
     }
     let n = sorted.len() as f64;
-    let reach = 0.5 * Z * n.sqrt();
-    let low = (0.5 * n - reach).floor() as isize - 1;
-    let high = (0.5 * n + reach).ceil() as usize;
+    let half_width = 0.5 * Z * n.sqrt();
+    let low = (0.5 * n - half_width).floor() as isize - 1;
+    let high = (0.5 * n + half_width).ceil() as usize;
     let ends = match usize::try_from(low) {
         Ok(low) if high < sorted.len() => [sorted[low], sorted[high]],
         _ if sorted.len() >= 6 => [sorted[0], sorted[sorted.len() - 1]],

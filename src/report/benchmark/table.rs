@@ -49,6 +49,6 @@ pub(crate) fn interval(row: &SummaryRow) -> String {
 /// A share in percent: one decimal near the ends, where it matters.
 fn hundredth(share: f64) -> String {
     let percent = 100.0 * share;
-    let near = (percent > 0.0 && percent < 9.95) || (percent > 90.05 && percent < 100.0);
-    crate::report::drawing::signed(percent, usize::from(near))
+    let near_end = (percent > 0.0 && percent < 9.95) || (percent > 90.05 && percent < 100.0);
+    crate::report::drawing::signed(percent, usize::from(near_end))
 }

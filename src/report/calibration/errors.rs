@@ -5,8 +5,8 @@ use crate::report::discovery::format::millimetres;
 use crate::report::drawing::{Axis, Canvas, Panel, Text, TextAlign};
 use crate::report::style::{BLUE, Colour, DASHED, INK, SMALL};
 
-const ROW: f64 = 21.0;
-const BAR: f64 = 14.0;
+const ROW_HEIGHT: f64 = 21.0;
+const BAR_HEIGHT: f64 = 14.0;
 /// Grey of a model that is not ours.
 const OTHER: Colour = [170, 170, 170];
 
@@ -15,7 +15,7 @@ pub(super) fn draw(report: &CalibrationReport, width: f64) -> Option<Canvas> {
     let held_out = report.findings.held_out.as_ref()?;
     let models: Vec<_> = held_out.models.iter().filter(|model| model.rms_m.is_finite()).collect();
     let label = if width > 500.0 { 190.0 } else { 130.0 };
-    let high = ROW * models.len() as f64 + 8.0;
+    let high = ROW_HEIGHT * models.len() as f64 + 8.0;
     let mut canvas = Canvas::new(width, (high + 56.0).ceil());
     let panel = canvas.panel(Panel {
         corner: [label, 14.0],
@@ -26,11 +26,11 @@ pub(super) fn draw(report: &CalibrationReport, width: f64) -> Option<Canvas> {
     });
     let zero = panel.at(0.0, 0.0)[0];
     for (index, model) in models.iter().enumerate() {
-        let y = panel.corner[1] + 6.0 + ROW * index as f64;
+        let y = panel.corner[1] + 6.0 + ROW_HEIGHT * index as f64;
         let end = panel.at(1e3 * model.rms_m, 0.0)[0].min(panel.corner[0] + panel.size[0]);
         let colour = if index == 0 { BLUE } else { OTHER };
-        canvas.rectangle([zero, y], [end.max(zero + 0.6), y + BAR], colour, 1.0);
-        let base = y + 0.5 * BAR + 3.6;
+        canvas.rectangle([zero, y], [end.max(zero + 0.6), y + BAR_HEIGHT], colour, 1.0);
+        let base = y + 0.5 * BAR_HEIGHT + 3.6;
         canvas.text(Text::new(&model.name, [label - 8.0, base], SMALL, TextAlign::Right));
         canvas.text(Text::new(millimetres(model.rms_m), [width - 8.0, base], SMALL, TextAlign::Right));
     }

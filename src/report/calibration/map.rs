@@ -6,7 +6,7 @@ use crate::report::drawing::{Axis, Canvas, Panel};
 use crate::report::style::{BLUE, GREY, VERMILION};
 
 /// Arrows: more would cover each other.
-const ARROWS: usize = 220;
+const MAX_ARROWS: usize = 220;
 /// Horizontal and vertical axis of each view.
 const VIEWS: [(usize, usize); 3] = [(2, 0), (2, 1), (0, 1)];
 const AXES: [&str; 3] = ["x (mm)", "y (mm)", "z (mm)"];
@@ -20,7 +20,7 @@ struct Arrow {
 /// The picture at a width in hundredths of an inch; none without positions.
 pub(super) fn draw(report: &CalibrationReport, width: f64) -> Option<Canvas> {
     let solved: Vec<_> = report.sightings.iter().filter(|row| row.error_x_m.is_finite()).collect();
-    let count = solved.len().min(ARROWS);
+    let count = solved.len().min(MAX_ARROWS);
     let arrow = |k: usize| {
         let row = solved[k * solved.len() / count];
         let from = [row.x_m, row.y_m, row.z_m].map(|x| 1e3 * x);

@@ -74,16 +74,16 @@ fn unseen(held_out: Option<&HeldOutError>, errors: &Markup) -> Markup {
 }
 
 fn numbers(findings: &CalibrationFindings) -> Markup {
-    let row = |own: &CalibratedNumber| {
-        let prior = own.prior_deviation.map_or_else(|| "–".to_owned(), |size| number(size, 3));
-        let interval = if own.determined {
-            format!("{} to {}", size(own.low), size(own.high))
+    let row = |fitted: &CalibratedNumber| {
+        let prior = fitted.prior_deviation.map_or_else(|| "–".to_owned(), |size| number(size, 3));
+        let interval = if fitted.determined {
+            format!("{} to {}", size(fitted.low), size(fitted.high))
         } else {
             "not determined".to_owned()
         };
-        let unit = if own.unit == "1" { "" } else { &own.unit };
-        let numbers = cells([unit, &size(own.start), &size(own.value), &interval, &prior]);
-        [vec![html! { code { (own.name) } }], numbers].concat()
+        let unit = if fitted.unit == "1" { "" } else { &fitted.unit };
+        let numbers = cells([unit, &size(fitted.start), &size(fitted.value), &interval, &prior]);
+        [vec![html! { code { (fitted.name) } }], numbers].concat()
     };
     let rows: Vec<Vec<Markup>> = findings.numbers.iter().map(row).collect();
     let pairs: Vec<Vec<Markup>> = findings
@@ -105,8 +105,8 @@ fn numbers(findings: &CalibrationFindings) -> Markup {
 
 /// A value of any size.
 fn size(value: f64) -> String {
-    let plain = value == 0.0 || (1e-3..1e5).contains(&value.abs());
-    if plain || !value.is_finite() { number(value, 4) } else { format!("{value:.3e}") }
+    let readable = value == 0.0 || (1e-3..1e5).contains(&value.abs());
+    if readable || !value.is_finite() { number(value, 4) } else { format!("{value:.3e}") }
 }
 
 fn stages(findings: &CalibrationFindings) -> Markup {

@@ -7,7 +7,7 @@ use super::controllers_table::{controller_rows, markdown};
 use crate::math::summary::mean;
 use crate::report::cells::modes_in_order;
 use crate::report::drawing::{Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend};
-use crate::report::order::{ascending, trainings};
+use crate::report::order::{ascending, last_training};
 use crate::report::style::{
     GREY, PAGE_WIDTH, SMALL, mode_title, policies_in_order, policy_label, policy_look, training_label,
 };
@@ -40,19 +40,18 @@ struct Curves<'a> {
 
 /// The panels of the last kind of training: networks are at their best there.
 fn draw(rows: &[ControllerRow], paces: &[PaceRow]) -> Canvas {
-    let known = trainings(rows.iter().map(|row| row.training.as_str()));
-    let training = known.last().copied().unwrap_or_default();
+    let training = last_training(rows.iter().map(|row| row.training.as_str()));
     let rows: Vec<&ControllerRow> = rows.iter().filter(|row| row.training == training).collect();
     let paces: Vec<&PaceRow> = paces.iter().filter(|row| row.training == training && row.status.is_ok()).collect();
     let modes = rows.iter().map(|row| row.cell.mode.as_str()).chain(paces.iter().map(|row| row.cell.mode.as_str()));
     let modes = modes_in_order(modes);
     let in_time = modes.iter().filter_map(|mode| in_time(&rows, mode));
     let panels: Vec<Curves> = in_time.chain(modes.iter().filter_map(|mode| over_speed(&paces, mode))).collect();
-    let shown = policies_in_order(rows.iter().map(|row| row.cell.policy.as_str()));
+    let policies = policies_in_order(rows.iter().map(|row| row.cell.policy.as_str()));
     let (left, gap, high, pitch) = (56.0, 62.0, 170.0, 240.0);
     let width = (PAGE_WIDTH - left - 12.0 - gap) / 2.0;
     let keys: Vec<(LegendEntry, &str)> =
-        shown.iter().map(|policy| (LegendEntry::Plain(policy_look(policy)), policy_label(policy))).collect();
+        policies.iter().map(|policy| (LegendEntry::Plain(policy_look(policy)), policy_label(policy))).collect();
     let mut canvas = Canvas::new(PAGE_WIDTH, 88.0 + pitch * panels.len().div_ceil(2) as f64);
     let base = legend(&mut canvas, [left, 16.0], PAGE_WIDTH - 8.0, &keys);
     let note = format!("means over targets and repetitions, error of the true tip; {}", training_label(training));
@@ -98,8 +97,9 @@ fn over_speed<'a>(paces: &[&'a PaceRow], mode: &str) -> Option<Curves<'a>> {
     for row in &rows {
         by_policy.entry(row.cell.policy.as_str()).or_insert_with(|| {
             let at = |speed: &f64| {
-                let same = rows.iter().filter(|other| other.cell.policy == row.cell.policy && other.speed == *speed);
-                1e3 * mean(&same.map(|other| other.rms_m).collect::<Vec<_>>())
+                let same_runs =
+                    rows.iter().filter(|other| other.cell.policy == row.cell.policy && other.speed == *speed);
+                1e3 * mean(&same_runs.map(|other| other.rms_m).collect::<Vec<_>>())
             };
             speeds.iter().map(at).collect()
         });

@@ -88,8 +88,8 @@ fn paces_table(paces: &[PaceRow]) -> MarkdownTable {
     let cells = summarise_cells(paces, |row| (rank(&order, &row.training), mode_first(&row.cell)), error);
     let line = |cell: &CellErrors<PaceRow>| {
         let at = |speed: &f64| {
-            let same = cell.good.iter().filter(|row| row.speed == *speed);
-            mm(mean(&same.map(|row| row.rms_m).collect::<Vec<_>>()))
+            let same_speed = cell.good.iter().filter(|row| row.speed == *speed);
+            mm(mean(&same_speed.map(|row| row.rms_m).collect::<Vec<_>>()))
         };
         label_cells(&cell.rows[0].training, &cell.rows[0].cell).into_iter().chain(speeds.iter().map(at)).collect()
     };

@@ -4,7 +4,7 @@
 use super::controllers_table::{controller_rows, mm};
 use crate::report::cells::modes_in_order;
 use crate::report::drawing::{Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend};
-use crate::report::order::{distinct, trainings};
+use crate::report::order::{distinct, last_training, trainings};
 use crate::report::page::markup::MarkdownTable;
 use crate::report::style::{
     GREY, PAGE_WIDTH, SMALL, TALL, mode_title, policies_in_order, policy_label, policy_look, policy_markdown,
@@ -40,23 +40,23 @@ fn points(row: &ControllerRow) -> u64 {
 
 /// The cells of one training, mode and policy, by the number of points.
 fn curve<'a>(rows: &[&'a ControllerRow], mode: &str, policy: &str) -> Vec<&'a ControllerRow> {
-    let mut own: Vec<&ControllerRow> =
+    let mut cells: Vec<&ControllerRow> =
         rows.iter().copied().filter(|row| row.cell.mode == mode && row.cell.policy == policy).collect();
-    own.sort_by_key(|row| points(row));
-    own
+    cells.sort_by_key(|row| points(row));
+    cells
 }
 
 /// For each curve and wanted error the fewest points from which on the mean error at the end stays within it.
 fn points_needed(rows: &[ControllerRow]) -> Vec<PointsNeededRow> {
     let mut needed = Vec::new();
     for training in trainings(rows.iter().map(|row| row.training.as_str())) {
-        let own: Vec<&ControllerRow> = rows.iter().filter(|row| row.training == training).collect();
-        for mode in modes_in_order(own.iter().map(|row| row.cell.mode.as_str())) {
-            for policy in
-                policies_in_order(own.iter().filter(|row| row.cell.mode == mode).map(|row| row.cell.policy.as_str()))
-            {
+        let of_training: Vec<&ControllerRow> = rows.iter().filter(|row| row.training == training).collect();
+        for mode in modes_in_order(of_training.iter().map(|row| row.cell.mode.as_str())) {
+            for policy in policies_in_order(
+                of_training.iter().filter(|row| row.cell.mode == mode).map(|row| row.cell.policy.as_str()),
+            ) {
                 let curve: Vec<(u64, f64)> =
-                    curve(&own, mode, policy).iter().map(|row| (points(row), row.error_end_m)).collect();
+                    curve(&of_training, mode, policy).iter().map(|row| (points(row), row.error_end_m)).collect();
                 needed.extend(WANTED_M.iter().map(|&wanted_m| PointsNeededRow {
                     training: training.to_owned(),
                     policy: policy.to_owned(),
@@ -88,8 +88,8 @@ fn markdown(needed: &[PointsNeededRow], rows: &[ControllerRow]) -> String {
             false if row.most_points == 0 => "–".to_owned(),
             false => format!("> {}", row.most_points),
         };
-        let own: Vec<&ControllerRow> = rows.iter().filter(|row| row.training == first.training).collect();
-        let curve = curve(&own, &first.mode, &first.policy);
+        let of_training: Vec<&ControllerRow> = rows.iter().filter(|row| row.training == first.training).collect();
+        let curve = curve(&of_training, &first.mode, &first.policy);
         let cell = |row: &&ControllerRow| {
             format!("{}: {} ({}–{})", points(row), mm(row.error_end_m), mm(row.low_95_m), mm(row.high_95_m))
         };
@@ -106,18 +106,17 @@ fn markdown(needed: &[PointsNeededRow], rows: &[ControllerRow]) -> String {
 
 /// The panels of the last kind of training, where networks are at their best: at the end above, after 2 s below.
 fn draw(rows: &[ControllerRow]) -> Canvas {
-    let known = trainings(rows.iter().map(|row| row.training.as_str()));
-    let training = known.last().copied().unwrap_or_default();
+    let training = last_training(rows.iter().map(|row| row.training.as_str()));
     let rows: Vec<&ControllerRow> = rows.iter().filter(|row| row.training == training).collect();
     let modes = modes_in_order(rows.iter().map(|row| row.cell.mode.as_str()));
-    let shown = policies_in_order(rows.iter().map(|row| row.cell.policy.as_str()));
+    let policies = policies_in_order(rows.iter().map(|row| row.cell.policy.as_str()));
     let mut sizes = distinct(rows.iter().map(|row| points(row)));
     sizes.sort_unstable();
     let names: Vec<String> = sizes.iter().map(u64::to_string).collect();
     let (left, gap, high, pitch) = (56.0, 22.0, 180.0, 250.0);
     let width = (PAGE_WIDTH - left - 12.0 - gap * (modes.len() - 1) as f64) / modes.len() as f64;
     let keys: Vec<(LegendEntry, &str)> =
-        shown.iter().map(|policy| (LegendEntry::Plain(policy_look(policy)), policy_label(policy))).collect();
+        policies.iter().map(|policy| (LegendEntry::Plain(policy_look(policy)), policy_label(policy))).collect();
     let mut canvas = Canvas::new(PAGE_WIDTH, TALL);
     let base = legend(&mut canvas, [left, 16.0], PAGE_WIDTH - 8.0, &keys);
     let note = format!("means over targets and repetitions, error of the true tip; {}", training_label(training));
@@ -134,7 +133,7 @@ fn draw(rows: &[ControllerRow]) -> Canvas {
                 y: if column == 0 { y.clone() } else { y.bare() },
                 title: format!("{}, {when}", mode_title(mode)),
             });
-            for policy in &shown {
+            for policy in &policies {
                 let place = |row: &ControllerRow| sizes.iter().position(|size| *size == points(row)).unwrap_or(0);
                 let point = |row: &&ControllerRow| [place(row) as f64, (1e3 * error_m(row)).log10(), f64::NAN];
                 let line: Vec<[f64; 3]> =

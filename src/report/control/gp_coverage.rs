@@ -4,7 +4,7 @@
 use crate::math::summary::mean;
 use crate::report::drawing::{Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend};
 use crate::report::order::{ascending, distinct};
-use crate::report::style::{DASHED, GREY, HAIR, LOOKS, Look, PAGE_WIDTH, SMALL, TALL};
+use crate::report::style::{DASHED, GREY, HAIR, LEFT_MARGIN, LOOKS, Look, PAGE_WIDTH, SMALL, TALL};
 use crate::report::{Artifact, Figure, Published, ReportError};
 use crate::rows::experiment::GpCoverageRow;
 
@@ -15,8 +15,7 @@ pub(super) const FIGURE: Figure = Figure {
     render,
 };
 
-const LEFT: f64 = 56.0;
-const GAP: f64 = 18.0;
+const PANEL_GAP: f64 = 18.0;
 
 fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     FIGURE.needs("gp_coverage.csv", published.gp_coverages.is_empty())?;
@@ -31,16 +30,16 @@ fn draw(rows: &[GpCoverageRow]) -> Canvas {
     let keys: Vec<(LegendEntry, &str)> =
         looks.iter().map(|look| LegendEntry::Plain(*look)).zip(names.iter().map(String::as_str)).collect();
     let axes = distinct(rows.iter().map(|row| row.coverage.axis.as_str()));
-    let wide = (PAGE_WIDTH - LEFT - 12.0 - GAP * (axes.len() - 1) as f64) / axes.len() as f64;
+    let wide = (PAGE_WIDTH - LEFT_MARGIN - 12.0 - PANEL_GAP * (axes.len() - 1) as f64) / axes.len() as f64;
     let mut canvas = Canvas::new(PAGE_WIDTH, TALL);
-    let below = legend(&mut canvas, [LEFT, 16.0], PAGE_WIDTH - 8.0, &keys);
+    let below = legend(&mut canvas, [LEFT_MARGIN, 16.0], PAGE_WIDTH - 8.0, &keys);
     let note = "means over repetitions; below the broken line: intervals too narrow";
-    canvas.text(Text::new(note, [LEFT, below + 17.0], SMALL, TextAlign::Left).colour(GREY));
+    canvas.text(Text::new(note, [LEFT_MARGIN, below + 17.0], SMALL, TextAlign::Left).colour(GREY));
     let top = below + 44.0;
     let y = Axis::exact("covered (%)", 0.0, 100.0, 5);
     for (column, axis) in axes.iter().enumerate() {
         let panel = canvas.panel(Panel {
-            corner: [LEFT + column as f64 * (wide + GAP), top],
+            corner: [LEFT_MARGIN + column as f64 * (wide + PANEL_GAP), top],
             size: [wide, wide],
             x: Axis::exact("promised (%)", 0.0, 100.0, 5),
             y: if column == 0 { y.clone() } else { y.bare() },
@@ -48,11 +47,11 @@ fn draw(rows: &[GpCoverageRow]) -> Canvas {
         });
         panel.line(&mut canvas, &[[0.0, 0.0], [100.0, 100.0]], GREY, DASHED, HAIR);
         for (points, look) in sizes.iter().zip(&looks) {
-            let own = |row: &&GpCoverageRow| row.coverage.axis == *axis && row.coverage.points == *points;
-            let shares = ascending(rows.iter().filter(own).map(|row| row.coverage.promised));
+            let of_curve = |row: &&GpCoverageRow| row.coverage.axis == *axis && row.coverage.points == *points;
+            let shares = ascending(rows.iter().filter(of_curve).map(|row| row.coverage.promised));
             let point = |promised: &f64| {
-                let same = rows.iter().filter(own).filter(|row| row.coverage.promised == *promised);
-                let covered = mean(&same.map(|row| row.coverage.covered).collect::<Vec<_>>());
+                let same_share = rows.iter().filter(of_curve).filter(|row| row.coverage.promised == *promised);
+                let covered = mean(&same_share.map(|row| row.coverage.covered).collect::<Vec<_>>());
                 [100.0 * promised, 100.0 * covered, f64::NAN]
             };
             let line: Vec<[f64; 3]> = shares.iter().map(point).filter(|point| point[1].is_finite()).collect();

@@ -72,8 +72,9 @@ fn attributed(
     if with_m.len() < 2 || without_m.len() < 2 {
         return None;
     }
-    let share = |errors_m: &[f64]| standard_deviation(errors_m).powi(2) / errors_m.len() as f64;
-    let (a, b) = (share(&with_m), share(&without_m));
+    let squared_error_m2 = |errors_m: &[f64]| standard_deviation(errors_m).powi(2) / errors_m.len() as f64;
+    let (a, b) = (squared_error_m2(&with_m), squared_error_m2(&without_m));
+    // Degrees of freedom by Welch and Satterthwaite: the variances may differ.
     let freedom = (a + b).powi(2) / (a * a / (with_m.len() - 1) as f64 + b * b / (without_m.len() - 1) as f64);
     let difference_m = mean(&with_m) - mean(&without_m);
     let half_m = student_95(freedom) * (a + b).sqrt();
@@ -96,7 +97,7 @@ fn attributed(
 /// The three tables in Markdown, errors in millimetres.
 pub(crate) fn markdown(rows: &[PopulationRow], claims: &[RobotClaimRow], effects: &[AttributionRow]) -> String {
     let decided: Vec<&AttributionRow> = effects.iter().filter(|row| row.p_holm < 0.05).collect();
-    let asked: BTreeSet<&str> = effects.iter().map(|row| row.effect.as_str()).collect();
+    let compared_effects: BTreeSet<&str> = effects.iter().map(|row| row.effect.as_str()).collect();
     let mut text = format!(
         "Errors over robots in mm; that of a robot is its mean over targets.\n\n{}",
         error_table(rows).markdown()
@@ -106,7 +107,7 @@ pub(crate) fn markdown(rows: &[PopulationRow], claims: &[RobotClaimRow], effects
     }
     text += &format!(
         "\nEffects that change an error (p below 0.05 after Holm's correction over {} effects), mm.\n\n{}",
-        asked.len(),
+        compared_effects.len(),
         if decided.is_empty() { "None.\n".to_owned() } else { effect_table(&decided).markdown() }
     );
     text

@@ -4,7 +4,7 @@ use super::repair_table::{VARIANTS, markdown, summary_rows};
 use crate::math::summary::mean;
 use crate::report::cells::modes_in_order;
 use crate::report::drawing::{Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend};
-use crate::report::order::{distinct, trainings};
+use crate::report::order::{distinct, last_training};
 use crate::report::style::{
     DOTTED, GREY, LINE, PAGE_WIDTH, SMALL, TEXT, capitalised, mode_title, policies_in_order, policy_label, policy_look,
     training_label,
@@ -33,8 +33,7 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
 
 /// The panels of the last kind of training: networks are at their best there.
 fn draw(rows: &[RepairSummaryRow], repairs: &[RepairRow]) -> Canvas {
-    let known = trainings(rows.iter().map(|row| row.training.as_str()));
-    let training = known.last().copied().unwrap_or_default();
+    let training = last_training(rows.iter().map(|row| row.training.as_str()));
     let rows: Vec<&RepairSummaryRow> = rows.iter().filter(|row| row.training == training).collect();
     let modes = modes_in_order(rows.iter().map(|row| row.cell.mode.as_str()));
     let changes = distinct(rows.iter().map(|row| row.change.as_str()));
@@ -60,6 +59,7 @@ fn draw(rows: &[RepairSummaryRow], repairs: &[RepairRow]) -> Canvas {
     let nearest = changes.iter().map(|change| nearest_mm(repairs, change));
     let means_mm = rows.iter().map(|row| 1e3 * row.mean_m).chain(nearest);
     let y = Axis::covering("error (mm)", means_mm.chain([0.0]), 4);
+    let names: Vec<String> = VARIANTS.0.iter().map(|(_, short)| (*short).to_owned()).collect();
     for (number, mode) in modes.iter().enumerate() {
         let top = base + 43.0 + block * number as f64;
         canvas.text(Text::new(capitalised(&mode_title(mode)), [left, top + 14.0], TEXT, TextAlign::Left).bold());
@@ -67,9 +67,11 @@ fn draw(rows: &[RepairSummaryRow], repairs: &[RepairRow]) -> Canvas {
             let (line, column) = (place / COLUMNS, place % COLUMNS);
             let corner = [left + column as f64 * (width + gap), top + head + 12.0 + pitch * line as f64];
             let y = if column == 0 { y.clone() } else { y.bare() };
-            let own: Vec<&RepairSummaryRow> =
+            let panel_rows: Vec<&RepairSummaryRow> =
                 rows.iter().copied().filter(|row| row.cell.mode == *mode && row.change == *change).collect();
-            let panel = panel(&mut canvas, &own, (corner, [width, high]), change, y);
+            let (size, x) = ([width, high], Axis::categories("", &names));
+            let panel = canvas.panel(Panel { corner, size, x, y, title: change.replace('_', " ") });
+            series(&mut canvas, &panel, &panel_rows);
             let nearest_mm = nearest_mm(repairs, change);
             if nearest_mm.is_finite() {
                 let ends = [0.6, VARIANTS.0.len() as f64 - 0.6].map(|x| [x, nearest_mm]);
@@ -87,10 +89,7 @@ fn nearest_mm(repairs: &[RepairRow], change: &str) -> f64 {
 }
 
 /// Draws the errors in one mode after one change.
-fn panel(canvas: &mut Canvas, rows: &[&RepairSummaryRow], place: ([f64; 2], [f64; 2]), change: &str, y: Axis) -> Panel {
-    let names: Vec<String> = VARIANTS.0.iter().map(|(_, short)| (*short).to_owned()).collect();
-    let x = Axis::categories("", &names);
-    let panel = canvas.panel(Panel { corner: place.0, size: place.1, x, y, title: change.replace('_', " ") });
+fn series(canvas: &mut Canvas, panel: &Panel, rows: &[&RepairSummaryRow]) {
     for policy in policies_in_order(rows.iter().map(|row| row.cell.policy.as_str())) {
         let at = |(place, (variant, _)): (usize, &(&str, &str))| {
             let row = rows.iter().find(|row| row.cell.policy == policy && row.variant == *variant)?;
@@ -99,5 +98,4 @@ fn panel(canvas: &mut Canvas, rows: &[&RepairSummaryRow], place: ([f64; 2], [f64
         let points: Vec<[f64; 3]> = VARIANTS.0.iter().enumerate().filter_map(at).collect();
         panel.series(canvas, &points, policy_look(policy));
     }
-    panel
 }

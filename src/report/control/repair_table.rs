@@ -6,7 +6,7 @@ use super::controllers_table::mm;
 use crate::math::summary::{mean, quantile, standard_deviation};
 use crate::report::Published;
 use crate::report::cells::{CellErrors, SeedError, mode_first, summarise_cells};
-use crate::report::order::{Labels, distinct, rank, trainings};
+use crate::report::order::{Labels, distinct, last_training, rank, trainings};
 use crate::report::page::markup::MarkdownTable;
 use crate::report::style::{policy_markdown, policy_rank};
 use crate::rows::repairs::{RepairRow, RepairSummaryRow, RepairTrialRow};
@@ -82,12 +82,11 @@ pub(crate) fn markdown(rows: &[RepairSummaryRow], published: &Published) -> Stri
          the error model moved by what the named lines do in the model. Both have the samples of the table above. “New points”: \
          an error model of as many new real points as it had. “New data”: a network of as many new real samples as it had.\n",
     );
-    let known = trainings(rows.iter().map(|row| row.training.as_str()));
-    for training in &known {
-        for mode in distinct(rows.iter().filter(|row| row.training == *training).map(|row| row.cell.mode.as_str())) {
+    for training in trainings(rows.iter().map(|row| row.training.as_str())) {
+        for mode in distinct(rows.iter().filter(|row| row.training == training).map(|row| row.cell.mode.as_str())) {
             text.push_str(&format!("\n{} loop, training: {training}\n\n", if mode == "open" { "Open" } else { mode }));
-            let own = |row: &&RepairSummaryRow| row.training == *training && row.cell.mode == mode;
-            text.push_str(&errors_table(&rows.iter().filter(own).collect::<Vec<_>>()).markdown());
+            let of_table = |row: &&RepairSummaryRow| row.training == training && row.cell.mode == mode;
+            text.push_str(&errors_table(&rows.iter().filter(of_table).collect::<Vec<_>>()).markdown());
         }
     }
     text.replace("\nclosed loop, ", "\nClosed loop, ")
@@ -115,24 +114,24 @@ fn nearest_before(published: &Published) -> String {
 
 /// One line a change: how soon it was noticed, and what it was said to be.
 fn named_table(repairs: &[RepairRow]) -> MarkdownTable {
-    let order = trainings(repairs.iter().map(|row| row.training.as_str()));
-    let last = order.last().copied().unwrap_or_default();
+    let last = last_training(repairs.iter().map(|row| row.training.as_str()));
     let of_last: Vec<&RepairRow> = repairs.iter().filter(|row| row.training == last).collect();
     let line = |change: &str| {
-        let own: Vec<&RepairRow> = of_last.iter().copied().filter(|row| row.change == change).collect();
-        let alarms_s: Vec<f64> = own.iter().map(|row| row.alarm_s).filter(|time_s| time_s.is_finite()).collect();
+        let of_change: Vec<&RepairRow> = of_last.iter().copied().filter(|row| row.change == change).collect();
+        let alarms_s: Vec<f64> = of_change.iter().map(|row| row.alarm_s).filter(|time_s| time_s.is_finite()).collect();
         let alarm = match alarms_s.len() {
             0 => "–".to_owned(),
-            count => format!("{:.1} s ({count} of {})", quantile(&alarms_s, 0.5), own.len()),
+            count => format!("{:.1} s ({count} of {})", quantile(&alarms_s, 0.5), of_change.len()),
         };
-        let samples = own.iter().map(|row| row.samples).max().unwrap_or(0);
-        let mean_mm = |value: fn(&RepairRow) -> f64| mm(mean(&own.iter().map(|row| value(row)).collect::<Vec<_>>()));
+        let samples = of_change.iter().map(|row| row.samples).max().unwrap_or(0);
+        let mean_mm =
+            |value: fn(&RepairRow) -> f64| mm(mean(&of_change.iter().map(|row| value(row)).collect::<Vec<_>>()));
         vec![
             change.to_owned(),
-            own.first().map_or_else(String::new, |row| format!("`{}`", row.truth)),
+            of_change.first().map_or_else(String::new, |row| format!("`{}`", row.truth)),
             alarm,
             samples.to_string(),
-            told(&own),
+            named_counts(&of_change),
             format!("{} → {}", mean_mm(|row| row.gap_before_m), mean_mm(|row| row.gap_after_m)),
             mean_mm(|row| row.nearest_m),
         ]
@@ -142,7 +141,7 @@ fn named_table(repairs: &[RepairRow]) -> MarkdownTable {
 }
 
 /// The names of the effects that were named, each with its count; the most frequent first.
-fn told(rows: &[&RepairRow]) -> String {
+fn named_counts(rows: &[&RepairRow]) -> String {
     let mut counts: BTreeMap<String, usize> = BTreeMap::new();
     for row in rows {
         let names: Vec<&str> = row.named.split("; ").filter_map(|effect| effect.split(':').next()).collect();
@@ -164,8 +163,8 @@ fn errors_table(rows: &[&RepairSummaryRow]) -> MarkdownTable {
     }
     let line = |rows: &Vec<&RepairSummaryRow>| {
         let cell = |(variant, _): &(&str, &str)| {
-            let own = rows.iter().find(|row| row.variant == *variant);
-            own.map_or_else(|| "–".to_owned(), |row| with_interval(row))
+            let of_variant = rows.iter().find(|row| row.variant == *variant);
+            of_variant.map_or_else(|| "–".to_owned(), |row| with_interval(row))
         };
         let mut line = vec![rows[0].change.clone(), policy_markdown(&rows[0].cell.policy).to_owned()];
         line.extend(VARIANTS.0.iter().map(cell));

@@ -116,35 +116,35 @@ pub(crate) fn closed(before_m: f64, after_m: f64, floor_m: f64) -> Option<f64> {
 
 /// A card for each effect of the answer.
 pub(super) fn effects(report: &DiscoveryReport) -> Markup {
-    let found = &report.findings.effects;
-    let heading = match (report.findings.verdict, found.len()) {
+    let effects = &report.findings.effects;
+    let heading = match (report.findings.verdict, effects.len()) {
         (Verdict::Ambiguous, _) => "Possible effects",
         (_, 1) => "Missing effect",
         _ => "Missing effects",
     };
-    section(heading, &html! { @for effect in found { (card(report, effect)) } })
+    section(heading, &html! { @for effect in effects { (card(report, effect)) } })
 }
 
 fn card(report: &DiscoveryReport, effect: &FoundEffect) -> Markup {
-    let known = report.text_of(&effect.name);
-    let rows = quantities(effect).into_iter().map(|one| {
-        let interval = if one.interval.is_empty() { NONE.to_owned() } else { one.interval };
-        vec![html! { code { (one.key) } }, html! { strong { (one.value) } }, html! { (interval) }]
+    let catalogue_text = report.text_of(&effect.name);
+    let rows = quantities(effect).into_iter().map(|quantity| {
+        let interval = if quantity.interval.is_empty() { NONE.to_owned() } else { quantity.interval };
+        vec![html! { code { (quantity.key) } }, html! { strong { (quantity.value) } }, html! { (interval) }]
     });
     html! {
         article {
             h3 {
-                @if let Some(known) = known.filter(|text| !text.missing.is_empty()) { span { (known.missing) } " " }
+                @if let Some(catalogue_text) = catalogue_text.filter(|text| !text.missing.is_empty()) { span { (catalogue_text.missing) } " " }
                 code { (effect.name) }
             }
             (table(&["parameter", "value", "95 % interval"], &rows.collect::<Vec<_>>()))
-            (facts(effect, known))
+            (facts(effect, catalogue_text))
         }
     }
 }
 
 /// How sure, what else it could be, and what it means.
-fn facts(effect: &FoundEffect, known: Option<&EffectText>) -> Markup {
+fn facts(effect: &FoundEffect, catalogue_text: Option<&EffectText>) -> Markup {
     let mut facts = Vec::new();
     if effect.confidence.is_finite() {
         let share = percent(effect.confidence);
@@ -159,12 +159,12 @@ fn facts(effect: &FoundEffect, known: Option<&EffectText>) -> Markup {
             }
         });
     }
-    if let Some(known) = known {
-        if !known.equation.is_empty() {
-            facts.push(html! { "Equation: " span .equation { (known.equation) } });
+    if let Some(catalogue_text) = catalogue_text {
+        if !catalogue_text.equation.is_empty() {
+            facts.push(html! { "Equation: " span .equation { (catalogue_text.equation) } });
         }
-        if !known.source.is_empty() {
-            facts.push(html! { "Source: " span { (known.source) } });
+        if !catalogue_text.source.is_empty() {
+            facts.push(html! { "Source: " span { (catalogue_text.source) } });
         }
     }
     list(&facts)

@@ -7,29 +7,29 @@ use super::model_diff::{DiffLine, compare};
 use maud::{Markup, html};
 
 /// Candidates in the table; the others are in `candidates.csv`.
-const CANDIDATES: usize = 30;
+const MAX_CANDIDATES: usize = 30;
 /// Lines that are shown around those that changed.
-const CONTEXT: usize = 2;
+const CONTEXT_LINES: usize = 2;
 
 /// What else was considered, and why not.
 pub(crate) fn candidates(report: &DiscoveryReport) -> Markup {
     let (candidates, floor_m) = (&report.findings.candidates, report.findings.noise_floor_m);
-    let rows = candidates.iter().take(CANDIDATES).map(|one| {
-        let why = html! { @if one.why_not.is_empty() { strong { "the answer" } } @else { (one.why_not) } };
+    let rows = candidates.iter().take(MAX_CANDIDATES).map(|candidate| {
+        let why = html! { @if candidate.why_not.is_empty() { strong { "the answer" } } @else { (candidate.why_not) } };
         // Without one of the trials the others do not pin it down.
-        let hangs = one.after_m > report.findings.gap.before_m;
-        let [error, over] = match hangs {
+        let unstable = candidate.after_m > report.findings.gap.before_m;
+        let [error, over] = match unstable {
             true => ["depends on single trials".to_owned(), String::new()],
-            false => [millimetres(one.after_m), times(one.after_m, floor_m)],
+            false => [millimetres(candidate.after_m), times(candidate.after_m, floor_m)],
         };
-        let numbers = [score(one.score), error, over].map(|number| html! { (number) });
-        std::iter::once(html! { code { (one.name) } }).chain(numbers).chain([why]).collect()
+        let numbers = [score(candidate.score), error, over].map(|number| html! { (number) });
+        std::iter::once(html! { code { (candidate.name) } }).chain(numbers).chain([why]).collect()
     });
     let rows: Vec<Vec<Markup>> = rows.collect();
     if rows.is_empty() {
         return Markup::default();
     }
-    let more = candidates.len().saturating_sub(CANDIDATES);
+    let more = candidates.len().saturating_sub(MAX_CANDIDATES);
     let beyond = if more > 0 { format!(" {more} more are in candidates.csv.") } else { String::new() };
     let before = report.before();
     let note = format!(
@@ -50,13 +50,13 @@ fn score(score: f64) -> String {
 /// What to record next.
 pub(crate) fn next(report: &DiscoveryReport) -> Markup {
     let findings = report.findings;
-    let rows = findings.proposals.iter().map(|one| {
+    let rows = findings.proposals.iter().map(|proposal| {
         vec![
-            html! { (one.name.replace('_', " ")) },
-            html! { (one.what) },
-            html! { (number(one.minutes, 2)) },
-            html! { (number(one.separation, 2)) },
-            html! { code { (one.file) } },
+            html! { (proposal.name.replace('_', " ")) },
+            html! { (proposal.what) },
+            html! { (number(proposal.minutes, 2)) },
+            html! { (number(proposal.separation, 2)) },
+            html! { code { (proposal.file) } },
         ]
     });
     let header = ["recording", "what to do", "minutes", "separation (σ)", "commands"];
@@ -78,19 +78,19 @@ pub(crate) fn limitations(report: &DiscoveryReport) -> Markup {
 
 /// The lines of the model that are new.
 pub(crate) fn model(report: &DiscoveryReport) -> Markup {
-    let lines_ = compare(report.model_before, report.model_after);
+    let diff_lines = compare(report.model_before, report.model_after);
     let changed = |line: &DiffLine| !matches!(line, DiffLine::Kept(_));
-    if !lines_.iter().any(changed) {
+    if !diff_lines.iter().any(changed) {
         return section("The model", &html! { p { "Nothing was added: model.yaml equals the given model." } });
     }
-    let near = |at: usize| {
-        let [from, to] = [at.saturating_sub(CONTEXT), (at + CONTEXT + 1).min(lines_.len())];
-        lines_[from..to].iter().any(changed)
+    let near_change = |at: usize| {
+        let [from, to] = [at.saturating_sub(CONTEXT_LINES), (at + CONTEXT_LINES + 1).min(diff_lines.len())];
+        diff_lines[from..to].iter().any(changed)
     };
     let mut shown = Vec::new();
     let mut left_out = false;
-    for (at, line) in lines_.iter().enumerate() {
-        if !near(at) {
+    for (at, line) in diff_lines.iter().enumerate() {
+        if !near_change(at) {
             left_out = true;
             continue;
         }

@@ -11,11 +11,11 @@ use crate::math::summary::quantile;
 use crate::report::drawing::{Axis, Canvas, CanvasPoint, Panel, Text, TextAlign, range};
 
 /// Arrows in a panel: more would cover each other.
-const ARROWS: usize = 160;
+const MAX_ARROWS: usize = 160;
 /// Horizontal and vertical axis of each view: the robot points to the right.
 const VIEWS: [(usize, usize); 2] = [(2, 0), (2, 1)];
 /// Long arrows (the 90th percentile of those before) are about this long, hundredths of an inch.
-const LONG: f64 = 20.0;
+const ARROW_LENGTH: f64 = 20.0;
 
 /// A sample: measured tip and residual, metres.
 struct ArrowSample {
@@ -31,8 +31,8 @@ fn samples(rows: &[ResidualRow]) -> Vec<ArrowSample> {
         before_m: row.before_m(),
         after_m: row.after_m(),
     };
-    let whole = |sample: &ArrowSample| sample.tip_m.iter().chain(&sample.before_m).all(|part| part.is_finite());
-    rows.iter().map(sample).filter(whole).collect()
+    let is_complete = |sample: &ArrowSample| sample.tip_m.iter().chain(&sample.before_m).all(|part| part.is_finite());
+    rows.iter().map(sample).filter(is_complete).collect()
 }
 
 fn size(vector: &Point3) -> f64 {
@@ -40,13 +40,13 @@ fn size(vector: &Point3) -> f64 {
 }
 
 /// Draws the views from `top` down and returns where they end; nothing for no samples.
-pub(super) fn draw(canvas: &mut Canvas, rows: &[ResidualRow], floor_m: f64, both: bool, top: f64) -> f64 {
+pub(super) fn draw(canvas: &mut Canvas, rows: &[ResidualRow], floor_m: f64, has_after: bool, top: f64) -> f64 {
     let samples = samples(rows);
     if samples.is_empty() {
         return top;
     }
     let wide = canvas.width > 500.0;
-    let in_row = if wide && both { 4.0 } else { 2.0 };
+    let in_row = if wide && has_after { 4.0 } else { 2.0 };
     let spans = spans_mm(&samples);
     let gap = 56.0;
     let room = ((canvas.width - 12.0 - gap * in_row) / in_row).min(250.0);
@@ -54,8 +54,8 @@ pub(super) fn draw(canvas: &mut Canvas, rows: &[ResidualRow], floor_m: f64, both
     let tall = length(0);
     let scale = (room / length(2)).min(if wide { 230.0 } else { 190.0 } / tall);
     let sizes: Vec<f64> = samples.iter().map(|sample| size(&sample.before_m)).collect();
-    let magnified = magnification(LONG / (1e3 * scale * quantile(&sizes, 0.9)).max(1e-9));
-    let moments: &[&str] = if both { &["before", "after"] } else { &["before"] };
+    let magnified = magnification(ARROW_LENGTH / (1e3 * scale * quantile(&sizes, 0.9)).max(1e-9));
+    let moments: &[&str] = if has_after { &["before", "after"] } else { &["before"] };
     let high = scale * tall;
     let mut left = gap - 4.0;
     let mut y = top + 34.0;
@@ -72,7 +72,7 @@ pub(super) fn draw(canvas: &mut Canvas, rows: &[ResidualRow], floor_m: f64, both
             arrows(canvas, &panel, &samples, residual, [across, up], magnified, floor_m);
             left += room + gap;
         }
-        if !wide && both && view == 0 {
+        if !wide && has_after && view == 0 {
             left = gap - 4.0;
             y += high + 72.0;
         }
@@ -85,7 +85,7 @@ pub(super) fn draw(canvas: &mut Canvas, rows: &[ResidualRow], floor_m: f64, both
 fn note(canvas: &mut Canvas, magnified: f64, count: usize, y: f64) {
     let lines = [
         format!("from the measured tip, away from where the model puts it, {} × as long", number(magnified, 1)),
-        match count.div_ceil(ARROWS) {
+        match count.div_ceil(MAX_ARROWS) {
             1 => String::new(),
             stride => format!("one sample in {stride} of {count}"),
         },
@@ -108,18 +108,18 @@ fn magnification(wanted: f64) -> f64 {
 }
 
 fn axis(axis: usize, spans: &[[f64; 2]; 3], scale: f64) -> Axis {
-    let wanted = (scale * (spans[axis][1] - spans[axis][0]) / 42.0).round().max(2.0) as usize;
-    Axis::exact(&format!("{} (mm)", AXES[axis]), spans[axis][0], spans[axis][1], wanted)
+    let ticks = (scale * (spans[axis][1] - spans[axis][0]) / 42.0).round().max(2.0) as usize;
+    Axis::exact(&format!("{} (mm)", AXES[axis]), spans[axis][0], spans[axis][1], ticks)
 }
 
 /// What each axis shows, millimetres: x and y alike, and z at least half as much, so that a path along one axis has a
 /// picture too.
 fn spans_mm(samples: &[ArrowSample]) -> [[f64; 2]; 3] {
-    let seen = |axis: usize| samples.iter().map(move |sample| 1e3 * sample.tip_m[axis]);
-    let (low, high) = range(seen(0).chain(seen(1)));
+    let tips_mm = |axis: usize| samples.iter().map(move |sample| 1e3 * sample.tip_m[axis]);
+    let (low, high) = range(tips_mm(0).chain(tips_mm(1)));
     let room = (0.08 * (high - low)).max(15.0);
     let across = [low - room, high + room];
-    let (low, high) = range(seen(2));
+    let (low, high) = range(tips_mm(2));
     let half = (0.54 * (high - low)).max(0.3 * (across[1] - across[0])).max(15.0);
     let middle = 0.5 * (low + high);
     [across, across, [middle - half, middle + half]]
@@ -135,7 +135,7 @@ fn arrows(
     magnified: f64,
     floor_m: f64,
 ) {
-    let stride = samples.len().div_ceil(ARROWS).max(1);
+    let stride = samples.len().div_ceil(MAX_ARROWS).max(1);
     let mut shown: Vec<&ArrowSample> = samples.iter().step_by(stride).collect();
     shown.retain(|sample| residual(sample).iter().all(|part| part.is_finite()));
     shown.sort_by(|a, b| size(&residual(a)).total_cmp(&size(&residual(b))));

@@ -5,20 +5,20 @@ use super::answer::closed;
 use super::format::{NONE, enumerate, millimetres, number, percent, probability, times};
 use super::html::{captioned, cells, section, table};
 use super::residuals::{AXES, held_out};
-use super::scale::SIGNIFICANT;
+use super::scale::SIGNIFICANCE_LEVEL;
 use crate::data::findings::{Findings, MissingTest, ResidualRow, Verdict};
 use crate::math::summary::root_mean_square;
 use maud::{Markup, html};
 
 /// Rows of a table; the rest is in the files beside the page.
-const MOST: usize = 12;
+const MAX_ROWS: usize = 12;
 
 /// Where they disagree.
 pub(super) fn place(report: &DiscoveryReport, map: &Markup) -> Markup {
     let findings = report.findings;
     let caption = "Each number is the rms of measured minus model at that place along that axis, divided by the noise \
          floor: 1 is noise. The views show the workspace of the robot, with z to the right.";
-    let rows = findings.disagreement.iter().take(MOST).map(|place| {
+    let rows = findings.disagreement.iter().take(MAX_ROWS).map(|place| {
         let p = probability(place.p_value);
         vec![
             html! { (place.place) },
@@ -26,7 +26,7 @@ pub(super) fn place(report: &DiscoveryReport, map: &Markup) -> Markup {
             html! { (millimetres(place.rms_m)) },
             html! { (times(place.rms_m, floor_m(findings, &place.axis))) },
             html! { (percent(place.share)) },
-            html! { @if place.p_value < SIGNIFICANT { strong { (p) } } @else { (p) } },
+            html! { @if place.p_value < SIGNIFICANCE_LEVEL { strong { (p) } } @else { (p) } },
         ]
     });
     let header = ["place", "axis", "residual, rms", "over the floor", "share of all squares", "p"];

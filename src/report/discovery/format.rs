@@ -35,6 +35,7 @@ pub(crate) fn times(size_m: f64, floor_m: f64) -> String {
 pub(crate) fn ratio_text(ratio: f64) -> String {
     match ratio {
         _ if !ratio.is_finite() => NONE.to_owned(),
+        // From here on a number rounds to one digit more.
         ratio if ratio < 9.95 => signed(ratio, 1),
         ratio if ratio < 999.5 => signed(ratio, 0),
         _ => ">999".to_owned(),

@@ -6,12 +6,12 @@ use super::format::{fitted, millimetres, times};
 use crate::data::findings::Candidate;
 use crate::report::drawing::{Axis, Canvas, Panel, Text, TextAlign, text_width};
 
-const BAR: f64 = 13.0;
-const ROW: f64 = 19.0;
+const BAR_HEIGHT: f64 = 13.0;
+const ROW_HEIGHT: f64 = 19.0;
 /// Candidates drawn.
-const CANDIDATES: usize = 8;
+const MAX_CANDIDATES: usize = 8;
 /// Of them, those at most that do without the answer.
-const RIVALS: usize = 5;
+const MAX_RIVALS: usize = 5;
 /// Grey of a bar that is not the answer, dark enough on white.
 const OTHER: Colour = [170, 170, 170];
 
@@ -34,7 +34,7 @@ pub(super) fn draw(report: &DiscoveryReport, width: f64) -> Option<Canvas> {
     let mut canvas = Canvas::new(width, 1e5);
     let title = 4.0;
     let between = if others.is_empty() { 0.0 } else { 26.0 };
-    let high = ROW * (proof.len() + others.len()) as f64 + between + 6.0;
+    let high = ROW_HEIGHT * (proof.len() + others.len()) as f64 + between + 6.0;
     canvas.text(Text::new("On held-out trials", [12.0, title + 14.0], SMALL, TextAlign::Left).bold());
     let panel = canvas.panel(Panel {
         corner: [label, title + 22.0],
@@ -47,11 +47,11 @@ pub(super) fn draw(report: &DiscoveryReport, width: f64) -> Option<Canvas> {
     for bar in &proof {
         y = draw_bar(&mut canvas, &panel, bar, y, floor_m);
     }
-    let parted = y;
+    let proof_end = y;
     if !others.is_empty() {
         y += between;
-        let words = "Candidates, on trials of the fit that they have not seen";
-        heading(&mut canvas, words, y - 7.0, width);
+        let title = "Candidates, on trials of the fit that they have not seen";
+        heading(&mut canvas, title, y - 7.0, width);
     }
     for bar in &others {
         y = draw_bar(&mut canvas, &panel, bar, y, floor_m);
@@ -60,7 +60,7 @@ pub(super) fn draw(report: &DiscoveryReport, width: f64) -> Option<Canvas> {
     let pieces = if others.is_empty() {
         vec![[panel.corner[1], bottom]]
     } else {
-        vec![[panel.corner[1], parted], [parted + between - 3.0, bottom]]
+        vec![[panel.corner[1], proof_end], [proof_end + between - 3.0, bottom]]
     };
     noise(&mut canvas, panel.at(1e3 * floor_m, 0.0)[0], &pieces, floor_m);
     canvas.height = (panel.corner[1] + high + 42.0).ceil();
@@ -78,45 +78,52 @@ fn heading(canvas: &mut Canvas, words: &str, baseline: f64, width: f64) {
 /// Before and after.
 fn proof(report: &DiscoveryReport) -> Vec<Bar> {
     let gap = &report.findings.gap;
-    let given = Bar { name: report.before().to_owned(), size_m: gap.before_m, colour: VERMILION };
+    let before = Bar { name: report.before().to_owned(), size_m: gap.before_m, colour: VERMILION };
     let names: Vec<&str> = report.findings.effects.iter().map(|effect| effect.name.as_str()).collect();
     let name = if names.len() == 1 { format!("with {}", names[0]) } else { "with the effects found".to_owned() };
-    let found = report.changed().then_some(Bar { name, size_m: gap.after_m, colour: BLUE });
-    std::iter::once(given).chain(found).collect()
+    let after = report.changed().then_some(Bar { name, size_m: gap.after_m, colour: BLUE });
+    std::iter::once(before).chain(after).collect()
 }
 
 /// The answer, where there is one, the leading candidates without it, and what others add to it. What other trials
 /// do not pin down, and so is worse than the model without any effect, is left out.
 fn others(report: &DiscoveryReport) -> Vec<Bar> {
-    let answer = report.findings.candidates.iter().find(|one| one.why_not.is_empty());
+    let answer = report.findings.candidates.iter().find(|candidate| candidate.why_not.is_empty());
     let shown = |name: &str| {
         let added = answer.and_then(|answer| name.strip_prefix(&answer.name)?.strip_prefix(" + "));
         added.map_or_else(|| name.to_owned(), |added| format!("… + {added}"))
     };
-    let is_shown = |one: &&Candidate| !one.why_not.is_empty() && one.after_m <= report.findings.gap.before_m;
-    let (more, rivals): (Vec<&Candidate>, Vec<&Candidate>) =
-        report.findings.candidates.iter().filter(is_shown).partition(|one| shown(&one.name) != one.name);
-    let beaten = rivals.into_iter().take(RIVALS).chain(more).take(CANDIDATES);
-    let others: Vec<Bar> =
-        beaten.map(|one| Bar { name: shown(&one.name), size_m: one.after_m, colour: OTHER }).collect();
-    let own = answer.filter(|one| one.after_m.is_finite() && !others.is_empty());
-    let own = own.map(|one| Bar { name: "the answer".to_owned(), size_m: one.after_m, colour: BLUE });
-    own.into_iter().chain(others).collect()
+    let is_shown =
+        |candidate: &&Candidate| !candidate.why_not.is_empty() && candidate.after_m <= report.findings.gap.before_m;
+    let (more, rivals): (Vec<&Candidate>, Vec<&Candidate>) = report
+        .findings
+        .candidates
+        .iter()
+        .filter(is_shown)
+        .partition(|candidate| shown(&candidate.name) != candidate.name);
+    let beaten = rivals.into_iter().take(MAX_RIVALS).chain(more).take(MAX_CANDIDATES);
+    let others: Vec<Bar> = beaten
+        .map(|candidate| Bar { name: shown(&candidate.name), size_m: candidate.after_m, colour: OTHER })
+        .collect();
+    let answer_bar = answer.filter(|candidate| candidate.after_m.is_finite() && !others.is_empty());
+    let answer_bar =
+        answer_bar.map(|candidate| Bar { name: "the answer".to_owned(), size_m: candidate.after_m, colour: BLUE });
+    answer_bar.into_iter().chain(others).collect()
 }
 
 fn draw_bar(canvas: &mut Canvas, panel: &Panel, bar: &Bar, y: f64, floor_m: f64) -> f64 {
-    let base = y + 0.5 * BAR + 3.6;
+    let base = y + 0.5 * BAR_HEIGHT + 3.6;
     let name = fitted(&bar.name, SMALL, panel.corner[0] - 22.0);
     canvas.text(Text::new(name, [panel.corner[0] - 8.0, base], SMALL, TextAlign::Right));
     let zero = panel.at(0.0, 0.0)[0];
     let end = if bar.size_m.is_finite() { panel.at(1e3 * bar.size_m, 0.0)[0] } else { zero };
-    canvas.rectangle([zero, y], [end.max(zero + 0.6), y + BAR], bar.colour, 1.0);
+    canvas.rectangle([zero, y], [end.max(zero + 0.6), y + BAR_HEIGHT], bar.colour, 1.0);
     let right = canvas.width - 10.0;
     let values = [(right - 42.0, millimetres(bar.size_m)), (right, times(bar.size_m, floor_m))];
     for (x, words) in values {
         canvas.text(Text::new(words, [x, base], SMALL, TextAlign::Right));
     }
-    y + ROW
+    y + ROW_HEIGHT
 }
 
 /// The noise floor: no model can come below it. The line runs over `pieces` and leaves the heading between them free.
@@ -126,8 +133,8 @@ fn noise(canvas: &mut Canvas, x: f64, pieces: &[[f64; 2]], floor_m: f64) {
         canvas.line(&[[x, *from], [x, *to]], 1.3, INK, DASHED);
     }
     canvas.line(&[[x, top - 6.0], [x, top]], 1.3, INK, &[]);
-    let words = format!("noise floor {}", millimetres(floor_m));
-    let wide = text_width(&words, SMALL, false);
+    let label = format!("noise floor {}", millimetres(floor_m));
+    let wide = text_width(&label, SMALL, false);
     let at = (x - 0.5 * wide).clamp(130.0, (canvas.width - 10.0 - wide).max(130.0));
-    canvas.text(Text::new(words, [at, top - 9.0], SMALL, TextAlign::Left));
+    canvas.text(Text::new(label, [at, top - 9.0], SMALL, TextAlign::Left));
 }

@@ -10,7 +10,7 @@ use crate::report::style::PAGE_WIDTH;
 const TELEPHONE_WIDTH: f64 = 372.0;
 
 /// A table with more columns scrolls on a telephone.
-const MANY: usize = 4;
+const MAX_NARROW_COLUMNS: usize = 4;
 
 /// A self-contained document: no script, no link, nothing fetched. Its control characters become replacement characters.
 pub(crate) fn document(title: &str, content: &Markup) -> String {
@@ -38,13 +38,13 @@ pub(crate) fn document(title: &str, content: &Markup) -> String {
 /// [`ReportError::Draw`] when it cannot be painted.
 pub(crate) fn figure(name: &'static str, draw: impl Fn(f64) -> Option<Canvas>) -> Result<Markup, ReportError> {
     let failed = |error: PaintError| ReportError::Draw { figure: name, reason: error.to_string() };
-    let mut both = Markup::default();
+    let mut drawings = Markup::default();
     for (class, width) in [("wide", PAGE_WIDTH), ("narrow", TELEPHONE_WIDTH)] {
         if let Some(canvas) = draw(width) {
-            both.0 += &drawing(&svg(&canvas).map_err(failed)?, class, name).0;
+            drawings.0 += &drawing(&svg(&canvas).map_err(failed)?, class, name).0;
         }
     }
-    Ok(both)
+    Ok(drawings)
 }
 
 /// A drawing of our own painter, which escapes its texts, with a name for readers who do not see it.
@@ -69,7 +69,7 @@ pub(crate) fn captioned(figure: &Markup, caption: &str) -> Markup {
 pub(crate) fn table(header: &[&str], rows: &[Vec<Markup>]) -> Markup {
     html! {
         @if !rows.is_empty() {
-            div .scroll .many[header.len() > MANY] {
+            div .scroll .many[header.len() > MAX_NARROW_COLUMNS] {
                 table {
                     thead { tr { @for name in header { th scope="col" { (name) } } } }
                     tbody {

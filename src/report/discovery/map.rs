@@ -16,17 +16,17 @@ pub(super) fn draw(report: &DiscoveryReport, width: f64) -> Option<Canvas> {
     canvas.height = 1e5;
     let heading = "residual over the noise floor";
     let mut y = scale::key(&mut canvas, [12.0, 18.0], width - 8.0, heading);
-    let both = report.changed();
+    let has_after = report.changed();
     if !places.is_empty() {
         y += 17.0;
         heat::key(&mut canvas, [12.0, y]);
-        y = heat::draw(&mut canvas, places, both, y + 24.0) + 12.0;
+        y = heat::draw(&mut canvas, places, has_after, y + 24.0) + 12.0;
     }
-    y = arrows::draw(&mut canvas, residuals, report.findings.noise_floor_m, both, y);
-    if both {
+    y = arrows::draw(&mut canvas, residuals, report.findings.noise_floor_m, has_after, y);
+    if has_after {
         y += 16.0;
-        let words = format!("before: the {}; after: the model with the effects found", report.before());
-        canvas.text(Text::new(words, [12.0, y], SMALL, TextAlign::Left).colour(GREY));
+        let note = format!("before: the {}; after: the model with the effects found", report.before());
+        canvas.text(Text::new(note, [12.0, y], SMALL, TextAlign::Left).colour(GREY));
     }
     canvas.height = (y + 14.0).ceil();
     Some(canvas)

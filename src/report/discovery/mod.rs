@@ -55,14 +55,14 @@ pub struct DiscoveryReport<'a> {
 impl DiscoveryReport<'_> {
     /// Whether the effects changed the model.
     fn changed(&self) -> bool {
-        let other = |row: &ResidualRow| {
+        let sample_changed = |row: &ResidualRow| {
             row.before_m().iter().zip(row.after_m()).any(|(before, after)| after.is_finite() && *before != after)
         };
-        let moved = |row: &PlaceRow| row.rms_after_m.is_finite() && row.rms_after_m != row.rms_before_m;
+        let place_changed = |row: &PlaceRow| row.rms_after_m.is_finite() && row.rms_after_m != row.rms_before_m;
         let gap = &self.findings.gap;
         gap.after_m.is_finite() && gap.after_m != gap.before_m
-            || self.residuals.iter().any(other)
-            || self.places.iter().any(moved)
+            || self.residuals.iter().any(sample_changed)
+            || self.places.iter().any(place_changed)
     }
 
     /// Name of the model without the effects.

@@ -12,7 +12,7 @@ pub(crate) enum DiffLine<'a> {
 }
 
 /// Files longer than this are compared by their ends alone.
-const LONGEST: usize = 1000;
+const MAX_LINES: usize = 1000;
 
 /// Both files as one list of lines, by their longest common subsequence.
 pub(crate) fn compare<'a>(before: &'a str, after: &'a str) -> Vec<DiffLine<'a>> {
@@ -22,7 +22,7 @@ pub(crate) fn compare<'a>(before: &'a str, after: &'a str) -> Vec<DiffLine<'a>> 
     let tail = old.iter().rev().zip(new.iter().rev()).take(room).take_while(|(a, b)| a == b).count();
     let (middle_old, middle_new) = (&old[head..old.len() - tail], &new[head..new.len() - tail]);
     let mut out: Vec<DiffLine> = new[..head].iter().map(|line| DiffLine::Kept(line)).collect();
-    if middle_old.len() > LONGEST || middle_new.len() > LONGEST {
+    if middle_old.len() > MAX_LINES || middle_new.len() > MAX_LINES {
         out.extend(middle_old.iter().map(|line| DiffLine::Removed(line)));
         out.extend(middle_new.iter().map(|line| DiffLine::Added(line)));
     } else {
@@ -34,6 +34,7 @@ pub(crate) fn compare<'a>(before: &'a str, after: &'a str) -> Vec<DiffLine<'a>> 
 
 /// Longest common subsequence by dynamic programming.
 fn common<'a>(old: &[&'a str], new: &[&'a str]) -> Vec<DiffLine<'a>> {
+    // length[i][j]: of the longest common subsequence of old[i..] and new[j..].
     let mut length = vec![vec![0u32; new.len() + 1]; old.len() + 1];
     for i in (0..old.len()).rev() {
         for j in (0..new.len()).rev() {

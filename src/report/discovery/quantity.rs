@@ -64,10 +64,10 @@ fn interval_of<'a>(intervals: &'a BTreeMap<String, Value>, key: &str) -> Option<
 fn quantity(label: &str, key: &str, value: &Value, interval: Option<&Value>) -> Quantity {
     let (scale, unit) = unit(key);
     let ends = interval.and_then(ends).map(|ends| ends.map(|end| scale * end));
-    let whole = value.is_u64() || value.is_i64();
+    let is_integer = value.is_u64() || value.is_i64();
     let value = match value.as_f64() {
         // A number of a tendon is no measurement.
-        Some(value) if whole && ends.is_none() && unit.is_empty() => number(value, 1),
+        Some(value) if is_integer && ends.is_none() && unit.is_empty() => number(value, 1),
         Some(value) => with_unit(&rounded(scale * value, ends), unit),
         None if value.is_null() => NONE.to_owned(),
         None => value.as_str().map_or_else(|| value.to_string(), str::to_owned),

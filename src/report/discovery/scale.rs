@@ -15,7 +15,7 @@ const STEPS: [(f64, Colour, Colour); 6] = [
 ];
 
 /// Corrected probability under which a place is marked as more than noise.
-pub(super) const SIGNIFICANT: f64 = 0.01;
+pub(super) const SIGNIFICANCE_LEVEL: f64 = 0.01;
 
 /// The step of a ratio; none where it is not a number.
 fn step(ratio: f64) -> Option<&'static (f64, Colour, Colour)> {
@@ -39,18 +39,18 @@ pub(super) fn key(canvas: &mut Canvas, at: CanvasPoint, right: f64, heading: &st
     let [mut x, mut y] = [at[0] + text_width(heading, SMALL, false) + 10.0, at[1]];
     for (index, (end, colour, _)) in STEPS.iter().enumerate() {
         let low = if index == 0 { 0.0 } else { STEPS[index - 1].0 };
-        let words = match index {
+        let label = match index {
             0 => format!("up to {end}"),
             _ if end.is_infinite() => format!("over {low}"),
             _ => format!("{low}–{end}"),
         };
-        let wide = 18.0 + text_width(&words, SMALL, false);
+        let wide = 18.0 + text_width(&label, SMALL, false);
         if x + wide > right {
             x = at[0];
             y += 16.0;
         }
         canvas.rectangle([x, y - 9.0], [x + 13.0, y + 2.0], *colour, 1.0);
-        canvas.text(Text::new(words, [x + 18.0, y], SMALL, TextAlign::Left));
+        canvas.text(Text::new(label, [x + 18.0, y], SMALL, TextAlign::Left));
         x += wide + 12.0;
     }
     y

@@ -2,7 +2,7 @@
 
 use super::canvas::{Canvas, CanvasPoint, Text, TextAlign};
 use super::paint::text_width;
-use crate::report::style::{BAND, Colour, Dash, GRID, HAIR, INK, LINE, Look, MARKER, SMALL, TEXT};
+use crate::report::style::{BAND, Colour, Dash, GRID, HAIR, HALF_CAP, INK, LINE, Look, MARKER, SMALL, TEXT};
 
 /// One direction of a panel.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,6 +19,7 @@ impl Axis {
     pub(crate) fn covering(label: &str, values: impl Iterator<Item = f64>, wanted: usize) -> Axis {
         let (low, high) = range(values);
         let step = nice_step(low, high, wanted);
+        // An end on a tick but for rounding needs no further step.
         let low = (low / step + 1e-9).floor() * step;
         let high = (high / step - 1e-9).ceil() * step;
         Axis::between(label, low, high, step)
@@ -111,6 +112,7 @@ pub(crate) fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
 fn nice_step(low: f64, high: f64, wanted: usize) -> f64 {
     let raw = (high - low).max(1e-12) / wanted.max(1) as f64;
     let power = 10f64.powf(raw.log10().floor());
+    // Steps that people count in; a thousandth is left to rounding.
     let steps = [1.0, 2.0, 2.5, 5.0, 10.0];
     steps.into_iter().map(|step| step * power).find(|step| *step >= raw * 0.999).unwrap_or(10.0 * power)
 }
@@ -157,7 +159,7 @@ impl Panel {
             let y = self.at(self.x.low, *value)[1];
             canvas.line(&[[left, y], [right, y]], HAIR, GRID, &[]);
             canvas.line(&[[left - 3.5, y], [left, y]], HAIR, INK, &[]);
-            canvas.text(Text::new(label, [left - 6.0, y + 0.36 * SMALL], SMALL, TextAlign::Right));
+            canvas.text(Text::new(label, [left - 6.0, y + HALF_CAP * SMALL], SMALL, TextAlign::Right));
             widest = widest.max(text_width(label, SMALL, false));
         }
         canvas.line(&[[left, top], [left, bottom], [right, bottom]], HAIR, INK, &[]);

@@ -133,25 +133,26 @@ fn dashes(points: &[CanvasPoint], dash: Dash) -> Vec<Vec<CanvasPoint>> {
     }
     let mut pieces = Vec::new();
     let mut piece: Vec<CanvasPoint> = points.first().copied().into_iter().collect();
-    let (mut turn, mut left) = (0, dash[0]);
+    let (mut dash_index, mut remaining) = (0, dash[0]);
     for pair in points.windows(2) {
         let mut from = pair[0];
         let mut length = (pair[1][0] - from[0]).hypot(pair[1][1] - from[1]);
-        while length > left {
-            let share = left / length;
+        while length > remaining {
+            let share = remaining / length;
             from = [from[0] + share * (pair[1][0] - from[0]), from[1] + share * (pair[1][1] - from[1])];
-            length -= left;
-            if turn % 2 == 0 {
+            length -= remaining;
+            // Even lengths are drawn, odd ones are gaps.
+            if dash_index % 2 == 0 {
                 piece.push(from);
                 pieces.push(std::mem::take(&mut piece));
             } else {
                 piece = vec![from];
             }
-            turn += 1;
-            left = dash[turn % dash.len()];
+            dash_index += 1;
+            remaining = dash[dash_index % dash.len()];
         }
-        left -= length;
-        if turn % 2 == 0 {
+        remaining -= length;
+        if dash_index % 2 == 0 {
             piece.push(pair[1]);
         }
     }

@@ -2,7 +2,7 @@
 
 use super::canvas::{Canvas, CanvasPoint, Text, TextAlign};
 use crate::base::Point3;
-use crate::report::style::{HAIR, INK, SMALL};
+use crate::report::style::{HAIR, HALF_CAP, INK, SMALL};
 
 /// Isometric view: x (up, against gravity) upwards, z (along the robot) to the lower right, y to the lower left.
 /// Screen coordinates to the right and **up**, in the units of the points.
@@ -60,7 +60,7 @@ impl View {
             let back = [tip[0] - 6.0 * u, tip[1] + 6.0 * v];
             let barbs = vec![tip, [back[0] + side[0], back[1] + side[1]], [back[0] - side[0], back[1] - side[1]]];
             canvas.area(barbs, INK, 1.0);
-            let label = [tip[0] + 9.0 * u, tip[1] - 9.0 * v + 0.36 * SMALL];
+            let label = [tip[0] + 9.0 * u, tip[1] - 9.0 * v + HALF_CAP * SMALL];
             canvas.text(Text::new(name, label, SMALL, TextAlign::Centre));
         }
     }

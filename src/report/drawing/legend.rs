@@ -2,7 +2,7 @@
 
 use super::canvas::{Canvas, CanvasPoint, Text, TextAlign};
 use super::paint::text_width;
-use crate::report::style::{BAND, Colour, Dash, LINE, Look, MARKER, Marker, SMALL, TEXT};
+use crate::report::style::{BAND, Colour, Dash, HALF_CAP, LINE, Look, MARKER, Marker, SMALL, TEXT};
 
 /// The symbol before a name in a legend.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,7 +31,7 @@ pub(crate) fn legend(canvas: &mut Canvas, at: CanvasPoint, right: f64, keys: &[(
             x = at[0];
             y += TEXT + 5.0;
         }
-        draw_key(canvas, *key, [x, y - 0.36 * SMALL]);
+        draw_key(canvas, *key, [x, y - HALF_CAP * SMALL]);
         canvas.text(Text::new(*name, [x + KEY_WIDTH + 5.0, y], SMALL, TextAlign::Left));
         x += KEY_WIDTH + 5.0 + width + GAP;
     }

@@ -24,11 +24,11 @@ pub fn recounted(text: &str, folder: &Path) -> Result<String, String> {
     let mut page = pieces.next().unwrap_or_default().to_owned();
     for piece in pieces {
         let marker = piece.split(CLOSE).next().unwrap_or_default();
-        let told = |words: String| format!("{BEGIN}{marker}{CLOSE}: {words}");
-        let (_, rest) = piece.split_once(CLOSE).ok_or_else(|| told("found no end of the marker".into()))?;
+        let marker_error = |words: String| format!("{BEGIN}{marker}{CLOSE}: {words}");
+        let (_, rest) = piece.split_once(CLOSE).ok_or_else(|| marker_error("found no end of the marker".into()))?;
         let (_, after) =
-            rest.split_once(END).ok_or_else(|| told(format!("found no `{END}` after it, expected one")))?;
-        let count = count(marker, folder).map_err(told)?;
+            rest.split_once(END).ok_or_else(|| marker_error(format!("found no `{END}` after it, expected one")))?;
+        let count = count(marker, folder).map_err(marker_error)?;
         page.push_str(&format!("{BEGIN}{marker}{CLOSE}{count}{END}{after}"));
     }
     Ok(page)

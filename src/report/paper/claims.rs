@@ -3,7 +3,7 @@
 use crate::report::drawing::{Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend, signed, text_width};
 use crate::report::page::markup::MarkdownTable;
 use crate::report::style::{
-    Colour, DASHED, GREEN, GREY, HAIR, INK, MARKER, Marker, PAGE_WIDTH, SMALL, VERMILION, WHITE, claim_label,
+    Colour, DASHED, GREEN, GREY, HAIR, HALF_CAP, INK, MARKER, Marker, PAGE_WIDTH, SMALL, VERMILION, WHITE, claim_label,
     training_short,
 };
 use crate::report::{Artifact, Figure, Published, ReportError, text};
@@ -15,9 +15,9 @@ pub(super) const FIGURE: Figure =
         name: "claims", about: "The paper’s claims: its figure, ours with an interval, and the verdict", render
     };
 
-const ROW: f64 = 17.0;
+const ROW_HEIGHT: f64 = 17.0;
 /// Range of the ratio of ours to the paper's; ratios outside are drawn as arrows at the edge.
-const REACH: [f64; 2] = [-1.0, 3.0];
+const RATIO_RANGE: [f64; 2] = [-1.0, 3.0];
 
 fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     let claims = &published.claims;
@@ -43,11 +43,11 @@ fn shown(row: &ClaimRow) -> ClaimCells {
         let digits = if largest > 0.0 { (2.0 - largest.log10().floor()).clamp(0.0, 6.0) as usize } else { 0 };
         if value.is_finite() { signed(scale * value, digits) } else { "–".to_owned() }
     };
-    let whole = row.low_95.is_finite() && row.high_95.is_finite();
+    let has_interval = row.low_95.is_finite() && row.high_95.is_finite();
     ClaimCells {
         paper: number(row.paper, (scale * row.paper).abs()),
         ours: number(row.ours, largest),
-        interval: whole.then(|| format!("[{}, {}]", number(row.low_95, largest), number(row.high_95, largest))),
+        interval: has_interval.then(|| format!("[{}, {}]", number(row.low_95, largest), number(row.high_95, largest))),
         unit,
     }
 }
@@ -82,7 +82,7 @@ fn look(verdict: &str) -> (Colour, Marker, bool) {
 }
 
 fn draw(claims: &[ClaimRow]) -> Canvas {
-    let high = ROW * claims.len() as f64;
+    let high = ROW_HEIGHT * claims.len() as f64;
     let top = 58.0;
     let mut canvas = Canvas::new(PAGE_WIDTH, (top + high + 44.0).round());
     let keys = ["reproduced", "not reproduced", "undecided"].map(|verdict| {
@@ -90,7 +90,7 @@ fn draw(claims: &[ClaimRow]) -> Canvas {
         (LegendEntry::Marker(marker, colour, hollow), verdict)
     });
     legend(&mut canvas, [236.0, 18.0], PAGE_WIDTH, &keys);
-    let axis = Axis::exact("ours / paper", REACH[0], REACH[1], 4);
+    let axis = Axis::exact("ours / paper", RATIO_RANGE[0], RATIO_RANGE[1], 4);
     let rows = Axis::bare_to(claims.len() as f64);
     let panel =
         canvas.panel(Panel { corner: [236.0, top], size: [208.0, high], x: axis, y: rows, title: String::new() });
@@ -106,21 +106,23 @@ fn draw(claims: &[ClaimRow]) -> Canvas {
     let widest = claims.iter().map(|row| text_width(&claim_label(&row.claim), SMALL, false)).fold(148.0, f64::max);
     let size = SMALL * 148.0 / widest;
     for (index, row) in claims.iter().enumerate() {
-        let y = top + ROW * (index as f64 + 0.5);
+        let y = top + ROW_HEIGHT * (index as f64 + 0.5);
         claim(&mut canvas, &panel, row, y);
         let first = index == 0 || claims[index - 1].claim != row.claim;
-        let base = y + 0.36 * SMALL;
+        let base = y + HALF_CAP * SMALL;
         let shown = shown(row);
-        let ours = format!("{} {}", shown.ours, shown.interval.unwrap_or_default());
+        let ours_with_interval = format!("{} {}", shown.ours, shown.interval.unwrap_or_default());
         if first {
             canvas.text(Text::new(claim_label(&row.claim), [10.0, base], size, TextAlign::Left));
         }
         canvas.text(Text::new(training_short(&row.training), [228.0, base], 8.6, TextAlign::Right).colour(GREY));
         canvas.text(Text::new(shown.paper, [columns[0].0, base], SMALL, TextAlign::Left));
-        canvas.text(Text::new(ours, [columns[1].0, base], SMALL, TextAlign::Left).colour(look(&row.verdict).0));
+        canvas.text(
+            Text::new(ours_with_interval, [columns[1].0, base], SMALL, TextAlign::Left).colour(look(&row.verdict).0),
+        );
         canvas.text(Text::new(shown.unit, [columns[2].0, base], SMALL, TextAlign::Left));
         if first && index > 0 {
-            let edge = y - ROW / 2.0;
+            let edge = y - ROW_HEIGHT / 2.0;
             canvas.line(&[[10.0, edge], [PAGE_WIDTH - 10.0, edge]], HAIR, crate::report::style::GRID, &[]);
         }
     }
@@ -132,21 +134,21 @@ fn claim(canvas: &mut Canvas, panel: &Panel, row: &ClaimRow, y: f64) {
     let (colour, marker, hollow) = look(&row.verdict);
     let place = |value: f64| {
         let ratio = value / row.paper;
-        ratio.is_finite().then(|| [panel.at(ratio.clamp(REACH[0], REACH[1]), 0.0)[0], y])
+        ratio.is_finite().then(|| [panel.at(ratio.clamp(RATIO_RANGE[0], RATIO_RANGE[1]), 0.0)[0], y])
     };
     let Some(middle) = place(row.ours) else {
-        let words = if row.paper == 0.0 { "paper: 0, no ratio" } else { "no figure in the paper" };
+        let label = if row.paper == 0.0 { "paper: 0, no ratio" } else { "no figure in the paper" };
         let at = panel.at(0.08, 0.0)[0];
-        canvas.rectangle([at - 2.0, y - 6.0], [at + 2.0 + text_width(words, 8.6, false), y + 6.0], WHITE, 1.0);
-        canvas.text(Text::new(words, [at, y + 0.36 * SMALL], 8.6, TextAlign::Left).colour(GREY));
+        canvas.rectangle([at - 2.0, y - 6.0], [at + 2.0 + text_width(label, 8.6, false), y + 6.0], WHITE, 1.0);
+        canvas.text(Text::new(label, [at, y + HALF_CAP * SMALL], 8.6, TextAlign::Left).colour(GREY));
         return;
     };
     if let (Some(low), Some(high)) = (place(row.low_95), place(row.high_95)) {
         canvas.line(&[low, high], 1.8, colour, &[]);
     }
     let ratio = row.ours / row.paper;
-    if !(REACH[0]..=REACH[1]).contains(&ratio) {
-        let way = if ratio > REACH[1] { 1.0 } else { -1.0 };
+    if !(RATIO_RANGE[0]..=RATIO_RANGE[1]).contains(&ratio) {
+        let way = if ratio > RATIO_RANGE[1] { 1.0 } else { -1.0 };
         let tip = [middle[0] + 5.0 * way, y];
         canvas.area(vec![tip, [tip[0] - 9.0 * way, y - 4.5], [tip[0] - 9.0 * way, y + 4.5]], colour, 1.0);
         return;

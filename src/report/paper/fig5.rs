@@ -17,7 +17,7 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 /// Horizontal and vertical axis of each projection.
 const PROJECTIONS: [(usize, usize); 3] = [(2, 0), (2, 1), (1, 0)];
 /// Dots of each kind in a projection: more would only cover each other.
-const DOTS: usize = 1500;
+const MAX_DOTS: usize = 1500;
 const BINS: usize = 40;
 
 fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
@@ -60,27 +60,27 @@ fn summary(gaps: &[GapRow]) -> Vec<GapSummaryRow> {
 }
 
 fn draw(gaps: &[GapRow]) -> Canvas {
-    let stride = gaps.len().div_ceil(DOTS).max(1);
+    let stride = gaps.len().div_ceil(MAX_DOTS).max(1);
     let shown: Vec<&GapRow> = gaps.iter().step_by(stride).collect();
     let spans = spans_mm(gaps);
     let span = |axis: usize| spans[axis][1] - spans[axis][0];
     // One scale for all three projections, so that shapes are true and can be compared.
-    let free = PAGE_WIDTH - 3.0 * 56.0 - 12.0;
-    let scale = (free / PROJECTIONS.iter().map(|(across, _)| span(*across)).sum::<f64>()).min(260.0 / span(0));
+    let free_width = PAGE_WIDTH - 3.0 * 56.0 - 12.0;
+    let scale = (free_width / PROJECTIONS.iter().map(|(across, _)| span(*across)).sum::<f64>()).min(260.0 / span(0));
     let axes: Vec<Axis> = (0..3)
         .map(|axis| {
-            let wanted = (scale * span(axis) / 42.0).round().max(2.0) as usize;
-            Axis::exact(&format!("{} (mm)", AXES[axis]), spans[axis][0], spans[axis][1], wanted)
+            let ticks = (scale * span(axis) / 42.0).round().max(2.0) as usize;
+            Axis::exact(&format!("{} (mm)", AXES[axis]), spans[axis][0], spans[axis][1], ticks)
         })
         .collect();
     let top = 44.0;
     let high = scale * span(0);
     let mut canvas = Canvas::new(PAGE_WIDTH, (top + high + 234.0).round());
     let dots = format!("one sample in {stride} of {} is drawn", gaps.len());
-    let words = if stride == 1 { String::new() } else { dots };
+    let note = if stride == 1 { String::new() } else { dots };
     let keys = [(LegendEntry::Dot(BLUE), "simulated"), (LegendEntry::Dot(VERMILION), "real")];
     legend(&mut canvas, [56.0, 16.0], PAGE_WIDTH, &keys);
-    canvas.text(Text::new(words, [PAGE_WIDTH - 12.0, 16.0], SMALL, TextAlign::Right).colour(GREY));
+    canvas.text(Text::new(note, [PAGE_WIDTH - 12.0, 16.0], SMALL, TextAlign::Right).colour(GREY));
     let mut left = 56.0;
     for (index, (across, up)) in PROJECTIONS.into_iter().enumerate() {
         let panel = canvas.panel(Panel {
@@ -103,16 +103,17 @@ fn draw(gaps: &[GapRow]) -> Canvas {
 
 /// What each axis shows, millimetres; x and y alike, so that the projections stand side by side.
 fn spans_mm(gaps: &[GapRow]) -> [[f64; 2]; 3] {
-    let seen = |axis: usize| gaps.iter().flat_map(move |row| [1e3 * simulated(row)[axis], 1e3 * real(row)[axis]]);
+    let tips_mm = |axis: usize| gaps.iter().flat_map(move |row| [1e3 * simulated(row)[axis], 1e3 * real(row)[axis]]);
     let wide = |(low, high): (f64, f64)| [low - 0.04 * (high - low), high + 0.04 * (high - low)];
-    let across = wide(range(seen(0).chain(seen(1))));
-    [across, across, wide(range(seen(2)))]
+    let across = wide(range(tips_mm(0).chain(tips_mm(1))));
+    [across, across, wide(range(tips_mm(2)))]
 }
 
 /// Share of the samples by difference, one panel an axis, all to one scale.
 fn histograms(canvas: &mut Canvas, gaps: &[GapRow], top: f64) {
     let gaps_mm: Vec<Vec<f64>> =
         (0..3).map(|axis| differences_m(gaps, axis).iter().map(|gap| 1e3 * gap).collect()).collect();
+    // Single outliers do not stretch the scale: the outer bins take them.
     let (low, high) = range(gaps_mm.iter().flat_map(|gaps| [quantile(gaps, 0.001), quantile(gaps, 0.999)]));
     let largest = low.abs().max(high.abs());
     let x = Axis::covering("", [-largest, largest].into_iter(), 4);
@@ -136,12 +137,12 @@ fn histograms(canvas: &mut Canvas, gaps: &[GapRow], top: f64) {
         let centre = mean(&gaps_mm[axis]);
         panel.line(canvas, &[[centre, y.low], [centre, y.high]], VERMILION, DASHED, 1.3);
         let rms = root_mean_square(&gaps_mm[axis]);
-        let words = [format!("mean {} mm", signed(centre, 1)), format!("rms {rms:.1} mm")];
+        let labels = [format!("mean {} mm", signed(centre, 1)), format!("rms {rms:.1} mm")];
         // On the side where the mean is not.
         let (edge, align) = if centre > 0.0 { (2.0, TextAlign::Left) } else { (panel.size[0] - 2.0, TextAlign::Right) };
-        for (line, words) in words.into_iter().enumerate() {
+        for (line, label) in labels.into_iter().enumerate() {
             let at = [panel.corner[0] + edge, top + 10.0 + 13.0 * line as f64];
-            canvas.text(Text::new(words, at, SMALL, align));
+            canvas.text(Text::new(label, at, SMALL, align));
         }
     }
 }

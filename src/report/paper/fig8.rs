@@ -7,8 +7,8 @@ use crate::report::drawing::{Axis, Canvas, CanvasPoint, LegendEntry, Panel, Text
 use crate::report::order::trainings;
 use crate::report::page::markup::MarkdownTable;
 use crate::report::style::{
-    CLOUD, DASHED, GREY, HAIR, INK, Marker, PAGE_WIDTH, SMALL, SOLID, TEXT, heading, policies_in_order, policy_label,
-    policy_look, policy_markdown, training_short,
+    CLOUD, DASHED, GREY, HAIR, INK, LEFT_MARGIN, Marker, PAGE_WIDTH, SMALL, SOLID, TEXT, heading, policies_in_order,
+    policy_label, policy_look, policy_markdown, training_short,
 };
 use crate::report::{Artifact, Figure, Published, ReportError, csv, pictures, text};
 use crate::rows::experiment::{TrackRow, TrackSummaryRow};
@@ -18,11 +18,10 @@ pub(super) const FIGURE: Figure =
     Figure { name: "fig8", about: "Fig. 8: target path, tracked paths and tracking error over time", render };
 
 /// Points of the workspace drawn behind the path.
-const CLOUD_DOTS: usize = 2000;
-const LEFT: f64 = 56.0;
-const STRIP: f64 = 58.0;
+const MAX_CLOUD_DOTS: usize = 2000;
+const STRIP_HEIGHT: f64 = 58.0;
 /// From one small picture of a tracked path to the next, across and down.
-const PITCH: [f64; 2] = [184.0, 168.0];
+const PICTURE_PITCH: [f64; 2] = [184.0, 168.0];
 
 /// One policy's run.
 struct Run<'a> {
@@ -96,8 +95,8 @@ fn markdown(summary: &[TrackSummaryRow]) -> String {
 
 fn draw(published: &Published, summary: &[TrackSummaryRow], training: &str) -> Canvas {
     let runs = runs(&published.tracks, training);
-    let series_top = 74.0 + PITCH[1] * runs.len().div_ceil(2).max(2) as f64;
-    let high = series_top + (STRIP + 12.0) * runs.len() as f64 + 40.0;
+    let series_top = 74.0 + PICTURE_PITCH[1] * runs.len().div_ceil(2).max(2) as f64;
+    let high = series_top + (STRIP_HEIGHT + 12.0) * runs.len() as f64 + 40.0;
     let mut canvas = Canvas::new(PAGE_WIDTH, high.round());
     canvas.text(Text::new(heading(training), [PAGE_WIDTH - 12.0, 18.0], SMALL, TextAlign::Right).colour(GREY));
     target_path(&mut canvas, published, &runs);
@@ -123,10 +122,10 @@ fn path(published: &Published, runs: &[Run]) -> (Vec<Point3>, Vec<Point3>) {
 fn target_path(canvas: &mut Canvas, published: &Published, runs: &[Run]) {
     let (targets, waypoints) = path(published, runs);
     let seed = runs.first().map(|run| run.rows[0].seed);
-    let seen = published.workspace.iter().filter(|row| Some(row.seed) == seed);
-    let seen: Vec<Point3> = seen.map(|row| [row.x_m, row.y_m, row.z_m]).collect();
-    let stride = seen.len().div_ceil(CLOUD_DOTS).max(1);
-    let cloud: Vec<Point3> = seen.into_iter().step_by(stride).collect();
+    let workspace_m = published.workspace.iter().filter(|row| Some(row.seed) == seed);
+    let workspace_m: Vec<Point3> = workspace_m.map(|row| [row.x_m, row.y_m, row.z_m]).collect();
+    let stride = workspace_m.len().div_ceil(MAX_CLOUD_DOTS).max(1);
+    let cloud: Vec<Point3> = workspace_m.into_iter().step_by(stride).collect();
     let tips = runs.iter().flat_map(|run| run.rows.iter().map(|row| tip(row)));
     let (corner, size) = ([12.0, 52.0], [318.0, 274.0]);
     let everything = cloud.iter().chain(&targets).chain(&waypoints).copied().chain(tips);
@@ -158,11 +157,11 @@ fn target_path(canvas: &mut Canvas, published: &Published, runs: &[Run]) {
 fn tracked(canvas: &mut Canvas, runs: &[Run], series_top: f64) {
     let left = 346.0;
     canvas.text(Text::new("(b) tracked paths", [left, 20.0], TEXT, TextAlign::Left).bold());
-    let near = runs.iter().flat_map(|run| run.rows.iter().flat_map(|row| [target(row), tip(row)]));
+    let tracked_points = runs.iter().flat_map(|run| run.rows.iter().flat_map(|row| [target(row), tip(row)]));
     let size = [180.0, 150.0];
-    let close = View::of(near, [0.0, 0.0], size, 6.0);
+    let close = View::of(tracked_points, [0.0, 0.0], size, 6.0);
     for (index, run) in runs.iter().enumerate() {
-        let corner = [left + PITCH[0] * (index % 2) as f64, 52.0 + PITCH[1] * (index / 2) as f64];
+        let corner = [left + PICTURE_PITCH[0] * (index % 2) as f64, 52.0 + PICTURE_PITCH[1] * (index / 2) as f64];
         let view = close.moved(corner, size);
         let places =
             |points: fn(&TrackRow) -> Point3| run.rows.iter().map(|row| view.at(points(row))).collect::<Vec<_>>();
@@ -182,33 +181,33 @@ fn tracked(canvas: &mut Canvas, runs: &[Run], series_top: f64) {
 
 /// (c): error against time, one strip a policy, all to one scale.
 fn series(canvas: &mut Canvas, runs: &[Run], summary: &[TrackSummaryRow], top: f64) {
-    let title = Text::new("(c) tracking error over time", [LEFT - 44.0, top], TEXT, TextAlign::Left);
+    let title = Text::new("(c) tracking error over time", [LEFT_MARGIN - 44.0, top], TEXT, TextAlign::Left);
     canvas.text(title.bold());
     let keys =
         [(LegendEntry::Line(GREY, DASHED), "mean over the run"), (LegendEntry::Line(INK, SOLID), "end of the run")];
-    legend(canvas, [LEFT + 170.0, top], PAGE_WIDTH, &keys);
+    legend(canvas, [LEFT_MARGIN + 170.0, top], PAGE_WIDTH, &keys);
     let rows = || runs.iter().flat_map(|run| &run.rows);
     let x = Axis::covering("time (s)", rows().map(|row| row.sample.time_s).chain([0.0]), 8);
     let y = Axis::covering("", rows().map(|row| 1e3 * row.sample.error_m).chain([0.0]), 2);
     for (index, run) in runs.iter().enumerate() {
         let last = index + 1 == runs.len();
         let panel = canvas.panel(Panel {
-            corner: [LEFT, top + 12.0 + (STRIP + 12.0) * index as f64],
-            size: [PAGE_WIDTH - LEFT - 96.0, STRIP],
+            corner: [LEFT_MARGIN, top + 12.0 + (STRIP_HEIGHT + 12.0) * index as f64],
+            size: [PAGE_WIDTH - LEFT_MARGIN - 96.0, STRIP_HEIGHT],
             x: if last { x.clone() } else { x.bare() },
             y: y.clone(),
             title: String::new(),
         });
         strip(canvas, &panel, run, summary);
     }
-    let middle = top + 12.0 + (STRIP + 12.0) * runs.len() as f64 / 2.0;
-    canvas.text(Text::new("error (mm)", [LEFT - 34.0, middle], TEXT, TextAlign::Centre).upwards());
+    let middle = top + 12.0 + (STRIP_HEIGHT + 12.0) * runs.len() as f64 / 2.0;
+    canvas.text(Text::new("error (mm)", [LEFT_MARGIN - 34.0, middle], TEXT, TextAlign::Centre).upwards());
 }
 
 fn strip(canvas: &mut Canvas, panel: &Panel, run: &Run, summary: &[TrackSummaryRow]) {
     let look = policy_look(run.policy);
     let first = run.rows[0];
-    let same =
+    let is_run =
         |row: &&TrackSummaryRow| row.policy == first.policy && row.training == first.training && row.seed == first.seed;
     let points: Vec<[f64; 2]> = run.rows.iter().map(|row| [row.sample.time_s, 1e3 * row.sample.error_m]).collect();
     panel.line(canvas, &points, look.colour, SOLID, 1.1);
@@ -216,14 +215,14 @@ fn strip(canvas: &mut Canvas, panel: &Panel, run: &Run, summary: &[TrackSummaryR
     let line = |number: f64| panel.corner[1] + 12.0 + 14.0 * number;
     let name = Text::new(policy_label(run.policy), [right, line(0.0)], TEXT, TextAlign::Left);
     canvas.text(name.colour(look.colour).bold());
-    let Some(row) = summary.iter().find(same) else { return };
+    let Some(row) = summary.iter().find(is_run) else { return };
     let mean_mm = 1e3 * row.mean_error_m;
     panel.line(canvas, &[[panel.x.low, mean_mm], [panel.x.high, mean_mm]], GREY, DASHED, HAIR);
     let end = row.completion_time_s;
     panel.line(canvas, &[[end, panel.y.low], [end, panel.y.high]], INK, SOLID, HAIR);
     let end_words = if row.status.is_ok() { format!("{end:.0} s") } else { row.status.to_string() };
-    let words = [format!("mean {mean_mm:.1} mm"), format!("oscill. {:.1} mm", 1e3 * row.oscillation_m), end_words];
-    for (number, words) in words.into_iter().enumerate() {
-        canvas.text(Text::new(words, [right, line(number as f64 + 1.0)], SMALL, TextAlign::Left));
+    let labels = [format!("mean {mean_mm:.1} mm"), format!("oscill. {:.1} mm", 1e3 * row.oscillation_m), end_words];
+    for (number, label) in labels.into_iter().enumerate() {
+        canvas.text(Text::new(label, [right, line(number as f64 + 1.0)], SMALL, TextAlign::Left));
     }
 }

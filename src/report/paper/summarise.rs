@@ -23,9 +23,9 @@ pub(crate) fn trial_error(row: &TrialRow) -> SeedError {
 pub fn reach_summary(trials: &[TrialRow]) -> Vec<ReachSummaryRow> {
     let order = trainings(trials.iter().map(|row| row.training.as_str()));
     let sizes = |row: &TrialRow| {
-        let same =
+        let same_policy_and_mode =
             trials.iter().filter(|other| other.cell.policy == row.cell.policy && other.cell.mode == row.cell.mode);
-        same.map(|other| (other.cell.gp_points, other.cell.real_points)).collect::<BTreeSet<_>>().len()
+        same_policy_and_mode.map(|other| (other.cell.gp_points, other.cell.real_points)).collect::<BTreeSet<_>>().len()
     };
     let cells = summarise_cells(trials, |row| (rank(&order, &row.training), policy_first(&row.cell)), trial_error);
     cells.iter().map(|cell| reach_cell(cell, sizes(cell.rows[0]) == 1)).collect()

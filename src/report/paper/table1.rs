@@ -9,8 +9,8 @@ use crate::report::drawing::{Axis, Canvas, LegendEntry, Panel, Text, TextAlign, 
 use crate::report::order::trainings;
 use crate::report::page::markup::{MarkdownTable, latex};
 use crate::report::style::{
-    BLUE, Colour, GREEN, HAIR, INK, MARKER, Marker, ORANGE, PAGE_WIDTH, SMALL, policies_in_order, policy_label,
-    policy_latex, policy_markdown, training_label,
+    BLUE, Colour, GREEN, HAIR, HALF_CAP, INK, MARKER, Marker, ORANGE, PAGE_WIDTH, SMALL, policies_in_order,
+    policy_label, policy_latex, policy_markdown, training_label,
 };
 use crate::report::{Artifact, Figure, Published, ReportError, csv, text};
 use crate::rows::experiment::ReachSummaryRow;
@@ -107,14 +107,14 @@ fn decimals(value_m: f64) -> String {
 
 fn caption(summary: &[ReachSummaryRow]) -> String {
     let seeds = summary.iter().map(|row| row.seeds).max().unwrap_or(0);
-    let most = summary.iter().map(|row| row.trials).max().unwrap_or(0);
+    let max_trials = summary.iter().map(|row| row.trials).max().unwrap_or(0);
     let failed: u64 = summary.iter().map(|row| row.failed).sum();
     let times = if seeds == 1 { "once" } else { &format!("{seeds} times") };
     let failures =
         if failed == 0 { String::new() } else { format!("; {failed} trials gave no error and are left out") };
     format!(
         "Goal-reaching error in metres, mean(standard deviation over targets); the whole experiment, data and training \
-         included, was run {times}, {most} trials a cell{failures}."
+         included, was run {times}, {max_trials} trials a cell{failures}."
     )
 }
 
@@ -159,14 +159,14 @@ fn tex(summary: &[ReachSummaryRow], sources: &[Source], shown: &[&str]) -> Strin
 
 /// Room of the panels, hundredths of an inch: where the last one ends, between two, beside the names of the policies, and
 /// least for these.
-const RIGHT: f64 = 706.0;
-const BETWEEN: f64 = 30.0;
-const BESIDE_NAMES: f64 = 14.0;
-const LEAST_LEFT: f64 = 52.0;
+const PANELS_RIGHT: f64 = 706.0;
+const PANEL_GAP: f64 = 30.0;
+const NAME_GAP: f64 = 14.0;
+const MIN_LEFT_MARGIN: f64 = 52.0;
 
 fn draw(summary: &[ReachSummaryRow], sources: &[Source], shown: &[&str]) -> Canvas {
-    let row = 16.0 * sources.len() as f64 + 10.0;
-    let high = row * shown.len() as f64;
+    let policy_height = 16.0 * sources.len() as f64 + 10.0;
+    let high = policy_height * shown.len() as f64;
     let mut canvas = Canvas::new(PAGE_WIDTH, (high + 112.0).round());
     let keys: Vec<(LegendEntry, &str)> = sources
         .iter()
@@ -185,13 +185,13 @@ fn draw(summary: &[ReachSummaryRow], sources: &[Source], shown: &[&str]) -> Canv
     });
     let x = Axis::covering("goal-reaching error (mm)", ends.chain([0.0]), 4);
     let longest = shown.iter().map(|policy| text_width(policy_label(policy), SMALL, false)).fold(0.0, f64::max);
-    let left = (longest + BESIDE_NAMES).max(LEAST_LEFT);
-    let wide = (RIGHT - left - 2.0 * BETWEEN) / 3.0;
+    let left = (longest + NAME_GAP).max(MIN_LEFT_MARGIN);
+    let wide = (PANELS_RIGHT - left - 2.0 * PANEL_GAP) / 3.0;
     for (place, (mode, heading)) in MODES.iter().zip(HEADINGS).enumerate() {
         let names: Vec<String> = shown.iter().rev().map(|policy| policy_label(policy).to_owned()).collect();
         let named = Axis { low: -0.5, high: shown.len() as f64 - 0.5, ..Axis::categories("", &names) };
         let panel = canvas.panel(Panel {
-            corner: [left + (wide + BETWEEN) * place as f64, 54.0],
+            corner: [left + (wide + PANEL_GAP) * place as f64, 54.0],
             size: [wide, high],
             x: x.clone(),
             y: if place == 0 { named } else { named.bare() },
@@ -226,9 +226,9 @@ fn facet(
         for (line, source) in sources.iter().enumerate() {
             let y = middle + 16.0 * (line as f64 - (sources.len() - 1) as f64 / 2.0);
             let Some(entry) = entry(summary, source, policy, mode) else {
-                let word = printed(None, policy, mode);
+                let absent = printed(None, policy, mode);
                 let x = panel.corner[0] + 8.0;
-                canvas.text(Text::new(word, [x, y + 0.36 * SMALL], SMALL, TextAlign::Left).colour(source.colour));
+                canvas.text(Text::new(absent, [x, y + HALF_CAP * SMALL], SMALL, TextAlign::Left).colour(source.colour));
                 continue;
             };
             let place = |value_m: f64| [panel.at(1e3 * value_m, 0.0)[0], y];

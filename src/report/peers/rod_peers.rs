@@ -11,8 +11,8 @@ use crate::rows::experiment::PeerRow;
 pub(super) const FIGURE: Figure =
     Figure { name: "peers", about: "Processor time against tip error, beside other simulators", render };
 
-const PANEL_HIGH: f64 = 250.0;
-const LEFT: f64 = 58.0;
+const PANEL_HEIGHT: f64 = 250.0;
+const LEFT_MARGIN: f64 = 58.0;
 
 fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     let rows: Vec<&PeerRow> = published.peers.iter().filter(|row| drawable(row)).collect();
@@ -32,26 +32,27 @@ fn draw(rows: &[&PeerRow]) -> Canvas {
     let key = |peer| (LegendEntry::Plain(PEERS.look(peer)), PEERS.label(peer));
     let mut keys: Vec<_> = PEERS.sorted(rows.iter().map(|row| row.peer.as_str())).into_iter().map(key).collect();
     keys.push((LegendEntry::Line(GREY, DASHED), "real time"));
-    let below = legend(&mut canvas, [LEFT, 18.0], PAGE_WIDTH - 12.0, &keys);
+    let below = legend(&mut canvas, [LEFT_MARGIN, 18.0], PAGE_WIDTH - 12.0, &keys);
     let y =
         Axis::decades("processor time (ms per simulated s)", rows.iter().map(|row| 1e3 * row.cpu_s_per_s).chain([1e3]));
-    let wide = (PAGE_WIDTH - LEFT - 14.0) / robots.len() as f64;
+    let wide = (PAGE_WIDTH - LEFT_MARGIN - 14.0) / robots.len() as f64;
     for (index, robot) in robots.iter().enumerate() {
-        let own: Vec<&PeerRow> = rows.iter().copied().filter(|row| row.robot == *robot).collect();
-        let x = Axis::decades("rms error of the tip (mm)", own.iter().map(|row| 1e3 * row.rms_error_m));
+        let of_robot: Vec<&PeerRow> = rows.iter().copied().filter(|row| row.robot == *robot).collect();
+        let x = Axis::decades("rms error of the tip (mm)", of_robot.iter().map(|row| 1e3 * row.rms_error_m));
         let panel = canvas.panel(Panel {
-            corner: [LEFT + wide * index as f64, below + 34.0],
-            size: [wide - 30.0, PANEL_HIGH],
+            corner: [LEFT_MARGIN + wide * index as f64, below + 34.0],
+            size: [wide - 30.0, PANEL_HEIGHT],
             x,
             y: if index == 0 { y.clone() } else { y.bare() },
             title: format!("({}) {}", char::from(b'a' + (index % 26) as u8), ROBOTS.label(robot)),
         });
+        // Real time: 10³ ms of the processor for a second.
         panel.line(&mut canvas, &[[panel.x.low, 3.0], [panel.x.high, 3.0]], GREY, DASHED, HAIR);
-        curves(&mut canvas, &panel, &own);
+        curves(&mut canvas, &panel, &of_robot);
     }
     let note = "lower left is better; each line is one setting at different time steps, each simulator at several";
     canvas.text(
-        Text::new(note, [PAGE_WIDTH - 14.0, below + 34.0 + PANEL_HIGH + 44.0], SMALL, TextAlign::Right).colour(GREY),
+        Text::new(note, [PAGE_WIDTH - 14.0, below + 34.0 + PANEL_HEIGHT + 44.0], SMALL, TextAlign::Right).colour(GREY),
     );
     canvas
 }
@@ -59,11 +60,11 @@ fn draw(rows: &[&PeerRow]) -> Canvas {
 /// One line through the time steps of each setting; ours last, on top.
 fn curves(canvas: &mut Canvas, panel: &Panel, rows: &[&PeerRow]) {
     for peer in PEERS.sorted(rows.iter().map(|row| row.peer.as_str())).into_iter().rev() {
-        let own: Vec<&PeerRow> = rows.iter().copied().filter(|row| row.peer == peer).collect();
+        let of_peer: Vec<&PeerRow> = rows.iter().copied().filter(|row| row.peer == peer).collect();
         let kind = |row: &PeerRow| format!("{} {}", row.setting, row.segments_or_nodes);
-        let kinds: Vec<String> = own.iter().map(|row| kind(row)).collect();
+        let kinds: Vec<String> = of_peer.iter().map(|row| kind(row)).collect();
         for one in distinct(kinds.iter().map(String::as_str)) {
-            let mut line: Vec<&&PeerRow> = own.iter().filter(|row| kind(row) == one).collect();
+            let mut line: Vec<&&PeerRow> = of_peer.iter().filter(|row| kind(row) == one).collect();
             line.sort_by(|a, b| a.dt_s.total_cmp(&b.dt_s));
             let points: Vec<[f64; 2]> =
                 line.iter().map(|row| [(1e3 * row.rms_error_m).log10(), (1e3 * row.cpu_s_per_s).log10()]).collect();

@@ -13,8 +13,8 @@ pub(super) const FIGURE: Figure =
 /// Drawn systems and their names in the figure.
 const SYSTEMS: [(&str, &str); 2] =
     [("ideal cluster", "stages alone, best order"), ("workers", "workers: launches, locks, store")];
-const PANEL_HIGH: f64 = 230.0;
-const LEFT: f64 = 58.0;
+const PANEL_HEIGHT: f64 = 230.0;
+const LEFT_MARGIN: f64 = 58.0;
 
 fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     let drawn = |row: &&ScalingRow| SYSTEMS.iter().any(|(name, _)| *name == row.system) && row.wall_s > 0.0;
@@ -27,16 +27,16 @@ fn draw(rows: &[&ScalingRow]) -> Canvas {
     let mut canvas = Canvas::new(PAGE_WIDTH, 348.0);
     let keys: Vec<(LegendEntry, &str)> =
         SYSTEMS.iter().enumerate().map(|(index, (_, words))| (LegendEntry::Plain(LOOKS[index]), *words)).collect();
-    let below = legend(&mut canvas, [LEFT, 18.0], PAGE_WIDTH - 12.0, &keys);
-    let most = rows.iter().map(|row| row.workers as f64).fold(1.0, f64::max);
-    let nodes = Axis::decades("nodes of one processor", [1.0, most].into_iter());
+    let below = legend(&mut canvas, [LEFT_MARGIN, 18.0], PAGE_WIDTH - 12.0, &keys);
+    let max_workers = rows.iter().map(|row| row.workers as f64).fold(1.0, f64::max);
+    let nodes = Axis::decades("nodes of one processor", [1.0, max_workers].into_iter());
     let time = Axis::decades("time from begin to end (h)", rows.iter().map(|row| row.wall_s / 3600.0));
     let share = Axis::exact("share of the nodes’ time in stages (%)", 0.0, 100.0, 5);
-    let wide = (PAGE_WIDTH - LEFT - 14.0) / 2.0;
+    let wide = (PAGE_WIDTH - LEFT_MARGIN - 14.0) / 2.0;
     for (index, (title, y)) in [("(a) time", time), ("(b) efficiency", share)].into_iter().enumerate() {
         let panel = canvas.panel(Panel {
-            corner: [LEFT + (wide + 14.0) * index as f64, below + 34.0],
-            size: [wide - 44.0, PANEL_HIGH],
+            corner: [LEFT_MARGIN + (wide + 14.0) * index as f64, below + 34.0],
+            size: [wide - 44.0, PANEL_HEIGHT],
             x: nodes.clone(),
             y,
             title: title.to_owned(),
@@ -47,15 +47,15 @@ fn draw(rows: &[&ScalingRow]) -> Canvas {
         for (look, (system, _)) in LOOKS.iter().zip(SYSTEMS) {
             let value =
                 |row: &ScalingRow| if index == 0 { (row.wall_s / 3600.0).log10() } else { 100.0 * row.efficiency };
-            let own = rows.iter().filter(|row| row.system == system);
-            let points: Vec<[f64; 2]> = own.map(|row| [(row.workers as f64).log10(), value(row)]).collect();
+            let of_system = rows.iter().filter(|row| row.system == system);
+            let points: Vec<[f64; 2]> = of_system.map(|row| [(row.workers as f64).log10(), value(row)]).collect();
             panel.marked(&mut canvas, &points, *look, [LINE, MARKER]);
         }
     }
     let stages = rows.iter().map(|row| row.stages).max().unwrap_or(0);
     let note = format!("{stages} stages, their times recorded on one processor; dashed: 90 %");
     canvas.text(
-        Text::new(&note, [PAGE_WIDTH - 14.0, below + 34.0 + PANEL_HIGH + 44.0], SMALL, TextAlign::Right).colour(GREY),
+        Text::new(&note, [PAGE_WIDTH - 14.0, below + 34.0 + PANEL_HEIGHT + 44.0], SMALL, TextAlign::Right).colour(GREY),
     );
     canvas
 }

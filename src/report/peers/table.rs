@@ -12,23 +12,26 @@ const WANTED_MM: [f64; 4] = [10.0, 1.0, 0.1, 0.01];
 /// Tables in Markdown: for each robot and simulator the fastest setting within each error, and the static solves.
 pub(crate) fn markdown(rows: &[PeerRow]) -> String {
     let mut text = String::new();
-    moving(&mut text, rows);
-    still(&mut text, rows);
+    dynamic_runs(&mut text, rows);
+    static_solves(&mut text, rows);
     text
 }
 
-fn moving(text: &mut String, rows: &[PeerRow]) {
+fn dynamic_runs(text: &mut String, rows: &[PeerRow]) {
     let heads: Vec<String> = WANTED_MM.iter().map(|mm| format!("≤ {mm} mm")).collect();
     let _ = writeln!(text, "| Robot | Simulator | {} | smallest error |", heads.join(" | "));
     let _ = writeln!(text, "| --- | --- |{} ---: |", " ---: |".repeat(heads.len()));
     for robot in distinct(rows.iter().filter(|row| row.real_time_factor.is_finite()).map(|row| row.robot.as_str())) {
-        let own: Vec<&PeerRow> =
+        let of_robot: Vec<&PeerRow> =
             rows.iter().filter(|row| row.robot == robot && row.real_time_factor.is_finite()).collect();
-        for (place, peer) in PEERS.sorted(own.iter().map(|row| row.peer.as_str())).into_iter().enumerate() {
-            let its: Vec<&PeerRow> = own.iter().copied().filter(|row| row.peer == peer).collect();
-            let cells: Vec<String> = WANTED_MM.iter().map(|mm| fastest(&its, 1e-3 * mm)).collect();
-            let best =
-                its.iter().map(|row| row.rms_error_m).filter(|error| error.is_finite()).fold(f64::INFINITY, f64::min);
+        for (place, peer) in PEERS.sorted(of_robot.iter().map(|row| row.peer.as_str())).into_iter().enumerate() {
+            let of_peer: Vec<&PeerRow> = of_robot.iter().copied().filter(|row| row.peer == peer).collect();
+            let cells: Vec<String> = WANTED_MM.iter().map(|mm| fastest(&of_peer, 1e-3 * mm)).collect();
+            let best = of_peer
+                .iter()
+                .map(|row| row.rms_error_m)
+                .filter(|error| error.is_finite())
+                .fold(f64::INFINITY, f64::min);
             let robot = if place == 0 { ROBOTS.label(robot) } else { "" };
             let _ = writeln!(
                 text,
@@ -55,7 +58,7 @@ fn fastest(rows: &[&PeerRow], error_m: f64) -> String {
     })
 }
 
-fn still(text: &mut String, rows: &[PeerRow]) {
+fn static_solves(text: &mut String, rows: &[PeerRow]) {
     let solves: Vec<&PeerRow> =
         rows.iter().filter(|row| !row.dt_s.is_finite() && row.cpu_s_per_s.is_finite()).collect();
     if solves.is_empty() {

@@ -26,7 +26,8 @@ pub fn comparisons(fields: &[(String, Vec<String>)], points: &[SweptPoint]) -> V
             let mut first = point.values.clone();
             first[field] = 0;
             let (Some(reference), Some(label)) = (at.get(first.as_slice()), values.first()) else { continue };
-            rows.extend(pairs(point, reference).filter_map(|pair| Some((index, compared(pair, name, label)?))));
+            let row = |(cell, reference)| Some((index, compared(cell, reference, name, label)?));
+            rows.extend(pairs(point, reference).filter_map(row));
         }
     }
     correct(&mut rows);
@@ -40,16 +41,16 @@ fn pairs<'a>(point: &'a SweptPoint, reference: &'a SweptPoint) -> impl Iterator<
         let row = &cell.row;
         (row.task.clone(), row.training.clone(), row.cell.policy.clone(), row.cell.mode.clone())
     };
-    let mut theirs: HashMap<_, Vec<&SweepCell>> = HashMap::new();
+    let mut reference_cells: HashMap<_, Vec<&SweepCell>> = HashMap::new();
     for cell in reference.cells.iter().rev() {
-        theirs.entry(key(cell)).or_default().push(cell);
+        reference_cells.entry(key(cell)).or_default().push(cell);
     }
-    point.cells.iter().filter_map(move |cell| Some((cell, theirs.get_mut(&key(cell))?.pop()?)))
+    point.cells.iter().filter_map(move |cell| Some((cell, reference_cells.get_mut(&key(cell))?.pop()?)))
 }
 
-fn compared((cell, reference): (&SweepCell, &SweepCell), field: &str, label: &str) -> Option<ComparisonRow> {
-    let both = cell.seed_means_m.iter().filter_map(|(seed, ours)| Some(ours - reference.seed_means_m.get(seed)?));
-    let differences_m: Vec<f64> = both.collect();
+fn compared(cell: &SweepCell, reference: &SweepCell, field: &str, label: &str) -> Option<ComparisonRow> {
+    let paired = cell.seed_means_m.iter().filter_map(|(seed, ours)| Some(ours - reference.seed_means_m.get(seed)?));
+    let differences_m: Vec<f64> = paired.collect();
     let freedom = differences_m.len().checked_sub(1).filter(|&freedom| freedom > 0)? as f64;
     let [low_95_m, high_95_m] = interval_95(&differences_m)?;
     let difference_m = mean(&differences_m);

@@ -6,9 +6,9 @@ use crate::report::style::{SMALL, TEXT};
 use std::collections::{HashMap, HashSet};
 
 /// Ratio of largest to smallest value from which an axis is logarithmic.
-const WIDE: f64 = 20.0;
+const MIN_LOG_RATIO: f64 = 20.0;
 /// Up to this number, the values are the ticks.
-const OWN_TICKS: usize = 9;
+const MAX_VALUE_TICKS: usize = 9;
 
 /// Suffixes of names and their units.
 const UNITS: [(&str, &str); 12] = [
@@ -118,10 +118,10 @@ impl SweptAxis {
         let room = 0.05 * (high - low);
         let axis = Axis::exact(&label, low - room, high + room, (long / 45.0).clamp(3.0, 7.0) as usize);
         let axis = if self.millimetres { self.in_millimetres(axis) } else { axis };
-        let own = places.into_iter().zip(self.values.iter().map(|value| self.shown(value, long)));
-        let own: Vec<(f64, String)> = own.collect();
-        if self.values.len() <= OWN_TICKS && apart(&own, long / (axis.high - axis.low)) {
-            return Axis { ticks: own, ..axis };
+        let value_ticks = places.into_iter().zip(self.values.iter().map(|value| self.shown(value, long)));
+        let value_ticks: Vec<(f64, String)> = value_ticks.collect();
+        if self.values.len() <= MAX_VALUE_TICKS && apart(&value_ticks, long / (axis.high - axis.low)) {
+            return Axis { ticks: value_ticks, ..axis };
         }
         if self.axis_scale != AxisScale::Log {
             return axis;
@@ -143,8 +143,8 @@ impl SweptAxis {
 
 /// The stem of a field's name, and the unit that its suffix names.
 fn unit_of(name: &str) -> (&str, Option<&'static str>) {
-    let known = UNITS.iter().find_map(|(end, unit)| name.strip_suffix(end).map(|stem| (stem, Some(*unit))));
-    known.unwrap_or((name, None))
+    let with_unit = UNITS.iter().find_map(|(end, unit)| name.strip_suffix(end).map(|stem| (stem, Some(*unit))));
+    with_unit.unwrap_or((name, None))
 }
 
 fn number(cell: &str) -> Option<f64> {
@@ -159,7 +159,7 @@ fn axis_scale(numbers: &[f64]) -> AxisScale {
     }
     let ratio = numbers[1] / first;
     let constant = numbers.windows(2).all(|pair| (pair[1] / pair[0] / ratio - 1.0).abs() < 1e-3);
-    if constant || last / first >= WIDE { AxisScale::Log } else { AxisScale::Linear }
+    if constant || last / first >= MIN_LOG_RATIO { AxisScale::Log } else { AxisScale::Linear }
 }
 
 /// Whether labels at these positions do not overlap; `scale` in hundredths of an inch per unit.
@@ -182,11 +182,11 @@ fn decades(low: f64, high: f64) -> Vec<f64> {
 /// A number in plain notation, with a minus sign (U+2212).
 fn written(value: &str) -> String {
     let Some(number) = number(value) else { return value.to_owned() };
-    let plain = signed(number, 6);
-    let plain = if plain.contains('.') { plain.trim_end_matches('0').trim_end_matches('.') } else { &plain };
-    let exact = plain.replace('−', "-").parse::<f64>().is_ok_and(|read| (read / number - 1.0).abs() < 1e-6);
+    let decimal = signed(number, 6);
+    let decimal = if decimal.contains('.') { decimal.trim_end_matches('0').trim_end_matches('.') } else { &decimal };
+    let exact = decimal.replace('−', "-").parse::<f64>().is_ok_and(|read| (read / number - 1.0).abs() < 1e-6);
     if number == 0.0 || (exact && number.abs() < 1e6) {
-        plain.to_owned()
+        decimal.to_owned()
     } else {
         format!("{number:.3e}").replace('-', "−")
     }
@@ -198,9 +198,9 @@ fn shown(value: &str, room: f64) -> String {
         return text;
     }
     let mut letters: Vec<char> = text.rsplit('/').next().unwrap_or(&text).chars().collect();
-    let whole = letters.len();
+    let full_length = letters.len();
     while letters.len() > 1 {
-        let mark = if letters.len() < whole { "…" } else { "" };
+        let mark = if letters.len() < full_length { "…" } else { "" };
         let text: String = letters.iter().collect::<String>() + mark;
         if text_width(&text, SMALL, false) <= room {
             return text;

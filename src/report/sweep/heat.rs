@@ -6,26 +6,33 @@ use super::{SweepEntry, series_label, sized, training_heading};
 use crate::report::drawing::{Canvas, CanvasPoint, Text, TextAlign, text_width};
 use crate::report::order::{distinct, trainings};
 use crate::report::style::{
-    Colour, GREY, HAIR, INK, PAGE_WIDTH, SMALL, TALL, TEXT, WHITE, capitalised, heading, mode_title,
+    Colour, GREY, HAIR, HALF_CAP, INK, PAGE_WIDTH, SMALL, TALL, TEXT, WHITE, capitalised, heading, mode_title,
 };
 
 /// Light to dark, so that a grey print keeps the order; ColorBrewer's YlOrBr, safe for colour-blind readers.
 const SHADES: [Colour; 6] =
     [[255, 250, 232], [254, 227, 145], [254, 175, 67], [224, 106, 19], [153, 52, 4], [84, 20, 0]];
 /// Smallest width of a cell that holds a number.
-const LEAST_WIDE: f64 = 36.0;
-const CELL_HIGH: f64 = 22.0;
+const MIN_NUMBER_WIDTH: f64 = 36.0;
+const MAX_CELL_HEIGHT: f64 = 22.0;
 /// Largest height of a map.
-const MOST_HIGH: f64 = 300.0;
+const MAX_MAP_HEIGHT: f64 = 300.0;
 /// Least distance of two maps side by side: the width of a title.
-const TITLE: f64 = 150.0;
+const MIN_MAP_WIDTH: f64 = 150.0;
 /// Width for the name of a row.
-const NAME: f64 = 160.0;
+const NAME_WIDTH: f64 = 160.0;
 
 /// One map: its title and rows.
 struct HeatMap<'a> {
     title: String,
     entries: Vec<&'a SweepEntry<'a>>,
+}
+
+/// Smallest and largest value of a map, lightest and darkest.
+#[derive(Clone, Copy)]
+struct ColourScale {
+    low_mm: f64,
+    high_mm: f64,
 }
 
 /// Sizes of a map.
@@ -88,16 +95,18 @@ fn group(
 
 /// The maps of one kind of training, mode by mode.
 fn maps<'a>(entries: &[&'a SweepEntry<'a>], training: &str) -> Vec<HeatMap<'a>> {
-    let own: Vec<&'a SweepEntry<'a>> = entries.iter().copied().filter(|entry| entry.row.training == training).collect();
+    let of_training: Vec<&'a SweepEntry<'a>> =
+        entries.iter().copied().filter(|entry| entry.row.training == training).collect();
     let sized = sized(entries);
     let mut maps = Vec::new();
-    for mode in distinct(own.iter().map(|entry| entry.row.cell.mode.as_str())) {
-        let own: Vec<&'a SweepEntry<'a>> = own.iter().copied().filter(|entry| entry.row.cell.mode == mode).collect();
-        for name in distinct(own.iter().map(|entry| series_label(entry.row, sized))) {
-            let ours = own.iter().copied().filter(|entry| series_label(entry.row, sized) == name);
-            let words = mode_title(mode);
-            let title = if words.is_empty() { name.clone() } else { format!("{name}, {words}") };
-            maps.push(HeatMap { title, entries: ours.collect() });
+    for mode in distinct(of_training.iter().map(|entry| entry.row.cell.mode.as_str())) {
+        let of_mode: Vec<&'a SweepEntry<'a>> =
+            of_training.iter().copied().filter(|entry| entry.row.cell.mode == mode).collect();
+        for name in distinct(of_mode.iter().map(|entry| series_label(entry.row, sized))) {
+            let of_series = of_mode.iter().copied().filter(|entry| series_label(entry.row, sized) == name);
+            let mode_words = mode_title(mode);
+            let title = if mode_words.is_empty() { name.clone() } else { format!("{name}, {mode_words}") };
+            maps.push(HeatMap { title, entries: of_series.collect() });
         }
     }
     maps
@@ -112,7 +121,10 @@ fn paint(
     corner: CanvasPoint,
 ) {
     let means_mm = || map.entries.iter().map(|entry| 1e3 * entry.row.mean_m).filter(|value| value.is_finite());
-    let scale = (means_mm().fold(f64::INFINITY, f64::min), means_mm().fold(f64::NEG_INFINITY, f64::max));
+    let scale = ColourScale {
+        low_mm: means_mm().fold(f64::INFINITY, f64::min),
+        high_mm: means_mm().fold(f64::NEG_INFINITY, f64::max),
+    };
     let [wide, high] = layout.cell;
     let (width, height) = (wide * across.values.len() as f64, high * down.values.len() as f64);
     canvas.text(Text::new(&map.title, [corner[0], corner[1] - 6.0], TEXT, TextAlign::Left).bold());
@@ -124,15 +136,18 @@ fn paint(
         let value_mm = 1e3 * entry.row.mean_m;
         let (ground, ink) = shade(value_mm, scale);
         canvas.rectangle([x, y], [x + wide, y + high], ground, 1.0);
-        let words = if value_mm.is_finite() { digits(value_mm, scale) } else { "–".to_owned() };
-        if high >= SMALL + 2.0 && text_width(&words, SMALL, false) + 2.0 <= wide {
-            let middle = [x + 0.5 * wide, y + 0.5 * high + 0.36 * SMALL];
-            canvas.text(Text::new(words, middle, SMALL, TextAlign::Centre).colour(ink));
+        let label = if value_mm.is_finite() { digits(value_mm, scale) } else { "–".to_owned() };
+        if high >= SMALL + 2.0 && text_width(&label, SMALL, false) + 2.0 <= wide {
+            let middle = [x + 0.5 * wide, y + 0.5 * high + HALF_CAP * SMALL];
+            canvas.text(Text::new(label, middle, SMALL, TextAlign::Centre).colour(ink));
         }
     }
     // Names of columns, skipping those that would overlap.
-    let widest =
-        across.values.iter().map(|value| text_width(&across.shown(value, NAME), SMALL, false)).fold(0.0, f64::max);
+    let widest = across
+        .values
+        .iter()
+        .map(|value| text_width(&across.shown(value, NAME_WIDTH), SMALL, false))
+        .fold(0.0, f64::max);
     let every = if across.is_number() { ((widest + 5.0) / wide).ceil().max(1.0) as usize } else { 1 };
     for (column, value) in across.values.iter().enumerate().step_by(every) {
         let room = wide * every as f64 - 3.0;
@@ -156,8 +171,8 @@ fn rows(canvas: &mut Canvas, down: &SweptAxis, layout: &HeatMapLayout, corner: C
     let high = layout.cell[1];
     let every = ((SMALL + 2.0) / high).ceil().max(1.0) as usize;
     for (row, value) in down.values.iter().enumerate().step_by(every) {
-        let y = corner[1] + high * (row as f64 + 0.5) + 0.36 * SMALL;
-        canvas.text(Text::new(down.shown(value, NAME), [corner[0] - 5.0, y], SMALL, TextAlign::Right));
+        let y = corner[1] + high * (row as f64 + 0.5) + HALF_CAP * SMALL;
+        canvas.text(Text::new(down.shown(value, NAME_WIDTH), [corner[0] - 5.0, y], SMALL, TextAlign::Right));
     }
     let height = high * down.values.len() as f64;
     let beside = [corner[0] - layout.names + TEXT, corner[1] + 0.5 * height];
@@ -165,18 +180,18 @@ fn rows(canvas: &mut Canvas, down: &SweptAxis, layout: &HeatMapLayout, corner: C
 }
 
 /// A number with three significant digits of the scale's larger end.
-fn digits(value: f64, (low, high): (f64, f64)) -> String {
-    let largest = low.abs().max(high.abs()).max(1e-12);
+fn digits(value_mm: f64, scale: ColourScale) -> String {
+    let largest = scale.low_mm.abs().max(scale.high_mm.abs()).max(1e-12);
     let places = (2.0 - largest.log10().floor()).clamp(0.0, 4.0) as usize;
-    if value.is_finite() { format!("{value:.places$}") } else { "–".to_owned() }
+    if value_mm.is_finite() { format!("{value_mm:.places$}") } else { "–".to_owned() }
 }
 
 /// Colour of a cell and of its number.
-fn shade(value: f64, (low, high): (f64, f64)) -> (Colour, Colour) {
-    if !value.is_finite() {
+fn shade(value_mm: f64, ColourScale { low_mm, high_mm }: ColourScale) -> (Colour, Colour) {
+    if !value_mm.is_finite() {
         return (WHITE, GREY);
     }
-    let share = if high > low { (value - low) / (high - low) } else { 0.0 };
+    let share = if high_mm > low_mm { (value_mm - low_mm) / (high_mm - low_mm) } else { 0.0 };
     let place = share.clamp(0.0, 1.0) * (SHADES.len() - 1) as f64;
     let first = (place.floor() as usize).min(SHADES.len() - 2);
     let part = place - first as f64;
@@ -203,16 +218,20 @@ fn contrast(one: Colour, other: Colour) -> f64 {
 
 impl HeatMapLayout {
     fn new(down: &SweptAxis, across: &SweptAxis) -> HeatMapLayout {
-        let widest =
-            down.values.iter().map(|value| text_width(&down.shown(value, NAME), SMALL, false)).fold(0.0, f64::max);
+        let widest = down
+            .values
+            .iter()
+            .map(|value| text_width(&down.shown(value, NAME_WIDTH), SMALL, false))
+            .fold(0.0, f64::max);
         let names = widest + TEXT + 14.0;
-        let wanted = across.values.iter().map(|value| text_width(&across.shown(value, NAME), SMALL, false) + 8.0);
-        let wanted = wanted.fold(LEAST_WIDE, f64::max);
-        let free = PAGE_WIDTH - 24.0 - names;
-        let wide = wanted.min(free / across.values.len() as f64);
-        let high = CELL_HIGH.min(MOST_HIGH / down.values.len() as f64);
+        let label_width =
+            across.values.iter().map(|value| text_width(&across.shown(value, NAME_WIDTH), SMALL, false) + 8.0);
+        let label_width = label_width.fold(MIN_NUMBER_WIDTH, f64::max);
+        let free_width = PAGE_WIDTH - 24.0 - names;
+        let wide = label_width.min(free_width / across.values.len() as f64);
+        let high = MAX_CELL_HEIGHT.min(MAX_MAP_HEIGHT / down.values.len() as f64);
         // Wide enough for a title such as "Gaussian process, closed loop with load", which may be longer than a map.
-        let map = (wide * across.values.len() as f64).max(TITLE) + 18.0;
+        let map = (wide * across.values.len() as f64).max(MIN_MAP_WIDTH) + 18.0;
         let columns = (((PAGE_WIDTH - 12.0 - names) / map).floor() as usize).max(1);
         HeatMapLayout { names, cell: [wide, high], columns, pitch: [map, high * down.values.len() as f64 + 64.0] }
     }
@@ -224,14 +243,15 @@ mod tests {
 
     #[test]
     fn shades_grow_darker_and_numbers_on_them_are_read() {
-        let shades: Vec<(Colour, Colour)> = (0..=100).map(|step| shade(f64::from(step), (0.0, 100.0))).collect();
+        let scale = |low_mm, high_mm| ColourScale { low_mm, high_mm };
+        let shades: Vec<(Colour, Colour)> = (0..=100).map(|step| shade(f64::from(step), scale(0.0, 100.0))).collect();
         assert!(shades.windows(2).all(|pair| contrast(pair[0].0, WHITE) < contrast(pair[1].0, WHITE)));
         // On a ground halfway between white and ink neither stands out by more than the root of their own contrast.
-        let least = contrast(WHITE, INK).sqrt() * 0.99;
+        let min_contrast = contrast(WHITE, INK).sqrt() * 0.99;
         for (ground, ink) in shades {
-            assert!(contrast(ground, ink) > least, "{ground:?}");
+            assert!(contrast(ground, ink) > min_contrast, "{ground:?}");
         }
-        assert_eq!(shade(f64::NAN, (0.0, 1.0)), (WHITE, GREY));
-        assert_eq!(shade(2.0, (2.0, 2.0)).0, SHADES[0]);
+        assert_eq!(shade(f64::NAN, scale(0.0, 1.0)), (WHITE, GREY));
+        assert_eq!(shade(2.0, scale(2.0, 2.0)).0, SHADES[0]);
     }
 }

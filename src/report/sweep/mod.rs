@@ -46,14 +46,14 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
         swept.rows.iter().enumerate().map(|(index, row)| SweepEntry { at: at(index), row }).collect();
     let mut files = Vec::new();
     for (task, measure) in TASKS {
-        let own: Vec<&SweepEntry> = entries.iter().filter(|entry| entry.row.task == task).collect();
-        if own.is_empty() {
+        let of_task: Vec<&SweepEntry> = entries.iter().filter(|entry| entry.row.task == task).collect();
+        if of_task.is_empty() {
             continue;
         }
         let canvas: Canvas = match fields.as_slice() {
-            [first, second] => heat::draw(&[(String::new(), own)], [first, second], measure),
-            [third, first, second] => heat::draw(&blocks(third, &own), [first, second], measure),
-            [first, ..] => lines::draw(&own, first, measure),
+            [first, second] => heat::draw(&[(String::new(), of_task)], [first, second], measure),
+            [third, first, second] => heat::draw(&blocks(third, &of_task), [first, second], measure),
+            [first, ..] => lines::draw(&of_task, first, measure),
             [] => continue,
         };
         let stem = if files.is_empty() { FIGURE.name.to_owned() } else { format!("{}_{task}", FIGURE.name) };
@@ -66,8 +66,8 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
 /// The rows of each value of the first field, with a heading.
 fn blocks<'a>(field: &SweptAxis, entries: &[&'a SweepEntry<'a>]) -> Vec<(String, Vec<&'a SweepEntry<'a>>)> {
     let block = |value: &String| {
-        let own = entries.iter().copied().filter(|entry| entry.at.first() == Some(&value.as_str()));
-        (format!("{} = {}", field.label(PAGE_WIDTH), field.shown(value, PAGE_WIDTH)), own.collect())
+        let of_value = entries.iter().copied().filter(|entry| entry.at.first() == Some(&value.as_str()));
+        (format!("{} = {}", field.label(PAGE_WIDTH), field.shown(value, PAGE_WIDTH)), of_value.collect())
     };
     field.values.iter().map(block).collect()
 }

@@ -68,9 +68,9 @@ fn swept(training: &str, cell: CellLabel, error: SeedError) -> SweptError<'_> {
 }
 
 fn summarised(task: &str, errors: Vec<SweptError>) -> Vec<SweepCell> {
-    let order = trainings(errors.iter().map(|one| one.training));
-    let key = |one: &SweptError| rank(&order, one.training);
-    let cells = summarise_cells(&errors, |one| (key(one), policy_first(&one.cell)), |one| one.error);
+    let order = trainings(errors.iter().map(|swept| swept.training));
+    let key = |swept: &SweptError| rank(&order, swept.training);
+    let cells = summarise_cells(&errors, |swept| (key(swept), policy_first(&swept.cell)), |swept| swept.error);
     let row = |cell: &CellErrors<SweptError>| {
         let seed_means_m = cell.seed_means_m();
         let means: Vec<f64> = seed_means_m.values().copied().collect();

@@ -166,7 +166,7 @@ impl SimulatedController {
         if needs_reset {
             return Err(79);
         }
-        if table::bits(&self.settings, 22) & 5 == 5 && !self.homed {
+        if table::homing_required(&self.settings) && !self.homed {
             return Err(46);
         }
         self.activity = Activity::Ready;

@@ -25,13 +25,13 @@ use report::ReportState;
 use table::Settings;
 
 /// Capacity of the motion queue.
-const BLOCKS: usize = 100;
+const MAX_QUEUED_MOVES: usize = 100;
 /// Longest accepted line, bytes.
-const LONGEST_LINE: usize = 256;
+const MAX_LINE_BYTES: usize = 256;
 /// Capacity of the log of received input.
 const MAX_RECEIVED: usize = 1000;
 /// Time step of the simulation, s.
-const LOOK_S: f64 = 0.01;
+const STEP_S: f64 = 0.01;
 /// End stops lie this far beyond the switches and the travel, mm.
 const END_STOP_MM: f64 = 2.0;
 
@@ -202,10 +202,10 @@ impl SimulatedController {
     }
 
     fn advance_motion(&mut self, duration_s: f64) {
-        let mut left_s = duration_s;
-        while left_s > 0.0 {
-            let part_s = left_s.min(LOOK_S);
-            left_s -= part_s;
+        let mut remaining_s = duration_s;
+        while remaining_s > 0.0 {
+            let part_s = remaining_s.min(STEP_S);
+            remaining_s -= part_s;
             self.now_s += part_s;
             match self.activity {
                 _ if self.injected.has(&ControllerFault::Frozen) => {}
@@ -254,7 +254,7 @@ impl SimulatedController {
             return;
         }
         let bytes = std::mem::take(&mut self.partial_line);
-        let too_long = bytes.len() > LONGEST_LINE;
+        let too_long = bytes.len() > MAX_LINE_BYTES;
         let line = String::from_utf8_lossy(&bytes).trim().to_owned();
         self.log_received(line.clone());
         self.lines.push_back(if too_long { Err(11) } else { Ok(line) });
@@ -264,7 +264,7 @@ impl SimulatedController {
 
     /// Executes lines until the state requires to wait.
     fn execute_lines(&mut self) {
-        while !matches!(self.activity, Activity::Homing(_)) && self.axes.queued() < BLOCKS && !self.flushing {
+        while !matches!(self.activity, Activity::Homing(_)) && self.axes.queued() < MAX_QUEUED_MOVES && !self.flushing {
             let Some(line) = self.lines.pop_front() else { return };
             self.execute_line(line);
         }
@@ -276,8 +276,8 @@ impl SimulatedController {
 
     /// Queues a reply `wait_s` later than usual.
     fn reply_after(&mut self, wait_s: f64, text: &str) {
-        let [least_s, most_s] = self.delay_s;
-        let delay_s = if most_s > least_s { self.random.random_range(least_s..most_s) } else { least_s };
+        let [min_s, max_s] = self.delay_s;
+        let delay_s = if max_s > min_s { self.random.random_range(min_s..max_s) } else { min_s };
         let due_s = self.now_s + wait_s + delay_s + self.injected.slow_s;
         // Replies keep their order.
         let due_s = self.replies.back().map_or(due_s, |(last_s, _)| last_s.max(due_s));

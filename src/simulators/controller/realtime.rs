@@ -39,7 +39,7 @@ impl SimulatedController {
             return;
         }
         if let Activity::Homing(homing) = &mut self.activity {
-            homing.asked = true;
+            homing.query_pending = true;
         } else {
             self.report();
         }
@@ -88,6 +88,7 @@ impl SimulatedController {
     /// The effect of Ctrl-X.
     fn reset(&mut self) {
         let moving = matches!(self.activity, Activity::Ready | Activity::Holding) && self.axes.speed_mm_min() > 0.0;
+        // A reset while homing (6) or in motion (3) loses the position.
         let before = match self.activity {
             Activity::Homing(_) => Some(6),
             _ if moving => Some(3),
@@ -117,7 +118,7 @@ impl SimulatedController {
         self.modes = ModalState::default();
         self.reporting.start_over();
         self.reply_after(wait_s, if self.plain { PLAIN_GREETING } else { GREETING });
-        let homing_required = table::bits(&self.settings, 22) & 5 == 5 && !self.homed;
+        let homing_required = table::homing_required(&self.settings) && !self.homed;
         if homing_required {
             if alarm != Some(HOMING_REQUIRED) {
                 self.reply(&format!("ALARM:{HOMING_REQUIRED}"));

@@ -1,6 +1,6 @@
 //! Reports of the simulated controller.
 
-use super::{Activity, BLOCKS, ControllerFault, SimulatedController, table};
+use super::{Activity, ControllerFault, MAX_QUEUED_MOVES, SimulatedController, table};
 use crate::hardware::grbl::AXIS_NAMES;
 
 /// Reports between two that carry the work offset.
@@ -59,7 +59,7 @@ impl SimulatedController {
             let steps_per_mm = steps_per_mm[axis].max(1.0);
             (counted_mm[axis] * steps_per_mm).round() / steps_per_mm
         });
-        let (free, room) = (BLOCKS - self.axes.queued().min(BLOCKS), 1023);
+        let (free, room) = (MAX_QUEUED_MOVES - self.axes.queued().min(MAX_QUEUED_MOVES), 1023);
         let feed = self.axes.speed_mm_min().round();
         if self.plain {
             return self.plain_status(&position_mm, feed);
@@ -79,7 +79,7 @@ impl SimulatedController {
     fn plain_status(&mut self, position_mm: &[f64; 4], feed: f64) -> String {
         let mut text = format!("<{}|FS:{feed},0|MPos:{}", self.mode(), format_axes(position_mm));
         if table::bits(&self.settings, 10) & 2 != 0 {
-            text.push_str(&format!("|Bf:{},128", BLOCKS - self.axes.queued().min(BLOCKS)));
+            text.push_str(&format!("|Bf:{},128", MAX_QUEUED_MOVES - self.axes.queued().min(MAX_QUEUED_MOVES)));
         }
         match self.reporting.count % OFFSET_EVERY {
             0 => text.push_str(&format!("|WCO:{}", format_axes(&self.offset_mm))),

@@ -48,6 +48,11 @@ pub(crate) fn bits(settings: &Settings, number: u16) -> u32 {
     value(settings, number) as u32
 }
 
+/// Whether `$22` turns homing on (1) and requires it after a start (4).
+pub(crate) fn homing_required(settings: &Settings) -> bool {
+    bits(settings, 22) & 5 == 5
+}
+
 /// The values of all four axes.
 pub(crate) fn of_axes(settings: &Settings, first: u16) -> [f64; 4] {
     [0, 1, 2, 3].map(|axis| value(settings, first + axis))

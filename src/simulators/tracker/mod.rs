@@ -252,8 +252,10 @@ impl SimulatedTracker {
     }
 
     fn deliver(&mut self, time_s: f64, frame: FrameOfData) {
-        if let Some(most_s) = self.amount(|fault| if let TrackerFault::Jitter(s) = fault { Some(*s) } else { None }) {
-            let due_s = time_s + most_s * self.rng.random::<f64>();
+        if let Some(max_delay_s) =
+            self.amount(|fault| if let TrackerFault::Jitter(s) = fault { Some(*s) } else { None })
+        {
+            let due_s = time_s + max_delay_s * self.rng.random::<f64>();
             let place = self.late.partition_point(|(earlier_s, _)| *earlier_s <= due_s);
             self.late.insert(place, (due_s, frame));
             return;

@@ -108,8 +108,8 @@ impl NatNetServer {
 
     /// Adds a unicast client, with the version that it requests.
     fn add_client(&mut self, payload: &[u8], address: SocketAddr, heard_s: f64) {
-        let asked = ConnectOptions::parse(payload).and_then(|options| options.bitstream_version);
-        let version = asked.filter(|version| version.validate().is_ok()).unwrap_or(self.version);
+        let requested = ConnectOptions::parse(payload).and_then(|options| options.bitstream_version);
+        let version = requested.filter(|version| version.validate().is_ok()).unwrap_or(self.version);
         self.clients.retain(|client| client.address != address);
         if self.clients.len() < MAX_CLIENTS {
             self.clients.push(NatNetClient { address, version, heard_s });

@@ -102,6 +102,6 @@ fn whole(text: &str) -> Result<u16, String> {
 }
 
 fn axis(name: &str) -> Result<usize, String> {
-    let found = AXIS_NAMES.iter().position(|axis| name.eq_ignore_ascii_case(&axis.to_string()));
-    found.ok_or_else(|| format!("found `{name}`, expected X, Y, Z or A"))
+    let index = AXIS_NAMES.iter().position(|axis| name.eq_ignore_ascii_case(&axis.to_string()));
+    index.ok_or_else(|| format!("found `{name}`, expected X, Y, Z or A"))
 }

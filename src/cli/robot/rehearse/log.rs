@@ -7,7 +7,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Time without motion after which the screws stand, s.
-const STAND_S: f64 = 0.05;
+const STANDSTILL_S: f64 = 0.05;
 
 /// A log on standard output and, in full detail, in a file with the columns `time_s,what,x_mm,y_mm,z_mm,a_mm` (screw
 /// positions).
@@ -44,7 +44,7 @@ impl SimulatorLog {
             }
             self.write(now_s, &format!("heard {heard}"), simulator)?;
         }
-        let moving = simulator.moved_s() > 0.0 && now_s - simulator.moved_s() < STAND_S;
+        let moving = simulator.moved_s() > 0.0 && now_s - simulator.moved_s() < STANDSTILL_S;
         if moving != self.moving {
             self.moving = moving;
             self.write(now_s, if moving { "moves" } else { "stands" }, simulator)?;

@@ -31,8 +31,8 @@ pub(super) fn markdown(tasks: &[TaskRows]) -> String {
     let mut text = String::from("| To reach | Wanted | Found | |\n| --- | ---: | ---: | --- |\n");
     for (kind, size, goal) in GOALS {
         let Some(task) = tasks.iter().find(|task| task.task == kind && task.size == size) else { continue };
-        let [what, wanted, found, word] = goal.cells(task);
-        let _ = writeln!(text, "| {}: {what} | {wanted} | {found} | {word} |", title(task));
+        let [what, wanted, measured, word] = goal.cells(task);
+        let _ = writeln!(text, "| {}: {what} | {wanted} | {measured} | {word} |", title(task));
     }
     text
 }
@@ -40,27 +40,27 @@ pub(super) fn markdown(tasks: &[TaskRows]) -> String {
 impl Goal {
     /// What is compared, the wanted and the found figure, whether it is reached.
     fn cells(&self, task: &TaskRows) -> [String; 4] {
-        let (who, found, least) = match *self {
-            Goal::Over(peer, least) => (PACKAGES.label(peer), task.ratio(peer), least),
-            Goal::OverBest(least) => ("the fastest other", task.ratio_of_best(), least),
-            Goal::Within(most_s) => {
-                let (found, most) = (task.cpu_s(OURS), format!("≤ {} µs", 1e6 * most_s));
-                let word = least_word(found.map(Averaged::inverse), 1.0 / most_s).to_owned();
-                let found = found.map_or("–".to_owned(), |found| time(found.mean));
-                return ["ours".to_owned(), most, found, word];
+        let (package, measured, wanted) = match *self {
+            Goal::Over(peer, wanted) => (PACKAGES.label(peer), task.ratio(peer), wanted),
+            Goal::OverBest(wanted) => ("the fastest other", task.ratio_of_best(), wanted),
+            Goal::Within(limit_s) => {
+                let (measured, limit) = (task.cpu_s(OURS), format!("≤ {} µs", 1e6 * limit_s));
+                let verdict = goal_verdict(measured.map(Averaged::inverse), 1.0 / limit_s).to_owned();
+                let measured = measured.map_or("–".to_owned(), |measured| time(measured.mean));
+                return ["ours".to_owned(), limit, measured, verdict];
             }
         };
-        let word = least_word(found, least).to_owned();
-        let found = found.map_or("–".to_owned(), with_interval);
-        [format!("{who} over ours"), format!("≥ {least}"), found, word]
+        let verdict = goal_verdict(measured, wanted).to_owned();
+        let measured = measured.map_or("–".to_owned(), with_interval);
+        [format!("{package} over ours"), format!("≥ {wanted}"), measured, verdict]
     }
 }
 
 /// Whether a number is at least the wanted one.
-fn least_word(found: Option<Averaged>, least: f64) -> &'static str {
-    let Some(found) = found else { return "not measured" };
-    let [low, high] = found.interval.unwrap_or([found.mean; 2]);
-    match (low >= least, high < least) {
+fn goal_verdict(measured: Option<Averaged>, wanted: f64) -> &'static str {
+    let Some(measured) = measured else { return "not measured" };
+    let [low, high] = measured.interval.unwrap_or([measured.mean; 2]);
+    match (low >= wanted, high < wanted) {
         (true, _) => "reached",
         (_, true) => "**not reached**",
         _ => "undecided",
@@ -73,10 +73,10 @@ mod tests {
 
     #[test]
     fn a_figure_is_reached_when_its_whole_interval_is() {
-        let found = |low, high| Some(Averaged { mean: 0.5 * (low + high), interval: Some([low, high]) });
-        assert_eq!(least_word(found(5.0, 6.0), 5.0), "reached");
-        assert_eq!(least_word(found(4.0, 6.0), 5.0), "undecided");
-        assert_eq!(least_word(found(4.0, 4.9), 5.0), "**not reached**");
-        assert_eq!(least_word(None, 5.0), "not measured");
+        let measured = |low, high| Some(Averaged { mean: 0.5 * (low + high), interval: Some([low, high]) });
+        assert_eq!(goal_verdict(measured(5.0, 6.0), 5.0), "reached");
+        assert_eq!(goal_verdict(measured(4.0, 6.0), 5.0), "undecided");
+        assert_eq!(goal_verdict(measured(4.0, 4.9), 5.0), "**not reached**");
+        assert_eq!(goal_verdict(None, 5.0), "not measured");
     }
 }

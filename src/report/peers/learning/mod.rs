@@ -19,17 +19,27 @@ pub(super) const FIGURE: Figure = Figure {
 };
 
 /// Tasks of the lower panels, over the number of samples.
-const CURVES: [(&str, &str, f64); 3] = [
-    ("fit", "(b) fit (s)", 1.0),
-    ("predict_one", "(c) 1 prediction (µs)", 1e6),
-    ("predict_many", "(d) 10,000 predictions (s)", 1.0),
+const CURVES: [TaskCurves; 3] = [
+    TaskCurves { task: "fit", title: "(b) fit (s)", units_per_s: 1.0 },
+    TaskCurves { task: "predict_one", title: "(c) 1 prediction (µs)", units_per_s: 1e6 },
+    TaskCurves { task: "predict_many", title: "(d) 10,000 predictions (s)", units_per_s: 1.0 },
 ];
+
+/// A lower panel: its task, title and unit of time.
+struct TaskCurves {
+    task: &'static str,
+    title: &'static str,
+    units_per_s: f64,
+}
+
 /// Room for the names of tasks.
-const NAMES: f64 = 186.0;
-const LEFT: f64 = 46.0;
+const NAMES_WIDTH: f64 = 186.0;
+const LEFT_MARGIN: f64 = 46.0;
 /// Height of a task, and of the lower panels.
-const TASK_HIGH: f64 = 25.0;
-const CURVES_HIGH: f64 = 150.0;
+const TASK_HEIGHT: f64 = 25.0;
+const CURVES_HEIGHT: f64 = 150.0;
+/// From one lower panel to the next.
+const CURVES_PITCH: f64 = (PAGE_WIDTH - 14.0) / CURVES.len() as f64;
 
 fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     let tasks = TaskRows::all(&published.learning_peers);
@@ -45,20 +55,19 @@ fn wanted(task: &TaskRows) -> bool {
 
 fn draw(tasks: &[TaskRows], peers: &[&str]) -> Canvas {
     let shown: Vec<TaskRows> = tasks.iter().copied().filter(wanted).collect();
-    let high = TASK_HIGH * shown.len().max(1) as f64;
+    let high = TASK_HEIGHT * shown.len().max(1) as f64;
     let keys: Vec<(LegendEntry, &str)> =
         peers.iter().map(|peer| (LegendEntry::Plain(PACKAGES.look(peer)), PACKAGES.label(peer))).collect();
-    let mut canvas = Canvas::new(PAGE_WIDTH, high + CURVES_HIGH + 190.0);
-    let below = legend(&mut canvas, [LEFT, 18.0], PAGE_WIDTH - 12.0, &keys);
-    ratio_panel(&mut canvas, &shown, peers, [NAMES, below + 34.0], high);
+    let mut canvas = Canvas::new(PAGE_WIDTH, high + CURVES_HEIGHT + 190.0);
+    let below = legend(&mut canvas, [LEFT_MARGIN, 18.0], PAGE_WIDTH - 12.0, &keys);
+    ratio_panel(&mut canvas, &shown, peers, [NAMES_WIDTH, below + 34.0], high);
     let top = below + 34.0 + high + 76.0;
     let sizes =
-        tasks.iter().filter(|task| CURVES.iter().any(|(name, ..)| *name == task.task)).map(|task| task.size as f64);
+        tasks.iter().filter(|task| CURVES.iter().any(|curves| curves.task == task.task)).map(|task| task.size as f64);
     let x = Axis::decades("samples N", sizes);
-    let wide = (PAGE_WIDTH - 14.0) / CURVES.len() as f64;
-    for (index, curve) in CURVES.iter().enumerate() {
-        let corner = [LEFT + wide * index as f64, top];
-        curve_panel(&mut canvas, tasks, peers, *curve, (corner, [wide - LEFT - 8.0, CURVES_HIGH], x.clone()));
+    for (index, curves) in CURVES.iter().enumerate() {
+        let corner = [LEFT_MARGIN + CURVES_PITCH * index as f64, top];
+        curves.draw(&mut canvas, tasks, peers, corner, &x);
     }
     canvas
 }
@@ -100,27 +109,25 @@ fn ratio_panel(canvas: &mut Canvas, tasks: &[TaskRows], peers: &[&str], corner: 
     }
 }
 
-/// Times over the number of samples.
-fn curve_panel(
-    canvas: &mut Canvas,
-    tasks: &[TaskRows],
-    peers: &[&str],
-    (kind, words, unit): (&str, &str, f64),
-    (corner, size, x): ([f64; 2], [f64; 2], Axis),
-) {
-    let own: Vec<&TaskRows> = tasks.iter().filter(|task| task.task == kind).collect();
-    let line = |peer: &str| -> Vec<[f64; 2]> {
-        let point = |task: &&TaskRows| Some([task.size as f64, unit * task.cpu_s(peer)?.mean]);
-        own.iter().filter_map(point).collect()
-    };
-    let times = peers.iter().flat_map(|peer| line(peer)).map(|[_, time]| time);
-    let panel = canvas.panel(Panel { corner, size, x, y: Axis::decades("", times), title: words.to_owned() });
-    for peer in peers.iter().rev() {
-        let points: Vec<[f64; 2]> = line(peer).into_iter().map(|point| point.map(f64::log10)).collect();
-        panel.marked(canvas, &points, PACKAGES.look(peer), [0.8 * LINE, 0.85 * MARKER]);
-    }
-    if own.is_empty() {
-        let middle = [corner[0] + size[0] / 2.0, corner[1] + size[1] / 2.0];
-        canvas.text(Text::new("not measured", middle, SMALL, TextAlign::Centre).colour(GREY));
+impl TaskCurves {
+    /// Draws the times over the number of samples.
+    fn draw(&self, canvas: &mut Canvas, tasks: &[TaskRows], peers: &[&str], corner: [f64; 2], x: &Axis) {
+        let of_task: Vec<&TaskRows> = tasks.iter().filter(|task| task.task == self.task).collect();
+        let line = |peer: &str| -> Vec<[f64; 2]> {
+            let point = |task: &&TaskRows| Some([task.size as f64, self.units_per_s * task.cpu_s(peer)?.mean]);
+            of_task.iter().filter_map(point).collect()
+        };
+        let times = peers.iter().flat_map(|peer| line(peer)).map(|[_, time]| time);
+        let size = [CURVES_PITCH - LEFT_MARGIN - 8.0, CURVES_HEIGHT];
+        let y = Axis::decades("", times);
+        let panel = canvas.panel(Panel { corner, size, x: x.clone(), y, title: self.title.to_owned() });
+        for peer in peers.iter().rev() {
+            let points: Vec<[f64; 2]> = line(peer).into_iter().map(|point| point.map(f64::log10)).collect();
+            panel.marked(canvas, &points, PACKAGES.look(peer), [0.8 * LINE, 0.85 * MARKER]);
+        }
+        if of_task.is_empty() {
+            let middle = [corner[0] + size[0] / 2.0, corner[1] + size[1] / 2.0];
+            canvas.text(Text::new("not measured", middle, SMALL, TextAlign::Centre).colour(GREY));
+        }
     }
 }

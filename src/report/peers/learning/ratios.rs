@@ -39,13 +39,13 @@ pub(super) struct TaskRows<'a> {
 impl<'a> TaskRows<'a> {
     /// The tasks and sizes of `rows`, in the order of their first appearance.
     pub(super) fn all(rows: &'a [LearningPeerRow]) -> Vec<TaskRows<'a>> {
-        let mut found: Vec<TaskRows<'a>> = Vec::new();
+        let mut tasks: Vec<TaskRows<'a>> = Vec::new();
         for row in rows {
-            if !found.iter().any(|one| one.task == row.task && one.size == row.size) {
-                found.push(TaskRows { rows, task: &row.task, size: row.size });
+            if !tasks.iter().any(|task| task.task == row.task && task.size == row.size) {
+                tasks.push(TaskRows { rows, task: &row.task, size: row.size });
             }
         }
-        found
+        tasks
     }
 
     /// The rows of a package that did not fail.
@@ -72,8 +72,10 @@ impl<'a> TaskRows<'a> {
     /// Processor time of the fastest other package of each round over ours.
     pub(super) fn ratio_of_best(self) -> Option<Averaged> {
         let others = |round| {
-            let own = self.rows.iter().filter(move |row| row.peer != OURS && row.round == round);
-            own.filter(|row| row.task == self.task && row.size == self.size && row.cpu_s > 0.0).map(|row| row.cpu_s)
+            let other_rows = self.rows.iter().filter(move |row| row.peer != OURS && row.round == round);
+            other_rows
+                .filter(|row| row.task == self.task && row.size == self.size && row.cpu_s > 0.0)
+                .map(|row| row.cpu_s)
         };
         self.ratio_of(|round| others(round).min_by(f64::total_cmp))
     }

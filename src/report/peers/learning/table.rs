@@ -27,7 +27,7 @@ fn ratios(text: &mut String, tasks: &[TaskRows], peers: &[&str]) {
     let names = others.iter().map(|peer| PACKAGES.label(peer).to_owned());
     head(text, "Task", ["spinebench".to_owned()].into_iter().chain(names));
     for task in tasks.iter().filter(|task| wanted(task)) {
-        let ours = task.cpu_s(OURS).map_or("–".to_owned(), |one| time(one.mean));
+        let ours = task.cpu_s(OURS).map_or("–".to_owned(), |ours| time(ours.mean));
         let cells: Vec<String> =
             others.iter().map(|peer| task.ratio(peer).map_or("–".to_owned(), with_interval)).collect();
         let _ = writeln!(text, "| {} | {ours} | {} |", title(task), cells.join(" | "));
