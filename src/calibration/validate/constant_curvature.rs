@@ -11,7 +11,7 @@ use crate::effects::Model;
 use crate::math::optimise::least_squares;
 use crate::plants::{ConstantCurvature, ConstantCurvatureOptions};
 
-/// SelectionStep for differences: rounding of a closed formula.
+/// Step for differences: rounding of a closed formula.
 const STEP: f64 = 1e-6;
 /// Numbers of the base pose, and of each segment: gain, turn, two bends at zero.
 const POSE: usize = 6;

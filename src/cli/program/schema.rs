@@ -8,7 +8,7 @@ use spinebench::specs::{self, SchemaOf};
 /// Print the JSON Schema of a kind of file, for editors that complete and check YAML.
 #[derive(Args)]
 pub(crate) struct SchemaCommand {
-    /// SchemaKind of file.
+    /// Kind of file.
     #[arg(value_enum, default_value_t = SchemaKind::Experiment)]
     kind: SchemaKind,
 }

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::base::{BadOption, Displacements, PolicyError};
 
-/// ActuatorLimits of the drive, the same for every policy.
+/// Limits of the drive, the same for every policy.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct LimitOptions {
