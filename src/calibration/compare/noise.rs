@@ -51,8 +51,8 @@ pub(in crate::calibration) fn noise(
     let at_rest: Vec<(usize, usize)> = pairs.iter().copied().filter(rests).collect();
     let of = |pairs: &[(usize, usize)], from: &'static str| {
         let squares: Vec<f64> = pairs.iter().map(difference).collect();
-        // A difference has twice the variance; over three axes noise makes 3σ² = 1.5 · median / χ²-
-        // median. The median ignores outliers.
+        // A difference has twice the variance: over three axes 3σ² is 1.5 · median / (median of χ²).
+        // The median ignores outliers.
         let rms_m = (1.5 * quantile(&squares, 0.5) / MEDIAN_CHI_SQUARED).sqrt();
         (pairs.len() >= MIN_PAIRS).then_some(NoiseEstimate { rms_m, pairs: pairs.len(), from })
     };
