@@ -27,6 +27,7 @@ pub(super) fn stages(model: &Model, at_rest: bool) -> Vec<NumberGroup> {
             &["robot.tendons.compliance_m_per_n", "robot.tendons.compliance_m_per_n[+]"],
         ),
         stage("pretension of each tendon", &[&prior("robot.tendons.pretension_m[*]", 0.01 * length_m)])
+            // One number for all must become a list before its entries can be named.
             .prepared(|model| each(&mut model.robot.tendons.pretension_m, model.robot.tendons.angles_deg.len())),
         stage("compliance of each tendon", &["robot.tendons.compliance_m_per_n[*]"])
             .prepared(|model| each(&mut model.robot.tendons.compliance_m_per_n, model.robot.tendons.angles_deg.len())),

@@ -122,6 +122,7 @@ pub fn calibrate(
     let fitted = fitted(&normal, &start, options.likelihood)?;
     let problem = CalibrationProblem { likelihood: fitted.likelihood, ..normal };
     let misfit = fitted.noise.as_ref().and_then(|(.., misfit)| *misfit);
+    // Blocks only widen intervals where the model errs by more than noise.
     let uncertain = uncertainty(&problem, &fitted.best, misfit.map(|_| blocks.of.as_slice()));
     let held_out = if !held.is_empty() {
         let names = held.iter().map(|&block| all_blocks.names[block].clone()).collect();
@@ -179,6 +180,7 @@ fn explained(problem: &CalibrationProblem, best: &Optimum) -> Option<(NoiseEstim
         (0..best.positions.len()).filter(|index| best.positions[*index].is_some() && !far.contains(index)).collect();
     let squares: f64 = kept.iter().map(|&index| best.residual_m.rows(3 * index, 3).norm_squared()).sum();
     let freedom = (3 * kept.len()) as f64 - problem.numbers.len() as f64;
+    // Three coordinates a distance, less the numbers fitted.
     let rms_m = (3.0 * squares / freedom.max(1.0)).sqrt();
     let misfit = noise::misfit(&noise, rms_m, freedom.max(1.0));
     Some((noise, rms_m, misfit))

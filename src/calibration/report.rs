@@ -58,6 +58,7 @@ pub(super) fn findings(
 }
 
 fn calibrated(number: &FitNumber, x: f64, half: f64) -> CalibratedNumber {
+    // The coordinate may run against the value, so the ends are sorted below.
     let ends = [number.value((x - half).max(number.low())), number.value(x + half)];
     CalibratedNumber {
         name: number.name.clone(),

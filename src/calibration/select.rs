@@ -62,6 +62,7 @@ pub(super) fn select(
     stages: &[NumberGroup],
 ) -> Result<Selection, CalibrationError> {
     let count = comparison.sightings.len();
+    // Rows of a motion cannot be thinned: each depends on those before.
     let wanted = if comparison.independent { count.min(SOME) } else { count };
     let kept: Vec<usize> = (0..wanted).map(|k| k * count / wanted).collect();
     let (some, blocks) = (comparison.only(&kept), blocks.only(&kept));
@@ -88,6 +89,7 @@ pub(super) fn select(
             if keep {
                 best = next;
             } else {
+                // A group may help once another one is in.
                 waiting.push(stage);
             }
         }
@@ -141,6 +143,7 @@ fn added(
     let mut squares = (0.0, 0_usize);
     for fold in blocks.folds() {
         let (unseen, _) = blocks.parted(&fold);
+        // One step from the fit of all rows, in place of a fit for each part.
         let x = without(&problem, &fit, &unseen);
         let part = comparison.only(&unseen);
         let there = problem.at(&x).map_or_else(|| vec![None; unseen.len()], |model| part.positions(&model));

@@ -49,11 +49,13 @@ impl<'a> Problem<'a> {
         baseline: Option<&PreparedRecording>,
         options: &'a Options,
     ) -> Result<Problem<'a>, DiscoveryError> {
+        // The order below matters: trials are put aside before anything is fitted.
         let mut model = simulate::search_resolution(given_model, options);
         let mut candidates = catalogue_candidates(&model);
         let (trained, held_out) = holdout::split(&all, options.held_out_share);
         let (training, held_out) = (all.of_trials(&trained), all.of_trials(&held_out));
         validate::check_parts(&training, &held_out)?;
+        // The baseline calibrates `model`, so all that is simulated comes after it.
         let base = match baseline {
             Some(recording) => Some(
                 Baseline::new(&mut model, &candidates, recording, options, all.clock_deviation_s)
@@ -64,6 +66,7 @@ impl<'a> Problem<'a> {
         let simulated_m = simulate_model(&model, &training)?;
         let held_out_simulated_m = simulate_model(&model, &held_out)?;
         let coarse = simulate::coarse(&model);
+        // No small amount of contact leads to an obstacle, so the residual must point to one.
         let rows = simulate::body_rows(&coarse, &training, &training.residual(&simulated_m));
         if let Some(hint) = rows.and_then(|rows| obstacle_hint(&rows, model.robot.backbone.length_m)) {
             candidates.iter_mut().for_each(|candidate| candidate.start_at(&hint));

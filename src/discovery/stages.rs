@@ -104,6 +104,7 @@ impl<'a> DiscoveryStages<'a> {
             let Some(mut search) = Search::new(&fit_problem, problem.sensitivities.clone(), &problem.limits()) else {
                 break;
             };
+            // Effects and clock are estimated together, since each imitates the other.
             let best = search.grow(search.null.clone());
             let change_s = best.fitted.nuisance_fit.amounts[problem.uncertain(&[]).clock_column()];
             // Scores are relative to the given model, whose deviance changes with the offset.
@@ -154,6 +155,7 @@ fn search_best(problem: &Problem) -> Result<(FinalFit, SearchOutcome), Discovery
     let mut best = search.grow(search.null.clone());
     let mut final_fit = problem.final_fit(&best.fitted);
     let mut is_searched = !final_fit.goodness.is_doubtful && best.fitted.members.is_empty();
+    // A set that a test rejects or doubts is searched again, more widely each time.
     while !is_searched {
         let (members, is_rejected) = (best.fitted.members.clone(), final_fit.goodness.failed.is_some());
         step("trying pairs of effects and larger amplitudes");

@@ -11,6 +11,7 @@ thread_local! {
 
 /// Does `work` and reports its steps, as they begin on this thread, to `listener`.
 pub fn with_step_listener<T>(listener: impl Fn(&str) + 'static, work: impl FnOnce() -> T) -> T {
+    // Nested calls restore the listener around them.
     let outer = LISTENER.replace(Some(Box::new(listener)));
     let result = work();
     LISTENER.replace(outer);

@@ -30,6 +30,7 @@ impl AxesOptions {
     /// # Errors
     /// [`BadOption`] for the first such axis.
     pub fn check(&self, travel_m: f64, screw_m: f64) -> Result<(), BadOption> {
+        // Else a permitted command could drive a screw onto its switch.
         let reaches = |&home_mm: &f64| home_mm - travel_m * 1e3 >= 0.0 && home_mm + travel_m * 1e3 <= screw_m * 1e3;
         let expected = "a range of ±safety.travel_m within 0 to motion.travel_m";
         self.home_mm.iter().try_for_each(|mm| BadOption::unless(reaches(mm), "home_mm", mm, expected))

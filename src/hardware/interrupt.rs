@@ -23,6 +23,7 @@ impl Interrupt {
         }
         let interrupt = Interrupt::default();
         for signal in [SIGINT, SIGTERM] {
+            // Registered first, it sees the flag as the first signal left it: the second one ends.
             flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(&interrupt.0))?;
             flag::register(signal, Arc::clone(&interrupt.0))?;
         }

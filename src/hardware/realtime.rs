@@ -33,6 +33,7 @@ impl RealTime {
             return RealTime { before: None };
         }
         let value = match rank {
+            // The supervisor interrupts the loop, which interrupts simulated devices.
             Priority::Simulator => 5,
             Priority::ControlLoop => 10,
             Priority::Supervisor => 20,

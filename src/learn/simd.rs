@@ -82,6 +82,7 @@ pub(crate) fn exp_f64(x: f64) -> f64 {
     for c in INVERSE_FACTORIALS {
         p = r.mul_add(p, c);
     }
+    // The low bits of `shifted` hold n; shifted by 52 they add to the exponent.
     f64::from_bits(p.to_bits().wrapping_add(shifted.to_bits() << 52))
 }
 
@@ -105,6 +106,7 @@ pub(crate) fn exp_f32(x: f32) -> f32 {
 /// Sum of `a[i] · b[i]` in sixteen lanes and a fixed order.
 #[inline(always)]
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    // More lanes than any register: the additions do not wait for each other.
     let mut lanes = [0.0_f64; 16];
     let (a_chunks, a_tail) = a.as_chunks::<16>();
     let (b_chunks, b_tail) = b.as_chunks::<16>();

@@ -108,11 +108,13 @@ impl Monitor {
         let mean = all.iter().sum::<Vector3<f64>>() / all.len() as f64;
         let scatter: Matrix3<f64> =
             all.iter().map(|innovation| (innovation - mean) * (innovation - mean).transpose()).sum();
+        // A direction without scatter would make the covariance singular.
         let noise_floor = Matrix3::identity() * MIN_DEVIATION_M * MIN_DEVIATION_M;
         let covariance = scatter / (all.len() - 1) as f64 + noise_floor;
         let information = covariance.try_inverse().ok_or(TaskError::NotFinite("covariance of the innovations"))?;
         let mut monitor =
             Monitor { mean_m: mean.into(), information: information.transpose().into(), threshold: f64::INFINITY };
+        // Each ratio is computed once, for trials are drawn many times.
         let ratios: Vec<Vec<f64>> =
             trials.iter().map(|trial| trial.iter().map(|innovation| monitor.log_ratio(innovation)).collect()).collect();
         let steps = (options.false_alarm_s / step_s).ceil() as usize * STRETCHES;
@@ -134,6 +136,7 @@ impl Monitor {
     fn log_ratio(&self, innovation_m: &Point3) -> f64 {
         let deviation = Vector3::from(*innovation_m) - Vector3::from(self.mean_m);
         let mahalanobis_squared = (Matrix3::from(self.information) * deviation).dot(&deviation);
+        // Normal densities with covariances Σ and cΣ: ½ (d² (1 − 1/c) − 3 ln c).
         0.5 * (mahalanobis_squared * (1.0 - 1.0 / INFLATION) - 3.0 * INFLATION.ln())
     }
 }
@@ -157,6 +160,7 @@ fn largest_sum(ratios: &[Vec<f64>], steps: usize, seed: Seed) -> f64 {
     let (mut sum, mut largest, mut drawn_steps) = (0.0_f64, 0.0_f64, 0);
     while drawn_steps < steps {
         let trial = &ratios[random.random_range(0..ratios.len())];
+        // The sum goes on across trials, as it does at work.
         for ratio in trial {
             sum = (sum + ratio).max(0.0);
             largest = largest.max(sum);

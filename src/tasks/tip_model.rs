@@ -85,10 +85,12 @@ impl RodTip {
             return Ok(measured);
         }
         self.restart();
+        // At home all tensions are zero, whatever the stiffness: 1 is a placeholder.
         let mut tensions_n = self.load(&vec![0.0; self.bends()], 1.0).tensions_n;
         let (before_m, _) = self.settle(&tensions_n)?;
         tensions_n[0] += PROBE_N;
         let (after_m, _) = self.settle(&tensions_n)?;
+        // One stiffness for all tendons makes a bend in metres comparable with displacements.
         let stiffness = PROBE_N / (after_m[0] - before_m[0]);
         if !(stiffness.is_finite() && stiffness > 0.0) {
             return Err(PlantError::Solver("a tendon's tension does not displace it".to_owned()));
@@ -113,6 +115,7 @@ impl RodTip {
         let rates = rates.ok_or_else(|| PlantError::Solver("the tangent at rest is singular".to_owned()))?;
         let tip_rate = |per_bend: &Vec<f64>| {
             let parts = rates.iter().zip(per_bend).map(|(rate, share)| rate.position_m * *share);
+            // Chain rule: tip per tension times tension per bend.
             parts.sum::<nalgebra::Vector3<f64>>().into()
         };
         Ok(per_bend.iter().map(tip_rate).collect())

@@ -56,6 +56,7 @@ impl Transitions {
         let mut joined = Transitions::begin(parts.first().map_or(0, |part| part.pulls_m.width()));
         joined.starts.clear();
         for part in parts {
+            // Indices count from the beginning of the joined table.
             joined.starts.extend(part.starts.iter().map(|start| start + joined.to_m.len()));
             for index in 0..part.len() {
                 joined.from_m.push(part.from_m.row(index));

@@ -50,6 +50,7 @@ impl Blocks {
                 return blocks;
             }
         }
+        // Rows of one pattern or trial are alike; held out singly, neighbours would give them away.
         let trials = comparison.sightings.iter().map(|sighting| comparison.recording.trial[sighting.row].to_string());
         let blocks = Blocks::labelled("trial", trials);
         if blocks.names.len() > 1 {
@@ -79,6 +80,7 @@ impl Blocks {
     /// together. One part a block where there are few.
     pub(in crate::calibration) fn folds(&self) -> Vec<Vec<usize>> {
         let (count, folds) = (self.names.len(), self.names.len().min(FOLDS));
+        // Contiguous: block k of n goes to part ⌊k · folds / n⌋.
         let fold = |block: usize| block * folds / count.max(1);
         let members = |wanted: usize| (0..count).filter(|&block| fold(block) == wanted).collect();
         (0..folds).map(members).collect()
@@ -94,6 +96,7 @@ impl Blocks {
             HoldOut::CrossValidated => return Ok(Vec::new()),
             HoldOut::Share(share) => {
                 let wanted = ((share * count as f64).round() as usize).clamp(1, count.max(2) - 1);
+                // The last block of each equal part, so that the first is always fitted.
                 (0..wanted).map(|k| ((k + 1) * count) / wanted - 1).collect()
             }
             HoldOut::Patterns(patterns) => {

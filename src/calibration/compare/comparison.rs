@@ -80,6 +80,7 @@ impl<'a> Comparison<'a> {
             return Err(CalibrationError::NothingTracked);
         }
         let markers = tracks.into_iter().map(|(name, _)| name).collect();
+        // Histories and friction make a pose depend on those before it.
         let independent = at_rest
             && model.rod(&[]).moment_laws.is_empty()
             && !model.effects.iter().any(|effect| effect.build().has_memory_at_rest());
@@ -110,6 +111,7 @@ impl<'a> Comparison<'a> {
     fn divided(&self) -> Vec<Part> {
         let mut trials = self.recording.trials();
         if self.continues && !self.independent {
+            // Without a new start the whole recording is one motion.
             trials = vec![(0, 0..self.recording.len())];
         }
         let mut parts: Vec<Part> = Vec::new();
@@ -118,6 +120,7 @@ impl<'a> Comparison<'a> {
             let seen: Vec<(usize, usize)> = of_trial.map(|(index, sighting)| (index, sighting.row)).collect();
             let Some(&(_, last)) = seen.last() else { continue };
             if !self.independent {
+                // A motion needs all commands before a compared row, and none after the last.
                 let rows: Vec<usize> = (trial.start..last + 1).collect();
                 parts.push(self.part(&rows, &seen));
                 continue;
@@ -151,6 +154,7 @@ impl<'a> Comparison<'a> {
     pub(in crate::calibration) fn driven<'b>(&self, part: &'b Part, model: &Model) -> (Model, Cow<'b, Recording>) {
         let mut model = model.clone();
         if self.independent {
+            // A part may begin far from home, and nothing before it matters.
             model.tracking.starts = Starts::Anywhere;
         }
         let mut commands = Cow::Borrowed(&part.commands);

@@ -51,6 +51,8 @@ pub(in crate::calibration) fn noise(
     let at_rest: Vec<(usize, usize)> = pairs.iter().copied().filter(rests).collect();
     let of = |pairs: &[(usize, usize)], from: &'static str| {
         let squares: Vec<f64> = pairs.iter().map(difference).collect();
+        // A difference has twice the variance: over three axes 3σ² is 1.5 · median / (median of χ²).
+        // The median ignores outliers.
         let rms_m = (1.5 * quantile(&squares, 0.5) / MEDIAN_CHI_SQUARED).sqrt();
         (pairs.len() >= MIN_PAIRS).then_some(NoiseEstimate { rms_m, pairs: pairs.len(), from })
     };
@@ -72,6 +74,7 @@ fn pairs(comparison: &Comparison, positions: &Positions) -> Vec<(usize, usize)> 
         let before = last[sighting.marker].replace(index);
         let follows = |before: &usize| {
             let row = comparison.sightings[*before].row;
+            // A gap or a new trial may hide a motion.
             row + 1 == sighting.row && comparison.recording.trial[row] == comparison.recording.trial[sighting.row]
         };
         if let Some(before) = before.filter(follows)
@@ -100,6 +103,8 @@ pub(in crate::calibration) fn misfit(noise: &NoiseEstimate, rms_m: f64, freedom:
         return None;
     }
     let ratio = rms_m / noise.rms_m.max(SOLVER_M);
+    // F-test of two variances; each side has its own degrees of freedom.
     let p_value = f_above(ratio * ratio, freedom, FREEDOM_OF_PAIR * noise.pairs as f64);
+    // Of many rows even a negligible misfit is significant.
     (p_value < SIGNIFICANT && ratio > MIN_RATIO).then_some(Misfit { ratio, p_value })
 }

@@ -39,9 +39,11 @@ pub(in crate::calibration) fn weights(
         return (ones, variance_m2);
     }
     let squares: Vec<f64> = (0..positions.len()).map(|index| residual_m.rows(3 * index, 3).norm_squared()).collect();
+    // Start from the median: outliers would blow up the first variance and hide among the rest.
     let mut variance_m2 = robust_deviation_m(residual_m, positions).powi(2).max(1e-6 * variance_m2);
     let mut weights = ones.clone();
     for _ in 0..50 {
+        // E step: w = (ν + 3) / (ν + d²/σ²); M step below.
         let weight = |(one, square): (&f64, &f64)| one * (FREEDOM + 3.0) / (FREEDOM + square / variance_m2);
         weights = ones.iter().zip(&squares).map(weight).collect();
         variance_m2 = weights.iter().zip(&squares).map(|(weight, square)| weight * square).sum::<f64>() / freedom;

@@ -75,6 +75,7 @@ impl Comparison<'_> {
             let point = model.tracking.names().iter().position(|other| other == name);
             let mut along = 0;
             let rate = |variable: usize| -> Point3 {
+                // Variables that have no exact derivative were differenced over the whole trial.
                 let far = left_out.iter().position(|&other| other == variable);
                 let rate = far.map_or_else(
                     || {

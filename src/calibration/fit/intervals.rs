@@ -40,8 +40,10 @@ pub(in crate::calibration) fn uncertainty(
     };
     let data = 3.0 * best.positions.iter().filter(|at| at.is_some()).count() as f64;
     let freedom = data - determined.iter().filter(|&&seen| seen).count() as f64;
+    // 1. As if all errors were independent.
     let mut covariance = classical(problem, best, &inverse);
     let mut half: Vec<f64> = (0..count).map(|k| student_95(freedom.max(1.0)) * covariance[(k, k)].sqrt()).collect();
+    // 2. Where the model errs, at least the scatter between blocks.
     let between = blocks.and_then(|blocks| sandwich(best, &inverse, blocks));
     let mut widened = false;
     if let Some((wide, freedom)) = between {
@@ -56,6 +58,7 @@ pub(in crate::calibration) fn uncertainty(
         }
     }
     let size = |k: usize| covariance[(k, k)].sqrt().max(f64::MIN_POSITIVE);
+    // 3. Correlations show which numbers trade against each other.
     let correlation = DMatrix::from_fn(count, count, |a, b| match (a == b, determined[a] && determined[b]) {
         (true, _) => 1.0,
         (false, true) => (covariance[(a, b)] / (size(a) * size(b))).clamp(-1.0, 1.0),
@@ -86,6 +89,7 @@ fn sandwich(best: &Optimum, inverse: &DMatrix<f64>, blocks: &[usize]) -> Option<
     if number < MIN_BLOCKS {
         return None;
     }
+    // Sandwich: (JᵀWJ)⁻¹ (Σ s_g s_gᵀ) (JᵀWJ)⁻¹, with G/(G − 1) for few blocks.
     let middle = &scores * scores.transpose() * (number as f64 / (number as f64 - 1.0));
     Some((inverse * middle * inverse, number as f64 - 1.0))
 }
@@ -104,6 +108,7 @@ pub(in crate::calibration) fn inverse(normal: &DMatrix<f64>) -> Option<Inverse> 
     if seen.is_empty() {
         return None;
     }
+    // Unit diagonal, so that eigenvalues do not depend on the units of the numbers.
     let scaled =
         DMatrix::from_fn(seen.len(), seen.len(), |a, b| normal[(seen[a], seen[b])] / (size[seen[a]] * size[seen[b]]));
     let parts = scaled.symmetric_eigen();
@@ -114,6 +119,7 @@ pub(in crate::calibration) fn inverse(normal: &DMatrix<f64>) -> Option<Inverse> 
     for (direction, &value) in parts.eigenvectors.column_iter().zip(parts.eigenvalues.iter()) {
         for (a, &row) in seen.iter().enumerate() {
             if value <= smallest {
+                // The pseudo-inverse leaves this direction out; numbers in it have no interval.
                 determined[row] &= direction[a].abs() <= UNSEEN_SHARE;
                 continue;
             }

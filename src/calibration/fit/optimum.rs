@@ -76,6 +76,7 @@ impl CalibrationProblem<'_> {
         }
         let mut damping = 1e-3;
         for _ in 0..iterations {
+            // Ask the linear model first: it costs no simulation.
             if self.expected_gain(&here) < converged * here.variance_m2 {
                 here.converged = true;
                 break;
@@ -85,6 +86,7 @@ impl CalibrationProblem<'_> {
                 break;
             };
             let variance_m2 = here.variance_m2;
+            // Weights and variance are taken anew, which is the reweighting of robust fits.
             let Some(next) = self.evaluated(&x) else { break };
             here = next;
             if gain < converged * variance_m2 {
@@ -100,6 +102,7 @@ impl CalibrationProblem<'_> {
         let (positions, slopes) = self.comparison.with_slopes(&self.at(x)?, self.numbers, x)?;
         let residual_m = self.residual_m(&positions);
         let (weights, variance_m2) = weights(self.likelihood, &residual_m, &positions, self.numbers.len());
+        // Slopes below the solver's accuracy are rounding and would look like information.
         let slopes = unseen_left_out(slopes, OBSERVABLE_CHANGE, POINT_ACCURACY_M);
         Some(Optimum { x: x.to_vec(), positions, slopes, residual_m, weights, variance_m2, converged: false })
     }
@@ -140,6 +143,7 @@ impl CalibrationProblem<'_> {
             Some((x, gain))
         });
         if accepted.is_none() {
+            // A later step starts afresh: the largest damping would leave it nowhere to go.
             *damping = 1e-3;
         }
         // Bounds may undo the whole step.
@@ -156,6 +160,7 @@ impl CalibrationProblem<'_> {
         let mut gradient = weighted.tr_mul(&here.residual_m);
         for (k, number) in self.numbers.iter().enumerate() {
             if let Some(deviation) = number.prior {
+                // Squares are in m², so a prior counts in variances of one coordinate.
                 let weight = here.variance_m2 / (deviation * deviation);
                 normal[(k, k)] += weight;
                 gradient[k] += weight * here.x[k];
@@ -175,6 +180,7 @@ impl CalibrationProblem<'_> {
 
     /// Numbers that are not held at their bound.
     fn free(&self, here: &Optimum, gradient: &DVector<f64>) -> Vec<usize> {
+        // Active set: at its bound a number is free only if the gradient leads inwards.
         let held = |k: usize| here.x[k] <= self.numbers[k].low() && gradient[k] >= 0.0;
         (0..here.x.len()).filter(|&k| !held(k) && gradient[k] != 0.0).collect()
     }
@@ -189,11 +195,13 @@ impl CalibrationProblem<'_> {
     ) -> Option<Vec<f64>> {
         let part = DMatrix::from_fn(free.len(), free.len(), |row, column| {
             let entry = normal[(free[row], free[column])];
+            // Marquardt's scaling: damping relative to the diagonal does not depend on units.
             if row == column { entry * (1.0 + damping) } else { entry }
         });
         let right = DVector::from_fn(free.len(), |row, _| -gradient[free[row]]);
         let step = Cholesky::new(part)?.solve(&right);
         let excess = |(&k, step): (&usize, &f64)| step.abs() / self.numbers[k].longest_step();
+        // The whole step is shortened, so that its direction stays.
         let shorten = free.iter().zip(step.iter()).map(excess).fold(1.0, f64::max);
         let mut x = here.x.clone();
         for (&k, step) in free.iter().zip(step.iter()) {
@@ -208,6 +216,7 @@ impl CalibrationProblem<'_> {
         let solved = here.positions.iter().filter(|at| at.is_some()).count();
         let both = |index: usize| here.positions[index].is_some() && positions[index].is_some();
         let kept = (0..positions.len()).filter(|&index| both(index)).count();
+        // A step must not win by losing the rows that fit worst.
         if (solved - kept) as f64 > MAX_LOST_SHARE * solved as f64 {
             return None;
         }

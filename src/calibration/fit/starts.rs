@@ -28,10 +28,12 @@ pub(in crate::calibration) fn best(
     is_good: &dyn Fn(&Optimum) -> bool,
 ) -> Result<(Optimum, bool), CalibrationError> {
     let near = coarse(problem, start);
+    // 1. From the model's own values, which are usually near.
     let first = problem.fit(&near, MAX_STEPS, CONVERGED)?;
     if is_good(&first) {
         return Ok((first, false));
     }
+    // 2. More than noise remains: look for another minimum on a few rows.
     let Some(start) = rival(problem, &first) else { return Ok((first, false)) };
     let near = coarse(problem, &start);
     match problem.fit(&near, MAX_STEPS, CONVERGED) {
@@ -56,8 +58,10 @@ fn rival(problem: &CalibrationProblem, first: &Optimum) -> Option<Vec<f64>> {
     let few = evenly(problem.comparison, FEW.max(2 * problem.numbers.len()));
     let comparison = problem.comparison.only(&few);
     let cheap = CalibrationProblem { comparison: &comparison, ..*problem };
+    // The same few rows and steps for both: only then their errors compare.
     let reached = cheap.fit(&first.x, CHEAP_STEPS, ROUGHLY_CONVERGED).ok()?.rms_m().powi(2);
     let rivals = (0..STARTS).filter_map(|number| {
+        // A fixed seed: the same recording gives the same numbers.
         let mut random = Seed(0).child("calibration start").index(number).rng();
         let drawn = problem.numbers.iter().map(|number| (SPREAD * random.random_range(-1.0..1.0)).max(number.low()));
         let start: Vec<f64> = drawn.collect();

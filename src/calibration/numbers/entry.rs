@@ -87,6 +87,7 @@ impl Entry<'_> {
         let start: Vec<f64> = model_values.iter().map(|&value| self.start.unwrap_or(value)).collect();
         let mut ranges = members.iter().zip(&start).map(|(member, &start)| range(member, model, start));
         let first = ranges.next().unwrap_or(Range::Any);
+        // Members of unlike ranges share the coordinate that is valid for all.
         let widest = ranges.fold(first, |widest, range| if range == first { widest } else { Range::NotNegative });
         let scale = |member: &ModelParameter| {
             let there = self.start.and_then(|start| member.with_value(model, start).ok());
@@ -102,6 +103,7 @@ impl Entry<'_> {
         let coordinate = match widest {
             Range::Positive if smallest > 0.0 => Coordinate::Logarithm,
             Range::Any => Coordinate::Linear { unit, low: f64::NEG_INFINITY },
+            // All members move alike, so the smallest reaches zero first.
             _ => Coordinate::Linear { unit, low: -smallest / unit },
         };
         Ok(self.number(name, members, start, coordinate))
@@ -129,6 +131,7 @@ enum Range {
 fn range(member: &ModelParameter, model: &Model, start: f64) -> Range {
     let allowed = |value: f64| member.with_value(model, value).is_ok_and(|model| model.check().is_ok());
     let size = member.scale(model).unwrap_or(1.0);
+    // The model's own checks are asked, so no range needs to be listed here.
     if start < 0.0 || allowed(-PROBE * size) {
         Range::Any
     } else if allowed(0.0) {

@@ -30,6 +30,7 @@ const INSTEAD: &[(&str, &[&str])] = &[
 /// # Errors
 /// [`CalibrationError::Idle`] says what stands in its place.
 pub(in crate::calibration) fn check(model: &Model, numbers: &[FitNumber]) -> Result<(), CalibrationError> {
+    // Two rods with the same text are the same to the solver.
     let rod = format!("{:?}", model.rod(&[]));
     for number in numbers {
         let unused = |member: &ModelParameter| {
@@ -50,6 +51,7 @@ pub(in crate::calibration) fn check(model: &Model, numbers: &[FitNumber]) -> Res
 /// Whether the rod is the same with another value.
 fn is_idle(model: &Model, member: &ModelParameter, rod: &str) -> bool {
     let (Ok(value), Ok(scale)) = (member.value(model), member.scale(model)) else { return false };
+    // At the end of its range a number can only move one way.
     [0.01, -0.01].iter().all(|step| {
         let changed = member.with_value(model, value + step * scale).ok().filter(|changed| changed.check().is_ok());
         changed.is_none_or(|changed| format!("{:?}", changed.rod(&[])) == rod)

@@ -62,6 +62,7 @@ pub(in crate::calibration) fn like(pattern: &str, step: &str) -> bool {
     let first = parts.next().unwrap_or_default();
     let Some(mut rest) = step.strip_prefix(first) else { return false };
     let parts: Vec<&str> = parts.collect();
+    // Earliest match of each middle part leaves most text for those after it.
     let Some((last, middle)) = parts.split_last() else { return rest.is_empty() };
     for part in middle {
         let Some(place) = rest.find(part) else { return false };
@@ -97,6 +98,7 @@ fn suggestion(model: &Model, pattern: &str, all: &[ModelParameter]) -> String {
     let last = |path: &str| steps(path).into_iter().rfind(|step| !step.starts_with('[')).unwrap_or_default();
     let distance = |path: &str| {
         let whole = levenshtein(pattern, path).min(levenshtein(&format!("robot.{pattern}"), path));
+        // The last word carries the meaning, so a typing error there counts more.
         whole + 2 * levenshtein(&last(pattern), &last(path))
     };
     let nearest = all.iter().map(ModelParameter::path).min_by_key(|path| distance(path));

@@ -96,6 +96,7 @@ pub(in crate::calibration) fn commands_in_force(comparison: &Comparison) -> Vec<
         let mut command = match (comparison.at_rest, first) {
             (true, _) => recording.commands.row(row).to_vec(),
             (false, true) => vec![0.0; recording.tendons()],
+            // A row of a motion holds the tip at the start of its command.
             (false, false) => recording.commands.row(row - 1).to_vec(),
         };
         command.extend(weights.map(|all| all[row]));
@@ -123,6 +124,7 @@ fn regression(x: &[&[f64]], y: &[Point3], query: &[&[f64]], quadratic: bool) -> 
     let design = DMatrix::from_fn(rows.len(), count, |row, column| rows[row][column]);
     let targets = DMatrix::from_fn(rows.len(), 3, |row, axis| y[row][axis]);
     let mut normal = design.tr_mul(&design);
+    // Relative to the mean diagonal: features were scaled to their largest value.
     let ridge = RIDGE * normal.trace() / count as f64;
     (0..count).for_each(|k| normal[(k, k)] += ridge);
     let weights = normal.cholesky()?.solve(&design.tr_mul(&targets));
@@ -149,6 +151,7 @@ fn gaussian_process(x: &[&[f64]], y: &[Point3], query: &[&[f64]]) -> Option<(Vec
     };
     let config = GpConfig { starts: 2, ..GpConfig::default() };
     let (inputs, outputs) = table(&evenly(SEARCH_ROWS))?;
+    // The search costs the cube of the rows, conditioning only once.
     let searched = Gp::fit(&inputs, &outputs, &config).ok()?;
     let (inputs, outputs) = table(&evenly(MAX_ROWS))?;
     let gp = Gp::condition(&inputs, &outputs, &config, searched.theta().to_vec(), 0).ok()?;

@@ -68,6 +68,7 @@ pub(in crate::calibration) fn predictions(
         Some(DMatrix::from_columns(&columns))
     };
     let mut start = vec![0.0; count];
+    // Unit gains: the textbook's relation between displacement and bending.
     (0..arcs.lengths_m.len()).for_each(|segment| start[POSE + OF_SEGMENT * segment] = 1.0);
     let fit = least_squares::fit(&residuals, &derivative, &start)?;
     Some((unseen.iter().map(|&index| at(&fit.parameters, index).into()).collect(), count))
@@ -116,6 +117,7 @@ impl Arcs {
         let mut holes = vec![0.0; count];
         for (&(segment, direction), value) in self.tendons.iter().zip(command) {
             pull[segment] += *value * direction;
+            // Σ cos² over evenly spread tendons is half their number.
             holes[segment] += 0.5;
         }
         let angles_rad: Vec<Vector2<f64>> = pull
@@ -137,6 +139,7 @@ impl Arcs {
                 * Vector2::new(cos * commanded.x - sin * commanded.y, sin * commanded.x + cos * commanded.y)
                 + Vector2::new(numbers[2], numbers[3]);
             let last = segment + 1 == count;
+            // Beyond the last segment the robot is straight, along the tangent.
             let share =
                 ((place_m - start_m) / self.lengths_m[segment]).clamp(0.0, if last { f64::INFINITY } else { 1.0 });
             let arc = ConstantCurvatureOptions { length_m: share * self.lengths_m[segment], ..Default::default() };

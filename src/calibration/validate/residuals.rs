@@ -17,6 +17,7 @@ pub(in crate::calibration) fn groups(comparison: &Comparison, blocks: &Blocks, b
         }
         let mut of_kind: Vec<ResidualGroup> =
             groups.into_iter().map(|(name, members)| group(kind, name, &members, best)).collect();
+        // The worst first: that is where to look.
         of_kind.sort_by(|a, b| b.rms_m.total_cmp(&a.rms_m));
         all.extend(of_kind);
     };

@@ -67,6 +67,7 @@ pub(in crate::calibration) fn held_out(
 pub(in crate::calibration) fn without(problem: &CalibrationProblem, best: &Optimum, left_out: &[usize]) -> Vec<f64> {
     let (mut normal, mut gradient) = problem.normal(best);
     for &index in left_out {
+        // Downdate the normal equations by the equations that are left out.
         let (rows, weight) = (best.slopes.rows(3 * index, 3), best.weights[index]);
         normal -= rows.tr_mul(&rows) * weight;
         gradient -= rows.tr_mul(&best.residual_m.rows(3 * index, 3)) * weight;
@@ -75,6 +76,7 @@ pub(in crate::calibration) fn without(problem: &CalibrationProblem, best: &Optim
     let step: DVector<f64> = -(inverse.inverse * gradient);
     let longest =
         |(number, step): (&crate::calibration::numbers::number::FitNumber, &f64)| step.abs() / number.longest_step();
+    // A linear step may lead far outside where the model is linear.
     let shorten = problem.numbers.iter().zip(step.iter()).map(longest).fold(1.0, f64::max);
     let moved = best.x.iter().zip(step.iter()).zip(problem.numbers);
     moved.map(|((x, step), number)| (x + step / shorten).max(number.low())).collect()
@@ -111,6 +113,7 @@ fn error(comparison: &Comparison, how: String, names: Vec<String>, all: Vec<Unse
             .collect();
         (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
     };
+    // A model that failed in one part must not be compared on the easier rest.
     let of = |one: &Unseen, marker| if one.complete { rms_m(one, marker) } else { f64::NAN };
     let by_point = |one: &Unseen| (0..comparison.markers.len()).map(|marker| of(one, Some(marker))).collect();
     let model = |one: &Unseen| ModelError {

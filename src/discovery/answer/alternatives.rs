@@ -32,6 +32,7 @@ impl Problem<'_> {
         let candidate = self.candidates.iter().position(|one| one.card.name == "bending_stiffness")?;
         let start = SetMember { candidate, values: self.candidates[candidate].variants().swap_remove(0) };
         let sensitivity = self.sensitivities.iter().find(|sensitivity| sensitivity.candidate == candidate)?;
+        // One number is nearly linear: the first look's derivative spares a new Jacobian.
         let jacobian = fit_problem.extended_jacobian(null, &start, sensitivity);
         let fitted = fit_problem.rough_fit(fit_problem.evaluate(vec![start])?, jacobian, f64::INFINITY)?;
         let simulated_m = tips(&self.model, &effect_specs(&self.candidates, &fitted.members)?, &self.held_out)?;
@@ -39,6 +40,7 @@ impl Problem<'_> {
     }
 
     fn gp_m(&self, null: &FittedSet) -> Option<f64> {
+        // Evenly spaced rows cover all training trials.
         let every = self.training.len().div_ceil(GP_POINTS).max(1);
         let chosen: Vec<usize> = (0..self.training.len()).step_by(every).collect();
         let training_inputs = inputs(&self.training, &null.simulated_m);

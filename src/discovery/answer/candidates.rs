@@ -30,6 +30,7 @@ impl Problem<'_> {
         let search_problem = self.fit_problem();
         let after_m = |scored: &ScoredSet| {
             let is_best = scored.fitted.members == outcome.best.fitted.members;
+            // The best set alone was fitted again with corrected samples and new nuisance columns.
             let problem = if is_best { fit_problem } else { &search_problem };
             root_mean_square(&jackknife::left_out_errors_m(problem, &scored.fitted))
         };
@@ -39,6 +40,7 @@ impl Problem<'_> {
         let mut listed = BTreeSet::new();
         for scored in tried {
             let members = &scored.fitted.members;
+            // A set may be fitted from several starts; only its best score is listed.
             if rows.len() < MAX_FITTED_ROWS && listed.insert(candidate_set(members)) {
                 rows.push(Candidate {
                     name: set_name(&self.candidates, members),
@@ -53,6 +55,7 @@ impl Problem<'_> {
         let before_m = rms_m(&outcome.null.fitted.nuisance_fit.residual_m);
         for (prediction, score) in &outcome.screened {
             if listed.insert(BTreeSet::from([prediction.member.candidate])) {
+                // The deviance is 3N ln(squares), so a gain g leaves exp(-g / 3N) of the squares.
                 let residual_share = (-prediction.gain / (6.0 * self.training.len() as f64)).exp();
                 rows.push(Candidate {
                     name: set_name(&self.candidates, std::slice::from_ref(&prediction.member)),

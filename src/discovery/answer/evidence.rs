@@ -117,6 +117,7 @@ impl Problem<'_> {
         let model = self.model_with(&added.unwrap_or_default());
         let explained = judged.explained.filter(|_| is_named);
         let null = &outcome.null.fitted;
+        // Without a named set the error of the given model is what remains.
         let remaining = explained.or_else(|| self.explained_share(search_problem, null, noise.rms_m()));
         let mut limitations = validate::limitations(original, &self.all);
         limitations.extend(self.answer_caveats(final_fit, outcome, &judged));
@@ -165,10 +166,12 @@ impl Problem<'_> {
         let set = SetEvidence {
             effects: best.members.len(),
             failed_test: final_fit.goodness.failed,
+            // The judgement by trials has already asked for more than half of the gap.
             explains_gap: outcome.by_trials.is_some() || best.members.len() == 1 && self.explains_gap(explained),
             has_rivals: !rivals.iter().all(Vec::is_empty),
             held_out: HeldOutResult::Supported,
         };
+        // Held-out trials stay unseen unless they can still change the verdict.
         let held_out = if set.is_rejected_in_training() {
             self.held_out_unchecked(HeldOutResult::Supported)
         } else {
@@ -189,15 +192,18 @@ impl Problem<'_> {
         let (best, null) = (&outcome.best.fitted, &outcome.null.fitted);
         let decision = &judged.decision;
         let before = self.cross_trial_test(&null.nuisance_fit, &self.simulated_m);
+        // A set that is not named changes nothing in the residual that the reader sees.
         let (answer, simulated_m, after) = if decision.names_effects() {
             (best, &best.simulated_m, &final_fit.cross_trial)
         } else {
             (null, &self.simulated_m, &before)
         };
+        // A residual counts as noise only if nothing is missing in it.
         let explained_all = (decision.verdict != Verdict::Unexplained).then_some(&answer.nuisance_fit);
         let (noise_from, noise) = self.combined_floor(&final_fit.goodness.floor, explained_all, &best.nuisance_fit);
         let mut rows = self.residual_rows(simulated_m, &judged.held_out.simulated_m);
         let places = self.residual_map(&rows, &noise);
+        // The map needs training rows first; the table is read trial by trial.
         rows.sort_by_key(|row| row.trial);
         let is_complete = decision.is_complete();
         let pattern = if is_complete { String::new() } else { summary_text::pattern(&after.foretold, &places) };
@@ -208,6 +214,7 @@ impl Problem<'_> {
     /// The model with the effects `added`, at the resolution of the given one.
     fn model_with(&self, added: &[EffectSpec]) -> Model {
         let mut model = self.model.clone();
+        // The user's file keeps its own resolution; that of the search is for speed.
         model.robot.resolution = self.given_model.robot.resolution;
         model.effects.extend(added.iter().cloned());
         model
@@ -243,6 +250,7 @@ impl Problem<'_> {
     /// Part of the held-out residual shared with the baseline and the rest, if relevant.
     fn shared_with_baseline(&self, held_out: &HeldOutCheck, noise: &Ar1Noise) -> Option<BaselineShare> {
         let apart_m = rms_m(&held_out.residual.as_ref().filter(|_| self.base.is_some())?.residual_m);
+        // Both parts are independent, so their squares add up.
         let shared_m = (held_out.after_m.powi(2) - apart_m.powi(2)).max(0.0).sqrt();
         (shared_m > self.least_relevant_m(noise.rms_m())).then_some(BaselineShare { shared_m, apart_m })
     }
@@ -269,8 +277,11 @@ impl Problem<'_> {
         let residual = NoiseFloor::of_residual(explained_all.unwrap_or(best), &self.training);
         let floor = floor.clone();
         let combined = match explained_all {
+            // A residual that exceeds the noise holds more than noise and must not raise its
+            // estimate.
             Some(_) if floor.p_value_of(&residual) < ABOVE_NOISE => floor,
             Some(_) => floor.combined_with(residual),
+            // Without repeats the residual of the best set bounds the noise from above.
             None if floor.freedom >= 1.0 && floor.rms_m() > 0.0 => floor,
             None => residual,
         };
@@ -284,6 +295,7 @@ impl Problem<'_> {
             let [before_m, after_m] = [before_m, after_m].map(|simulated_m| samples.residual(simulated_m));
             residual_map::residual_rows(samples, &points, [&before_m, &after_m], &|_| is_held_out)
         };
+        // Held-out rows come last, as in `residual_map`.
         let training = rows(&self.training, &self.simulated_m, training_m, false);
         [training, rows(&self.held_out, &self.held_out_simulated_m, held_out_m, true)].concat()
     }

@@ -44,8 +44,11 @@ impl Problem<'_> {
         let added = effect_specs(&self.candidates, &answer.members)?;
         let simulated_m = simulate::tips(&self.model, &added, &self.held_out)?;
         let nuisances = self.nuisances_with(&[], &self.held_out, &self.held_out_simulated_m);
+        // Before the answer nothing was fitted to this recording: the prior alone corrects it.
         let before = squares_m2(&nuisances.residual_by_prior(&self.held_out.residual(&self.held_out_simulated_m)));
         let after = squares_m2(&self.explain_held_out(fit_problem, answer, &simulated_m)?.residual_m);
+        // Trials of the baseline that their own correction has not seen are as unseen as held-out
+        // ones.
         let yardstick = match &self.base {
             Some(base) => squares_m2(&base.form.unseen_m),
             None => vec![floor_m.powi(2) + self.model_form_m.powi(2)],
@@ -64,6 +67,7 @@ fn explained(before: &[f64], after: &[f64], yardstick: &[f64], mut random: impl 
     let left_m2 = (mean(after) - mean(yardstick)).max(0.0);
     let mut drawn: Vec<f64> = (0..DRAWS)
         .map(|_| {
+            // The same rows before and after: both errors of a sample belong together.
             let rows = blocks_drawn(before.len(), &mut random);
             let reference = blocks_drawn(yardstick.len(), &mut random);
             let mean_of =
@@ -82,6 +86,7 @@ fn explained(before: &[f64], after: &[f64], yardstick: &[f64], mut random: impl 
 
 fn share(before_m2: f64, after_m2: f64, yardstick_m2: f64) -> f64 {
     let gap_m2 = before_m2 - yardstick_m2;
+    // A worse model explains a negative share; below -1 the number tells nothing more.
     if gap_m2 > 0.0 { (1.0 - (after_m2 - yardstick_m2).max(0.0) / gap_m2).clamp(-1.0, 1.0) } else { 0.0 }
 }
 

@@ -55,6 +55,7 @@ impl Evidence {
             proposals: search.next_experiments.iter().map(|next| next.proposal.clone()).collect(),
         };
         if let Some(offset) = self.clock {
+            // The table gives the times of the recording, not the shifted ones.
             self.residuals.rows.iter_mut().for_each(|row| row.time_s -= offset.offset_s);
         }
         Discovery {
@@ -102,6 +103,7 @@ impl Evidence {
         }
         let delay = self.search.effects.iter().find(|effect| effect.name == "delay").and_then(delay_s);
         delay.map_or_else(ClockFindings::default, |(time_s, [low_s, high_s])| ClockFindings {
+            // A robot that is late equals a tracker's clock that is behind.
             offset_s: Some(-time_s),
             interval_95: Some([-high_s, -low_s]),
             preface: String::new(),

@@ -53,6 +53,7 @@ impl Problem<'_> {
         let residual = self.explain_held_out(fit_problem, best, &simulated_m);
         let failed_test = residual.as_ref().and_then(|residual| self.held_out_test(best, residual));
         // If a tendon is always slack its zero is undetermined, and another value may pass.
+        // This plays many fits, so it is asked only after a failed test.
         let is_tolerated =
             || fit_problem.equally_good_fits(best).iter().any(|other| self.passes_held_out_test(fit_problem, other));
         let result = match failed_test {

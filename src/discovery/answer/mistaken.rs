@@ -39,6 +39,7 @@ impl Evidence {
         let rows = residual_rows(samples, &points, [&residual_m, &residual_m], &is_held_out);
         let held_out_m: Vec<f64> = rows.iter().filter(|row| row.held_out).flat_map(|row| row.before_m()).collect();
         let before_m = rms_m(&held_out_m);
+        // Without a fit the residual is compared with the noise alone: a χ² test.
         let squares: f64 = residual_m.iter().map(|r| (r / sigma_m).powi(2)).sum();
         let missing = MissingTest {
             rms_m: mistake.before_m,
@@ -52,6 +53,7 @@ impl Evidence {
                 metric: metric(samples),
                 held_out_trials: held_out.iter().map(|&trial| samples.trials[trial].number).collect(),
                 before_m,
+                // Nothing was added to the model, so the gap stays.
                 after_m: before_m,
             },
             error_name: samples.error_name(),

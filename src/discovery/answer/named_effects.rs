@@ -54,6 +54,7 @@ impl SearchOutcome {
             for &candidate in rival_candidates.difference(&best_candidates) {
                 for (replacements, member) in rivals.iter_mut().zip(members) {
                     let is_listed = replacements.iter().any(|rival| rival.candidate == candidate);
+                    // A candidate replaces a member only in a set that does without this member.
                     if !rival_candidates.contains(&member.candidate) && !is_listed {
                         replacements.push(Rival { candidate, set });
                     }
@@ -71,11 +72,14 @@ impl SearchOutcome {
         }
         let mut scores: BTreeMap<BTreeSet<usize>, f64> = BTreeMap::new();
         for scored in self.tried.iter().chain([&self.null]) {
+            // A set may be fitted from several starts; its best score counts once.
             let best = scores.entry(candidate_set(&scored.fitted.members)).or_insert(scored.score);
             *best = best.max(scored.score);
         }
         // A set that is not worth naming may fit far better than the answer.
         let largest = scores.values().copied().fold(f64::NEG_INFINITY, f64::max);
+        // exp(score / 2) approximates the marginal likelihood (Schwarz, Annals of Statistics 6,
+        // 1978).
         let weight = |score: &f64| (0.5 * (score - largest)).exp();
         let all: f64 = scores.values().map(weight).sum();
         scores.iter().filter(|(set, _)| set.contains(&candidate)).map(|(_, score)| weight(score)).sum::<f64>() / all
@@ -104,6 +108,7 @@ impl FitProblem<'_> {
                 sets.push(set.clone());
             }
             let index = set.iter().position(|member| member.candidate == rival.candidate);
+            // A rival in several sets is reported once, in the first one.
             let Some(index) = index.filter(|_| listed.insert(rival.candidate)) else { continue };
             let replaced = members
                 .iter()
@@ -139,6 +144,7 @@ impl FitProblem<'_> {
             };
             insert_parameter(&mut parameters, parameter.name, written);
             let Some(&[low, high]) = intervals.get(&number).filter(|_| parameter.seek != Seek::Flag) else { continue };
+            // The half width is relative, and the size is counted from where the effect is nothing.
             let half = half_width * (value - parameter.null).abs();
             let ends = [low.min(value - half), high.max(value + half)];
             insert_parameter(&mut interval_95, parameter.name, Value::Array(ends.map(rounded_number).to_vec()));

@@ -22,9 +22,12 @@ impl Problem<'_> {
         let mut near = search.close_to(&best);
         for scored in &mut near {
             let deviance = self.refit_finely(&scored.fitted).fitted.nuisance_fit.deviance;
+            // Fine deviances are compared with the fine deviance of the best set, never with rough
+            // ones.
             scored.score = best.score + best_deviance - deviance - penalty(scored);
         }
         search.replace_scores(&near);
+        // Net scores compare sets of different sizes.
         let leading = near.into_iter().max_by(|a, b| search.net_score(a).total_cmp(&search.net_score(b)));
         let Some(leading) = leading.filter(|leading| search.net_score(leading) > search.net_score(&best)) else {
             return (best, final_fit);
@@ -45,6 +48,7 @@ impl Search<'_> {
         near.sort_by(|a, b| self.net_score(b).total_cmp(&self.net_score(a)));
         let mut listed = BTreeSet::from([candidate_set(&best.fitted.members)]);
         near.retain(|scored| listed.insert(candidate_set(&scored.fitted.members)));
+        // A rough score is a lower bound, so the full fit decides again whether the set is close.
         let fitted = |scored: &ScoredSet| if scored.exact { scored.clone() } else { self.fit_fully(scored) };
         near.into_iter().take(MAX_RESCORED).map(fitted).filter(|scored| self.is_close_to(scored, best)).collect()
     }

@@ -88,6 +88,7 @@ pub(crate) fn residual_map(
 pub(crate) fn disagreements(map: &[PlaceRow]) -> Vec<Disagreement> {
     let squares = |row: &PlaceRow| row.samples as f64 * row.rms_before_m.powi(2);
     let whole = map.iter().find(|row| row.by == "all" && row.axis == "all").map_or(0.0, squares);
+    // Single axes tell where; the row of all samples and axes gives the total.
     let mut rows: Vec<&PlaceRow> = map.iter().filter(|row| row.axis != "all" || row.by == "all").collect();
     let excess = |row: &PlaceRow| row.rms_before_m / row.floor_m;
     rows.sort_by(|a, b| excess(b).total_cmp(&excess(a)));
@@ -111,6 +112,7 @@ fn summarise(rows: &[usize], residual: &[f64], axis: usize, noise: &Ar1Noise) ->
         axes.clone().map(|axis| values(axis).map(|r| (r / noise.sigma_m[axis]).powi(2)).sum::<f64>()).sum();
     // Squares of correlated samples are correlated by the square.
     let square = noise.correlation * noise.correlation;
+    // Bartlett's effective number of samples for a correlation of ρ².
     let independent = (1.0 - square) / (1.0 + square);
     let freedom = count * axes.len() as f64 * independent;
     let mean_m = if axis < 3 { values(axis).sum::<f64>() / count } else { f64::NAN };
@@ -132,6 +134,7 @@ fn groups(covariates: &[Covariates], points: &[String]) -> Vec<SampleGroup> {
         }
     }
     for axis in 0..3 {
+        // The median splits the samples into groups of equal power.
         let middle = quantile(&covariates.iter().map(|at| at.position_m[axis]).collect::<Vec<f64>>(), 0.5);
         let mm = whole_mm(middle);
         add("workspace", format!("{} below {mm} mm", AXES[axis]), &|at| at.position_m[axis] < middle);
@@ -150,6 +153,7 @@ fn groups(covariates: &[Covariates], points: &[String]) -> Vec<SampleGroup> {
     }
     let pull = |at: &Covariates| at.command.iter().copied().fold(0.0, f64::max);
     let pulls: Vec<f64> = covariates.iter().map(pull).collect();
+    // Thirds of the samples, so that no group is too small to test.
     let (low, high) = (quantile(&pulls, 1.0 / 3.0), quantile(&pulls, 2.0 / 3.0));
     add("largest pull", "small".to_owned(), &|at| pull(at) < low);
     add("largest pull", "middling".to_owned(), &|at| pull(at) >= low && pull(at) < high);

@@ -52,6 +52,7 @@ impl Problem<'_> {
     /// The single effect that fits unseen trials best among those that are larger than in the baseline. None without a
     /// baseline, and where the model describes the robot exactly.
     pub(crate) fn judge_by_trials(&self, search: &Search) -> Option<JudgedEffect> {
+        // Only a model-form error breaks the likelihood; else the scores decide.
         let base = self.base.as_ref().filter(|_| self.model_form_m > 0.0)?;
         let fit_problem = self.fit_problem();
         // 1. The amplitude of each leading effect in every trial, beside the baseline's.
@@ -102,7 +103,9 @@ impl Problem<'_> {
         let simulated_m = simulate::tips(&self.model, &effects, &base.samples)?;
         let moved_m: Vec<f64> =
             simulated_m.iter().zip(&base.simulated_m).map(|(with, without)| with - without).collect();
+        // As many corrections are taken off both sides, so that amplitudes compare.
         let before = amplitudes(&base.samples, &base.form.unseen_m, &moved_m);
+        // Each recording has its own commands, hence its own displacement.
         let moved_m = self.displacement_m(&scored.fitted.simulated_m);
         let after = amplitudes(&self.training, residual_m, &moved_m);
         let has_trials = before.len().min(after.len()) >= MIN_TRIALS;
@@ -138,8 +141,10 @@ fn amplitudes(samples: &Samples, residual_m: &[f64], moved_m: &[f64]) -> Vec<f64
 /// Probability that numbers with the same mean differ by this much or more, `after` being larger.
 fn chance_of_more(before: &[f64], after: &[f64]) -> f64 {
     let [a, b] = [before, after].map(|side| standard_deviation(side).powi(2) / side.len() as f64);
+    // Degrees of freedom of Welch and Satterthwaite for unequal variances.
     let freedom = (a + b).powi(2) / (a * a / (before.len() as f64 - 1.0) + b * b / (after.len() as f64 - 1.0));
     let t = (mean(after) - mean(before)) / (a + b).sqrt();
+    // One-sided: an effect that is smaller than before is not the change.
     if t > 0.0 { 0.5 * student_beyond(t, freedom) } else { 1.0 }
 }
 
@@ -152,6 +157,7 @@ fn half_width(amplitudes: &[f64]) -> f64 {
 /// Whether `other` fits unseen trials significantly worse than `top` (paired t-test over the trials).
 fn is_worse(other: &Judged, top: &Judged) -> bool {
     let more: Vec<f64> = other.unseen_m2.iter().zip(&top.unseen_m2).map(|(other, top)| other - top).collect();
+    // Pairing takes off what makes one trial harder than another for every set.
     let spread = standard_deviation(&more) / (more.len() as f64).sqrt();
     let t = mean(&more) / spread.max(f64::MIN_POSITIVE);
     t > 0.0 && 0.5 * student_beyond(t, more.len() as f64 - 1.0) < WORSE_P_VALUE

@@ -108,17 +108,21 @@ pub(crate) fn decide(evidence: &VerdictEvidence) -> Decision {
         }
         VerdictEvidence::BestSet(set) => set,
     };
+    // 1. An objection outweighs everything else.
     if let Some(objection) = set.objection() {
         return Decision { verdict: Verdict::Unexplained, objection: Some(objection), remaining: None };
     }
+    // 2. No objection to the model as given: nothing is missing.
     if set.effects == 0 {
         return Decision { verdict: Verdict::Consistent, objection: None, remaining: None };
     }
+    // 3. Effects are named; rivals make the name ambiguous.
     let verdict = if set.has_rivals { Verdict::Ambiguous } else { Verdict::Named };
     let scattered = match set.held_out {
         HeldOutResult::Scattered(test) => Some(test),
         _ => None,
     };
+    // 4. A failed test that is no objection shows that the answer is incomplete.
     Decision { verdict, objection: None, remaining: set.failed_test.or(scattered) }
 }
 

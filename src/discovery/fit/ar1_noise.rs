@@ -55,6 +55,7 @@ impl Ar1Noise {
         let mut white = Vec::with_capacity(values.len());
         for row in 0..samples.len() {
             let correlation = self.carried_correlation(samples, row);
+            // The innovation of a stationary AR(1) process has variance σ²(1 − ρ²).
             let new = (1.0 - correlation * correlation).sqrt();
             for axis in 0..3 {
                 let at = 3 * row + axis;
@@ -67,6 +68,7 @@ impl Ar1Noise {
 
     /// Log-determinant of the covariance of all samples.
     pub(crate) fn log_determinant(&self, samples: &Samples) -> f64 {
+        // The whitening matrix is triangular, so its diagonal gives the determinant.
         let axes: f64 = self.sigma_m.iter().map(|sigma| (sigma * sigma).ln()).sum();
         let row = |row: usize| {
             let correlation = self.carried_correlation(samples, row);
@@ -95,6 +97,7 @@ impl Ar1Noise {
 pub(crate) fn effective_axes(variances: &[f64; 3]) -> f64 {
     let sum: f64 = variances.iter().sum();
     let squares: f64 = variances.iter().map(|variance| variance * variance).sum();
+    // Satterthwaite: (Σ σ²)² / Σ σ⁴.
     if squares > 0.0 { sum * sum / squares } else { 3.0 }
 }
 
@@ -105,7 +108,9 @@ fn correlation(samples: &Samples, residual: &[f64]) -> f64 {
     let of = |axis: usize| {
         let at = |row: usize| residual[3 * row + axis];
         let together: f64 = neighbours.iter().map(|&row| at(row) * at(row - 1)).sum();
+        // Both ends of a pair count alike, which keeps the ratio within ±1.
         let alone: f64 = neighbours.iter().map(|&row| 0.5 * (at(row).powi(2) + at(row - 1).powi(2))).sum();
+        // An axis that never moves has no correlation to average.
         (alone > min_m2).then(|| together / alone)
     };
     let each: Vec<f64> = (0..3).filter_map(of).collect();

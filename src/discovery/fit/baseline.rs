@@ -38,6 +38,7 @@ pub(crate) fn calibrate(
     baseline: &Samples,
     nuisances: &Nuisances,
 ) -> Option<(Model, CalibrationFactors)> {
+    // This fit never searches, so no candidate needs to be closed.
     let open = vec![true; candidates.len()];
     let fit_problem = FitProblem { model, coarse: model, candidates, open, samples: baseline, nuisances };
     let start = CALIBRATED.iter().filter_map(|name| {
@@ -101,6 +102,7 @@ impl PlaceBasis {
         let in_place = |terms: &dyn Fn(&Covariates) -> Vec<f64>| -> Vec<Vec<f64>> {
             let each = |at: &Covariates| {
                 let terms = terms(at);
+                // Each place of the body has its own model-form error.
                 if at.point == point { terms } else { vec![0.0; terms.len()] }
             };
             covariates.iter().map(each).collect()
@@ -122,6 +124,7 @@ impl PlaceBasis {
     /// Monomials up to degree three in the position.
     fn terms(&self, at: &Covariates) -> Vec<f64> {
         let x: [f64; 3] = std::array::from_fn(|axis| {
+            // Cubic terms explode outside the recorded poses; three deviations bound them.
             ((at.position_m[axis] - self.middle_m[axis]) / self.spread_m[axis]).clamp(-3.0, 3.0)
         });
         let mut terms = vec![1.0];
@@ -129,6 +132,7 @@ impl PlaceBasis {
             terms.push(x[i]);
             for j in i..3 {
                 terms.push(x[i] * x[j]);
+                // At the bound of three deviations a cubic term is then as large as a square one.
                 terms.extend((j..3).map(|k| x[i] * x[j] * x[k] / 3.0));
             }
         }
@@ -159,6 +163,7 @@ pub(crate) fn baseline_nuisances(baseline: SimulatedRecording) -> Nuisances {
 /// form.
 pub(crate) fn calibrated_nuisances(baseline: SimulatedRecording, recording: SimulatedRecording) -> Nuisances {
     let SimulatedRecording { samples, simulated_m, .. } = baseline;
+    // The scales are those of the baseline, so that its amounts mean the same in both recordings.
     let form = ModelFormBasis::new(&sample_covariates(samples, simulated_m));
     let before = baseline_nuisances(baseline);
     let nuisance_fit = before.explain(samples, &samples.residual(simulated_m), 0.0);

@@ -53,6 +53,7 @@ pub(crate) fn catalogue_candidates(model: &Model) -> Vec<CandidateEffect> {
     let tendons = model.robot.tendons.angles_deg.len();
     let each = CATALOGUE.iter().flat_map(|card| {
         let about_one = card.parameters.iter().any(|parameter| parameter.seek == Seek::Tendon);
+        // An effect about one tendon is one hypothesis a tendon.
         let each: Vec<usize> = if about_one { (1..=tendons).collect() } else { vec![0] };
         each.into_iter().map(|tendon| CandidateEffect::new(card, model, tendon)).collect::<Vec<_>>()
     });
@@ -153,6 +154,7 @@ impl CandidateEffect {
 
     /// Values without any effect, one for each combination of shapes and choices.
     pub(crate) fn variants(&self) -> Vec<Vec<f64>> {
+        // Cartesian product of the tries of all parameters.
         let mut variants = vec![Vec::new()];
         for search in &self.searches {
             let values: &[f64] = match search {
@@ -224,6 +226,7 @@ impl CandidateEffect {
             ParameterSearch::Shape { ref tries, positive: true } => {
                 let min = tries.iter().copied().fold(f64::INFINITY, f64::min) / MAX_SHAPE_FACTOR;
                 let max = tries.iter().copied().fold(0.0, f64::max) * MAX_SHAPE_FACTOR;
+                // Times and yield points are steps in the logarithm, so they stay positive.
                 there[index] = (values[index] * step.exp()).clamp(min, max);
             }
             _ => there[index] += step,
@@ -245,6 +248,7 @@ impl CandidateEffect {
         if is_in_range(&there) || !is_in_range(values) {
             return there;
         }
+        // A range may depend on other parameters, so only the effect itself tells its end.
         let (mut inside, mut outside) = (0.0, 1.0);
         for _ in 0..RANGE_BISECTIONS {
             let middle = 0.5 * (inside + outside);
@@ -254,13 +258,16 @@ impl CandidateEffect {
         let mut round = last.clone();
         let unit = ROUNDING_SHARE * self.probe(index);
         // Adding 0.0 turns a negative zero into a positive one.
+        // Rounding gives an exact zero where bisection ends at 1e-18.
         round[index] = (last[index] / unit).round() * unit + 0.0;
+        // Rounding may step over the end.
         if is_in_range(&round) { round } else { last }
     }
 
     /// Whether a size is at the end of its valid range.
     pub(crate) fn is_at_range_end(&self, values: &[f64]) -> bool {
         let is_out = |index: usize, step: f64| self.effect(&self.moved(values, index, step)).is_none();
+        // A bound is reached if a thousandth of a usual size further is invalid.
         let small_step = |index: usize| 1e-3 * self.probe(index).abs();
         self.sizes().into_iter().any(|index| is_out(index, small_step(index)) || is_out(index, -small_step(index)))
     }
@@ -285,6 +292,7 @@ fn places(robot: &Robot, length_m: f64) -> Vec<f64> {
     let count = if sections.is_empty() { PLACES } else { sections.len().min(2 * PLACES) };
     let place = |k: usize| {
         let share = (k as f64 + 0.5) / count as f64;
+        // Effects that stand at a place act on sections, so tries fall on their middles.
         let section = sections.get((share * sections.len() as f64) as usize);
         section.map_or(share * length_m, |section| section.start_m + 0.5 * section.length_m)
     };

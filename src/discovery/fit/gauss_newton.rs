@@ -126,6 +126,7 @@ impl FitProblem<'_> {
         target_deviance: f64,
     ) -> Option<FittedSet> {
         let mut jacobian = fitted.jacobian.clone();
+        // A coordinate without a derivative gets no step.
         jacobian.column_mut(at).fill(0.0);
         self.descend(FittedSet { jacobian, ..self.evaluate(members)? }, StopRule::Near { target_deviance })
     }
@@ -137,12 +138,14 @@ impl FitProblem<'_> {
             StopRule::Exact { fresh } => (true, fresh),
         };
         for _ in 0..MAX_STEPS {
+            // Far from its target a rough fit must make progress in proportion.
             let small = match rule {
                 StopRule::Rough { target_deviance } => {
                     MIN_ROUGH_DECREASE.max(MIN_DECREASE_SHARE * (best.nuisance_fit.deviance - target_deviance))
                 }
                 StopRule::Near { .. } | StopRule::Exact { .. } => MIN_DECREASE,
             };
+            // A step that cannot reach the target is not worth a simulation.
             let needed = match rule {
                 StopRule::Near { target_deviance } => small.max(best.nuisance_fit.deviance - target_deviance),
                 StopRule::Rough { .. } | StopRule::Exact { .. } => small,
@@ -154,11 +157,13 @@ impl FitProblem<'_> {
             let next = shares.iter().find_map(|&share| self.accept_step(&best, &(share * &step)));
             let decrease = next.as_ref().map_or(0.0, |next| best.nuisance_fit.deviance - next.nuisance_fit.deviance);
             best = next.unwrap_or(best);
+            // A rough fit never renews its Jacobian.
             if !exact && decrease < small {
                 break;
             }
             if decrease >= small {
                 fresh = false;
+            // A fresh Jacobian that gives no progress is at the optimum.
             } else if fresh {
                 break;
             } else {
@@ -204,6 +209,7 @@ impl FitProblem<'_> {
         let (normal, free) = self.normal_matrix(fitted);
         let inverse = Cholesky::new(normal)?.inverse();
         let count = inverse.ncols() - free;
+        // A block of the inverse is the covariance with all other parameters integrated out.
         Some(inverse.view((free, free), (count, count)).into_owned())
     }
 
@@ -213,6 +219,7 @@ impl FitProblem<'_> {
         let count = normal.ncols() - free;
         let shared = normal.view((0, free), (free, count)).into_owned();
         let factor = Cholesky::new(normal.view((free, free), (count, count)).into_owned())?;
+        // Schur complement: the information that is left once the coordinates are fitted, too.
         Some(normal.view((0, 0), (free, free)) - &shared * factor.solve(&shared.transpose()))
     }
 
@@ -253,6 +260,7 @@ impl FitProblem<'_> {
     /// Optimization, section 11.1).
     fn accept_step(&self, from: &FittedSet, step: &DVector<f64>) -> Option<FittedSet> {
         let mut next = self.evaluate(self.moved(&from.members, step))?;
+        // The range may have cut the step; Broyden's update needs the step that was made.
         let step = &self.between(&from.members, &next.members);
         if next.nuisance_fit.deviance >= from.nuisance_fit.deviance {
             return None;
@@ -261,6 +269,7 @@ impl FitProblem<'_> {
             next.simulated_m.len(),
             next.simulated_m.iter().zip(&from.simulated_m).map(|(there, here)| there - here),
         );
+        // Broyden: the least change of the Jacobian that reproduces this step.
         let missed = change - &from.jacobian * step;
         next.jacobian = &from.jacobian + missed * step.transpose() / step.norm_squared().max(f64::MIN_POSITIVE);
         Some(next)
@@ -270,6 +279,7 @@ impl FitProblem<'_> {
     pub(crate) fn differentiate(&self, fitted: &FittedSet) -> Option<DMatrix<f64>> {
         let count = self.coordinates(&fitted.members).len();
         let columns: Vec<DVector<f64>> =
+            // Columns are independent simulations.
             (0..count).into_par_iter().map(|k| self.jacobian_column(fitted, k)).collect::<Option<_>>()?;
         Some(DMatrix::from_fn(fitted.simulated_m.len(), count, |row, k| columns[k][row]))
     }
@@ -304,12 +314,15 @@ impl FitProblem<'_> {
         loop {
             let (step, predicted) = self.constrained_step(fitted, &held)?;
             let moved = self.between(&fitted.members, &self.moved(&fitted.members, &step));
+            // Active set: a coordinate that meets its bound is fixed there and the rest is solved
+            // anew.
             let is_cut = |k: &usize| (moved[*k] - step[*k]).abs() > CUT_TOLERANCE * step[*k].abs();
             let cut = (0..step.len()).filter(|k| is_cut(k) && !held.iter().any(|held| held.coordinate == *k));
             let cut: Vec<HeldStep> = cut.map(|k| HeldStep { coordinate: k, step: moved[k] }).collect();
             if cut.is_empty() {
                 return Some((step, predicted));
             }
+            // Each pass holds one more coordinate at least, so the loop ends.
             held.extend(cut);
         }
     }
@@ -319,21 +332,25 @@ impl FitProblem<'_> {
         let (mut normal, free) = self.normal_matrix(fitted);
         let count = normal.ncols() - free;
         for k in free..free + count {
+            // A tiny Levenberg term keeps collinear or held (zero) columns solvable.
             normal[(k, k)] *= 1.0 + 1e-6;
             normal[(k, k)] += 1e-12;
         }
         let noise = &fitted.nuisance_fit.noise;
         let residual = DVector::from_vec(noise.whiten(self.samples, &fitted.nuisance_fit.residual_m));
+        // Nuisance parameters are at their optimum for this residual, so their gradient is zero.
         let mut right = DVector::zeros(free + count);
         for (k, column) in fitted.jacobian.column_iter().enumerate() {
             right[free + k] = DVector::from_vec(noise.whiten(self.samples, column.as_slice())).dot(&residual);
         }
         let (mut stiff, mut pulled) = (normal.clone(), right.clone());
         for &HeldStep { coordinate: k, step } in held {
+            // Penalty: a huge stiffness with its load fixes the step at the wanted value.
             stiff[(free + k, free + k)] *= HOLDING_STIFFNESS;
             pulled[free + k] = stiff[(free + k, free + k)] * step;
         }
         let step = Cholesky::new(stiff)?.solve(&pulled);
+        // Decrease of the quadratic model 2 gᵀs − sᵀHs, without the penalty.
         let predicted = 2.0 * right.dot(&step) - step.dot(&(&normal * &step));
         Some((step.rows(free, count).into_owned(), predicted))
     }

@@ -86,16 +86,20 @@ impl Nuisances {
         let residual: Vec<f64> =
             residual.iter().zip(self.offset.iter()).map(|(residual, offset)| residual - offset).collect();
         let residual = residual.as_slice();
+        // Noise and amounts depend on each other: estimate them in turn.
         let mut noise = Ar1Noise::estimate(samples, residual, freedom);
         let mut posterior = self.amounts(samples, residual, &noise);
         for _ in 0..ROUNDS {
             let remaining_m = self.subtract(residual, &posterior.values);
+            // A nuisance parameter uses up a degree of freedom only as far as data, not prior, fix
+            // it.
             noise = Ar1Noise::estimate(samples, &remaining_m, freedom + posterior.freedom);
             posterior = self.amounts(samples, residual, &noise);
         }
         let Amounts { values: amounts, log_determinant, .. } = posterior;
         let residual_m = self.subtract(residual, &amounts);
         // Minus twice the log-likelihood with the amounts integrated out (Laplace's method, exact for linear columns).
+        // The deviation from the prior counts like further residuals.
         let off = &amounts - &self.mean;
         let squares: f64 = noise.whiten(samples, &residual_m).iter().map(|w| w * w).sum();
         let deviance = noise.log_determinant(samples) + squares + off.dot(&(&self.precision * &off)) + log_determinant
@@ -146,8 +150,10 @@ impl Nuisances {
         let target = DVector::from_vec(noise.whiten(samples, residual));
         let information = white.tr_mul(&white);
         let posterior = &information + &self.precision;
+        // Normal equations of ridge regression towards the prior mean.
         let right = white.tr_mul(&target) + &self.precision * &self.mean;
         let Some(factor) = Cholesky::new(posterior) else { return prior() };
+        // Effective number of parameters: the trace of the hat matrix.
         let freedom = factor.solve(&information).trace();
         let log_determinant = 2.0 * factor.l().diagonal().iter().map(|d| d.ln()).sum::<f64>();
         Amounts { values: factor.solve(&right), log_determinant, freedom }

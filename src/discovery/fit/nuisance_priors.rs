@@ -85,9 +85,11 @@ impl<'a> UncertainParameters<'a> {
                 |number: &UncertainParameter| self.sensitivity(number, model, &effects, samples, &base_m);
             self.parameters.par_iter().map(sensitivity_of).collect()
         };
+        // A strong effect changes these answers, so they are taken beside the members.
         let mut sensitivities = beside(members);
         if !members.is_empty() && sensitivities.iter().any(Option::is_none) {
             sensitivities =
+                // A combination that cannot be played falls back to the model alone.
                 sensitivities.into_iter().zip(beside(&[])).map(|(with, without)| with.or(without)).collect();
         }
         let zero = || vec![0.0; 3 * samples.len()];
@@ -106,6 +108,7 @@ impl<'a> UncertainParameters<'a> {
         samples: &Samples,
         base_m: &[f64],
     ) -> Option<Vec<f64>> {
+        // The column stays, as zeros, because a baseline counts its columns without members.
         if number.replaced {
             return Some(vec![0.0; base_m.len()]);
         }
@@ -114,6 +117,7 @@ impl<'a> UncertainParameters<'a> {
             Some((tips(model, &[effects, &[effect]].concat(), samples)?, moved))
         };
         let usual = self.candidates[number.candidate].probe(number.size).abs();
+        // A wide difference averages over the range in which the parameter may lie.
         let step = (MAX_DEVIATIONS * number.deviation).max(MIN_STEP_SHARE * usual);
         let (high, low) = (side(step), side(-step));
         // A side that cannot be simulated is replaced by the model as it is: a one-sided difference.
@@ -146,9 +150,11 @@ impl<'a> UncertainParameters<'a> {
         let mut linear_m = DVector::zeros(nuisances.columns.nrows());
         let mut all = Vec::new();
         for (k, number) in self.parameters.iter().enumerate().filter(|(_, number)| !number.replaced) {
+            // Farther out the estimate stands for something else, and the play might fail.
             let max = MAX_DEVIATIONS * number.deviation;
             let (effect, moved) = self.moved(number, (amounts[k] - nuisances.mean[k]).clamp(-max, max))?;
             all.push(effect);
+            // The range may have cut the move, so the linear part follows what was played.
             linear_m += moved * nuisances.columns.column(k);
         }
         Some((all, linear_m))

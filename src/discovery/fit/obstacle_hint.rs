@@ -55,6 +55,7 @@ type Place = [f64; 4];
 pub(crate) fn obstacle_hint(rows: &[BodyRow], length_m: f64) -> Option<ObstacleHint> {
     let mut lengths: Vec<f64> = rows.iter().map(|row| row.residual_m.norm()).collect();
     lengths.sort_by(f64::total_cmp);
+    // Up to three quarters of the rows may be in contact without raising the lower quartile.
     let limit_m = LARGE_RATIO * lengths.get(lengths.len() / 4)?;
     let large = lengths.iter().filter(|length| **length > limit_m).count();
     if !CONTACT_SHARES.contains(&(large as f64 / lengths.len() as f64)) {
@@ -85,6 +86,7 @@ fn grid() -> Vec<Place> {
     for step in 0..AZIMUTHS {
         let azimuth = std::f64::consts::TAU * step as f64 / AZIMUTHS as f64 - std::f64::consts::PI;
         for distance in DISTANCES {
+            // A wall has no place along the robot; 0.5 only fills the slot.
             places.push([distance, azimuth, 0.5, 0.0]);
             for position in POSITIONS {
                 places.extend(RADII.iter().map(|radius| [distance, azimuth, position, 1.0 / radius]));
@@ -97,6 +99,7 @@ fn grid() -> Vec<Place> {
 /// The best place near `start`, by steps along each number that are halved.
 fn refine(rows: &[BodyRow], length_m: f64, start: (f64, Place)) -> (f64, Place) {
     let mut best = start;
+    // Half a grid step: the grid has told which cell is best.
     let mut steps = [0.02, 0.13, 0.05, 0.3 * start.1[3]];
     for _ in 0..HALVINGS {
         loop {
@@ -124,6 +127,7 @@ fn refine(rows: &[BodyRow], length_m: f64, start: (f64, Place)) -> (f64, Place) 
 /// the lever to the tip.
 fn agreement(rows: &[BodyRow], length_m: f64, [distance, azimuth, position, curvature]: Place) -> f64 {
     let outwards = Vector3::new(azimuth.cos(), azimuth.sin(), 0.0);
+    // Infinite for a wall, which the branch below treats by its plane.
     let radius_m = length_m / curvature;
     let center_m = outwards * (distance * length_m + radius_m) + Vector3::z() * (position * length_m);
     let (mut product, mut pushed, mut residual) = (0.0, 0.0, 0.0);
@@ -137,8 +141,10 @@ fn agreement(rows: &[BodyRow], length_m: f64, [distance, azimuth, position, curv
                 let far_m = arm.norm();
                 (radius_m - far_m, arm / far_m)
             };
+            // Only the deepest place pushes.
             if depth_m > deepest_m {
                 deepest_m = depth_m;
+                // A rod that is pushed aside at one place moves its tip by the lever ratio more.
                 push = normal * (depth_m * row.places_m.len() as f64 / (k + 1) as f64);
             }
         }

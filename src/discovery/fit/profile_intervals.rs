@@ -42,6 +42,7 @@ impl FitProblem<'_> {
         };
         self.profile_ends(best, k, radius).into_iter().for_each(|(parameter, ends)| widen(parameter, ends));
         let values = &best.members[k].values;
+        // A choice has no derivative: its interval is that of the choices that fit nearly as well.
         for beside in self.candidates[best.members[k].candidate].neighbouring_choices(values) {
             let Some(parameter) = (0..values.len()).find(|&index| beside[index] != values[index]) else { continue };
             let towards = beside[parameter] - values[parameter];
@@ -65,6 +66,7 @@ impl FitProblem<'_> {
         let coordinates = self.coordinates(&fitted.members).into_iter().enumerate();
         let interval = |(at, (_, parameter)): (usize, (usize, usize))| {
             let end = |sign: f64| {
+                // Venzon & Moolgavkar start from the quadratic prediction, too.
                 let step = self.interval_end(&Profile::new(fitted, &covariance, at, sign, radius));
                 candidate.moved_within(values, parameter, sign * step * candidate.probe(parameter))[parameter]
             };
@@ -124,6 +126,7 @@ impl FitProblem<'_> {
                 _ => f64::INFINITY,
             };
             let Some(there) = self.fit_holding(fitted, coordinate, members, target_deviance) else {
+                // Too far to be simulated: halve the way back.
                 step = 0.5 * (last.0 + step);
                 continue;
             };
@@ -132,10 +135,12 @@ impl FitProblem<'_> {
             }
             let root = (there.nuisance_fit.deviance - min_deviance).max(0.0).sqrt();
             if root >= min_root {
+                // Interpolate the root of the deviance, which a quadratic makes linear in the step.
                 let beyond = if last.0 > 0.0 { (root - radius).max(0.0) / (root - last.1) } else { 0.0 };
                 return step - beyond * (step - last.0);
             }
             last = (step, root);
+            // At most double: beyond a jump the secant would leap far past the end.
             step *= (radius / root).min(2.0);
         }
         last.0
@@ -183,6 +188,8 @@ impl FitProblem<'_> {
             let Some(next) = beside.find(|next| towards * (next[parameter] - here) > 0.0) else { return choices };
             members[k].values = next;
             let Some(there) = self.refit(members, last.jacobian.clone()) else { return choices };
+            // What the choice has already used of the admissible rise is gone for its other
+            // numbers.
             let square = radius * radius - (there.nuisance_fit.deviance - best.nuisance_fit.deviance);
             if square <= 0.0 {
                 return choices;
@@ -196,6 +203,7 @@ impl<'a> Profile<'a> {
     /// Of a `coordinate` as it moves by `sign`.
     fn new(fitted: &'a FittedSet, covariance: &DMatrix<f64>, coordinate: usize, sign: f64, radius: f64) -> Profile<'a> {
         let variance = covariance[(coordinate, coordinate)].max(f64::MIN_POSITIVE);
+        // Along this direction the others are refitted to first order.
         let direction = covariance.column(coordinate) * (sign / variance);
         Profile { fitted, coordinate, direction, predicted: radius * variance.sqrt(), radius }
     }

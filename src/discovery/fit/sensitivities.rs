@@ -38,6 +38,7 @@ pub(crate) fn sensitivities(
     samples: &Samples,
 ) -> Vec<Sensitivity> {
     let effects = effect_specs(candidates, members).unwrap_or_default();
+    // One simulation serves as the foot of all differences.
     let Some(simulated_m) = tips(model, &effects, samples) else { return Vec::new() };
     let simulated_m = simulated_m.as_slice();
     let variants: Vec<(usize, Vec<f64>)> = candidates

@@ -16,6 +16,7 @@ impl FitProblem<'_> {
     /// that become taut).
     pub(crate) fn step_out(&self, mut fitted: FittedSet) -> FittedSet {
         for _ in 0..MAX_FITS {
+            // A better place may lead on to the next, so the search starts again from there.
             let better = self.find_better(&fitted).and_then(|ahead| self.refit(ahead.members, ahead.jacobian));
             match better.filter(|better| better.nuisance_fit.deviance < fitted.nuisance_fit.deviance - MIN_DECREASE) {
                 Some(better) => fitted = better,
@@ -44,6 +45,7 @@ impl FitProblem<'_> {
             let members = self.moved(&fitted.members, &step);
             let deviance =
                 best.as_ref().map_or(fitted.nuisance_fit.deviance - MIN_DECREASE, |best| best.nuisance_fit.deviance);
+            // Held at the new place, else the fit would slide back to the optimum it came from.
             match self.fit_holding(fitted, at, members, deviance).filter(|there| there.nuisance_fit.deviance < deviance)
             {
                 Some(there) => best = Some(there),

@@ -25,6 +25,7 @@ impl BaselineSizes {
     pub(crate) fn new(problem: &Problem) -> BaselineSizes {
         let Some(base) = &problem.base else { return BaselineSizes::default() };
         let (samples, residual_m) = (&base.samples, base.form.unseen_m.clone());
+        // Each trial was corrected by the others, so no degree of freedom was spent on it.
         let noise = Ar1Noise::estimate(samples, &residual_m, 0.0);
         let unseen = NuisanceFit { noise, amounts: DVector::zeros(0), residual_m, deviance: f64::NAN };
         let floor = NoiseFloor::estimate(samples, &unseen, &base.simulated_m);

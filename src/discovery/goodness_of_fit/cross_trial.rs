@@ -45,10 +45,12 @@ pub(crate) fn test_cross_trial(
         patterns.iter().map(|&pattern| CrossPrediction::new(pattern, &points, &blocks)).collect();
     let mut random = seed.child("signs").rng();
     let mut drawn = || -> Vec<f64> {
+        // Under the null hypothesis noise is symmetric, so signs of whole blocks may be flipped.
         let mut sign = || if random.random_range(0..2) == 0 { -1.0 } else { 1.0 };
         let signs: Vec<[f64; 3]> = blocks.iter().map(|_| std::array::from_fn(|_| sign())).collect();
         tables.iter().map(|table| table.success(&signs)).collect()
     };
+    // 1. Draws that give each pattern the mean and the deviation of its success by chance.
     let first: Vec<Vec<f64>> = (0..MIN_DRAWS).map(|_| drawn()).collect();
     // Test statistic: the largest standardised success over the patterns.
     let moments: Vec<(f64, f64)> = (0..tables.len()).map(|k| moments(first.iter().map(|draw| draw[k]))).collect();
@@ -56,15 +58,18 @@ pub(crate) fn test_cross_trial(
         let scaled = successes.iter().zip(&moments).map(|(value, (mean, deviation))| (value - mean) / deviation);
         scaled.fold(f64::NEG_INFINITY, f64::max)
     };
+    // 2. The observed success is that without any flip.
     let unsigned = vec![[1.0; 3]; blocks.len()];
     let observed: Vec<f64> = tables.iter().map(|table| table.success(&unsigned)).collect();
     let height = best(&observed);
+    // 3. Draws until enough do as well by chance.
     let mut draws = MIN_DRAWS;
     let mut above = first.iter().filter(|draw| best(draw) >= height).count();
     while above < MAX_CHANCE_SUCCESSES && draws < MAX_DRAWS {
         draws += 1;
         above += usize::from(best(&drawn()) >= height);
     }
+    // The observed data count as one draw, so that p is never zero.
     let counted = (above + 1) as f64 / (draws + 1) as f64;
     // Below the resolution of the draws: tail of the normal distribution.
     let p_value = if above == 0 { counted.min(tables.len() as f64 * normal_above(height)) } else { counted };
@@ -87,6 +92,7 @@ fn moments(values: impl Iterator<Item = f64>) -> (f64, f64) {
 
 /// Blocks of samples with a common sign: at least [`MIN_BLOCKS`].
 fn blocks(ranges: &[Range<usize>]) -> Vec<Range<usize>> {
+    // Few trials allow few sign patterns, 2^blocks, so they are divided.
     let parts = MIN_BLOCKS.div_ceil(ranges.len().max(1));
     let cut = |range: &Range<usize>| -> Vec<Range<usize>> {
         let at = |part: usize| range.start + range.len() * part / parts;

@@ -25,6 +25,7 @@ impl Problem<'_> {
         let members = effect_specs(&self.candidates, &answer.members).unwrap_or_default();
         let play = |more: &[EffectSpec]| simulate::tips(&self.model, &[&members, more].concat(), &self.held_out);
         let nuisances = self.uncertain(&answer.members).linearised_at(beside, amounts, simulated_m, &play);
+        // What is uncertain stays within what the training fit has left of it.
         let nuisances = nuisances.with_prior(amounts.clone(), precision);
         Some(nuisances.explain(&self.held_out, &self.held_out.residual(simulated_m), 0.0))
     }
@@ -49,6 +50,7 @@ impl Problem<'_> {
             more_m: (unseen_m2 - fitted_m2).max(0.0).sqrt(),
             beyond_m: fitted_m2.sqrt(),
         };
+        // No law is exact, so held-out trials may be worse by the expected law error.
         let min_m = self.least_relevant_m(result.beyond_m).max(self.law_error_m(&answer.simulated_m));
         Some(result).filter(|result| result.is_failed(self.options.false_alarm, min_m))
     }

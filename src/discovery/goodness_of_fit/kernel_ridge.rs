@@ -49,6 +49,7 @@ impl BinnedSamples {
             let first = points.covariates.len();
             for start in trial.clone().step_by(together) {
                 let rows = start..trial.end.min(start + together);
+                // Commands and history cannot be averaged; the middle sample stands for all.
                 points.covariates.push(covariates[start + rows.len() / 2].clone());
                 let mean =
                     |axis: usize| rows.clone().map(|row| residual[3 * row + axis]).sum::<f64>() / rows.len() as f64;
@@ -82,10 +83,12 @@ impl CrossPrediction {
         for there in trials {
             let others: Vec<usize> =
                 trials.iter().filter(|trial| *trial != there).flat_map(|trial| trial.clone()).collect();
+            // Ridge regression on all other trials (K + λI).
             let mut gram = DMatrix::from_fn(others.len(), others.len(), |i, j| kernel[(others[i], others[j])]);
             (0..others.len()).for_each(|k| gram[(k, k)] += RIDGE);
             let Some(factor) = Cholesky::new(gram) else { continue };
             let cross = DMatrix::from_fn(others.len(), there.len(), |i, j| kernel[(others[i], there.start + j)]);
+            // The weights depend on covariates alone, so that flipped signs need no new solve.
             let weights = factor.solve(&cross);
             let inside = |block: &Range<usize>| there.contains(&block.start);
             for axis in 0..3 {
@@ -94,6 +97,7 @@ impl CrossPrediction {
                 let measured = part(there.clone());
                 let mut sum = DVector::zeros(there.len());
                 for (other, block) in blocks.iter().enumerate().filter(|(_, block)| !inside(block)) {
+                    // A block lies within one trial, so its rows are contiguous among `others`.
                     let first = others.partition_point(|&row| row < block.start);
                     let predicted = weights.rows(first, block.len()).tr_mul(&part(block.clone()));
                     for (row, here) in blocks.iter().enumerate().filter(|(_, block)| inside(block)) {
@@ -102,6 +106,7 @@ impl CrossPrediction {
                     }
                     sum += predicted;
                 }
+                // |r|² − |r − r̂|²: negative where the prediction is worse than none.
                 foretold += 2.0 * measured.dot(&sum) - sum.norm_squared();
             }
         }
@@ -127,6 +132,7 @@ fn kernel(pattern: ResidualPattern, covariates: &[Covariates]) -> DMatrix<f64> {
             ResidualPattern::Constant => Vec::new(),
             ResidualPattern::Pose => at.position_m.iter().chain(&at.command).copied().collect(),
             ResidualPattern::History => {
+                // Friction and hysteresis depend on how far the last reversal is behind.
                 let within = at.command.iter().zip(&at.largest).map(|(now, largest)| largest - now);
                 at.change.iter().chain(&at.change_before).copied().chain(at.moved_m).chain(within).collect()
             }
@@ -137,6 +143,7 @@ fn kernel(pattern: ResidualPattern, covariates: &[Covariates]) -> DMatrix<f64> {
     let scale: Vec<f64> = (0..width)
         .map(|k| {
             let column: Vec<f64> = features.iter().map(|row| row[k]).collect();
+            // The typical distance is one, whatever the number of covariates.
             crate::math::summary::standard_deviation(&column).max(1e-12) * (width as f64).sqrt()
         })
         .collect();

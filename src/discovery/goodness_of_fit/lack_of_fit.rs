@@ -25,6 +25,8 @@ pub(crate) fn lack_of_fit_test(
             if is_start(samples, group) { group.len() as f64 } else { noise.independent(group.len()).max(1.0) };
         let mean = |axis: usize| group.iter().map(|&row| residual_m[3 * row + axis]).sum::<f64>() / group.len() as f64;
         let square: f64 = (0..3).map(|axis| mean(axis).powi(2)).sum();
+        // The mean of n samples has 1/n of their variance; n times its square compares with one
+        // sample.
         squares += independent * square;
         weighed += group.len() as f64 * square;
         weights += group.len() as f64;

@@ -28,6 +28,7 @@ pub(crate) fn levene_test(samples: &Samples, nuisance_fit: &NuisanceFit) -> Test
     let independent = nuisance_fit.noise.independent(samples.len());
     let (above, below) = (groups - 1.0, (independent - groups).max(1.0));
     let ratio = between / above / (within / below).max(f64::MIN_POSITIVE);
+    // The size is told in metres, since the ratio says nothing of relevance.
     let each: Vec<f64> =
         ranges.iter().map(|r| rms_m(&nuisance_fit.residual_m[3 * r.start..3 * r.end]).powi(2)).collect();
     let worst = each.iter().copied().fold(0.0, f64::max);

@@ -66,6 +66,7 @@ impl Problem<'_> {
         let (samples, nuisance_fit) = (&self.training, &fitted.nuisance_fit);
         let model_m = self.model_error_m();
         let relevant_m = self.least_relevant_m(nuisance_fit.noise.rms_m());
+        // Effects that were found may follow laws a little different from the catalogue's.
         let law_m = relevant_m.max(self.allowed_law_error_m(fitted, 1.0));
         // Test 2: variance above the noise floor.
         let floor = NoiseFloor::estimate(samples, nuisance_fit, &fitted.simulated_m);
@@ -84,6 +85,7 @@ impl Problem<'_> {
         };
         let lack_of_fit = lack_of_fit_test(samples, &nuisance_fit.residual_m, &nuisance_fit.noise, &floor);
         let spearman = spearman_test(nuisance_fit, &self.displacement_m(&fitted.simulated_m));
+        // With too few samples the score test is not asked.
         let nothing = TestResult { test: FitTest::Score, p_value: 1.0, more_m: 0.0, beyond_m: 0.0 };
         let score = score_test(samples, nuisances, fitted, &self.catalogue_sensitivities()).unwrap_or(nothing);
         // The score test covers only the part that the catalogue explains, and is not relative to the noise floor.

@@ -32,6 +32,7 @@ pub(crate) fn score_test(
         return None;
     }
     let factor = factor(nuisances, &free)?;
+    // Project the responses on what the free parameters cannot explain.
     let beyond = &sensitivities - &free * factor.solve(&free.tr_mul(&sensitivities));
     let residual = DVector::from_vec(noise.whiten(samples, &fitted.nuisance_fit.residual_m));
     // The fit may be short of its optimum: member parameters take what they still can (Neyman's C(α)). Nuisance
@@ -43,6 +44,7 @@ pub(crate) fn score_test(
     // The score statistic in the directions that the free parameters leave determined.
     let directions = SymmetricEigen::new(sensitivities.tr_mul(&beyond));
     let min_variance = MIN_DIRECTION_SHARE * directions.eigenvalues.max().max(1.0);
+    // Nearly collinear responses would divide noise by nothing.
     let (mut explained, mut count) = (0.0, 0);
     for (direction, &variance) in directions.eigenvectors.column_iter().zip(&directions.eigenvalues) {
         if variance > min_variance {
@@ -53,7 +55,9 @@ pub(crate) fn score_test(
     let numbers = residual.len();
     // Conservative: priors reduce the number of free parameters.
     let freedom = numbers.checked_sub(count + free.ncols()).filter(|freedom| *freedom > 0)? as f64;
+    // The unexplained rest estimates the noise; what was fitted already flatters it.
     let rest = (residual.norm_squared() - explained).max(0.0) / freedom;
+    // Noise alone explains its variance once in each direction.
     let more = (explained - count as f64 * rest).max(0.0) / numbers as f64;
     Some(TestResult {
         test: FitTest::Score,

@@ -33,9 +33,11 @@ pub(crate) fn spearman_test(nuisance_fit: &NuisanceFit, moved: &[f64]) -> TestRe
 
 /// Tail probability by Student's t.
 fn chance(correlation: f64, freedom: f64) -> f64 {
+    // t² = r² (n − 2) / (1 − r²), whose law is F(1, n − 2).
     let square =
         correlation * correlation * freedom.max(1.0) / (1.0 - correlation * correlation).max(f64::MIN_POSITIVE);
     let beyond = 0.5 * f_above(square, 1.0, freedom.max(1.0));
+    // One-sided: a residual that shrinks with the effect is no imitation.
     if correlation > 0.0 { beyond } else { 1.0 - beyond }
 }
 

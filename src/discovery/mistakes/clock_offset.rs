@@ -51,6 +51,7 @@ pub(crate) fn find(model: &Model, measured: &Recording, options: &Options) -> Op
         (0..=MAX_STEPS * PARTS_PER_STEP).map(|part| squares(part as f64 * part_s)).collect::<Option<_>>()?;
     let best = (0..each.len()).min_by(|a, b| each[*a].total_cmp(&each[*b]))?;
     // 2. Only a clear minimum inside the range is a clock: an effect that slows the robot does not lead its commands.
+    // The lagging fit stands for effects that change when the robot moves.
     if best == 0 || best + 1 == each.len() || scan.fit(0.0, true)?.squares_m2 < MIN_RATIO * each[best] {
         return None;
     }
@@ -60,8 +61,10 @@ pub(crate) fn find(model: &Model, measured: &Recording, options: &Options) -> Op
     let fit = scan.fit(offset_s, false)?;
     // 4. The squares grow as a parabola around the least; correlated residuals count for less.
     let rises_m2 = [-part_s, part_s].map(|step_s| squares(offset_s + step_s).unwrap_or(f64::INFINITY) - fit.squares_m2);
+    // Second difference, an estimate of the second derivative.
     let curvature = (rises_m2[0] + rises_m2[1]) / (part_s * part_s);
     let correlation = fit.correlation.clamp(0.0, 0.9);
+    // An AR(1) residual inflates the variance by (1 + ρ)/(1 − ρ).
     let variance_m2 = fit.squares_m2 / (3 * scan.len()) as f64 * (1.0 + correlation) / (1.0 - correlation);
     let half_s = (2.0 * CHI_SQUARED_95 * variance_m2 / curvature.max(f64::MIN_POSITIVE)).sqrt().hypot(2.0 * LAG_BIAS_S);
     // 5. An offset of one step is a log that holds command and tip of the same moment.
@@ -72,6 +75,7 @@ pub(crate) fn find(model: &Model, measured: &Recording, options: &Options) -> Op
 
 /// The place of the least value between two places, by golden section.
 fn golden_section([mut low, mut high]: [f64; 2], value: &dyn Fn(f64) -> f64) -> f64 {
+    // One inner point of each bracket serves in the next one: one new value a step.
     let inner = |low: f64, high: f64| [high - GOLDEN * (high - low), low + GOLDEN * (high - low)];
     let mut places = inner(low, high);
     let mut values = places.map(value);
@@ -136,6 +140,7 @@ impl ClockOffset {
             let moved = options.samples(model, &measured.with_tips_later(offset_s));
             simulate::tips(&coarse, &[], &moved).filter(|tips_m| tips_m.len() == 3 * samples.len())
         };
+        // A step beyond the offset itself would need tips from before the recording.
         let step_s = VELOCITY_STEP_S.min(0.5 * self.offset_s);
         let (Some(before), Some(after)) = (tips(self.offset_s - step_s), tips(self.offset_s + step_s)) else {
             return samples;

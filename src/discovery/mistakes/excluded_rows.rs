@@ -32,6 +32,7 @@ impl<'a> PreparedRecording<'a> {
         if exclusions.is_empty() {
             return PreparedRecording { original, exclusions, kept: original.clone(), samples };
         }
+        // Excluded rows stay as commands: the robot obeyed them, though nothing was seen.
         let kept = exclusions.without(original);
         let samples = options.samples(model, &kept);
         PreparedRecording { original, exclusions, kept, samples }

@@ -88,6 +88,7 @@ pub(crate) fn find(model: &Model, measured: &PreparedRecording, options: &Option
     let mut hypotheses: Vec<Hypothesis> = Vec::new();
     for command in command_changes(&measured.kept) {
         let changed = with_commands(&samples, &command);
+        // A wrong unit may ask for commands that no rod can follow.
         let Some(simulated_m) = simulate::tips(&coarse, &[], &changed) else { continue };
         // In the scale of the prediction, so that a unit does not shrink the error.
         let max_after_m = LARGE_SHARE * simulated_motion_m(&simulated_m);
@@ -159,6 +160,7 @@ fn tip_changes(base_m: Point3) -> Vec<TipFix> {
                 continue;
             }
             let change = move |tip: &Point3| -> Point3 {
+                // Axes turn about the base, where the model and the frame agree.
                 std::array::from_fn(|axis| base_m[axis] + sign[axis] * (tip[order[axis]] - base_m[order[axis]]))
             };
             changes.push(TipFix { mistake: axes_text(order, sign), apply: Box::new(change) });
@@ -186,6 +188,7 @@ fn axes_text(order: [usize; 3], sign: [f64; 3]) -> String {
     let each: Vec<String> = (0..3)
         .map(|axis| format!("{} = {}{}", AXES[axis], if sign[axis] < 0.0 { "-" } else { "+" }, AXES[order[axis]]))
         .collect();
+    // Even permutations with an even number of flips are turns, all others are mirrors.
     let parity = [[0, 1, 2], [1, 2, 0], [2, 0, 1]].contains(&order) == (flipped.len().is_multiple_of(2));
     let kind = if parity { "turned" } else { "mirrored" };
     format!("the tip's axes are {kind} ({} in the recorded axes)", each.join(", "))

@@ -65,6 +65,7 @@ impl TimeScan {
         let back = |steps: f64| -> Vec<Point3> {
             self.rows.iter().map(|(trial, time_s, _)| at(*trial, time_s + offset_s - steps * self.step_s)).collect()
         };
+        // Half a step and a whole step back cover lags of different length.
         let past = if lagging { vec![back(0.5), back(1.0)] } else { Vec::new() };
         let mut residual_m = Vec::new();
         for axis in 0..3 {
@@ -75,11 +76,13 @@ impl TimeScan {
             };
             let design = DMatrix::from_fn(self.rows.len(), LINEAR + past.len(), column);
             let measured = DVector::from_iterator(self.rows.len(), self.rows.iter().map(|(_, _, tip_m)| tip_m[axis]));
+            // A robot that moves in a plane leaves columns dependent, so no normal equations.
             let numbers = design.clone().svd(true, true).solve(&measured, 1e-12).ok()?;
             residual_m.push(measured - design * numbers);
         }
         let squares_m2: f64 = residual_m.iter().map(DVector::norm_squared).sum();
         let products = |axis_m: &DVector<f64>| -> f64 {
+            // Rows of different trials do not follow each other.
             let same = |row: &usize| self.rows[*row].0 == self.rows[row - 1].0;
             (1..self.rows.len()).filter(same).map(|row| axis_m[row] * axis_m[row - 1]).sum()
         };
@@ -97,6 +100,7 @@ fn subdivided(measured: &Recording, step_s: f64) -> Recording {
         for row in range.clone() {
             let (time_s, is_last) = (measured.time_s[row], row + 1 == range.end);
             let length_s = if is_last { step_s } else { measured.time_s[row + 1] - time_s };
+            // An offset looks beyond the last row, where its command still acts.
             for part in 0..if is_last { STEPS_AFTER * SUBSTEPS } else { SUBSTEPS } {
                 of.push(row);
                 fine.trial.push(index as u64);

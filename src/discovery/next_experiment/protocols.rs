@@ -54,6 +54,7 @@ pub(crate) fn protocols(range: &CommandRange, gravity_m_s2: [f64; 3]) -> Vec<Pro
     let load_kg = |k: usize| if k % 2 == 1 { WEIGHT_KG } else { 0.0 };
     let weighed = (0..4).map(|k| ProtocolTrial { commands: path(k / 2), load_kg: load_kg(k) }).collect();
     let looped = |k: usize| {
+        // Two corners make a loop that fits three times into a trial.
         let corners: Vec<Vec<f64>> = range.corners(k).into_iter().take(2).collect();
         range.path(&[corners.clone(), corners.clone(), corners].concat(), range.step)
     };
@@ -83,6 +84,7 @@ pub(crate) fn protocols(range: &CommandRange, gravity_m_s2: [f64; 3]) -> Vec<Pro
 
 /// Another mounting of the base, as text, and its gravity in the base frame.
 fn remounted([x, y, z]: [f64; 3]) -> (&'static str, [f64; 3]) {
+    // A base turned about its own axis would not change gravity along that axis.
     if x.hypot(y) < z.abs() {
         return ("Lay the base on its side, so that gravity pulls along −x,", [-z.abs(), y, x]);
     }
@@ -92,6 +94,7 @@ fn remounted([x, y, z]: [f64; 3]) -> (&'static str, [f64; 3]) {
 impl CommandRange {
     /// Range of the recorded commands; rows are `recorded_s` seconds apart.
     pub(crate) fn new<'a>(trials: impl Iterator<Item = &'a Rows>, recorded_s: f64) -> CommandRange {
+        // Commands last as long as a whole number of recorded rows, so that speeds compare.
         let held = (MIN_COMMAND_S / recorded_s).round().max(1.0);
         let mut range = CommandRange { poses: Vec::new(), step_s: held * recorded_s, step: 0.0 };
         for trial in trials {
@@ -130,6 +133,7 @@ impl CommandRange {
         let mut at = vec![0.0; width];
         let mut rows = Rows::new(width);
         for corner in corners {
+            // No faster than the recording has shown to be safe.
             let steps = (farthest(&at, corner) / step.max(1e-9)).ceil().max(1.0) as usize;
             let from = at.clone();
             for k in 1..=steps {
@@ -154,6 +158,7 @@ impl CommandRange {
     fn reversals(&self, k: usize) -> Rows {
         let far = self.corners(k).into_iter().next().unwrap_or_default();
         let scaled = |share: f64| -> Vec<f64> { far.iter().map(|x| share * x).collect() };
+        // Growing reversals separate backlash, of fixed width, from hysteresis.
         let turns = [1.0 / 3.0, 0.0, 2.0 / 3.0, 0.0, 1.0, 0.0];
         self.path(&turns.map(scaled), self.step)
     }

@@ -54,6 +54,7 @@ impl Problem<'_> {
         let mut model = self.model.clone();
         model.robot.gravity_m_s2 = protocol.gravity_m_s2.unwrap_or(model.robot.gravity_m_s2);
         let samples = self.protocol_samples(protocol);
+        // A coarse model is enough for columns that only take off what a calibration would.
         let free =
             UncertainParameters::new(self.options, &self.candidates, &[], 1.0).columns(&coarse(&model), &[], &samples);
         let simulated_m: Vec<Vec<f64>> = rivals
@@ -69,9 +70,11 @@ impl Problem<'_> {
         for a in 0..rivals.len() {
             for b in (0..rivals.len()).filter(|&b| b != a) {
                 let apart: Vec<f64> = simulated_m[a].iter().zip(&simulated_m[b]).map(|(a, b)| a - b).collect();
+                // The hardest pair to tell apart decides, refitted in either direction.
                 separation = separation.min(separation_sigma(&samples, noise, &apart, &slopes[b], &free));
             }
         }
+        // The last command of each trial is recorded for one more row.
         let rows: usize = protocol.trials.iter().map(|trial| trial.commands.len() + 1).sum();
         let minutes = protocol.setup_min + rows as f64 * protocol.step_s / 60.0;
         let proposal = Proposal {

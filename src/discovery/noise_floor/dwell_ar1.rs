@@ -61,10 +61,13 @@ fn moments(count: usize, correlation: f64) -> [f64; 2] {
     // Cumulative sums of the powers.
     let mut sums = powers.clone();
     (1..count).for_each(|k| sums[k] += sums[k - 1]);
+    // Row sums of the correlation matrix of one group.
     let rows: Vec<f64> = (0..count).map(|k| sums[k] + sums[count - 1 - k] - 1.0).collect();
     let all: f64 = rows.iter().sum();
+    // Σ ρᵢⱼ²: each lag occurs twice in the matrix, but for the diagonal.
     let square = |lag: usize| if lag == 0 { n } else { 2.0 * (n - lag as f64) * powers[lag].powi(2) };
     let squares: f64 = (0..count).map(square).sum();
+    // tr((C R)²) with the centring matrix C, half the variance of a Gaussian quadratic form.
     let half_variance = squares - 2.0 / n * rows.iter().map(|row| row * row).sum::<f64>() + (all / n).powi(2);
     [n - all / n, half_variance]
 }
@@ -115,6 +118,7 @@ fn measured_correlation(samples: &Samples, dwells: &[&[usize]]) -> f64 {
     let (mut low, mut high) = (0.0, MAX_CORRELATION);
     for _ in 0..BISECTIONS {
         let middle = 0.5 * (low + high);
+        // The expected ratio falls as the correlation grows.
         *(if expected(middle) > measured { &mut low } else { &mut high }) = middle;
     }
     low

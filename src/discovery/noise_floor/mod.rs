@@ -89,6 +89,7 @@ impl NoiseFloor {
     /// Probability that noise of this floor has this variance or more (all axes together).
     pub(crate) fn p_value(&self, variance_m2: f64, freedom: f64) -> f64 {
         let floor_m2: f64 = self.variance_m2.iter().sum();
+        // Two repeats or none say nothing: no test may fail because of them.
         if self.freedom < 2.0 || floor_m2 <= 0.0 {
             return 1.0;
         }
@@ -115,6 +116,7 @@ impl NoiseFloor {
             return other;
         }
         let all = self.freedom + other.freedom;
+        // Pool variances by degrees of freedom, as in an analysis of variance.
         let mean =
             |axis: usize| (self.freedom * self.variance_m2[axis] + other.freedom * other.variance_m2[axis]) / all;
         let from = [self.from, other.from].concat();

@@ -29,6 +29,7 @@ impl ModelForm {
     pub(crate) fn new(samples: &Samples, simulated_m: &[f64], nuisances: &Nuisances) -> ModelForm {
         let residual_m = samples.residual(simulated_m);
         let whole = nuisances.explain(samples, &residual_m, 0.0);
+        // The fit of all trials has the least model error in it, so its differences show the noise.
         let floor = NoiseFloor::estimate(samples, &whole, simulated_m);
         let unseen_m = unseen_residual_m(samples, simulated_m, nuisances);
         let freedom = effective_axes(&floor.variance_m2) * whole.noise.independent(samples.len());
@@ -42,6 +43,7 @@ fn worst_m(samples: &Samples, unseen_m: &[f64], whole: &NuisanceFit, floor: &Noi
     let ranges = samples.ranges();
     let squares_m2: Vec<f64> =
         ranges.iter().map(|rows| rms_m(&unseen_m[3 * rows.start..3 * rows.end]).powi(2)).collect();
+    // The error depends on the poses, and the measured recording may hold any of them.
     let Some(worst) = (0..ranges.len()).max_by(|&a, &b| squares_m2[a].total_cmp(&squares_m2[b])) else { return 0.0 };
     if floor.freedom < 1.0 {
         // Nothing tells the noise: all of the residual is what this model leaves on this robot.
@@ -79,8 +81,10 @@ fn unseen_residual_m(samples: &Samples, simulated_m: &[f64], nuisances: &Nuisanc
         let seen = samples.of_trials(&other_trials);
         let part = |rows: &[usize]| rows.iter().map(|&row| residual_m[row]).collect::<Vec<f64>>();
         let before = nuisances.in_rows(&others);
+        // 1. Fit the correction to the other trials.
         let fitted = before.explain(&seen, &part(&others), 0.0);
         let precision = before.information(&fitted.noise.whitened(&seen, &before.columns));
+        // 2. Its posterior is the prior of the trial that is left out.
         let after = nuisances.in_rows(&in_trial).with_prior(fitted.amounts, precision);
         unseen_m.extend(after.explain(&samples.of_trials(&[trial]), &part(&in_trial), 0.0).residual_m);
     }

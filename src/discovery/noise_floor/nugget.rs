@@ -26,6 +26,7 @@ pub(crate) fn estimate_nugget(
     simulated_m: &[f64],
 ) -> Option<NoiseFloor> {
     let pairs = samples.consecutive_rows();
+    // A correlation of white noise has a deviation of 1/√n, over three axes.
     let deviation = 1.0 / (3.0 * pairs.len() as f64).sqrt();
     if pairs.len() < MIN_PAIRS || nuisance_fit.noise.correlation > MAX_CORRELATION_SIGMA * deviation {
         return None;
@@ -45,7 +46,9 @@ pub(crate) fn estimate_nugget(
     // About the regression line, noise alone scatters by twice its variance squared; model errors add to this.
     let squares: f64 = variance_m2.iter().map(|variance| 2.0 * variance * variance).sum();
     let scatter: f64 = lines.iter().map(|(_, scatter)| scatter).sum();
+    // Noise in model errors, too, makes the intercept less certain than noise alone would.
     let freedom = (squares / scatter).min(1.0) / (SHARED_SAMPLE_FACTOR * inverse[(0, 0)]);
+    // A line through convex data may meet the axis below zero.
     let is_sound = variance_m2.iter().all(|variance| *variance >= 0.0) && freedom > 0.0;
     let from = vec!["differences of consecutive samples".to_owned()];
     is_sound.then_some(NoiseFloor { variance_m2, freedom, from })
@@ -61,6 +64,7 @@ fn moved(covariates: &[Covariates], pairs: &[usize]) -> DMatrix<f64> {
     };
     let column = |of: &dyn Fn(usize) -> f64| -> Vec<f64> {
         let values: Vec<f64> = pairs.iter().map(|&row| of(row)).collect();
+        // Squares of micrometres beside ones would make the normal matrix singular.
         let mean = crate::math::summary::mean(&values).max(f64::MIN_POSITIVE);
         values.iter().map(|value| value / mean).collect()
     };

@@ -60,12 +60,14 @@ pub(crate) fn dwells(samples: &Samples) -> Vec<Vec<usize>> {
     let mut dwells: Vec<Vec<usize>> = Vec::new();
     let mut held: Option<(Hold, f64)> = None;
     let mut run: Vec<usize> = Vec::new();
+    // Poses at rest have settled by definition, whatever their times.
     let settled_s = if samples.at_rest() { f64::NEG_INFINITY } else { SETTLED_S };
     for (index, row) in samples.rows.iter().enumerate() {
         let Some(command) = samples.command_of(row) else { continue };
         let hold = Hold { trial: row.trial, point: row.point, first: start_of_hold[row.trial][command] };
         if held.is_none_or(|(last, _)| last != hold) {
             held = Some((hold, row.time_s));
+            // A new hold ends the run of the last one.
             dwells.push(std::mem::take(&mut run));
         }
         if held.is_some_and(|(_, since_s)| row.time_s - since_s >= settled_s) {
@@ -95,6 +97,7 @@ const HELD_TOLERANCE: f64 = 2e-5;
 fn is_held(trial: &TrialCommands, k: usize) -> bool {
     let (now, before) = (trial.commands.row(k), trial.commands.row(k - 1));
     let is_near = || now.iter().zip(before).all(|(now, before)| (now - before).abs() < HELD_TOLERANCE);
+    // A motion repeats commands exactly; measured poses at rest carry encoder steps.
     now == before || trial.at_rest && is_near()
 }
 

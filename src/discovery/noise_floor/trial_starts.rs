@@ -21,6 +21,7 @@ pub(crate) fn scattered_starts(samples: &Samples, model: &Model) -> Option<Noise
 pub(crate) fn without_starts(samples: &Samples) -> Samples {
     let rows: Vec<Sample> = samples.rows.iter().filter(|row| row.time_s > EXCLUDED_START_S).copied().collect();
     let later = Samples { trials: samples.trials.clone(), rows, ..*samples };
+    // A trial shorter than a second has no sample left.
     let seen = later.ranges().into_iter().enumerate().filter(|(_, rows)| !rows.is_empty());
     later.of_trials(&seen.map(|(trial, _)| trial).collect::<Vec<usize>>())
 }

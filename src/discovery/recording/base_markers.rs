@@ -21,14 +21,17 @@ pub(crate) fn base_matches_model(measured: &Recording, rows: &[usize], model: &M
     let turns: Vec<Vector3<f64>> = tracked
         .map(|pose| {
             let [w, x, y, z] = pose.quaternion;
+            // In the base's own frame, where its axis is z and turns about it may be left out.
             (modelled.inverse() * UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z))).scaled_axis()
         })
         .collect();
     let is_straight = |axis: usize| {
         let about: Vec<f64> = turns.iter().map(|turn| turn[axis]).collect();
+        // Mounting and noise are independent; the mean averages noise alone.
         let deviation = MOUNTING_ACCURACY_RAD.hypot(standard_deviation(&about) / (about.len() as f64).sqrt());
         mean(&about).abs() < MAX_DEVIATIONS * deviation
     };
+    // Markers are seldom mounted at a known angle about the base's own axis.
     turns.len() > 1 && (0..2).all(is_straight)
 }
 

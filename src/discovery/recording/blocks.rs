@@ -79,6 +79,8 @@ pub(crate) fn blocks(measured: &Recording, playing: Playing) -> Vec<Block> {
     let block = |(number, rows): (u64, Range<usize>)| {
         let lead_in = if goes_on { lead_in(measured, rows.start, playing) } else { rows.start };
         let starts =
+            // With commands before it a block starts in motion, from a rest under the first of
+            // them.
             if lead_in < rows.start || playing.starts == Starts::Anywhere { Starts::Anywhere } else { Starts::Home };
         Block { number, lead_in, rows, starts }
     };
@@ -127,6 +129,7 @@ fn lead_in(measured: &Recording, start: usize, playing: Playing) -> usize {
         (load_kg, measured.gravity_m_s2.as_ref().map(|gravity| gravity[row]))
     };
     let (mut first, mut before_s) = (start, 0.0);
+    // One simulation has one weight and one gravity.
     while first > 0 && weight(first - 1) == weight(start) {
         let is_far = if playing.at_rest { start - first >= LEAD_IN_ROWS } else { before_s >= LEAD_IN_S };
         let is_cut = playing.starts != Starts::Continue && measured.trial[first - 1] != measured.trial[start];

@@ -57,6 +57,7 @@ pub(crate) fn sample_covariates(samples: &Samples, simulated_m: &[f64]) -> Vec<C
                 change: difference(&now, &last),
                 change_before: difference(&last, &older),
                 command: now,
+                // Maxima have one entry more than commands: before the first there is home.
                 largest: largest[sample.trial][command_index.map_or(0, |index| index + 1)].clone(),
             }
         })

@@ -51,6 +51,7 @@ impl TrialStatistics {
         let count = samples.trials.len();
         let spreads: Vec<Vec<f64>> = (0..count).map(|trial| spread(samples, trial)).collect();
         let rows: Vec<f64> = samples.ranges().iter().map(|range| range.len() as f64).collect();
+        // At least one trial on either side.
         let held = ((count as f64 * share).ceil() as usize).clamp(1, count - 1);
         let mean = |tendon: usize| spreads.iter().map(|spread| spread[tendon]).sum::<f64>() / count as f64;
         let usual = (0..spreads[0].len()).map(mean).collect();
@@ -81,6 +82,7 @@ impl TrialStatistics {
         loop {
             let quality_before = quality;
             for k in 0..self.held {
+                // Backwards, so that of equal choices the last trials win, as in `best_of_all`.
                 for other in (0..self.count()).rev() {
                     let replaced = choice[k];
                     if choice.contains(&other) {
@@ -115,6 +117,7 @@ impl TrialStatistics {
         let used = (0..self.usual.len()).filter(|&tendon| self.usual[tendon] > 0.0);
         let exercise = used.flat_map(|tendon| shares(sum(&|trial| self.spreads[trial][tendon]), self.usual[tendon]));
         SplitQuality {
+            // Beyond three quarters more rows are worth less than even use of the tendons.
             rows: fitted.min(HELD_OUT_WEIGHT * proved).min(MAX_ROW_SHARE),
             tendons: exercise.fold(1.0, f64::min),
         }
@@ -124,6 +127,7 @@ impl TrialStatistics {
 fn is_better(there: SplitQuality, here: SplitQuality) -> bool {
     const TOLERANCE: f64 = 1e-9;
     let has_as_many_rows = there.rows > here.rows - TOLERANCE;
+    // Without the tolerance rounding could make two equal choices replace each other for ever.
     there.rows > here.rows + TOLERANCE || has_as_many_rows && there.tendons > here.tendons + TOLERANCE
 }
 
@@ -132,6 +136,7 @@ fn spread(samples: &Samples, trial: usize) -> Vec<f64> {
     let commands = &samples.trials[trial].commands;
     let mut sums = vec![0.0; commands.width()];
     for row in commands.iter() {
+        // A slack tendon, with a negative command, exercises nothing.
         sums.iter_mut().zip(row).for_each(|(sum, command)| *sum += command.max(0.0).powi(2));
     }
     sums

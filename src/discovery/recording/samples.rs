@@ -130,6 +130,8 @@ impl Samples {
             if tracked.iter().all(Vec::is_empty) {
                 continue;
             }
+            // A row holds the tip at the beginning of its command, so the last command has no
+            // result.
             let steps = block.lead_in..block.rows.end - 1;
             let played = block.lead_in..block.rows.end - usize::from(!at_rest);
             let mut commands = Rows::new(measured.tendons());
@@ -171,6 +173,7 @@ impl Samples {
     /// Samples of the trials with these indices, in that order.
     pub(crate) fn of_trials(&self, kept: &[usize]) -> Samples {
         let ranges = self.ranges();
+        // Trials are numbered anew by their place in the selection.
         let of = |(trial, &index): (usize, &usize)| {
             self.rows[ranges[index].clone()].iter().map(move |row| Sample { trial, ..*row })
         };

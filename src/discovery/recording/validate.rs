@@ -26,6 +26,7 @@ pub(crate) fn check(measured: &Recording, samples: &Samples) -> Result<(), Disco
         let expected = "commands that move the robot";
         return Err(DiscoveryError::Constant { column: "tendon_1_m…", rows, expected });
     }
+    // Each tracked place has its own first position; a frozen tracker repeats all of them.
     let first_m = |point: Option<usize>| samples.rows.iter().find(|row| row.point == point).map(|row| row.position_m);
     if samples.rows.iter().all(|row| Some(row.position_m) == first_m(row.point)) {
         let expected = "a tip that moves with the commands (is the tracker frozen?)";

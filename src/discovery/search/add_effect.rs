@@ -19,6 +19,7 @@ impl FitProblem<'_> {
     /// Penalty of a set: the Bayesian information criterion for its parameters, and a term for their choice among all
     /// candidates.
     pub(crate) fn penalty(&self, members: &[SetMember]) -> f64 {
+        // EBIC (Chen & Chen 2008): p ln 3N for the numbers and 2 ln K for the choice among K.
         let numbers = (3.0 * self.samples.len() as f64).ln();
         let open = self.open.iter().filter(|open| **open).count().max(1);
         let choice = 2.0 * (open as f64).ln();
@@ -52,12 +53,14 @@ impl FitProblem<'_> {
         min_score: f64,
     ) -> Vec<ScoredSet> {
         let coarse = FitProblem { model: self.coarse, ..self.clone() };
+        // Deviances compare only at one resolution, so the base is played coarsely, too.
         let Some(start) = coarse.resimulate(&base.fitted) else { return Vec::new() };
         let fit = |prediction: &&LinearPrediction| {
             let penalty = self.penalty(std::slice::from_ref(&prediction.member));
             // A fit that cannot reach this deviance is of no use.
             let target_deviance = start.nuisance_fit.deviance - (min_score - base.score) - penalty;
             let added = coarse.starting_point(&start, &prediction.member)?;
+            // A scanned effect responds to no small step, so only a derivative at its size helps.
             let jacobian = if self.candidates[prediction.member.candidate].is_scanned() {
                 coarse.differentiate(&added)?
             } else {
@@ -67,6 +70,7 @@ impl FitProblem<'_> {
             };
             let fitted = coarse.rough_fit(added, jacobian, target_deviance)?;
             let last = fitted.members.len() - 1;
+            // Choices such as places have no derivative; try their neighbours.
             let fitted = coarse.with_best_choice(fitted, last, target_deviance);
             let score = base.score + start.nuisance_fit.deviance - fitted.nuisance_fit.deviance - penalty;
             Some(ScoredSet { fitted, score, exact: false })
@@ -119,6 +123,7 @@ impl FitProblem<'_> {
         };
         let mut best: Option<FittedSet> = None;
         for start in [1.0, 0.5, 0.25].into_iter().filter_map(part) {
+            // The first amount that improves is taken: a descent goes on from there.
             if start.nuisance_fit.deviance < base.nuisance_fit.deviance {
                 return Some(start);
             }

@@ -34,6 +34,7 @@ impl Search<'_> {
             predictions.iter().take(max_fits).filter(|prediction| prediction.gain >= min_gain).collect();
         let mut rough = self.fit_problem.rough_additions(base, &promising, &self.sensitivities, min_score);
         rough.sort_by(|a, b| b.score.total_cmp(&a.score));
+        // Best first, so that hopeless fits meet the highest bar.
         let mut best_score = rough.iter().map(|scored| scored.score).fold(base.score.max(min_score), f64::max);
         let mut finished: Vec<ScoredSet> = Vec::new();
         for scored in rough {
@@ -56,6 +57,7 @@ impl Search<'_> {
         let added = rough.fitted.members.last().map(|member| &self.fit_problem.candidates[member.candidate]);
         let share =
             if added.is_some_and(CandidateEffect::has_shape) { DEFICIT_SHARE_WITH_SHAPE } else { DEFICIT_SHARE };
+        // A rival needs to come this near only, even if it is never named.
         let is_hopeless = adds < MIN_PREDICTED_SCORE - self.limits.rival_score;
         !is_hopeless && rough.score + share * adds.max(0.0) + DEFICIT >= best_score - self.limits.rival_score
     }

@@ -29,6 +29,7 @@ impl Search<'_> {
         let mut other_branch: Option<ScoredSet> = None;
         loop {
             best = match self.propose_steps(&best) {
+                // A replacement comes before growth: what was taken first may stand for two others.
                 (Some(other), next) => {
                     let reached = other_branch.into_iter().chain(next);
                     other_branch = reached.max_by(|a, b| self.net_score(a).total_cmp(&self.net_score(b)));
@@ -48,6 +49,7 @@ impl Search<'_> {
         if self.is_full(best) {
             return (None, None);
         }
+        // Responses beside this set decide what is worth adding to it.
         self.screen_large_amplitudes(best);
         let next = self.add_one(best, best.score + self.limits.least_score);
         (self.replacement(best), next)
@@ -62,9 +64,11 @@ impl Search<'_> {
     /// Widens the search so that no candidate is excluded by its prediction: other single effects if the best
     /// set `is_rejected`, then larger sets, then pairs.
     pub(crate) fn widen(&mut self, mut best: ScoredSet, is_rejected: bool) -> ScoredSet {
+        // After a failed test no prediction may exclude a candidate, whatever the size of the set.
         self.limits.exhaustive_below = if is_rejected { usize::MAX } else { 2 };
         self.screen_large_amplitudes(&best);
         if is_rejected && !best.fitted.members.is_empty() {
+            // A first look is linear, and a delay does not look like one.
             best = self.add_one(&self.null.clone(), best.score).unwrap_or(best);
         }
         let best = self.grow(best);

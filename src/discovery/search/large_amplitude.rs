@@ -45,6 +45,7 @@ impl FitProblem<'_> {
         let all = LargeAmplitudeScreen::new(self, base, &(0..self.samples.trials.len()).collect::<Vec<usize>>());
         let some = LargeAmplitudeScreen::new(self, base, &self.largest_residual_trials(base));
         let (Some(some_base_m), Some(all_base_m)) = (some.simulate(&[]), all.simulate(&[])) else { return Vec::new() };
+        // 1. Small steps beside the base, in the two trials with the largest residual.
         let beside_base = some.sensitivities_beside_base(&|_| true);
         let (screened, predictions) = if beside_base.is_empty() {
             (
@@ -56,6 +57,7 @@ impl FitProblem<'_> {
             (beside_base, predictions)
         };
         let small_step = |of: &Sensitivity| screened.iter().find(|sensitivity| sensitivity.is_small_step_of(of));
+        // 2. For each candidate its best small-step variant is where a larger one starts.
         let predicted = predictions.iter().filter_map(|prediction| small_step(&screened[prediction.sensitivity]));
         let mut is_listed = vec![false; self.candidates.len()];
         base.members.iter().for_each(|member| is_listed[member.candidate] = true);
@@ -64,8 +66,10 @@ impl FitProblem<'_> {
             .filter(|sensitivity| self.open[sensitivity.candidate])
             .filter(|sensitivity| !std::mem::replace(&mut is_listed[sensitivity.candidate], true))
             .collect();
+        // 3. Play large amounts of each in these trials.
         let responses: Vec<Sensitivity> =
             starts.into_par_iter().flat_map(|sensitivity| some.sensitivities_of(sensitivity, &some_base_m)).collect();
+        // 4. Only what promises enough there is played in all trials.
         let relevant = some.keep_relevant(responses, &screened);
         // The update corrects the sensitivity in one direction only; the other columns hold relative to the base.
         let has_several_sizes = |candidate: &CandidateEffect| {
@@ -162,6 +166,7 @@ impl<'a> LargeAmplitudeScreen<'a> {
         let effect = candidate.effect(&candidate.with_sizes(&sensitivity.null, step))?;
         let change: Vec<f64> =
             self.simulate(&[effect])?.iter().zip(base_m).map(|(step_m, base_m)| step_m - base_m).collect();
+        // Broyden's update in probes, so that sizes of different units count alike.
         let step_vector = DVector::from_column_slice(step);
         let along = DVector::from_iterator(
             step.len(),
@@ -199,6 +204,7 @@ impl<'a> LargeAmplitudeScreen<'a> {
         scan: &[f64],
         response: &dyn Fn(&f64) -> Option<ScanPoint>,
     ) -> Vec<Sensitivity> {
+        // Half of the narrowest spacing, so that refined steps stay between scanned ones.
         let mut step = scan.windows(2).map(|two| two[1] - two[0]).fold(scan[0].abs(), f64::min);
         for _ in 0..SCAN_BISECTIONS {
             step *= 0.5;
@@ -239,6 +245,7 @@ impl<'a> LargeAmplitudeScreen<'a> {
         let residual_m = rms_m(&self.residual_m);
         let max_size = MAX_AMPLITUDE / self.in_probes(sensitivity, direction).amax().max(f64::MIN_POSITIVE);
         let usual_m = rms_m((&sensitivity.columns * direction).as_slice());
+        // The linear amount that would move the tip as far as the residual.
         let mut size = max_size.min(residual_m / usual_m.max(f64::MIN_POSITIVE));
         // Bracket: steps known to be too small and too large.
         let (mut too_small, mut too_large) = (0.0, f64::INFINITY);
@@ -256,6 +263,7 @@ impl<'a> LargeAmplitudeScreen<'a> {
                 break;
             }
             *(if ratio > 1.0 { &mut too_small } else { &mut too_large }) = size;
+            // Secant in proportion; where it leaves the bracket, bisection.
             let next = max_size.min(size * ratio.clamp(0.25, 4.0));
             size = if next > too_small && next < too_large { next } else { 0.5 * (too_small + too_large) };
         }
@@ -286,6 +294,7 @@ impl<'a> LargeAmplitudeScreen<'a> {
     fn next_step(&self, response: &Sensitivity, step: &[f64], best: &SetMember) -> Option<DVector<f64>> {
         let (there, wanted) = (DVector::from_column_slice(step), self.step(best, response));
         let size = |step: &DVector<f64>| self.in_probes(response, step).norm();
+        // Beyond twice its own step a response predicts nothing.
         let max_size = MAX_AMPLITUDE.min(VALID_STEPS.end * size(&there));
         let wanted = &wanted * (max_size / size(&wanted).max(f64::MIN_POSITIVE)).min(1.0);
         (size(&(&wanted - there)) >= STEP_TOLERANCE * size(&wanted)).then_some(wanted)
@@ -297,6 +306,7 @@ impl<'a> LargeAmplitudeScreen<'a> {
         let mut rivals = self.screen.predictions(others);
         rivals.retain(|prediction| self.fit_problem.open[prediction.member.candidate]);
         let best = predictions.iter().chain(&rivals).map(|prediction| prediction.gain).fold(0.0, f64::max);
+        // Two trials can mislead, so near misses are played in all of them as well.
         let min_gain = (MIN_GAIN_SHARE * best).min(best - MAX_GAIN_DEFICIT);
         let relevant = predictions.into_iter().filter(|prediction| prediction.gain >= min_gain);
         relevant.map(|prediction| responses[prediction.sensitivity].clone()).collect()

@@ -25,6 +25,7 @@ impl Search<'_> {
         if self.limits.most_effects < 2 {
             return best;
         }
+        // A pair must pay for its size against the best set so far.
         let min_score = self.score_to_beat(2, &best);
         let mut pairs: Vec<ScoredSet> = Vec::new();
         for (single, predictions) in self.promising_pairs(&candidate_set(&best.fitted.members)) {
@@ -55,6 +56,8 @@ impl Search<'_> {
             let predictions = self.fit_problem.predictions(&single.fitted, &[], &self.sensitivities).into_iter();
             let new = predictions.filter(|prediction| !self.is_tried(single, prediction));
             pairs.extend(new.map(|prediction| {
+                // The prediction beside the single effect, whose residual differs from that of the
+                // model.
                 let score = single.score + self.fit_problem.predicted_score(&prediction);
                 PredictedPair { score, single: number, prediction }
             }));
@@ -64,6 +67,7 @@ impl Search<'_> {
         pairs.retain(|pair| {
             let set = extended_set(singles[pair.single], &pair.prediction);
             let has_member = !set.is_disjoint(members);
+            // Either order of a pair is the same set; the first one promises more.
             listed.insert(set) && (has_member || others.next().is_some())
         });
         let beside = |number: usize| -> Vec<LinearPrediction> {

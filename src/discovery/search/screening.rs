@@ -121,6 +121,7 @@ impl<'a> LinearScreen<'a> {
         // Directions that nuisance and fitted parameters explain equally well are excluded.
         let floor = 1e-9 * columns.norm_squared();
         (0..information.nrows()).for_each(|k| information[(k, k)] += floor);
+        // The residual is already orthogonal to the free parameters, so no Schur term is due here.
         let right = columns.tr_mul(&self.residual);
         let sizes = Cholesky::new(information)?.solve(&right);
         let share = sensitivity.step.as_ref().map_or(1.0, |step| share_of(candidate, step, sizes.as_slice()));
@@ -145,6 +146,7 @@ impl<'a> LinearScreen<'a> {
     /// Decrease of the deviance if this part of the squares is explained.
     fn gain(&self, explains: f64) -> f64 {
         let squares = self.residual.norm_squared();
+        // Profiled over the noise's size: n ln of the ratio of squares.
         self.residual.len() as f64 * (squares / (squares - explains.clamp(0.0, 0.999_999 * squares))).ln()
     }
 }
@@ -160,5 +162,6 @@ fn share_of(candidate: &CandidateEffect, step: &[f64], sizes: &[f64]) -> f64 {
 /// `values`, or values between them and `null` in the valid range; none in an invalid direction.
 fn within(candidate: &CandidateEffect, null: &[f64], values: &[f64]) -> Option<Vec<f64>> {
     let between = |share: f64| -> Vec<f64> { null.iter().zip(values).map(|(n, v)| n + share * (v - n)).collect() };
+    // A prediction beyond the range still shows the direction.
     [1.0, 0.5, 0.25, 0.1].into_iter().map(between).find(|values| candidate.effect(values).is_some())
 }

@@ -109,6 +109,7 @@ impl<'s> Search<'s> {
     /// The outcome, with possible rivals fully fitted.
     pub(crate) fn into_outcome(mut self, best: ScoredSet) -> SearchOutcome {
         for k in 0..self.tried.len() {
+            // A rough fit is a lower bound; a rival must be fitted as well as the answer.
             if !self.tried[k].exact && self.tried[k].is_rival_of(&best, self.limits.rival_score) {
                 self.tried[k] = self.fit_fully(&self.tried[k]);
             }

@@ -44,6 +44,7 @@ impl Search<'_> {
     fn swap_member(&mut self, best: &ScoredSet, out: usize, min_score: f64) -> Option<ScoredSet> {
         let kept = self.fit_problem.evaluate_without(&best.fitted, out).map(|rest| self.score(rest));
         let removed = best.fitted.members[out].candidate;
+        // As many fits for every size of set.
         let width = MAX_FITS / best.fitted.members.len();
         if let Some(better) = kept.and_then(|rest| self.best_addition_except(removed, &rest, min_score, width)) {
             return Some(better);

@@ -78,6 +78,7 @@ const PASSES: [u16; 4] = [44, 45, 46, 47];
 fn rules(settings: &MotionSettings, plain: bool) -> Vec<SettingRule> {
     let rule = |number, meaning, requirement| SettingRule { number, meaning, requirement, optional: false };
     let optional = |number, meaning, requirement| SettingRule { number, meaning, requirement, optional: true };
+    // 1 + 4 + 8, see the meaning of $22 below.
     let homing = if plain { 1 } else { 13 };
     let mut rules = vec![
         // Optional: the reports themselves show whether they carry machine positions.

@@ -108,6 +108,7 @@ impl Controller {
             controller.info.blocks = free;
         }
         controller.apply_status(&status, now_s);
+        // A controller in a wrong mode must not be handed out.
         controller.fault.clone().map_or(Ok(controller), Err)
     }
 
@@ -116,6 +117,7 @@ impl Controller {
     /// # Errors
     /// The first fault since the controller was opened or reset; returned by every call until the next reset.
     pub fn poll(&mut self, now_s: f64) -> Result<(), MotionFault> {
+        // Read before checking deadlines: an answer that has arrived is not late.
         self.read_replies(now_s);
         self.check_deadlines(now_s);
         self.continue_resume(now_s);
@@ -203,6 +205,7 @@ impl Controller {
         if let Some(fault) = &self.fault {
             return Err(fault.clone());
         }
+        // Limits first: a wrong target is refused for what it is, whatever the state.
         let the_move = gcode::compose(target_mm, feed_mm_min, &self.settings)?;
         if !self.state.homed {
             return Err(MoveRefusal::NotHomed.into());
@@ -215,6 +218,7 @@ impl Controller {
         if !(has_room && self.setup_acknowledged && self.commanded_path.is_known()) {
             return Err(MotionFault::Busy);
         }
+        // Before sending: a report may follow at once and is checked against it.
         self.commanded_path.push(the_move.target_mm);
         self.last_move = Some((the_move.target_mm, feed_mm_min));
         self.state.moves += 1;
@@ -236,9 +240,11 @@ impl Controller {
     /// Resets the controller and discards its moves. Axes at rest keep their position. Moving axes must be homed again,
     /// and so must all axes after a fault.
     pub fn reset(&mut self, now_s: f64) {
+        // A reset of moving axes loses steps.
         if !self.stands() || self.fault.is_some() || self.is_homing() {
             self.homing_required = true;
         }
+        // No reset reaches a line that is gone.
         if !matches!(self.fault, Some(MotionFault::Unplugged { .. })) {
             self.fault = None;
         }
@@ -272,6 +278,7 @@ impl Controller {
 
     /// Records a fault; the first one is kept.
     pub(super) fn record_fault(&mut self, fault: MotionFault) {
+        // Later faults are mostly consequences of the first.
         self.fault.get_or_insert(fault);
         self.homing_required = true;
         self.homing = HomingPhase::No;

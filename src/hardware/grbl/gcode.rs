@@ -27,6 +27,7 @@ pub(crate) fn compose(target_mm: [f64; 4], feed_mm_min: f64, settings: &MotionSe
     if !(feed_mm_min.is_finite() && target_mm.iter().all(|value| value.is_finite())) {
         return Err(MoveRefusal::NotFinite);
     }
+    // The checks must see what the line says: three decimals.
     let target_mm = target_mm.map(|value| rounded(value, 1e3));
     for (axis, target_mm) in target_mm.into_iter().enumerate() {
         let (low_mm, high_mm) = settings.limits_mm(axis);

@@ -69,11 +69,14 @@ struct Handshake<'a> {
 
 impl Handshake<'_> {
     fn identify(&mut self, settings: &MotionSettings) -> Result<(ControllerInfo, StatusReport), MotionFault> {
+        // 1. End what another program left behind.
         self.wake()?;
+        // 2. Wait until nothing moves.
         let first = self.wait_until_standing()?;
         if !matches!(first.mode, Mode::Idle | Mode::Alarm(_)) {
             return Err(MotionFault::UnexpectedMode { mode: first.mode });
         }
+        // 3. Firmware, settings and offsets, before any line that could move.
         let mut info = parse_identity(&self.query("$I")?, first.free_blocks)?;
         info.settings = settings_table(&self.query("$$")?);
         check::check(&info.settings, settings)?;
@@ -93,6 +96,7 @@ impl Handshake<'_> {
         let mut before_mm = None;
         loop {
             let status = self.status()?;
+            // A hold without a sub-state is complete once two reports agree.
             let stood = std::mem::replace(&mut before_mm, status.position_mm) == status.position_mm;
             let mode = if status.bare_hold && stood { Mode::Hold { complete: true } } else { status.mode };
             match mode {
@@ -113,6 +117,7 @@ impl Handshake<'_> {
         let began_s = self.clock.now_s();
         let mut garbled = Vec::new();
         loop {
+            // GRBL acknowledges an empty line, and moves nothing.
             self.send("")?;
             if self.wait_for_ok(&mut garbled)? {
                 return self.drain();
@@ -143,6 +148,7 @@ impl Handshake<'_> {
     fn drain(&mut self) -> Result<(), MotionFault> {
         let mut quiet_s = self.clock.now_s();
         let end_s = quiet_s + START_UP_S;
+        // A controller that never falls silent must not keep the program here.
         while self.clock.now_s().min(end_s) < (quiet_s + self.timeout_s.min(SILENCE_S)).min(end_s) {
             if !self.read_lines()?.is_empty() {
                 quiet_s = self.clock.now_s();
@@ -207,6 +213,7 @@ impl Handshake<'_> {
         let (mut last_s, mut garbled) = (began_s, Vec::new());
         while self.clock.now_s() - last_s <= self.timeout_s && self.clock.now_s() - began_s <= START_UP_S {
             for received in self.read_lines()? {
+                // Long answers, such as `$$`, take longer than one reply.
                 last_s = self.clock.now_s();
                 match parse_received(received) {
                     Ok(Reply::Boot(greeting)) => return Err(MotionFault::Rebooted { greeting }),
@@ -219,6 +226,7 @@ impl Handshake<'_> {
                     Err(line) => garbled.push(line),
                 }
             }
+            // A wrong baud rate gives nothing else: no need to wait.
             if garbled.len() >= MAX_GARBLED {
                 break;
             }

@@ -58,11 +58,13 @@ impl CommandedPath {
             self.check_axis(axis, position_mm[axis], standing)?;
         }
         let off_line = if standing { Ok(()) } else { self.check_line(&position_mm) };
+        // Two reports in a row: a single one may have read its axes while they moved.
         if std::mem::replace(&mut self.off_line, off_line.is_err()) {
             off_line?;
         }
         self.last_mm = position_mm;
         if standing {
+            // All moves are done, so that earlier targets permit nothing any more.
             self.targets_mm = VecDeque::from([target_mm]);
         }
         Ok(())
@@ -85,6 +87,7 @@ impl CommandedPath {
     /// All axes arrive together: an axis that stands while the others move puts the position off the line.
     fn check_line(&self, position_mm: &[f64; 4]) -> Result<(), MotionFault> {
         let targets: Vec<&[f64; 4]> = self.targets_mm.iter().collect();
+        // Any of the moves that may still run can be the present one.
         let nearest = targets.windows(2).map(|ends| nearest_mm(ends[0], ends[1], position_mm));
         let distance_mm =
             |place: &[f64; 4]| place.iter().zip(position_mm).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
@@ -111,9 +114,11 @@ impl CommandedPath {
         let on_its_way = (low_mm - POSITION_TOLERANCE_MM..=high_mm + POSITION_TOLERANCE_MM).contains(&position_mm);
         let arrived = (position_mm - target_mm).abs() <= POSITION_TOLERANCE_MM;
         let stays = (position_mm - self.last_mm[axis]).abs() <= POSITION_TOLERANCE_MM;
+        // A standing axis must be at its target, a moving one between its commands.
         if arrived || (on_its_way && !standing) {
             return Ok(());
         }
+        // Short of the target it stalled; elsewhere something else has moved it.
         if on_its_way || stays {
             return Err(MotionFault::NotMoving { axis, reached_mm: position_mm, target_mm });
         }
@@ -139,6 +144,7 @@ impl StallDetector {
 
     /// Takes the next report, of a controller that should be moving when `due`; returns how long it has not moved, s.
     pub(crate) fn add_report(&mut self, due: bool, position_mm: [f64; 4], queued: usize, now_s: f64) -> f64 {
+        // A shorter queue is progress, too: moves may be shorter than the resolution.
         let has_advanced = position_mm != self.position_mm || queued < self.queued;
         (self.position_mm, self.queued) = (position_mm, queued);
         if has_advanced || !due {

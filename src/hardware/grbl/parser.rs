@@ -135,6 +135,7 @@ fn mode(text: &str) -> Option<Mode> {
 fn four(text: &str) -> Option<[f64; 4]> {
     let mut values = text.split(',').map(number);
     let four = [values.next()??, values.next()??, values.next()??, values.next()??];
+    // A fifth axis would mean another machine.
     values.next().is_none().then_some(four)
 }
 
@@ -165,6 +166,7 @@ impl LineReader {
     pub fn push(&mut self, byte: u8) -> Option<ReceivedLine> {
         if byte == b'\n' {
             let bytes = std::mem::take(&mut self.bytes);
+            // Its beginning was reported already; the rest says nothing.
             if std::mem::take(&mut self.overlong) {
                 return None;
             }
@@ -174,6 +176,7 @@ impl LineReader {
         if self.bytes.len() <= LONGEST_LINE {
             return None;
         }
+        // Bounded memory: noise may hold no line end at all.
         self.overlong = true;
         let bytes = std::mem::take(&mut self.bytes);
         Some(ReceivedLine::Garbled(String::from_utf8_lossy(&bytes).into_owned()))
@@ -182,6 +185,7 @@ impl LineReader {
     /// The beginning of a line that cannot become one of GRBL, decoded as far as possible.
     pub fn noise(&self) -> Option<String> {
         let readable = |byte: &u8| matches!(byte, b' '..=b'~' | b'\r');
+        // First characters of all lines that GRBL sends.
         let begins = self.bytes.first().is_none_or(|byte| b"<[$>oeAGg\r".contains(byte));
         let noise = !begins || !self.bytes.iter().all(readable);
         noise.then(|| String::from_utf8_lossy(&self.bytes).into_owned())

@@ -62,6 +62,7 @@ impl Controller {
     /// Sends what is due.
     pub(crate) fn send_due(&mut self, now_s: f64) {
         self.start_homing_if_free(now_s);
+        // A controller that restarts or homes does not answer.
         let quiet = self.reset_sent_s.is_some() || self.homing == HomingPhase::Running;
         if quiet || matches!(self.fault, Some(MotionFault::Unplugged { .. })) {
             return;
@@ -70,12 +71,14 @@ impl Controller {
         if !self.setup_acknowledged && self.state.homed && standing && self.pending.is_none() && self.fault.is_none() {
             self.send(SETUP.to_owned(), LinePurpose::Setup, now_s);
         }
+        // Early enough that a lost byte does not hold the robot.
         let repeat_s = (0.5 * self.settings.late_s).clamp(REPEATED_QUERY_S[0], REPEATED_QUERY_S[1]);
         let due = match self.query_sent_s {
             None => now_s >= self.next_query_s,
             Some(_) => now_s - self.last_query_s >= repeat_s,
         };
         if due {
+            // The first unanswered query counts: repeats must not postpone the deadline.
             self.query_sent_s.get_or_insert(now_s);
             self.last_query_s = now_s;
             // One that is lost would make all later reports look older than they are.

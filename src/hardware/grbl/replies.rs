@@ -30,6 +30,7 @@ impl Controller {
             }
         }
         if let Err(error) = gone {
+            // It replaces any other fault, since a reset cannot clear it.
             self.fault = Some(MotionFault::unplugged(&error));
             self.record_fault(MotionFault::unplugged(&error));
         }
@@ -72,6 +73,7 @@ impl Controller {
             return;
         }
         match self.take_pending().map(|pending| pending.purpose) {
+            // Until a report says otherwise: the queue is never underestimated.
             Some(LinePurpose::Move) => self.state.queued += 1,
             Some(LinePurpose::Setup) => self.setup_acknowledged = true,
             Some(LinePurpose::Homing) => {
@@ -129,6 +131,7 @@ impl Controller {
     pub(super) fn apply_status(&mut self, status: &StatusReport, now_s: f64) {
         let status = &self.with_hold_completed(status);
         self.query_sent_s = None;
+        // The oldest query: a report is at least as new as that.
         self.answered_query_s = self.query_times_s.pop_front().unwrap_or(f64::NEG_INFINITY);
         self.state.last_status_s = now_s;
         self.state.pins = status.pins;
@@ -167,7 +170,9 @@ impl Controller {
 
     fn count_blocks(&mut self, status: &StatusReport, before: Mode) {
         if let Some(free) = status.free_blocks {
+            // Blocks in use are moves in the queue, the running one included.
             self.state.queued = self.info.blocks.saturating_sub(free);
+        // One idle report may be older than the move that was just sent.
         } else if (before, status.mode) == (Mode::Idle, Mode::Idle) {
             self.state.queued = 0;
         }
@@ -208,6 +213,7 @@ impl Controller {
             });
         }
         let Some(position_mm) = status.position_mm else { return Err(MotionFault::no_position()) };
+        // Positions mean nothing before homing.
         if !self.state.homed {
             return Ok(());
         }

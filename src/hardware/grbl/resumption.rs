@@ -112,6 +112,7 @@ impl Controller {
         };
         let Some((target_mm, feed_mm_min)) = self.last_move else { return false };
         let due = self.resumption.may_end_short && self.resumption.completions < MAX_COMPLETIONS;
+        // Off the path it did not fall short, so sending it again would hide a fault.
         if !due || self.holding || !self.setup_acknowledged || !self.commanded_path.is_between(position_mm) {
             return false;
         }
@@ -133,6 +134,7 @@ impl Controller {
         let steps_per_mm: f64 = setting.and_then(|value| value.parse().ok()).unwrap_or(0.0);
         let step_mm = if steps_per_mm > 0.0 { (1e3 / steps_per_mm).ceil() * 1e-3 } else { MAX_DISPLACEMENT_MM };
         let (low_mm, high_mm) = self.settings.limits_mm(axis);
+        // A target at the end of its travel can only be displaced inwards.
         let inwards = if target_mm[axis] > 0.5 * (low_mm + high_mm) { -1.0 } else { 1.0 };
         // A second attempt must differ from the first one.
         let attempt = f64::from(self.resumption.completions + 1);

@@ -143,6 +143,7 @@ impl Rig {
         if let Some(code) = alarm.filter(|&code| codes::needs_person(code)) {
             return Err(MoveError::Alarm(code));
         }
+        // The guard is asked before anything is sent.
         let permitted = if homed { self.guard.activate() } else { self.guard.begin_homing() };
         if !permitted {
             return Err(MoveError::NotActive(self.state().name()));
@@ -177,6 +178,7 @@ impl Rig {
 
     /// Reads both devices, evaluates the guard and executes its action.
     pub fn poll(&mut self, now_s: f64) {
+        // Both devices before the guard: it decides on the newest data.
         let motion = self.parts.controller.poll(now_s);
         self.parts.tracking.poll(now_s);
         let was_homing = *self.state() == GuardState::Homing;
@@ -214,6 +216,7 @@ impl Rig {
             SafetyAction::Hold => self.parts.controller.hold(now_s),
             SafetyAction::Resume => self.parts.controller.resume(now_s),
             SafetyAction::Flush => {
+                // A reset is the only way to empty the queue of a GRBL.
                 self.parts.controller.reset(now_s);
                 self.require_homing(now_s);
             }
@@ -248,6 +251,7 @@ impl Rig {
     /// Ends operation: a moving robot is held, and its queue is discarded at one of the next polls, as after a stop, so
     /// that the next program finds it at rest. False when there is nothing left to wait for.
     pub fn shut_down(&mut self, why: &str, now_s: f64) -> bool {
+        // A robot at rest needs no stop.
         if !self.stands() || *self.state() == GuardState::Homing {
             let action = self.guard.request_stop(program_ended(why), now_s);
             self.apply_action(action, now_s);
@@ -281,6 +285,7 @@ impl Rig {
             GuardState::Stopped { reason, .. } => {
                 let reason = reason.clone();
                 let mut what = format!("{}; {}", reason.what, reason.remedy);
+                // A program that ends regularly must not lock the robot for the next one.
                 let latch = self.parts.latch.as_ref().filter(|_| ![INTERRUPTED, ENDED].contains(&reason.kind));
                 if let Some(Err(error)) = latch.map(|latch| latch.stop(&reason)) {
                     what = format!("{what}; could not store this stop for later programs: {error}");

@@ -71,6 +71,7 @@ impl Rig {
         let limits = &self.parts.limits;
         let step_m = limits.step_m(duration_s);
         let largest_m = self.commanded_m.iter().fold(0.0_f64, |largest, pull| largest.max(pull.abs()));
+        // All tendons shrink by one share, so that opposite ones stay in balance.
         let share = if largest_m > step_m { 1.0 - step_m / largest_m } else { 0.0 };
         self.send_move(self.commanded_m.map(|pull| pull * share), duration_s, now_s)?;
         Ok(share == 0.0)
@@ -80,6 +81,7 @@ impl Rig {
         let (from_mm, to_mm) = (self.parts.machine_mm(&self.commanded_m), self.parts.machine_mm(&pulls_m));
         let length_mm = from_mm.iter().zip(&to_mm).map(|(from, to)| (to - from).powi(2)).sum::<f64>().sqrt();
         if length_mm >= MIN_MOVE_MM {
+            // GRBL's feed is along the path in all four axes.
             let feed_mm_min = (length_mm / (MOVING_SHARE * duration_s) * 60.0).max(MIN_FEED_MM_MIN);
             match self.parts.controller.move_to(to_mm, feed_mm_min, now_s) {
                 Ok(()) => {}
@@ -92,6 +94,7 @@ impl Rig {
                 Err(_) => return Err(MoveError::NotActive("without a working controller")),
             }
         }
+        // Only after success: a refused move leaves the last command in force.
         self.commanded_m = pulls_m;
         Ok(())
     }

@@ -41,10 +41,12 @@ impl Rig {
         let limits = self.parts.limits;
         let pose = self.parts.tracking.latest()?;
         let (pose, tip_m) = (*pose, pose.position_m);
+        // A jump is over once the tip is back near where it came from.
         self.jump = self.jump.filter(|jump| distance_m(&tip_m, &jump.from_m) > UNDONE_SHARE * jump.by_m);
         if let Some(last) = self.last_plausible {
             let (by_m, within_s) = (distance_m(&tip_m, &last.position_m), time_between_s(&last, &pose));
             if within_s > 0.0 && by_m > limits.tip_speed_m_s * within_s {
+                // The first jump counts; later ones would hide where the tip came from.
                 self.jump.get_or_insert(TipJump { from_m: last.position_m, by_m, within_s });
             }
         }

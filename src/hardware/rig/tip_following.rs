@@ -74,6 +74,7 @@ impl TipFollowing {
         }
         self.recent_m.push_back(tip_m);
         if let [.., a, b, c] = self.recent_m.make_contiguous() {
+            // Second differences cancel a steady motion and leave noise.
             let square: f64 = (0..3).map(|axis| (c[axis] - 2.0 * b[axis] + a[axis]).powi(2)).sum();
             self.noise_m2 += NEWEST_WEIGHT * (square / SECOND_DIFFERENCE_SQUARE - self.noise_m2);
         }
@@ -100,11 +101,13 @@ impl TipFollowing {
         let anchor = *self.anchor.get_or_insert(current);
         let (moved_m, min_motion_m) = (distance_m(&tip_m, &anchor.tip_m), self.moved_m());
         if moved_m > min_motion_m {
+            // The tip follows: measure from here.
             (self.anchor, self.since_s) = (Some(current), None);
             return None;
         }
         let predicted_m = distance_m(&expected_m, &anchor.expected_m);
         let turned_mm: [f64; AXES] = std::array::from_fn(|axis| (position_mm[axis] - anchor.position_mm[axis]).abs());
+        // A rest is suspicious only if both screws and model have moved enough to show.
         if turned_mm.iter().all(|turned_mm| *turned_mm <= MIN_TURNED_MM)
             || predicted_m <= MIN_PREDICTED_M.max(MIN_PREDICTED_MULTIPLE * min_motion_m)
         {

@@ -45,6 +45,7 @@ impl Rig {
         }
         let hold_s = self.parts.limits.tracking_hold_s;
         let age_s = self.parts.tracking.age_s(now_s);
+        // An age that is not a number must hold, too.
         if age_s.is_nan() || age_s > hold_s {
             return Some(old_pose(age_s, hold_s, status));
         }
@@ -61,6 +62,7 @@ impl Rig {
             self.last_pose_change = LastPoseChange { count: status.changes, position_mm, expected_m: self.expected_m };
             return None;
         }
+        // Without a prediction the tip may well stand still.
         let (Some(from_m), Some(to_m)) = (self.last_pose_change.expected_m, self.expected_m) else {
             self.last_pose_change.expected_m = self.expected_m;
             return None;

@@ -145,6 +145,7 @@ impl Guard {
 
     /// Decides on the inputs at `now_s`: the next state and the action of the rig.
     pub fn evaluate(&mut self, inputs: &SafetyInputs, now_s: f64) -> SafetyAction {
+        // A stop is final: no input leads out of it here.
         if let GuardState::Stopped { .. } = self.state {
             return self.finish_stop(inputs, now_s);
         }

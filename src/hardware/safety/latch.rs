@@ -75,6 +75,7 @@ impl Latch {
         let line = format!("{} UTC: {} [{}]", utc(SystemTime::now()), reason.what, reason.kind);
         // The latch first: the log is informative only, and its disk may be full.
         let (latched, homing_required) = (self.write_file(&self.stop_file, &line), self.require_homing(&line));
+        // Both files are tried before either error is returned.
         latched.and(homing_required)?;
         self.write(&format!("stopped: {line}; {}", reason.remedy))
     }
@@ -118,6 +119,7 @@ fn read(file: &Path) -> Option<String> {
 /// Date and time of day (Howard Hinnant's civil-from-days algorithm).
 fn utc(time: SystemTime) -> String {
     let seconds = time.duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
+    // Days since 1 March of year 0, so that the leap day ends a year.
     let (days, second_of_day) = (seconds / 86_400 + 719_468, seconds % 86_400);
     let era = days / 146_097;
     let day_of_era = days % 146_097;

@@ -153,6 +153,7 @@ impl SafetyLimits {
         if let Some(index) = pulls_m.iter().position(|pull| !pull.is_finite()) {
             return Err(CommandRefusal::NotFinite { tendon: index + 1, found: pulls_m[index] });
         }
+        // The speed limit holds in each step, the step limit as often as there are steps.
         let step_m = self.step_m(duration_s / steps as f64) * steps as f64;
         for (index, (&to, &from)) in pulls_m.iter().zip(last_m).enumerate() {
             within("displacement (m)", index, to, -self.travel_m, self.travel_m)?;
@@ -178,6 +179,7 @@ impl SafetyLimits {
         }
         for index in 0..half {
             let (sum, last) = (pulls_m[index] + pulls_m[index + half], last_m[index] + last_m[index + half]);
+            // The last sum widens the bound: from outside, every step back is permitted.
             let (low, high) = (f64::min(-self.slack_m, last), f64::max(self.over_tension_m, last));
             within("sum with its antagonist (m)", index, sum, low, high)?;
         }

@@ -96,6 +96,7 @@ pub fn align(robot_m: &[Point3], body_m: &[Point3]) -> Result<Alignment, Trackin
             ));
         }
     }
+    // 1. Rotation between centred points; 2. the shift that brings the centres together.
     let turn = turn_between(&robot, &body);
     let shift = body_centre - turn * robot_centre;
     let motion = Isometry3::from_parts(shift.into(), UnitQuaternion::from_rotation_matrix(&turn));
@@ -130,6 +131,7 @@ struct Bends {
 fn compare_bends(predicted: &[Vector3<f64>], measured: &[Vector3<f64>]) -> Bends {
     let scatter: Matrix3<f64> = predicted.iter().map(|point| point * point.transpose()).sum();
     let eigen = scatter.symmetric_eigen();
+    // A bending tip moves least along the robot: the direction of the smallest spread.
     let along: Vector3<f64> = eigen.eigenvectors.column(eigen.eigenvalues.imin()).into();
     let across = |point: &Vector3<f64>| point - along * along.dot(point);
     let (mut products, mut squares, mut angles, mut weights) = (0.0, 0.0, 0.0, 0.0);
@@ -140,6 +142,7 @@ fn compare_bends(predicted: &[Vector3<f64>], measured: &[Vector3<f64>]) -> Bends
         squares += a.norm_squared();
         let weight = a.norm() * b.norm();
         if weight > 0.0 {
+            // Directions of points near the axis are noise, hence the weights.
             angles += weight * a.angle(&b).powi(2);
             weights += weight;
         }

@@ -109,6 +109,7 @@ fn listed(model: &ModelDef) -> String {
 /// The pose of the only body with this id, if it is tracked and its values are valid.
 fn pose_of(id: i32, frame: &FrameOfData) -> Option<RigidPose> {
     let mut same = frame.rigid_bodies.iter().filter(|body| body.id == id);
+    // Two bodies of one id: nobody knows which is the robot's.
     let (body, None) = (same.next()?, same.next()) else { return None };
     body.tracking_valid().then(|| pose(body))?
 }

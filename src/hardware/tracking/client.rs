@@ -82,6 +82,7 @@ impl TrackerClient {
                 }
             }
         }
+        // After reading, so that a request is not sent for what has just arrived.
         self.maintain_connection(now_s);
     }
 

@@ -30,6 +30,7 @@ impl ClockSync {
             Some((start_s, min_s)) if received_s - *start_s < INTERVAL_S => *min_s = min_s.min(difference_s),
             _ => self.intervals.push_back((received_s, difference_s)),
         }
+        // Old minima are forgotten, because quartz clocks drift.
         let oldest_s = received_s - INTERVALS as f64 * INTERVAL_S;
         self.intervals.retain(|(start_s, _)| *start_s > oldest_s);
         let offset_s = self.intervals.iter().fold(difference_s, |min, interval| min.min(interval.1));

@@ -73,6 +73,7 @@ fn request_until_answered<T>(
         let server = SocketAddr::V4(sockets.server());
         for _ in 0..MAX_AT_ONCE {
             let Some((datagram, from)) = sockets.receive().map_err(fault)? else { break };
+            // Answers of another server on the network do not count.
             if let Some(answer) = read(datagram).filter(|_| from == server) {
                 return Ok(Ok(answer));
             }
@@ -90,6 +91,7 @@ pub(super) fn version(settings: &TrackingSettings, server: &ServerInfo) -> Resul
         return if offered.validate().is_ok() { Ok(offered) } else { Err(unreadable_version(server, offered)) };
     };
     let same = (fixed.major, fixed.minor) == (offered.major, offered.minor);
+    // A multicast stream serves all its clients in one version.
     let can_switch = settings.transport == Transport::Unicast && offered.major >= 3;
     if same || can_switch {
         return Ok(fixed);

@@ -20,7 +20,9 @@ impl Mounting {
     /// The mounting that the settings describe.
     pub fn of(settings: &TrackingSettings) -> Mounting {
         let axes = match settings.up_axis {
+            // Motive's y becomes x and its z stays: −90° about z.
             UpAxis::Y => UnitQuaternion::from_scaled_axis(Vector3::z() * -std::f64::consts::FRAC_PI_2),
+            // Motive's z becomes x and its x becomes z: 180° about the bisector is no mirror.
             UpAxis::Z => UnitQuaternion::from_quaternion(Quaternion::new(0.0, 1.0, 0.0, 1.0)),
         };
         Mounting { axes, base: settings.alignment.motion(), tip: settings.tip_offset.motion() }

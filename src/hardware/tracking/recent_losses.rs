@@ -27,6 +27,7 @@ impl RecentLosses {
 
     /// A frame that counts as lost has arrived after a later one.
     pub(super) fn arrived_late(&mut self) {
+        // The newest gap is the likeliest place of a late frame.
         if let Some(lost) = self.received.iter_mut().rev().find(|received| !**received) {
             *lost = true;
         }

@@ -31,6 +31,7 @@ pub(crate) struct FrameStamp {
 impl FrameStamp {
     /// Frames from `earlier` to this one; negative for an older frame.
     fn ahead(&self, earlier: &FrameStamp) -> i32 {
+        // Wrapping: a counter that overflows has not restarted.
         self.number.wrapping_sub(earlier.number)
     }
 
@@ -131,6 +132,7 @@ impl FrameSequence {
     /// An old frame, although newer ones have come since the last such frame.
     fn alternates(&mut self, stamp: &FrameStamp, last: &FrameStamp, now_s: f64) -> bool {
         let age_s = last.stamp_s - stamp.stamp_s;
+        // Small delays happen on every network; a run of old frames is a restart.
         if age_s <= MIN_BEHIND_S || self.refused.is_some() {
             return false;
         }

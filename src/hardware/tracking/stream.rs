@@ -97,6 +97,7 @@ impl FrameStream {
 
     /// Processes one datagram, received from `from` at local time `now_s`. Any bytes are accepted.
     pub fn process(&mut self, datagram: &[u8], from: SocketAddr, now_s: f64) -> Received {
+        // The sender is checked by kind before anything is decoded.
         let id = MessageHeader::parse(datagram).map_or(u16::MAX, |header| header.message_id);
         let ours = match id {
             natnet::NAT_FRAMEOFDATA => self.peer_filter.accepts_frames(from),
@@ -177,6 +178,7 @@ impl FrameStream {
 
     fn take_new(&mut self, frame: &FrameOfData, stamp: FrameStamp, now_s: f64) {
         let offset_s = self.clock_sync.update(stamp.stamp_s, now_s);
+        // Before the sample is added: its local time needs the newest offset.
         self.samples.set_offset(offset_s);
         self.status.latency_jitter_s = self.clock_sync.jitter_s();
         self.measure(frame, stamp);
@@ -207,6 +209,7 @@ impl FrameStream {
         self.status.rate_hz = (time_s > 0.0).then(|| f64::from(frames) / time_s);
         let (exposed, sent) = (frame.timing.camera_mid_exposure, frame.timing.transmit);
         let latency_s = sent.saturating_sub(exposed) as f64 / self.clock_hz.max(1) as f64;
+        // Servers that do not report it send zeros.
         let reported = exposed > 0 && sent >= exposed && latency_s < MAX_CAMERA_LATENCY_S;
         self.status.camera_latency_s = reported.then_some(latency_s);
     }

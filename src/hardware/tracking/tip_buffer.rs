@@ -29,6 +29,7 @@ impl TipBuffer {
 
     /// Sets local time minus the server's time, s; all samples shift together.
     pub(super) fn set_offset(&mut self, offset_s: f64) {
+        // A falling offset shifts all samples, so that intervals between them stay true.
         if offset_s != self.offset_s {
             self.offset_s = offset_s;
             self.samples.iter_mut().for_each(|sample| sample.time_s = sample.stamp_s + offset_s);

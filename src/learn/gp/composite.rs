@@ -41,6 +41,7 @@ pub(super) struct RowRates {
 impl Composite {
     /// The covariance of `expression` on samples of `inputs` inputs.
     pub(super) fn new(expression: &KernelExpression, inputs: usize) -> Result<Composite, LearnError> {
+        // The signal variances of the products come first.
         let mut from = expression.products.len();
         let mut leaves = Vec::new();
         for factor in &expression.factors {
@@ -144,6 +145,7 @@ impl Composite {
         out.fill(0.0);
         let mut product = vec![0.0; out.len()];
         for (t, factors) in self.products.iter().enumerate() {
+            // A factor may stand in several products, each of which then changes.
             let varied = factors.iter().find(|&&leaf| {
                 let leaf = &self.leaves[leaf];
                 (leaf.from..leaf.from + leaf.count).contains(&k)

@@ -16,6 +16,7 @@ impl Likelihood<'_> {
         for j in 0..self.points.n {
             let at = self.points.point(j);
             let column = self.factor.column_mut(j);
+            // From the diagonal down: the Gram matrix is symmetric.
             let run = PointRun { points: self.points, from: j, self_index: Some(0) };
             composite.row(&natural, run, &at, column);
             column[0] += noise;

@@ -68,6 +68,7 @@ impl<L: LogLikelihood> Objective for SearchObjective<L> {
         let theta = from_search_coordinates(&self.lengths, u);
         // With λ = l⁻² the definition of u gives d ln l/du = 1 + ε/λ.
         let stretch = |(ln, is_length): (&f64, &bool)| if *is_length { 1.0 + BEND * (2.0 * ln).exp() } else { 1.0 };
+        // Kept for the gradient, which is always asked at the latest value.
         self.stretch = theta.iter().zip(&self.lengths).map(stretch).collect();
         self.likelihood.value(&theta)
     }

@@ -152,6 +152,7 @@ impl TrainingPoints {
                 let centre = at(d);
                 for (s, x) in s.iter_mut().zip(&self.input(d)[from..]) {
                     let difference = x - centre;
+                    // Differences, not |x|² + |y|² − 2 x·y, which loses all digits of near points.
                     *s = difference.mul_add(difference, *s);
                 }
             }
@@ -163,6 +164,7 @@ impl TrainingPoints {
     pub(super) fn weighted_squares(&self, d: usize, from: usize, weights: &[f64], centre: f64) -> f64 {
         let (weights, weights_rest) = weights.as_chunks::<16>();
         let (x, x_rest) = self.input(d)[from..].as_chunks::<16>();
+        // A fixed number of partial sums: the result does not depend on the vector width.
         let mut lanes = [0.0; 16];
         for (w, x) in weights.iter().zip(x) {
             for lane in 0..16 {

@@ -18,6 +18,7 @@ impl Gp {
                 let likelihood = SparseLikelihood::of(self, c, &points, &columns[c]);
                 folds.iter().flat_map(|fold| likelihood.held_out_errors(fold)).map(f64::abs).sum()
             };
+            // Errors are standardised; back to the output's unit.
             sum / n as f64 * self.output_standardiser.scale(c)
         };
         self.posteriors.iter().enumerate().map(mae).collect()

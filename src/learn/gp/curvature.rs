@@ -22,15 +22,19 @@ impl Likelihood<'_> {
     /// Estimated Fisher information at the latest value, row-major.
     pub(super) fn information(&mut self) -> Vec<f64> {
         let (n, count) = (self.points.n, self.covariance.len());
+        // Fixed probes: the same data give the same search.
         let mut rng = Seed(0).child("fisher probes").rng();
         let signs = (0..n * (PROBES - 1)).map(|_| if rng.random::<bool>() { 1.0 } else { -1.0 });
         let mut probes: Vec<f64> = signs.collect();
+        // 1. L⁻ᵀ z has the covariance K⁻¹, as α has if the model is right.
         self.factor.solve_transposed_half(&mut probes);
         probes.extend_from_slice(&self.alpha);
+        // 2. ∂K/∂θ_k applied to each probe.
         let mut images = match self.covariance.clone() {
             Covariance::Stationary(kernel, layout) => self.stationary_images(kernel, layout, &probes),
             Covariance::Composite(composite) => self.composite_images(&composite, &probes, PROBES),
         };
+        // 3. Half of K⁻¹ on each side makes all entries dot products.
         self.factor.solve_half(&mut images);
         let mut out = vec![0.0; count * count];
         for i in 0..count {

@@ -177,8 +177,10 @@ impl Parser<'_> {
         let mut product = self.factor()?;
         while self.takes('*') {
             let next = self.factor()?;
+            // Distributive law: every product of the left with every one of the right.
             let pairs = product.products.iter().flat_map(|a| next.products.iter().map(move |b| [&a[..], b].concat()));
             product = ParsedPart { text: format!("{} * {}", product.text, next.text), products: pairs.collect() };
+            // Nested sums multiply out exponentially.
             if product.products.iter().map(Vec::len).sum::<usize>() > MAX_FACTORS {
                 return Err(self.error("too many products: expected at most 32 factors once sums are multiplied out"));
             }

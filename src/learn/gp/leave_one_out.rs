@@ -56,6 +56,7 @@ impl Posterior {
     fn leave_one_out_errors(&self) -> Vec<(f64, f64)> {
         let error_and_variance = |(i, alpha): (usize, &f64)| {
             let column = self.inverse_factor.column(i);
+            // (K⁻¹)_ii is the squared length of column i of L⁻¹.
             let precision = dot(column, column) - self.mean_correction(i, i);
             (alpha / precision, 1.0 / precision)
         };

@@ -72,6 +72,8 @@ impl<'a> Likelihood<'a> {
             self.scaled.squared_distances(j, |d| self.scaled.input(d)[j], column);
             kernel.correlations(&shape, column);
             vectorised!(column.iter_mut().for_each(|c| *c *= signal));
+            // The correlation of a point with itself is 1 exactly, so no rounding enters the
+            // diagonal.
             column[0] = diagonal;
         }
     }
@@ -87,6 +89,7 @@ impl Objective for Likelihood<'_> {
         if !self.factor.factor(&mut self.memory) {
             return f64::INFINITY;
         }
+        // α = K⁻¹ y by two triangular solves (Rasmussen & Williams 2006, algorithm 2.1).
         self.alpha.copy_from_slice(self.y);
         self.factor.solve(&mut self.alpha, &mut self.memory);
         let data_fit = 0.5 * dot(self.y, &self.alpha);
@@ -100,6 +103,8 @@ impl Objective for Likelihood<'_> {
 
     fn gradient(&mut self, out: &mut [f64]) {
         self.factor.inverse(&mut self.inverse, &mut self.memory);
+        // With the weights of the mean integrated out, the projected inverse takes the place of
+        // K⁻¹.
         self.mean.project(&mut self.inverse);
         match self.covariance.clone() {
             Covariance::Stationary(kernel, layout) => self.stationary_gradient(kernel, layout, out),
@@ -139,6 +144,7 @@ impl Likelihood<'_> {
             kernel.slopes(&shape, s, slope);
             vectorised!({
                 out[0] -= signal * dot(w, s);
+                // From here on w holds W ∂c/∂s: all length-scales share it.
                 w.iter_mut().zip(slope.iter()).for_each(|(w, slope)| *w *= slope);
                 for d in 0..inputs {
                     let centre = self.scaled.input(d)[j];
@@ -147,6 +153,7 @@ impl Likelihood<'_> {
                 }
             });
         }
+        // On the diagonal c = 1: only signal and noise variance change it.
         out[0] -= 0.5 * signal * trace;
         out[layout.len() - 1] = -0.5 * layout.noise_variance(&self.theta) * trace;
     }

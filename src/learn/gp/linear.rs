@@ -17,6 +17,7 @@ pub(super) struct Lower {
 
 impl Lower {
     pub(super) fn zeros(n: usize) -> Self {
+        // Whole cache lines, and never a power of two.
         let stride = n.next_multiple_of(8) + 8;
         Lower { n, stride, values: vec![0.0; stride * n] }
     }
@@ -52,6 +53,7 @@ impl Lower {
         let stack = MemStack::new(&mut memory.0);
         let result =
             factor::cholesky_in_place(self.view_mut(), Default::default(), Par::Seq, stack, Default::default());
+        // NaN on the diagonal must not count as a success.
         result.is_ok() && (0..self.n).all(|j| self.column(j)[0] > 0.0)
     }
 

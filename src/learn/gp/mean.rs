@@ -59,6 +59,7 @@ impl MeanBasis {
             return MeanBasis::default();
         }
         let n = points.n;
+        // The constant comes first, so an input that does not vary has no remainder.
         let mut directions = vec![vec![1.0 / (n as f64).sqrt(); n]];
         let inputs = if mean == MeanFunction::Linear { points.inputs } else { 0 };
         let mut slopes = Vec::new();

@@ -36,8 +36,10 @@ impl MeanRegression {
     pub(super) fn regress(&mut self, gram: &Lower, y: &[f64], alpha: &mut [f64]) -> Option<f64> {
         let (n, count) = (y.len(), self.basis.len());
         self.solved = self.columns.clone();
+        // 1. K⁻¹ H.
         gram.solve_half(&mut self.solved);
         gram.solve_transposed_half(&mut self.solved);
+        // 2. A = Hᵀ K⁻¹ H and its Cholesky factor.
         let mut factor = Lower::zeros(count);
         for j in 0..count {
             for i in j..count {
@@ -45,6 +47,7 @@ impl MeanRegression {
             }
         }
         let mut memory = FactorBuffers::new(count);
+        // With no more points than weights nothing is left for kernel and noise.
         if n <= count || !factor.factor(&mut memory) {
             return None;
         }
@@ -54,6 +57,7 @@ impl MeanRegression {
         for (weight, solved) in self.weights.iter().zip(self.solved.chunks_exact(n)) {
             alpha.iter_mut().zip(solved).for_each(|(alpha, solved)| *alpha -= weight * solved);
         }
+        // 3. ½ ln det A, and the constants that the weights take from the normalisation.
         let normalisation = 0.5 * count as f64 * (2.0 * std::f64::consts::PI).ln();
         let mean_term = factor.half_log_determinant() - normalisation;
         self.halves = self.solved.clone();

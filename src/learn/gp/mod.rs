@@ -82,6 +82,7 @@ impl Gp {
         let mut evaluations = 0;
         let mut theta = Vec::with_capacity(columns.len());
         for (output, y) in columns.iter().enumerate() {
+            // Outputs differ in smoothness and noise, so each has its own hyper-parameters.
             let search = if config.approximation.is_exact() { search::search } else { sparse::search };
             let optimum = search(config, &covariance, &points, y).ok_or(LearnError::NotPositiveDefinite { output })?;
             evaluations += optimum.evaluations;

@@ -59,6 +59,7 @@ impl AddedSamples {
         self.prior.covariances(x, &mut k);
         let scale = self.prior.scale();
         for (k, added) in k.iter_mut().zip(&self.features) {
+            // Posterior covariance of the fitted process: it is the prior of the added samples.
             *k = scale * *k - dot(&added.projection, &features.projection) + dot(&added.image, &features.image);
         }
         k
@@ -129,6 +130,7 @@ impl OnlineGp {
     /// Forgets what was added.
     pub fn restart(&mut self) {
         while !self.inputs.is_empty() {
+            // From the end: the last row leaves without an update of the others.
             self.remove(self.inputs.len() - 1);
         }
     }
@@ -171,8 +173,12 @@ impl OnlineGp {
             let mut row = samples.solve_half(&covariances);
             let PosteriorFeatures { projection, image } = &features;
             let variance = posterior.prior.variance(&x) - dot(projection, projection) + dot(image, image);
+            // Rounding may leave less than nothing of a variance that is known.
             let variance = variance.max(0.0) + noise(&self.gp, c, &points);
+            // A sample that coincides with another leaves no remainder; the factor must stay
+            // positive.
             row.push((variance - dot(&row, &row)).max(f64::MIN_POSITIVE).sqrt());
+            // Residuals refer to the fitted process, so that old samples need no new prediction.
             let predicted = posterior.mean(&x, &mut vec![0.0; posterior.points()]);
             samples.residuals.push(self.gp.output_standardiser.apply(c, output[c]) - predicted);
             samples.factor.push(row);
@@ -235,6 +241,7 @@ impl OnlineGp {
             for ((correlation, k), features) in correlations.iter_mut().zip(k).zip(&samples.features) {
                 let PosteriorFeatures { projection, image } = features;
                 let variance = posterior.prior.variance(x) - dot(projection, projection) + dot(image, image);
+                // Squares: a sample that is strongly anticorrelated tells as much.
                 *correlation += k * k / variance.max(1e-12);
             }
         }

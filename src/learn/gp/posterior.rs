@@ -217,12 +217,14 @@ impl Posterior {
     pub(super) fn block(&self, queries: &[f64], k: &mut [f64], v: &mut [f64], mut put: impl FnMut(usize, f64, f64)) {
         let n = self.alpha.len();
         let count = queries.len() / self.inputs;
+        // 1. Covariances and means, query by query.
         let mut means = [0.0; BLOCK];
         for (q, x) in queries.chunks_exact(self.inputs).enumerate() {
             means[q] = self.mean(x, &mut k[q * n..(q + 1) * n]);
         }
         let right = MatRef::from_column_major_slice(&k[..n * count], n, count);
         let mut out = MatMut::from_column_major_slice_mut(&mut v[..n * count], n, count);
+        // 2. v = L⁻¹ k for all queries, a panel of rows at a time.
         for from in (0..n).step_by(PANEL) {
             let to = n.min(from + PANEL);
             let left = self.inverse_factor.view().submatrix(from, 0, to - from, to);
@@ -246,6 +248,7 @@ impl Posterior {
         for (q, &b) in fold.iter().enumerate() {
             for (p, &a) in fold.iter().enumerate().skip(q) {
                 let ((i, l_i), (j, l_j)) = (column(a), column(b));
+                // Columns of a lower triangle overlap only below the later diagonal.
                 let from = i.max(j);
                 let product = vectorised!(dot(&l_i[from - i..n - i], &l_j[from - j..n - j]));
                 block.column_mut(q)[p - q] = product - self.mean_correction(i, j);
@@ -256,6 +259,7 @@ impl Posterior {
         if block.factor(&mut memory) {
             block.solve(&mut errors, &mut memory);
         } else {
+            // Without the fold the others do not determine the mean function.
             errors.fill(f64::NAN);
         }
         errors

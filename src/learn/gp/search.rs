@@ -36,6 +36,7 @@ pub(super) fn search(
         sizes.insert(0, sizes[0].div_ceil(GROWTH).max(min_rows));
     }
     let mut evaluations = 0;
+    // The likelihood of a kernel has several optima, as of short lengths and little noise.
     let starts = starts(config.starts, &parameters);
     let mut candidates: Vec<Vec<f64>> = starts.iter().map(|theta| to_search_coordinates(&lengths, theta)).collect();
     for (stage, &rows) in sizes.iter().enumerate() {
@@ -48,6 +49,7 @@ pub(super) fn search(
             minimum
         };
         let mut minima: Vec<Minimum> = if last && stage > 0 {
+            // All rows are dear: only the winner of the stage before is refined on them.
             vec![climb(&candidates[0], config.tolerance)]
         } else {
             candidates.iter().map(|start| climb(start, COARSE_TOLERANCE)).collect()
@@ -73,6 +75,7 @@ pub(super) fn evenly_spaced(points: &TrainingPoints, y: &[f64], rows: usize) -> 
 fn distinct(minima: Vec<Minimum>) -> Vec<Vec<f64>> {
     let mut out: Vec<Minimum> = Vec::new();
     for minimum in minima {
+        // Equal values within the tolerance are one optimum reached twice.
         let same = |better: &Minimum| (better.value - minimum.value).abs() < 2.0 * COARSE_TOLERANCE;
         if out.len() < MAX_CANDIDATES && !out.iter().any(same) {
             out.push(minimum);
@@ -85,6 +88,7 @@ pub(super) fn limits(parameters: &[Hyperparameter], lengths: &[bool], tolerance:
     let (low, high): (Vec<f64>, Vec<f64>) =
         parameters.iter().map(|parameter| (parameter.bounds.0.ln(), parameter.bounds.1.ln())).unzip();
     let bounds = to_search_coordinates(lengths, &low).into_iter().zip(to_search_coordinates(lengths, &high)).collect();
+    // A step of 2 in a logarithm is a factor of seven.
     Bfgs { bounds, tolerance, max_evaluations: 300, max_step: 2.0 }
 }
 
@@ -92,6 +96,7 @@ pub(super) fn limits(parameters: &[Hyperparameter], lengths: &[bool], tolerance:
 /// the root of `x^(d+1) = x + 1`, which needs no seed.
 fn starts(count: usize, parameters: &[Hyperparameter]) -> Vec<Vec<f64>> {
     let mut out: Vec<Vec<f64>> = vec![parameters.iter().map(|parameter| parameter.start.ln()).collect()];
+    // Fixed-point iteration for the generalised golden ratio.
     let root = (0..64).fold(2.0_f64, |root, _| (1.0 + root).powf(1.0 / (parameters.len() as f64 + 1.0)));
     for i in 1..count {
         let coordinate = |(k, parameter): (usize, &Hyperparameter)| {

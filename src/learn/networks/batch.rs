@@ -41,6 +41,7 @@ pub(super) struct SequenceBatch<T> {
 impl<T: Real> SequenceBatch<T> {
     pub(super) fn new(sizes: Sizes, window: usize, batch: usize, loss: Loss) -> Self {
         let (kind, units) = (sizes.kind, sizes.units());
+        // Sixteen windows fill the lanes of a chunk; the last group may be partly empty.
         let groups = batch.div_ceil(LANES);
         let width = window * groups;
         let table = |rows: usize, present: bool, width: usize| ChunkTable::zeros(usize::from(present) * rows, width);
@@ -160,6 +161,7 @@ impl<T: Real> SequenceBatch<T> {
         let (scale, mut loss) = (T::of(2.0 / counted), [T::default(); LANES]);
         for at in 0..self.window * self.groups {
             let group = at % self.groups;
+            // Rows that do not count, and empty lanes, have no error and hence no gradient.
             let active = if at / self.groups < first_row { 0 } else { self.filled.saturating_sub(group * LANES) };
             for first in (0..outputs).step_by(U) {
                 let mut acc: [Chunk<T>; U] = std::array::from_fn(|u| [bias[first + u]; LANES]);
@@ -191,11 +193,13 @@ impl<T: Real> SequenceBatch<T> {
         let Sizes { hidden, outputs, .. } = self.sizes;
         let (units, ports, stride) = (self.sizes.units(), self.sizes.ports(), self.sizes.row_len());
         let [_, recurrent, _] = weights.hidden();
+        // Products on the way back need columns; once exchanged they are contiguous rows.
         for (block, recurrent_t) in self.recurrent_t.chunks_exact_mut(hidden * units).enumerate() {
             transpose(&recurrent[block * units..], stride, hidden, hidden, recurrent_t, units);
         }
         transpose(weights.output(), ports, hidden, outputs, &mut self.output_t, units);
         for at in (0..self.window * self.groups).rev() {
+            // Back in time: what the next step has sent back must be ready.
             let later = at + self.groups;
             for first in (0..units).step_by(U) {
                 // ∂loss/∂value by way of the outputs, then by way of the sums of the next step.
@@ -235,6 +239,7 @@ impl<T: Real> SequenceBatch<T> {
         );
         let (mut d_sums, mut d_before, mut d_memory) = ([zero; MAX_SUMS], zero, zero);
         for lane in 0..LANES {
+            // A value reaches later ones through the sums and, in a gated unit, directly.
             let d_value = if C::CARRIES { d_value[lane] + carried_value[lane] } else { d_value[lane] };
             let back = C::backward(&Past {
                 value: value[lane],

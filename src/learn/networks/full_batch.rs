@@ -19,6 +19,7 @@ pub(super) struct FullBatch {
 impl FullBatch {
     pub(super) fn new(start: &Weights<f32>, samples: &TrainingSamples, config: &NetworkConfig) -> Self {
         let double = |values: &[f32]| values.iter().map(|value| f64::from(*value)).collect::<Vec<f64>>();
+        // A line search needs the same function at every step: no random offset of windows.
         let windows = samples.split.windows(config.window, config.stride, 0);
         let mut batch = SequenceBatch::new(start.sizes, config.window, windows.len(), config.loss);
         batch.load(&double(&samples.inputs), &double(&samples.targets), &windows);
@@ -50,6 +51,7 @@ impl Epochs for FullBatch {
         }
         session.updates += 1;
         let now = session.weights().values.iter_mut().zip(search.point());
+        // Validation and use are in single precision; the search goes on in double.
         now.for_each(|(weight, value)| *weight = *value as f32);
         Ok(EpochEnd { training_loss, rate, stopped })
     }

@@ -21,6 +21,7 @@ impl InputHistory {
     /// Takes the next row; all rows, the newest first.
     pub(super) fn push(&mut self, row: impl Iterator<Item = f32>) -> &[f32] {
         let (columns, len) = (self.columns, self.rows.len());
+        // Shift by one row, so that the newest stays in front.
         self.rows.copy_within(..len - columns, columns);
         self.rows.iter_mut().zip(row).for_each(|(saved, new)| *saved = new);
         if std::mem::take(&mut self.is_empty) {

@@ -46,6 +46,7 @@ impl MemberState {
                 }
             }
             let sums: [&[f32]; MAX_SUMS] =
+                // Sums that a kind does not have read some row; its unit ignores them.
                 std::array::from_fn(|block| sums.get(block * units..(block + 1) * units).unwrap_or(&sums[..units]));
             let (values, memories) = (&mut values[..units], &mut memories[..units]);
             for u in 0..units {

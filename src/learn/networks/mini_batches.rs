@@ -33,6 +33,7 @@ impl Epochs for MiniBatches {
     fn epoch(&mut self, session: &mut Session, epoch: usize, rate: f64) -> Result<EpochEnd, LearnError> {
         let config = session.config;
         let mut rng = session.seed.child("epochs").index(epoch as u64).rng();
+        // Another offset in each epoch: every row stands at every place of a window in time.
         let offset = rng.random_range(0..config.stride);
         let mut windows = session.samples.split.windows(config.window, config.stride, offset);
         windows.shuffle(&mut rng);
@@ -45,6 +46,7 @@ impl Epochs for MiniBatches {
             if !loss.is_finite() {
                 return Err(LearnError::Diverged { epoch });
             }
+            // The last batch may be smaller: the mean is weighted by windows.
             sum += f64::from(loss) * starts.len() as f64;
             self.adam.step(&mut session.weights().values, &self.gradient.values, rate);
             session.updates += 1;

@@ -100,6 +100,7 @@ impl Network {
         let advance = self.sizes.kind.advance();
         out.fill(0.0);
         for (weights, member) in self.members.iter().zip(members) {
+            // Weights that no training has touched must not act.
             if !self.recurrent {
                 member.reset();
             }

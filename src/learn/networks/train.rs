@@ -76,6 +76,7 @@ impl Network {
         config.check()?;
         check_samples(inputs, outputs)?;
         let split = Split::new(inputs.len(), sequences, config)?;
+        // Validation rows must not decide the standardising either.
         let rows = split.training_rows();
         let (kind, history, hidden) = (config.kind, config.history(), config.hidden);
         let sizes = Sizes { kind, inputs: inputs.width() * history, hidden, outputs: outputs.width() };

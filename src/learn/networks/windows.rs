@@ -53,6 +53,7 @@ impl Split {
     pub(super) fn windows(&self, window: usize, stride: usize, offset: usize) -> Vec<u32> {
         let starts = |run: &std::ops::Range<usize>| {
             let count = (run.len() + 1).saturating_sub(window);
+            // A short run must not lose its only windows to an offset.
             let offset = if count == 0 { 0 } else { offset % stride.min(count) };
             (run.start + offset..run.start + count).step_by(stride)
         };

@@ -40,6 +40,7 @@ impl OnnxNetwork {
             return Err(OnnxError::NotOnnx("its input has more than a million numbers"));
         }
         let mut network = OnnxNetwork { graph, inputs, sampled, outputs: 0 };
+        // Shapes are seldom stored in full, so one evaluation tells the width of the output.
         network.outputs = network.evaluate(&vec![0.0; inputs])?.len();
         Ok(network)
     }
@@ -64,6 +65,7 @@ impl OnnxNetwork {
         let mut values: BTreeMap<&str, Tensor> = BTreeMap::from([(self.graph.inputs[0].name.as_str(), input)]);
         for node in &self.graph.nodes {
             let read = |name: &String| {
+                // ONNX leaves an optional input out by an empty name.
                 if name.is_empty() {
                     return Ok(None);
                 }

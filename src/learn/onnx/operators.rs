@@ -114,6 +114,7 @@ fn elementwise(node: &OnnxNode) -> Option<Box<dyn Fn(f64) -> f64>> {
         "Neg" => Some(Box::new(|value| -value)),
         "Relu" => Some(Box::new(|value| if value < 0.0 { 0.0 } else { value })),
         "Sigmoid" => Some(Box::new(|value| 1.0 / (1.0 + (-value).exp()))),
+        // ln(1 + eˣ) without overflow.
         "Softplus" => Some(Box::new(|value| value.max(0.0) + (-value.abs()).exp().ln_1p())),
         "Sqrt" => Some(Box::new(f64::sqrt)),
         "Tanh" => Some(Box::new(f64::tanh)),

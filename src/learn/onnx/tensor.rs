@@ -61,6 +61,7 @@ impl Tensor {
         function: impl Fn(f64, f64) -> f64,
     ) -> Result<Tensor, OnnxError> {
         let axes = self.dims.len().max(other.dims.len());
+        // ONNX broadcasts as NumPy: missing axes stand in front.
         let padded = |dims: &[usize]| [vec![1; axes - dims.len()], dims.to_vec()].concat();
         let (left, right) = (padded(&self.dims), padded(&other.dims));
         let mut dims = Vec::with_capacity(axes);

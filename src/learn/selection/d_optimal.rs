@@ -20,6 +20,7 @@ pub(super) fn choose(inputs: &Rows, count: usize, _seed: Seed) -> Vec<usize> {
             .enumerate()
             .map(|(i, row)| if chosen.contains(&i) { -1.0 } else { dot(row, &times(&inverse, row)).max(0.0) })
             .collect();
+        // det(M + x xᵀ) = det(M) (1 + xᵀ M⁻¹ x): the largest variance gains most.
         let next = largest(&gains);
         let along = times(&inverse, &features[next]);
         let share = 1.0 / (1.0 + gains[next]);

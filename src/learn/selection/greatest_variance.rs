@@ -17,6 +17,7 @@ pub(super) fn choose(inputs: &Rows, count: usize, _seed: Seed) -> Vec<usize> {
     while chosen.len() < count {
         let free: Vec<f64> = (0..n).map(|i| if chosen.contains(&i) { -1.0 } else { variances[i] }).collect();
         let next = largest(&free);
+        // The measurement is noisy, so that a chosen point stays a little uncertain.
         let pivot = (variances[next] + NOISE_VARIANCE_RATIO).sqrt();
         let entry = |i: usize| {
             let covariance = (-0.5 * squared_distance(inputs.row(i), inputs.row(next))).exp();

@@ -21,6 +21,7 @@ pub(super) fn choose(inputs: &Rows, count: usize, seed: Seed) -> Vec<usize> {
         for (k, centre) in centres.iter_mut().enumerate() {
             let members: Vec<&[f64]> =
                 inputs.iter().zip(&owners).filter(|(_, owner)| **owner == k).map(|(row, _)| row).collect();
+            // A centre that has lost its points stays where it was.
             if !members.is_empty() {
                 let mean = |d: usize| members.iter().map(|row| row[d]).sum::<f64>() / members.len() as f64;
                 *centre = (0..inputs.width()).map(mean).collect();
@@ -29,6 +30,7 @@ pub(super) fn choose(inputs: &Rows, count: usize, seed: Seed) -> Vec<usize> {
     }
     let mut chosen: Vec<usize> = Vec::with_capacity(count);
     for centre in &centres {
+        // Two centres may share their nearest point; each needs one of its own.
         let free = (0..inputs.len()).filter(|i| !chosen.contains(i));
         let to = |i: &usize| squared_distance(inputs.row(*i), centre);
         chosen.extend(free.min_by(|a, b| to(a).total_cmp(&to(b))));

@@ -63,6 +63,7 @@ impl Selection {
             standardised.push(&row);
         }
         let mut chosen = self.rule()(&standardised, count, seed);
+        // The rows of a recording stay in their order.
         chosen.sort_unstable();
         Ok(chosen)
     }

@@ -33,6 +33,7 @@ impl Basis {
         let mut elements: Vec<PolynomialElement> = Vec::new();
         for (g, node) in nodes.iter().enumerate() {
             (0..max_modes).for_each(|j| rows[j * points + g] = node.basis[j]);
+            // Gauss points are ordered, so that those of one element are contiguous.
             match elements.last_mut().filter(|element| element.offset == node.offset) {
                 Some(element) => element.points.end = g + 1,
                 None => elements.push(PolynomialElement { points: g..g + 1, offset: node.offset }),
@@ -99,6 +100,7 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
             partial_sums[k] += x[k] * y[k];
         }
     }
+    // A fixed tree of additions: every vector width rounds alike.
     let [s0, s1, s2, s3, s4, s5, s6, s7] = partial_sums;
     ((s0 + s4) + (s1 + s5)) + ((s2 + s6) + (s3 + s7)) + tail
 }

@@ -58,6 +58,7 @@ impl Grid {
 
     /// The same polynomials on twice as many cells.
     pub(crate) fn halved(&self, resolution: &Resolution) -> Grid {
+        // The polynomials stay, so that both grids differ in quadrature alone.
         let pairs = self.boundaries_m.windows(2);
         let mut boundaries_m: Vec<f64> = pairs.flat_map(|pair| [pair[0], 0.5 * (pair[0] + pair[1])]).collect();
         boundaries_m.extend(self.boundaries_m.last());
@@ -89,11 +90,13 @@ impl Grid {
             let (start, length) = (window[0], window[1] - window[0]);
             grid.cell_lengths_m.push(length);
             let middle = start + 0.5 * length;
+            // The middle lies inside an element even where ends were merged.
             let element = elements.iter().rposition(|&end| end < middle).unwrap_or(0).min(elements.len() - 2);
             let (low, high) = (elements[element], elements[element + 1]);
             for sign in [-1.0, 1.0] {
                 let position_m = middle + sign * GAUSS * length;
                 let mut basis = vec![0.0; max_modes];
+                // Map the element to [−1, 1], where Legendre polynomials are orthogonal.
                 legendre(2.0 * (position_m - low) / (high - low) - 1.0, &mut basis);
                 let mut offset = [0; COMPONENTS];
                 let mut next = element * per_element;
@@ -119,6 +122,7 @@ impl Grid {
     pub(crate) fn partial_weights(length_m: f64) -> [[f64; 2]; 2] {
         let quarter = 0.25 * length_m;
         let skewed = GAUSS * length_m;
+        // Butcher's coefficients a = [[1/4, 1/4 − √3/6], [1/4 + √3/6, 1/4]] times the cell.
         [[quarter, quarter - skewed], [quarter + skewed, quarter]]
     }
 }
@@ -204,10 +208,12 @@ fn moved_along(places: &[f64], from: &[f64], to: &[f64], same_m: f64) -> Option<
         let cuts_here = from.iter().zip(to).filter(|&(&cut, _)| (place..place + same_m).contains(&cut));
         let shifts: Vec<f64> = cuts_here.map(|(cut, target)| target - cut).collect();
         let first = *shifts.first()?;
+        // Parts at one place must move as one, else a new cell would appear between them.
         let together = shifts.iter().all(|shift| (shift - first).abs() <= 1e-4 * first.abs() + 1e-14);
         together.then_some(place + first)
     });
     let moved: Vec<f64> = moved.collect::<Option<_>>()?;
+    // A part that overtakes another changes the topology.
     moved.is_sorted_by(|a, b| a < b).then_some(moved)
 }
 

@@ -26,6 +26,7 @@ impl RodParams {
         let (mut bending, mut others) = (usize::MAX, usize::MAX);
         if level > 1 {
             params.resolution.split_elements = true;
+            // Many short elements need few polynomials each: the jumps are at their ends.
             let modes_per_element = MAX_UNKNOWNS[k - 1] / (element_ends(&params).len() - 1);
             // 1.5 times as many polynomials for the two bending moments as for the four other components:
             // 2 · 1.5 + 4 = 7.

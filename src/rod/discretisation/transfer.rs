@@ -21,11 +21,13 @@ impl Grid {
                 for (k, value_here) in node.basis[..self.modes[c]].iter().enumerate() {
                     // ∫ of the square of the k-th Legendre polynomial over the element.
                     let norm = element.length_m / (2 * k + 1) as f64;
+                    // L² projection: orthogonality makes each coefficient an integral of its own.
                     target[node.offset[c] + k] += node.weight_m * value * value_here / norm;
                 }
                 offset += from.modes[c];
             }
         }
+        // Tensions belong to tendons and know no grid.
         target[self.unknowns..].copy_from_slice(&source[from.unknowns..]);
     }
 
@@ -36,6 +38,7 @@ impl Grid {
                 from.boundaries_m.partition_point(|&end| end <= position_m).clamp(1, from.cell_lengths_m.len()) - 1;
             let [a, b] = [2 * cell, 2 * cell + 1];
             let (start, end) = (from.nodes[a].position_m, from.nodes[b].position_m);
+            // Beyond the two Gauss points of a cell the line is extrapolated to its ends.
             let share = (position_m - start) / (end - start);
             std::array::from_fn(|k| states[a][k] + share * (states[b][k] - states[a][k]))
         };

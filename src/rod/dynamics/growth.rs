@@ -23,6 +23,7 @@ impl Rod {
     pub(crate) fn growth_step_ratio(&mut self, drives: &dyn Fn(f64) -> Vec<Drive>, h: f64) -> f64 {
         // A derivative may serve the iteration and know nothing of a load that has come to push along the rod.
         let knows_load = self.solver.differentiated_under == self.tip_load;
+        // Cheapest proof first: most steps need no matrix.
         let is_stable = self.is_below_buckling() || (knows_load && self.solver.is_stable_derivative(&self.state.taut));
         let constraints = if is_stable { None } else { self.constraints(&drives(h)) };
         let step_ratio = match constraints {
@@ -38,6 +39,7 @@ impl Rod {
 
     /// The same where an energy decides; `knows_load`: whether the derivative is one under the present load.
     fn step_ratio_of_energy(&mut self, constraints: &[TendonConstraint], h: f64, knows_load: bool) -> f64 {
+        // 1. The derivative at hand, old as it may be, often shows a wide margin.
         if knows_load && self.tangent(constraints, 0.0).exceeds(SAFE_MARGIN) {
             self.solver.mark_derivative_stable(&self.state.taut);
             return f64::INFINITY;
@@ -53,9 +55,11 @@ impl Rod {
         // K + s·D + s²·M is positive definite where nothing grows faster than s (docs/rod.md).
         let rate = MAX_GROWTH_PER_STEP / h;
         if !self.tangent(constraints, rate).exceeds(0.0) {
+            // Something grows by more than exp(0.5) in a step: halve it and try again.
             return 0.5;
         }
         if let Some(direction) = self.preferred_direction(&tangent.descents()) {
+            // A perfectly symmetric rod would stay on the unstable branch for ever.
             self.deviate_once(&direction, rate);
         }
         // Growth slower than half the rate lets the next step be twice as long.
@@ -66,6 +70,7 @@ impl Rod {
     fn step_ratio_of_eigenvalues(&mut self, constraints: &[TendonConstraint], h: f64) -> f64 {
         if let Some(limit) = self.step_size.flutter.as_mut().filter(|limit| limit.remaining_steps > 0) {
             limit.remaining_steps -= 1;
+            // Eigenvalues cost far more than a step, so a limit serves for several.
             return limit.longest_s / h;
         }
         self.step_size.flutter = None;
@@ -98,6 +103,7 @@ impl Rod {
     fn sideways(&self) -> Vec<f64> {
         let system = &self.system;
         let mut direction = vec![0.0; system.grid.unknowns];
+        // A moment about the world's y bends the tip towards +x, the preferred side.
         let about_y = self.state.shape.end_r[0].tr_mul(&Vector3::y());
         for node in &system.grid.nodes {
             (0..3).for_each(|axis| direction[node.offset[axis]] = about_y[axis]);

@@ -14,6 +14,7 @@ impl Rod {
         let stiffening = 1.0 + self.motion.rate * self.system.params.damping_time_s;
         let estimate = self.estimate();
         let error_m = estimate.cells_m + estimate.balance_m / stiffening;
+        // NaN must not count as small.
         self.grid_level.error_m = if error_m.is_finite() { error_m } else { f64::INFINITY };
         if self.grid_level.error_m > MAX_ERROR_SHARE * self.system.params.length_m() {
             return SolveStatus::UnderResolved;

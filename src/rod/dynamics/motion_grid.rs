@@ -30,6 +30,7 @@ impl Rod {
         let Some(rest) = self.settled_under.as_ref().filter(|_| self.system.params.moment_laws.is_empty()) else {
             return 0.0;
         };
+        // A trial on a copy: the rod itself keeps its grid unless both agree.
         let mut coarse = self.on_grid(0);
         match coarse.solve_static(&rest.constraints, 1.0) {
             SolveStatus::Converged => distance_m(&coarse.state.shape, &self.state.shape, self.system.params.length_m()),

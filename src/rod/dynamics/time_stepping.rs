@@ -43,6 +43,7 @@ impl Rod {
         let mut remaining_s = owed_s + duration_s;
         while remaining_s > 1e-9 * duration_s {
             let target_s = self.step_size.next_s.min(resolution.time_step_s);
+            // Rounding must not add a step.
             let count = (remaining_s / target_s - 1e-9).ceil().max(1.0);
             // The last two steps share what remains, so that none is tiny.
             let h = if count <= 2.0 { remaining_s / count } else { target_s };
@@ -70,7 +71,9 @@ impl Rod {
         before.copy_from(&self.state);
         let status = loop {
             let status = self.try_step(drives, h, &before);
+            // A failed solve shortens the step as an infinite error would.
             let mut ratio = if status == SolveStatus::Converged { self.step_ratio(&before, h) } else { 0.0 };
+            // Stability is asked only of a step that is accurate, since it may cost a derivative.
             if ratio >= MIN_ACCEPTED_RATIO {
                 let growth_step_ratio = self.growth_step_ratio(drives, h);
                 if growth_step_ratio < MIN_ACCEPTED_RATIO {
@@ -79,9 +82,12 @@ impl Rod {
                 }
                 ratio = ratio.min(growth_step_ratio);
             }
+            // At most halve: an error estimate beside a jump is far too large.
             let retry_s = h * ratio.clamp(0.5, MIN_ACCEPTED_RATIO);
             if status == SolveStatus::BadCommand || ratio >= MIN_ACCEPTED_RATIO || retry_s < min_retry_s {
                 if status == SolveStatus::Converged {
+                    // Keep the length near its optimum, since new LU factors cost more than the
+                    // gain.
                     let factor =
                         if (1.0..MAX_KEPT_RATIO).contains(&ratio) { 1.0 } else { ratio.clamp(0.3, MAX_GROWTH) };
                     self.step_size.next_s = (h * factor).max(min_step_s);
@@ -130,10 +136,12 @@ impl Rod {
         let (mut missed, mut spread) = (0.0_f64, 0.0_f64);
         for (g, p) in self.state.shape.node_p.iter().enumerate() {
             let moved = p - start.shape.node_p[g];
+            // Trapezoidal rule: p₁ − p₀ − h (v₀ + v₁)/2.
             let defect = moved - (start.rates.node_v[g] + last[g]) * (0.5 * h);
             missed = missed.max(defect.norm_squared());
             spread = spread.max((last[g] - first[g]).norm_squared());
         }
+        // A jump of drive speed spoils the trapezoid, not the spread; smooth motion the reverse.
         f64::min(TRAPEZOID_WEIGHT * missed.sqrt(), SPREAD_WEIGHT * h * spread.sqrt())
     }
 
@@ -147,12 +155,14 @@ impl Rod {
             let Some(constraints) = self.constraints(&drives(self.step_size.stage_times[i] * h)) else {
                 return SolveStatus::BadCommand;
             };
+            // Each stage ends at its own time and hence under its own commands.
             self.seed_tensions(&constraints);
             self.motion.prepare(start, &self.system.masses, &self.tableau.rows[i], &self.stages, h);
             let status = self.solve(&constraints, &loads, false, tolerance_m);
             if status != SolveStatus::Converged {
                 return status;
             }
+            // Later stages need the rates of this one.
             self.stages[i].read(&self.motion, &self.system.masses, &self.state.shape);
             self.log_stage();
         }

@@ -86,6 +86,7 @@ pub struct ContactSum {
 impl ContactSum {
     /// Sums `touches`; `None` for none.
     pub(crate) fn of(touches: &[Touch]) -> Option<ContactSum> {
+        // Norms, not the vector sum: opposite forces would cancel in the weights.
         let total_n: f64 = touches.iter().map(|touch| touch.force_n.norm()).sum();
         let share = |touch: &Touch| touch.force_n.norm() / total_n;
         (total_n > 0.0).then(|| ContactSum {
@@ -184,6 +185,7 @@ impl ContactMemory {
     fn stretch_m(&self, s_m: f64, obstacle: usize) -> Vector3<f64> {
         let on_obstacle = self.stretches.iter().filter(|stretch| stretch.obstacle == obstacle);
         let nearest = on_obstacle.min_by(|a, b| (a.s_m - s_m).abs().total_cmp(&(b.s_m - s_m).abs()));
+        // After a change of grid points shift by less than a cell; farther ones never touched.
         let spacing_m = self.boundaries_m.get(1).map_or(0.0, |end| end - self.boundaries_m[0]);
         nearest.filter(|near| (near.s_m - s_m).abs() < spacing_m).map_or(Vector3::zeros(), |near| near.stretch_m)
     }
@@ -286,12 +288,14 @@ impl RodEquations {
             place_m,
             force_n: normal * normal_n,
             moment_nm: Vector3::zeros(),
+            // The second term turns the normal on a curved surface.
             stiffness_n_m: normal * normal.transpose() * stiffness_n_m - surface.curvature_1_m * normal_n,
             energy_j: 0.5 * normal_n * penetration_m,
             stretch_m: Vector3::zeros(),
         };
         let limit_n = friction_coefficient * normal_n;
         if let (true, Some(before_m)) = (limit_n > 0.0, conditions.contact_memory.place_m(point.s_m)) {
+            // Old stretches are turned into the present tangent plane.
             let tangential = Matrix3::identity() - normal * normal.transpose();
             let stretch_m =
                 tangential * (conditions.contact_memory.stretch_m(point.s_m, obstacle) + place_m - before_m);
@@ -307,6 +311,7 @@ impl RodEquations {
                 touch.stiffness_n_m += turning * (limit_n / stretch_m.norm());
                 touch.stretch_m = stretch_m * (limit_n / trial_n);
             }
+            // Friction is as stiff as the penalty, so that sticking points hardly creep.
             let friction_n = -touch.stretch_m * stiffness_n_m;
             touch.force_n += friction_n;
             touch.moment_nm = (-normal * point.radius_m).cross(&friction_n);

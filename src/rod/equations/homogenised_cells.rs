@@ -17,12 +17,14 @@ fn sections_of_cell(params: &RodParams, start_m: f64, end_m: f64) -> [Section; 2
     let spine = params.sections.iter().flat_map(|section| [section.start_m, section.start_m + section.length_m]);
     ends.extend(jumps.chain(spine).filter(|end| (start_m..end_m).contains(end)));
     ends.push(end_m);
+    // Within a piece between two jumps the material is even.
     ends.sort_by(f64::total_cmp);
     let mut points: Vec<Point> = Vec::new();
     for piece in ends.windows(2).filter(|piece| piece[1] > piece[0]) {
         let (half_m, between_m) = (0.5 * (piece[1] - piece[0]), 0.5 * (piece[0] + piece[1]));
         for side in [-2.0 * GAUSS, 2.0 * GAUSS] {
             let position_m = between_m + side * half_m;
+            // The first moment needs the place within the whole cell.
             let place = (position_m - middle_m) / length_m;
             points.push(Point { section: Section::new(params, position_m), share: half_m / length_m, place });
         }

@@ -75,6 +75,7 @@ impl Derivative {
         conditions: &SolveConditions,
         workspace: &Workspace,
     ) {
+        // All below needs δp and δθ of every Gauss point and cell end.
         self.variation.update(&system.grid, &workspace.shape);
         self.stiffness.fill(0.0);
         self.beyond.fill_zero();
@@ -114,6 +115,7 @@ impl Derivative {
         }
         for (i, constraint) in conditions.constraints.iter().enumerate() {
             if !matches!(constraint, TendonConstraint::Length(_)) || !conditions.taut[i] {
+                // A slack tendon, or one of given tension, has an identity row: its unknown stays.
                 matrix.column_mut(n + i).fill(0.0);
                 matrix[(n + i, n + i)] = 1.0;
             }
@@ -164,6 +166,7 @@ impl Derivative {
         self.moment.copy_from(&self.beyond);
         for source in 0..2 {
             let k = 2 * c + source;
+            // The part of the cell that lies beyond this Gauss point.
             let weight = 0.5 * h - partial[row][source];
             self.moment.add_cross(&self.variation.node_move[k], &workspace.loads.node_f[k], weight);
         }
@@ -173,6 +176,7 @@ impl Derivative {
     #[inline(always)]
     fn node_rows(&mut self, system: &RodEquations, g: usize, unknowns: &[f64], workspace: &Workspace) {
         let (turn, moved) = (&self.variation.node_turn[g], &self.variation.node_move[g]);
+        // δM = Σ δp_k × f_k − δp × F: arms are measured from this cross-section.
         self.moment.add_cross(moved, &workspace.loads.force[g], -1.0);
         self.moment.add_cross(turn, &workspace.loads.moment[g], -1.0);
         let back = workspace.shape.node_r[g].transpose();
@@ -276,6 +280,7 @@ impl Derivative {
             self.border.fill(0.0);
             system.grid.basis.test(&self.field, &mut self.border);
             self.stiffness[(n + i) * size..][..n].copy_from_slice(&self.border);
+            // Held weights or friction make the border unsymmetric.
             if workspace.weights_frozen || system.params.tendons[i].has_friction() {
                 for (g, node) in system.grid.nodes.iter().enumerate() {
                     let strain = workspace.weighted_strain(g, &system.tendon_wrench(g, i, workspace));
@@ -289,6 +294,7 @@ impl Derivative {
                 self.stiffness[k * size + n + i] = *value;
             }
             let pull = if let TendonConstraint::Length(pull) = *constraint { pull } else { 0.0 };
+            // The drive's stretch under tension lengthens the tendon.
             self.stiffness[(n + i) * size + n + i] = -system.params.tendons[i].compliance_at(pull);
         }
     }

@@ -49,6 +49,7 @@ impl Loads {
             if rod.params.drag_n_s2_m3 > 0.0 {
                 // Quadratic drag on each body axis (Till et al. 2019, eq. 5).
                 let body = shape.node_r[g].transpose() * motion.node_velocity(g, &shape.node_p[g]);
+                // v|v| on each body axis keeps the sign of the velocity.
                 f -= shape.node_r[g] * body.component_mul(&body.abs()) * rod.params.drag_n_s2_m3;
             }
             self.node_f[g] = f;
@@ -58,6 +59,7 @@ impl Loads {
         lines.for_each(|(f, line)| *f += line * conditions.loads.share);
         self.update_end_loads(rod, shape, conditions);
         let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
+        // From the free tip to the base: a cross-section carries all that lies beyond it.
         for (c, &cell_m) in rod.grid.cell_lengths_m.iter().enumerate().rev() {
             force += self.end_f[c + 1];
             moment += self.end_m[c + 1];

@@ -77,6 +77,7 @@ impl Section {
         Section {
             rest: span.rest_curvature_rad_m.into(),
             home: span.home_curvature_rad_m.into(),
+            // Compliance tensor of the principal axes, turned by their angle.
             bend: [c1 * cos * cos + c2 * sin * sin, (c1 - c2) * sin * cos, c1 * sin * sin + c2 * cos * cos],
             twist: 1.0 / span.torsion_n_m2,
             shear: 1.0 / span.shear_n,
@@ -89,6 +90,7 @@ impl Section {
                 damping_s * span.torsion_n_m2,
                 damping_s * span.shear_n,
                 damping_s * span.shear_n,
+                // Kelvin–Voigt: the viscous stiffness is damping time times the elastic one.
                 damping_s / (axial + spine),
             ],
             bending_n_m2: bending,
@@ -111,6 +113,7 @@ impl Section {
             self.shear * w[4],
             1.0 + self.axial * w[5] + stretch,
         ];
+        // A fully shortened spine gives way no further.
         let axial = self.axial + if saturated { 0.0 } else { self.spine };
         (strain, Compliance { bend: self.bend, diagonal: [self.twist, self.shear, self.shear, axial] })
     }

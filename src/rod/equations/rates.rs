@@ -53,6 +53,7 @@ impl RateMatrices {
     #[inline(always)]
     fn add_viscosity(&mut self, system: &RodEquations, workspace: &Workspace) {
         self.viscosity.fill(0.0);
+        // Both off-diagonal bending entries count: principal axes may be turned.
         const PAIRS: [(usize, usize); 8] = [(0, 0), (0, 1), (1, 0), (1, 1), (2, 2), (3, 3), (4, 4), (5, 5)];
         for (row, column) in PAIRS {
             for (g, node) in system.grid.nodes.iter().enumerate() {
@@ -61,6 +62,7 @@ impl RateMatrices {
                 self.field[g] = node.weight_m * workspace.weighted_strain(g, &viscous)[row];
             }
             let weights = &self.field[..];
+            // Undamped rods and round ones skip whole blocks.
             if weights.iter().all(|weight| *weight == 0.0) {
                 continue;
             }
@@ -107,6 +109,7 @@ impl RateMatrices {
         for row in 0..n {
             let row_moves = &self.gathered[row * length..(row + 1) * length];
             for column in row..n {
+                // M is symmetric, so half of the products suffice.
                 let sum = dot(row_moves, &self.gathered[column * length..(column + 1) * length]);
                 self.inertia[row * n + column] = sum;
                 self.inertia[column * n + row] = sum;
@@ -114,6 +117,7 @@ impl RateMatrices {
         }
         for mass in system.masses.iter().filter(|mass| mass.turns()) {
             let r = &workspace.shape.end_r[mass.end];
+            // Rotary inertia is constant in body axes; displacements are in the world's.
             let inertia = r * Matrix3::from_diagonal(&mass.inertia_kg_m2) * r.transpose();
             add_gram(&mut self.inertia, n, n, &variation.end_turn[mass.end], &inertia);
         }

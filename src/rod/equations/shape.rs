@@ -82,6 +82,7 @@ impl Shape {
         }
         for (c, &cell_m) in grid.cell_lengths_m.iter().enumerate() {
             let [a, b] = [2 * c, 2 * c + 1];
+            // The two-point rule misses the kink within a cell; the mean stretch makes up for it.
             let missing_stretch = sections[a].kink_m(wrench[a][5], wrench[b][5], cell_m) / cell_m;
             self.strain[a][5] += missing_stretch;
             self.strain[b][5] += missing_stretch;
@@ -95,6 +96,7 @@ impl Shape {
         for (c, &cell_m) in grid.cell_lengths_m.iter().enumerate() {
             self.read_turns(c, cell_m);
         }
+        // All cells at once, for vector instructions; products of poses come afterwards.
         self.turns.exponentiate();
         for (c, &cell_m) in grid.cell_lengths_m.iter().enumerate() {
             self.advance(c, cell_m);
@@ -107,6 +109,7 @@ impl Shape {
     fn read_turns(&mut self, c: usize, h: f64) {
         let u1 = Vector3::from_row_slice(&self.strain[2 * c][..3]);
         let u2 = Vector3::from_row_slice(&self.strain[2 * c + 1][..3]);
+        // √3/12 h² = GAUSS/2 h², since GAUSS is √3/6.
         let commutator = u1.cross(&u2) * (0.5 * GAUSS * h * h);
         let weights = Grid::partial_weights(h);
         for (row, share) in [(0, 0.5 - GAUSS), (1, 0.5 + GAUSS)] {

@@ -192,6 +192,7 @@ impl RodEquations {
     #[inline(always)]
     pub(crate) fn balance(&self, unknowns: &[f64], conditions: &SolveConditions, workspace: &mut Workspace) {
         let tensions = &unknowns[self.grid.unknowns..];
+        // Order: tension shares need the paths, loads need the contacts.
         self.update_tendons(workspace);
         self.update_tension_shares(tensions, conditions, workspace);
         self.update_touches(conditions, workspace);
@@ -372,6 +373,7 @@ impl RodEquations {
     /// axial forces move the tip no more than without sections.
     pub(crate) fn size_of_step_m(&self, step: &[f64], workspace: &Workspace) -> f64 {
         let length = self.params.length_m();
+        // The axial scale follows saturation; all others are fixed.
         let axial = length * workspace.axial_weight.iter().copied().fold(0.0, f64::max);
         let (per_element, axial_modes) = (self.grid.modes.iter().sum::<usize>(), self.grid.modes[5]);
         let mut largest = 0.0_f64;

@@ -47,6 +47,7 @@ impl TendonSliding {
         let PulledTendon { tension_n, turn_rad, shortening_m } = now;
         match *constraint {
             TendonConstraint::Length(pull_m) => {
+                // Dahl's law without rounding: a straight line up to the slip.
                 let change = (pull_m - self.pull_m) / tendon.presliding_m;
                 TendonSliding { share: (self.share + change).clamp(-1.0, 1.0), pull_m, tension_n }
             }
@@ -54,6 +55,7 @@ impl TendonSliding {
                 // This change holds the tension at the tip while the tendon sticks.
                 let ratio = (tension_n.max(MIN_TENSION_N) / self.tension_n.max(MIN_TENSION_N)).ln();
                 let change = ratio / (tendon.friction_coefficient * turn_rad).max(f64::MIN_POSITIVE);
+                // Its drive follows the path, so the path's shortening is where it stands.
                 TendonSliding { share: (self.share + change).clamp(-1.0, 1.0), pull_m: shortening_m, tension_n }
             }
         }
@@ -80,6 +82,8 @@ impl RodEquations {
             let now = PulledTendon { tension_n: tensions_n[i], turn_rad, shortening_m };
             let sliding = conditions.sliding[i].moved(tendon, &conditions.constraints[i], now);
             workspace.sliding[i] = sliding;
+            // Capstan: the exponent grows with the turned angle, which stands in `share` until
+            // here.
             let exponent = -tendon.friction_coefficient * sliding.share;
             let shares = workspace.tension_shares.iter_mut().skip(i).step_by(self.params.tendons.len());
             shares.for_each(|share| *share = (exponent * *share).exp());

@@ -42,6 +42,7 @@ impl ShapeVariation {
             let partial = Grid::partial_weights(cell_m);
             for row in 0..2 {
                 let (turn, moved) = (&mut self.turn_rate[row], &mut self.move_rate[row]);
+                // Both Gauss points first: each partial sum needs the rates of both.
                 strain_rates(grid, shape, 2 * c + row, turn, moved);
             }
             for row in 0..2 {

@@ -69,6 +69,7 @@ impl RodParams {
     pub fn split_at(&mut self, position_m: f64) {
         let Some(index) = self.spans.iter().position(|span| position_m < span.end_m) else { return };
         let start_m = self.start_of_span_m(index);
+        // Already an end: nothing to split.
         if position_m > start_m {
             let span = &self.spans[index];
             let second = span.from(start_m, position_m);

@@ -99,6 +99,7 @@ impl TendonPath {
     pub fn at(&self, position_m: f64) -> ([f64; 2], [f64; 2]) {
         let next = self.points.iter().position(|point| point.s_m > position_m);
         let (offset, slope) = match next {
+            // Outside its points a path goes on parallel to the backbone.
             None => (self.points.last().map_or([0.0; 2], |point| point.offset_m), [0.0; 2]),
             Some(0) => (self.points[0].offset_m, [0.0; 2]),
             Some(next) => {

@@ -153,6 +153,7 @@ impl PerturbedRods {
         self.leader.log = Some(SolveLog::default());
         let mut start_s = -self.leader.step_size.owed_s;
         let status = movement(&mut self.leader);
+        // Followers repeat exactly the solves that were accepted; rejected steps leave no trace.
         for solved in self.leader.log.take().unwrap_or_default().solved {
             let drives_then = |number: usize, t: f64| drives(number, f64::max(0.0, start_s * scale(number) + t));
             if self.match_leader_grid().is_none() {
@@ -196,6 +197,7 @@ impl PerturbedRods {
             followed.adopt(unknowns, taut, i, at_rest);
             let all_constraints: Vec<Vec<TendonConstraint>> =
                 followers.iter_mut().enumerate().map(|(index, rod)| prepare(rod, index + 1)).collect::<Option<_>>()?;
+            // 1. An older derivative serves as long as its corrections are cheaper than a new one.
             let reused = leader_derivative.take().filter(|old| old.serves(followed.motion.rate, taut, followers.len()));
             let corrected = reused.and_then(|mut reused| {
                 let corrected = reused.correct(followers, &all_constraints, &mut solution, OLD_FACTORS_TOLERANCE)?;
@@ -205,6 +207,8 @@ impl PerturbedRods {
             let corrected = match corrected {
                 Some(corrected) => corrected,
                 None => {
+                    // 2. Else linearise at this solution; old contractions say nothing of the new
+                    // factors.
                     solution.contraction = None;
                     let fresh = leader_derivative.insert(followed.linearise(&solution, &constraints));
                     fresh.correct(followers, &all_constraints, &mut solution, FRESH_FACTORS_TOLERANCE)?
@@ -220,6 +224,7 @@ impl PerturbedRods {
             } else {
                 rod.state.rates.clone_from(&rod.stages[solved.stages.len() - 1]);
             }
+            // After all stages, as in the leader's own step.
             rod.commit_histories(solved.duration_s * scale(number));
         }
         Some(())
@@ -307,6 +312,7 @@ impl Rod {
         for count in 1..=MAX_CORRECTIONS {
             // Chord iteration: the factors stay those of the leader or of an earlier solution.
             system.evaluate(&unknowns, &conditions, &mut solver.workspace);
+            // The leader's own residual is subtracted: only the difference of both rods is sought.
             let mut step = DVector::from_column_slice(&solver.workspace.residual) - &solution.residual;
             if !factors.solve_mut(&mut step) {
                 return None;

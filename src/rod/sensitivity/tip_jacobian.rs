@@ -157,6 +157,7 @@ impl Rod {
             rotation_rad: rotation::log(&(after_r * before_r.transpose())) / (2.0 * share),
         };
         let (after, before) = (at(&change, 1.0), at(&change, -1.0));
+        // What J has missed of F along dx is one more right-hand side.
         let mut remainder = -(explicit + (after.residual - before.residual) / (2.0 * share));
         if !factors.solve_mut(&mut remainder) {
             return None;
@@ -164,11 +165,13 @@ impl Rod {
         let last = derivative.variation.end_move.len() - 1;
         let correction = &remainder.as_slice()[..n];
         let mut tip = between(after.tip, before.tip);
+        // The remainder is small, so its motion by the linear variation is exact enough.
         tip.position_m += derivative.variation.end_move[last].times(correction);
         tip.rotation_rad += derivative.variation.end_turn[last].times(correction);
         let points = if places_m.is_empty() {
             Vec::new()
         } else {
+            // Places between cell ends have no stored variation, so the difference is taken again.
             let refined = &change + &remainder;
             let (after, before) = (at(&refined, 1.0), at(&refined, -1.0));
             after.points.into_iter().zip(before.points).map(|(after, before)| between(after, before)).collect()
@@ -258,6 +261,7 @@ impl Rod {
                 if matches!(conditions.constraints.get(i), Some(TendonConstraint::Length(_))) && conditions.taut[i] {
                     let tendon = &self.system.params.tendons[i];
                     rate[n + i] =
+                        // A pulled tendon is longer, and its compliance grows in proportion.
                         1.0 + tendon.compliance_m_per_n / tendon.elastic_length_m * self.state.unknowns[n + i];
                 }
             }

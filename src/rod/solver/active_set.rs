@@ -33,6 +33,8 @@ impl NewtonSolver {
         for (i, constraint) in constraints.iter().enumerate() {
             let violation_m = match constraint {
                 TendonConstraint::Tension(_) => continue,
+                // Tension times the tip motion per newton, so that both kinds of violation are
+                // metres.
                 TendonConstraint::Length(_) if taut[i] => -unknowns[n + i] * system.reach_m_per_n[i],
                 TendonConstraint::Length(_) => {
                     // Length after the step, to first order.
@@ -46,6 +48,7 @@ impl NewtonSolver {
         }
         if let Some(i) = worst_tendon {
             taut[i] = !taut[i];
+            // A tendon that changes sides starts without tension.
             unknowns[n + i] = 0.0;
         }
         worst_tendon.is_some()
@@ -61,6 +64,7 @@ impl NewtonSolver {
         change: &ConstraintChange,
     ) {
         let led_here = |factors: &LuFactors| factors.rate == 0.0 && factors.taut == taut;
+        // Any other derivative belongs to another solution.
         if self.derivative_use != DerivativeUse::Rest || self.unreliable || !self.factors.last().is_some_and(led_here) {
             return;
         }
@@ -72,6 +76,7 @@ impl NewtonSolver {
         if !same_kinds {
             return;
         }
+        // At the last solution all residuals vanish but those that the new commands make.
         self.workspace.residual.fill(0.0);
         for (i, (before, after)) in change.from.iter().zip(change.to).enumerate().filter(|&(i, _)| taut[i]) {
             let overstretch_m =

@@ -75,6 +75,7 @@ impl NewtonSolver {
             return 1.0;
         }
         let shape = &self.workspace.shape;
+        // A rod that presses harder already must still be allowed to move.
         let current = Probe { share: 0.0, force_n: system.hardest_contact_n(conditions, shape) };
         let limit_n = current.force_n.max(MAX_CONTACT_FORCE * system.bending_force_n());
         let mut search = ContactSearch { system, conditions, unknowns, correction, shape: shape.clone() };
@@ -89,6 +90,7 @@ impl NewtonSolver {
                 return search.touch(free, next, limit_n);
             }
             if next.force_n > 0.0 && current.force_n <= 0.0 {
+                // At first contact the next derivative must learn of the obstacle.
                 return next.share;
             }
             free = next;

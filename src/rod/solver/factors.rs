@@ -21,6 +21,7 @@ impl NewtonSolver {
             None => {
                 self.factorisations += 1;
                 if self.factors.len() == MAX_FACTORS {
+                    // The least recently used one goes: hits move to the end.
                     self.factors.remove(0);
                 }
                 let lu = self.derivative.matrix(system, conditions).lu();
@@ -33,6 +34,7 @@ impl NewtonSolver {
     /// The next Newton step, with Broyden's update from the steps so far (Kelley, Solving Nonlinear Equations with
     /// Newton's Method, 2003, section 4.1), in the norm of tip displacements.
     pub(super) fn step(&self, system: &RodEquations) -> Option<DVector<f64>> {
+        // Chord step with the factors at hand, then the rank-one updates in order.
         let mut step = DVector::from_column_slice(&self.workspace.residual);
         if !self.factors.last()?.lu.solve_mut(&mut step) {
             return None;
@@ -42,6 +44,7 @@ impl NewtonSolver {
             let share = system.product_m2(earlier, &step) / system.product_m2(earlier, earlier);
             match steps.peek() {
                 Some(next) => step.axpy(share, next, 1.0),
+                // Sherman–Morrison for the last update; near 1 its denominator vanishes.
                 None if share.abs() < MAX_ACCELERATION => step /= 1.0 - share,
                 None => (),
             }

@@ -62,6 +62,7 @@ impl NewtonSolver {
         self.steps.clear();
         self.damping = NewtonDamping::new();
         let needed = if conditions.motion.rate > 0.0 { DerivativeUse::Motion } else { DerivativeUse::Rest };
+        // At rest there is neither D nor M in the matrix.
         let mut stale = self.derivative_use != needed;
         self.workspace.weights_frozen = false;
         for iteration in 0..self.max_iterations {
@@ -80,6 +81,7 @@ impl NewtonSolver {
                 Ok(correction) => correction,
                 Err(failure) => return self.fail(failure),
             };
+            // After a shortened step the shape has changed too much for the old derivative.
             stale = shortened || self.unreliable;
             // Once the sets alternate, each is solved for before the next one is tried.
             let may_change_set = set_changes <= QUICK_SET_CHANGES || (!shortened && size < 1e-3 * length_m);
@@ -136,12 +138,14 @@ impl NewtonSolver {
         conditions: &SolveConditions,
         stale: bool,
     ) -> Result<Correction, SolveStatus> {
+        // The prediction is good for one iteration only.
         if !std::mem::take(&mut self.residual_predicted) {
             system.evaluate(unknowns, conditions, &mut self.workspace);
         }
         if !self.workspace.residual.iter().all(|r| r.is_finite()) {
             return Err(SolveStatus::NotFinite);
         }
+        // A contact that came or went changes the stiffness by a jump.
         if stale || self.workspace.contact_set() != self.contact_set {
             self.differentiate(system, unknowns, conditions);
         }
@@ -175,6 +179,7 @@ impl NewtonSolver {
         self.contact_set.clone_from(&self.workspace.contact_set());
         self.unreliable = self.largest_imbalance(system) > UNRELIABLE_IMBALANCE;
         self.derivative.update(system, unknowns, conditions, &self.workspace);
+        // Factors and Broyden's steps belong to the former derivative.
         self.factors.clear();
         self.steps.clear();
         self.derivative_use = if conditions.motion.rate > 0.0 { DerivativeUse::Motion } else { DerivativeUse::Rest };

@@ -45,6 +45,7 @@ impl NewtonDamping {
             reverses || size > MAX_GROWTH_RATIO * last_size
         });
         self.branch_changes += i32::from(changes_branch);
+        // Growth that decays geometrically bounds the product of all factors.
         let excess = (self.branch_changes - FREE_BRANCH_CHANGES).max(0);
         let factor = if changes_branch { 0.5 } else { 1.0 + GROWTH_DECAY.powi(excess) };
         self.share = (factor * self.share).clamp(MIN_SHARE, 1.0);

@@ -20,6 +20,7 @@ impl Rod {
         if params.point_loads.iter().any(|load| load.follows || load.moment_nm.norm_squared() > 0.0) {
             return false;
         }
+        // Contact may soften what the bound assumes: its force turns with the surface.
         if !self.solver.workspace.touches.is_empty() {
             return false;
         }

@@ -48,6 +48,7 @@ impl Rod {
         companion.view_mut((0, n), (n, n)).copy_from(&-factors.solve(&inertia)?);
         companion.view_mut((n, 0), (n, n)).fill_with_identity();
         let values = eigenvalues(companion)?;
+        // The largest μ is the slowest mode, since μ = 1/λ.
         let lowest_frequency_mu = values.iter().map(|value| value.norm()).fold(0.0, f64::max);
         if lowest_frequency_mu == 0.0 {
             return None;
@@ -57,6 +58,7 @@ impl Rod {
         let Some(rate) = growing.iter().map(|value| value.norm().recip()).reduce(f64::max) else {
             return Some(Growth::None);
         };
+        // A real eigenvalue does not oscillate.
         let diverges = growing.iter().any(|value| value.im.abs() <= GROWTH_TOLERANCE * value.norm());
         Some(if diverges { Growth::Divergence(rate) } else { Growth::Flutter(rate) })
     }

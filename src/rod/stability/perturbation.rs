@@ -20,6 +20,7 @@ impl Rod {
         let largest = moves.iter().map(Vector3::norm).fold(0.0, f64::max);
         let reach = |axis: usize| moves.iter().map(|moved| moved[axis] * moved[axis]).sum::<f64>().sqrt();
         let first = directions.first()?;
+        // The first axis along which the tip can go at all; rounding must not choose the side.
         let Some(axis) = (0..3).find(|&axis| reach(axis) > 1e-3 * largest) else { return Some(first.clone()) };
         let mut combined = vec![0.0; first.len()];
         for (direction, moved) in directions.iter().zip(&moves) {
@@ -40,8 +41,10 @@ impl Rod {
             moves.iter().enumerate().map(|(g, _)| system.grid.nodes[g].weight_m * of(g)).sum::<f64>()
         };
         let squares = weighted(&|g| moves[g].norm_squared());
+        // Component of the present velocity along the direction, by mass-free projection.
         let speed = weighted(&|g| moves[g].dot(&rates.node_v[g])) / squares * largest;
         let min_speed = DEVIATION_LENGTHS * system.params.length_m() * rate;
+        // A rod that moves already needs no push.
         if !(speed.abs() < min_speed && squares > 0.0) {
             return;
         }

@@ -58,6 +58,7 @@ impl Tangent {
     ) -> Tangent {
         let (n, size) = (system.grid.unknowns, system.size());
         let bordered = &derivative.stiffness;
+        // Moments and forces have different units; scaled, eigenvalues are shares of the stiffness.
         let scale: Vec<f64> = system.elastic_diagonal.iter().map(|k| k.sqrt().recip()).collect();
         let mut matrix = DMatrix::zeros(n, n);
         for row in 0..n {
@@ -91,6 +92,8 @@ impl Tangent {
     pub(crate) fn exceeds(&self, margin: f64) -> bool {
         let mut symmetric = self.symmetric();
         (0..symmetric.nrows()).for_each(|k| symmetric[(k, k)] -= margin);
+        // Cholesky succeeds exactly for positive definite matrices and is far cheaper than
+        // eigenvalues.
         symmetric.cholesky().is_some()
     }
 

@@ -81,6 +81,7 @@ impl Rod {
             let section = &self.system.sections[g];
             let mass = section.mass_kg_m * node.weight_m;
             energy.kinetic_j += 0.5 * mass * rates.node_v[g].norm_squared();
+            // Potential of weight: −m g·p.
             energy.gravitational_j -= mass * gravity.dot(&shape.node_p[g]);
             energy.elastic_j += node.weight_m * section.energy_j_m(&shape.wrench[g]);
         }
@@ -107,6 +108,7 @@ impl Rod {
         total += self.solver.workspace.contact_energy_j();
         for (constraint, length_m) in constraints.iter().zip(self.system.lengths_m(&self.state.shape)) {
             if let TendonConstraint::Tension(tension_n) = constraint {
+                // A drive of given tension is a hanging weight: it rises as the tendon shortens.
                 total += tension_n * length_m;
             }
         }

@@ -42,6 +42,7 @@ impl Rod {
         rod.state.sliding.clone_from(&self.state.sliding);
         rod.state.contact_memory.clone_from(&self.state.contact_memory);
         rod.state.shape.update(to, &rod.system.sections, &rod.state.unknowns[..to.unknowns]);
+        // Effort counts on across grids.
         rod.solver.iterations = self.solver.iterations;
         rod.solver.derivatives = self.solver.derivatives;
         rod.solver.factorisations = self.solver.factorisations;

@@ -135,6 +135,7 @@ impl Rod {
         tolerance_m: f64,
     ) -> SolveStatus {
         let RodState { unknowns, taut, histories, sliding, contact_memory, .. } = &mut self.state;
+        // The solver borrows the set mutably while the conditions hold its initial guess.
         let guess = taut.clone();
         let conditions = SolveConditions {
             constraints,
@@ -193,6 +194,7 @@ impl Rod {
             Drive::Tension(tension) if tension.is_finite() && tension >= 0.0 => {
                 Some(TendonConstraint::Tension(tension))
             }
+            // A drive that follows the shape never loads its tendon.
             Drive::Follow => Some(TendonConstraint::Tension(0.0)),
             _ => None,
         };
@@ -205,6 +207,7 @@ impl Rod {
         for (i, constraint) in constraints.iter().enumerate() {
             if let TendonConstraint::Tension(tension) = *constraint {
                 self.state.unknowns[n + i] = tension;
+                // The active set is for tendons that are held by length.
                 self.state.taut[i] = false;
             }
         }

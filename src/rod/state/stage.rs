@@ -29,6 +29,7 @@ impl History<'_> {
             hist_v -= stage_v * *share;
             hist_a -= stage_a * *share;
         }
+        // a = rate · v + hist_a, and v itself holds hist_v: both in terms of the unknown p.
         (hist_v, hist_v * self.rate + hist_a)
     }
 }
@@ -56,6 +57,7 @@ impl Motion {
             if mass.turns() {
                 (self.spin_v[k], self.spin_a[k]) =
                     history.of(&Vector3::zeros(), &from.spin[k], |s| (s.spin[k], s.spin_a[k]));
+                // Rotations do not add, so spin is measured from the orientation at the start.
                 self.from_r[k] = start.shape.end_r[mass.end];
             }
         }

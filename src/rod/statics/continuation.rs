@@ -14,6 +14,7 @@ impl Rod {
     pub(crate) fn continue_in_load(&mut self, constraints: &[TendonConstraint]) -> SolveStatus {
         self.state.unknowns.fill(0.0);
         self.state.taut.fill(false);
+        // A stuck share is better tried smaller than iterated longer.
         let max_iterations = std::mem::replace(&mut self.solver.max_iterations, MAX_CONTINUATION_ITERATIONS);
         let status = self.raise_load(constraints);
         self.solver.max_iterations = max_iterations;

@@ -51,9 +51,11 @@ impl Rod {
         for _ in 0..effort * MAX_SOLVES {
             let target = f64::min(share + increment, 1.0);
             let start = overdamped.state.clone();
+            // One stage with γ = 1 is implicit Euler.
             overdamped.motion.prepare(&start, &overdamped.system.masses, &[1.0], &[], step * OVERDAMPED_TIME_S);
             status = overdamped.solve_static(constraints, target);
             if status != SolveStatus::Converged || !overdamped.has_descended(constraints, target) {
+                // A converged step that has not descended has led to another branch.
                 status = status.or(SolveStatus::NotConverged);
                 overdamped.state = start;
                 (step, increment) = (0.25 * step, 0.3 * increment);
@@ -72,6 +74,7 @@ impl Rod {
             let arrived =
                 share == 1.0 && step >= MAX_STEP && moved < REST_MOTION_LENGTHS * overdamped.system.params.length_m();
             if share < 1.0 {
+                // While the loads rise the rod must keep up with them.
                 step = f64::min(1.5 * step, 2.0);
             } else {
                 // One that slows down may take longer steps.
@@ -91,6 +94,7 @@ impl Rod {
         }
         self.state.unknowns.clone_from(&overdamped.state.unknowns);
         self.state.taut.clone_from(&overdamped.state.taut);
+        // The result is refined without damping.
         self.motion = Motion::rest(&self.system.grid, &self.system.masses);
         self.solve_static(constraints, 1.0)
     }
@@ -113,6 +117,7 @@ impl Rod {
     fn overdamped(&self) -> Rod {
         let mut params = self.system.params.clone();
         params.damping_time_s = OVERDAMPED_TIME_S;
+        // Quadratic drag would only slow the way to the same rest.
         params.drag_n_s2_m3 = 0.0;
         let mut overdamped = Rod::new(params);
         overdamped.tip_load = self.tip_load;

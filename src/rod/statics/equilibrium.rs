@@ -41,10 +41,12 @@ impl Rod {
         }
         if status.is_equilibrium() {
             self.state.rates = Rates::zero(&self.system.grid, &self.system.masses);
+            // At rest, time that was too short for a step has passed without effect.
             self.step_size.owed_s = 0.0;
             self.settled_under = Some(SettledConditions {
                 constraints,
                 tip_load: self.tip_load,
+                // Before the commit: derivatives at this rest need what the solve started from.
                 histories: self.state.histories.clone(),
                 sliding: self.state.sliding.clone(),
                 contact_memory: self.state.contact_memory.clone(),
@@ -53,6 +55,7 @@ impl Rod {
             self.log_stage();
             self.log.iter_mut().for_each(|log| log.accept(f64::INFINITY));
         } else {
+            // A failed solve leaves the rod as it was.
             self.state = before.state;
             self.settled_under = before.under;
         }

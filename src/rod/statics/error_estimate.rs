@@ -44,6 +44,7 @@ impl RodEquations {
             let (h, a, b) = (cell_m, &strain[2 * c], &strain[2 * c + 1]);
             let angle2 = squared_curvature(a).max(squared_curvature(b)) * h * h;
             let cross = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+            // The Magnus expansion is exact for plane bending, where the commutator vanishes.
             let commutator = h * h * (cross[0].powi(2) + cross[1].powi(2) + cross[2].powi(2)).sqrt();
             total += CELL_ERROR * angle2 * angle2 * h * a[5].abs().max(b[5].abs());
             total += MAGNUS_ERROR * commutator * angle2 * self.params.length_m();
@@ -115,6 +116,7 @@ impl RodEquations {
             let r = &workspace.shape.node_r[g];
             let turn = r * Vector3::new(missing_strain[0], missing_strain[1], missing_strain[2]) * node.weight_m;
             let stretch = r * Vector3::new(missing_strain[3], missing_strain[4], missing_strain[5]) * node.weight_m;
+            // A missing curvature turns all that lies beyond it: lever arm to the tip.
             moved += stretch + turn.cross(&(tip - workspace.shape.node_p[g]));
             turned += turn;
         }

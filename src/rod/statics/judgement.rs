@@ -22,6 +22,7 @@ impl Rod {
     /// definite. Follower loads, which have no potential, are judged by the linearised motion; a dead moment, which has
     /// none either, by the eigenvalues of the tangent where its symmetric part is not positive definite.
     pub(crate) fn judge(&mut self, constraints: &[TendonConstraint]) -> Stability {
+        // The verdict needs the derivative at the solution, not near it.
         self.solver.discard_derivative();
         if self.solve_static(constraints, 1.0) != SolveStatus::Converged {
             return Stability::Stable;

@@ -50,6 +50,7 @@ impl Rod {
     /// Distance between the tips of the reconstructed and the present solution, metres, after a static solve under
     /// `constraints`. A rotation counts as angle times length. Infinite on failure.
     pub(crate) fn reconstruction_m(&mut self, constraints: &[TendonConstraint]) -> f64 {
+        // 1. The same polynomials at twice as many Gauss points show the pointwise imbalance.
         let fine = self.grid_level.halved(&self.system);
         let histories: Vec<_> = self
             .state
@@ -66,11 +67,13 @@ impl Rod {
         let mut workspace = fine.workspace();
         let unknowns = &self.state.unknowns;
         fine.evaluate(unknowns, &conditions, &mut workspace);
+        // 2. Balance each Gauss point by itself.
         let Some(mut wrench) = fine.local_balance(unknowns, &workspace) else { return f64::INFINITY };
         vectorised!({
             workspace.shape.update_from(&fine.grid, &fine.sections, &wrench);
             fine.balance(unknowns, &conditions, &mut workspace);
         });
+        // 3. Remove the mean imbalance that remains with the solver's derivative.
         let mut step = DVector::from_column_slice(&workspace.residual);
         if !self.solver.solve_with_last_factors(&mut step) {
             return f64::INFINITY;

@@ -39,6 +39,7 @@ impl Rod {
         if self.grid_level.error_m <= tolerance_m {
             return self.check_interpenetration().or(stability);
         }
+        // The first, coarsest rod is kept: a motion goes on from it if refinement fails.
         let mut fallback = None;
         let mut status = SolveStatus::UnderResolved;
         while self.grid_level.error_m > tolerance_m && self.grid_level.level < MAX_REFINEMENTS {
@@ -50,6 +51,7 @@ impl Rod {
             let estimate = finer.estimate();
             finer.grid_level.error_m = if finer.grid_level.level > 1 { 0.0 } else { estimate.cautious_m() };
             finer.confirm_by_reconstruction(constraints, tolerance_m, estimate.plain_m());
+            // An error of a whole length will not shrink to the tolerance in two more levels.
             let hopeless = finer.grid_level.level > 1 && finer.grid_level.error_m > self.system.params.length_m();
             let coarser = std::mem::replace(self, finer);
             fallback.get_or_insert(coarser);

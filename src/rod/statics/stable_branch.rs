@@ -59,6 +59,7 @@ impl Rod {
             Stability::Stable if self.is_on_branch_of(constraints, before) => return SolveStatus::Converged,
             Stability::Stable | Stability::Unstable(_) => {}
         }
+        // Not proved to be the same branch: go the whole way from the rest before.
         self.state.copy_from(&before.state);
         if self.follow_loads(constraints, before) {
             self.branch = RestBranch::Same;
@@ -100,6 +101,7 @@ impl Rod {
     /// them. False where it is not any more; then the rod is at the last stable equilibrium, and `branch` says how it
     /// loses stability.
     fn follow_loads(&mut self, constraints: &[TendonConstraint], before: &RestBefore) -> bool {
+        // A rod that has moved has no equilibrium to start from.
         if before.under.is_none() && before.state.unknowns.iter().any(|&x| x != 0.0) {
             return false;
         }
@@ -111,6 +113,7 @@ impl Rod {
             let target = f64::min(reached + step, 1.0);
             let saved = self.state.clone();
             self.solver.discard_derivative();
+            // A long way in one increment may have jumped to another branch.
             let stable = self.solve_on_path(&path, target) == SolveStatus::Converged
                 && distance_m(&saved.shape, &self.state.shape, length_m) < MAX_MOVE_LENGTHS * length_m
                 && self.is_stable_on_path(&path, target);
@@ -163,6 +166,8 @@ impl Rod {
         let (middle, plus, minus) = (stiffness(0.0), stiffness(amount), stiffness(-amount));
         self.state.unknowns = start;
         self.solver.discard_derivative();
+        // Odd part: the slope of the stiffness along the critical direction; even part: its
+        // curvature.
         let (odd, even) = (0.5 * (plus - minus), 0.5 * (plus + minus) - middle);
         if odd.abs() > even.abs() { RestBranch::SnapThrough } else { RestBranch::Bifurcation }
     }
@@ -196,6 +201,7 @@ impl Rod {
         let mut combined = vec![0.0; directions.first()?.len()];
         let mut fall = 0.0;
         for direction in directions {
+            // Gradient of the energy in the subspace of the critical directions.
             let slope: f64 = direction.iter().zip(&self.solver.workspace.residual).map(|(d, r)| d * r).sum();
             combined.iter_mut().zip(direction).for_each(|(sum, d)| *sum -= slope * d);
             fall += slope * slope;
@@ -218,6 +224,7 @@ impl Rod {
         }
         let start = self.state.clone();
         self.push(direction, push);
+        // Both sides are alike, so both are followed and their energies decide.
         let first = self.relax_dynamically(constraints, 1.0);
         let (preferred, energy_j) = (self.state.clone(), self.potential_energy_j(constraints));
         self.state = start;

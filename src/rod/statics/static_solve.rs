@@ -38,6 +38,7 @@ impl Rod {
             let shares: Vec<f64> = OBSTACLE_SHARES.into_iter().filter(|share| !passes(share)).collect();
             for share in shares {
                 self.obstacle_share = share;
+                // The stiffness of the obstacles has changed.
                 self.solver.discard_derivative();
                 status = self.solve(constraints, loads, true, STATIC_TOLERANCE_M);
                 if status != SolveStatus::Converged {

@@ -18,6 +18,7 @@ pub fn correct_samples(samples: &Transitions, error: &dyn ErrorModel) -> Result<
             let to_m = corrected_m(error, samples.pulls_m.row(index), samples.to_m.row(index))?;
             corrected.from_m.push(&from_m);
             corrected.to_m.push(&to_m);
+            // The end of a step is the start of the next, so that both are corrected alike.
             from_m = to_m;
         }
     }

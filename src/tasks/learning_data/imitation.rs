@@ -37,6 +37,7 @@ pub fn reached_poses(
         let range_m = -options.max_pull_m..=options.max_pull_m;
         let next_m = bend_m.iter().map(|_| random.random_range(range_m.clone())).collect();
         if let Some(reached) = drive_to(robot, &map, &mut bend_m, next_m, options.max_step_m)? {
+            // No step, no new observation: the robot is there already.
             observation = reached;
         }
         poses.push(ReachedPose { tip_m: observation.tip_m, pulls_m: observation.pulls_m.clone() });
@@ -66,6 +67,7 @@ pub fn imitate(
             samples.from_m.push(&observation.tip_m);
             samples.pulls_m.push(&pose.pulls_m);
             samples.to_m.push(&pose.tip_m);
+            // DAgger: the policy chooses the states that are visited, the pose the label.
             let Ok(action) = policy.act(&observation, &pose.tip_m) else { break };
             observation = robot.step(&action.pulls_m)?;
         }

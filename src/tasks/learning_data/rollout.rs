@@ -20,6 +20,7 @@ pub fn rollout(samples: &Transitions, model: &mut dyn ForwardModel) -> Result<Tr
             let to_m = model.next_m(samples.pulls_m.row(index))?;
             predicted.from_m.push(&from_m);
             predicted.to_m.push(&to_m);
+            // Free run: errors add up, as they do where no tip is measured.
             from_m = to_m;
         }
     }

@@ -51,11 +51,13 @@ pub fn lap(
         return Err(TaskError::TooFew { what: "points of the path", required: 2, available: path_m.len() });
     };
     let targets_m = (1..=lap_steps).map(|tick| point_at(path_m, tick as f64 / lap_steps as f64));
+    // The way from home is no part of the lap.
     let targets_m = std::iter::repeat_n(*first_m, lead_in_steps).chain(targets_m);
     let run = robot.run(policy, targets_m, mode == LoopMode::Open, seed);
     let lap = run.steps.get(lead_in_steps..).unwrap_or_default();
     Ok(Lap {
         rms_m: rms(lap, WatchedStep::error_m),
+        // `f64::max` ignores NaN: lost frames do not count, and no frame at all leaves NaN.
         largest_m: lap.iter().map(WatchedStep::error_m).fold(f64::NAN, f64::max),
         tracked_rms_m: rms(lap, WatchedStep::tracked_m),
         tendon_travel_m: run.tendon_travel_m(),

@@ -94,6 +94,7 @@ pub fn reach(
     let mut trial = ReachRun { measured_m: Vec::new(), steps: 0, settled: false, switches: 0 };
     let result = trial.run(plant, policy, target_m, mode, options, seed);
     let tip_m = trial.measured_m.last().copied().unwrap_or([f64::NAN; 3]);
+    // The mean of the last measurements, also of a trial that failed.
     let tail = &trial.measured_m[trial.measured_m.len().saturating_sub(options.averaged_samples)..];
     let error_m = tail.iter().map(|tip_m| distance_m(tip_m, target_m)).sum::<f64>() / tail.len() as f64;
     Ok(ReachOutcome {
@@ -130,11 +131,13 @@ impl ReachRun {
         let mut branch = None;
         let mut settled_steps = 0;
         while self.steps < options.max_steps && !self.settled {
+            // Open loop: the policy keeps seeing the robot at home.
             let shown = if mode == LoopMode::Open { &home } else { &observation };
             let action = policy.act(shown, target_m)?;
             self.switches += usize::from(branch.is_some_and(|last| last != action.branch));
             branch = Some(action.branch);
             observation = self.step(plant, &action.pulls_m)?;
+            // A policy may be content while the tip still swings.
             let settled = action.settled && self.at_rest(options.rest_m);
             settled_steps = if settled { settled_steps + 1 } else { 0 };
             self.settled = settled_steps >= options.settle_steps;
@@ -149,6 +152,7 @@ impl ReachRun {
     fn step(&mut self, plant: &mut dyn Plant, pulls_m: &[f64]) -> Result<Observation, TrialError> {
         let observation = plant.step(pulls_m)?;
         self.steps += 1;
+        // A lost frame must not stand as a measurement.
         if observation.valid {
             self.measured_m.push(observation.tip_m);
         }

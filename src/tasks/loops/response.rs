@@ -79,6 +79,7 @@ fn summarised(run: &WatchedRun, target_m: &Point3, step_s: f64, max_step_m: Opti
     let after = |time_s: f64| steps.iter().find(|step| step.time_s >= time_s - ROUNDING_S);
     let furthest_m =
         steps.last().map_or(0.0, |step| step.pulls_m.iter().fold(0.0_f64, |largest, pull| largest.max(pull.abs())));
+    // The farthest tendon decides: all move at once.
     let ticks = |max_step_m: f64| (furthest_m / max_step_m - ROUNDING_S).ceil().max(1.0);
     Response {
         distance_m: distance_m(&run.home_m, target_m),
@@ -96,6 +97,7 @@ fn summarised(run: &WatchedRun, target_m: &Point3, step_s: f64, max_step_m: Opti
 /// The end of the first step from which on the error stays within a bound.
 fn settled_s(steps: &[WatchedStep], within_m: f64) -> f64 {
     let outside = |step: &WatchedStep| step.error_m().is_nan() || step.error_m() > within_m;
+    // From the end: an early pass through the bound does not count as settled.
     let first_inside = steps.iter().rposition(outside).map_or(0, |last| last + 1);
     steps.get(first_inside).map_or(f64::NAN, |step| step.time_s)
 }

@@ -75,6 +75,7 @@ pub fn track(
     options.check()?;
     let mut steps: Vec<TrackStep> = Vec::new();
     if let Err(error) = follow(plant, policy, path_m, options, seed, &mut steps) {
+        // The failure becomes a last step, so that the table shows where it happened.
         let last = steps.last();
         let path_point = last.map_or(0, |step| step.path_point);
         let tip_m = last.map_or([f64::NAN; 3], |step| step.tip_m);
@@ -104,6 +105,7 @@ fn follow(
     policy.reset();
     let mut observation = plant.reset(seed)?;
     for (path_point, target_m) in path_m.iter().enumerate() {
+        // The way from home to the first point is longer than from point to point.
         let budget = if path_point == 0 { options.max_steps_first } else { options.max_steps_per_point };
         let mut settled_steps = 0;
         for _ in 0..budget {

@@ -77,6 +77,7 @@ impl WatchedRobot {
         policy.reset();
         let home = self.plant.reset(seed)?;
         run.home_m = match &mut self.quiet {
+            // The same seed for both: all other randomness is shared.
             Some(quiet) => quiet.reset(seed)?.tip_m,
             None => home.tip_m,
         };
@@ -86,6 +87,7 @@ impl WatchedRobot {
             observation = self.plant.step(&action.pulls_m)?;
             let measured_m = measured(&observation);
             let true_m = match &mut self.quiet {
+                // Both robots get the same command, so that only tracking noise separates them.
                 Some(quiet) => quiet.step(&action.pulls_m)?.tip_m,
                 None => measured_m,
             };

@@ -29,6 +29,7 @@ impl Work<'_> {
     pub fn innovations_m(&mut self, index: u64) -> Vec<Option<Point3>> {
         let seed = self.seed.index(index);
         let target_m = self.pool_m[seed.child("target").rng().random_range(0..self.pool_m.len())];
+        // Trials of one length: a calibration may draw any of them.
         let targets = std::iter::repeat_n(target_m, self.steps);
         let run = self.robot.run(self.policy.as_mut(), targets, false, seed.child("plant"));
         run.steps.iter().map(|step| innovation_m(step, self.error.as_ref())).collect()

@@ -43,6 +43,7 @@ impl BendMap {
                 .iter()
                 .map(|placed| (placed.tendon, (placed.angle_deg - first_deg).rem_euclid(360.0)))
                 .collect();
+            // `actuated` looks for the neighbours of a direction.
             sorted.sort_by(|left, right| left.1.total_cmp(&right.1));
             SegmentBend { tendons: sorted, first_deg }
         };
@@ -67,6 +68,7 @@ impl BendMap {
         for (index, segment) in self.segments.iter().enumerate() {
             let segment_bend_m = [bend_m[2 * index], bend_m[2 * index + 1]];
             for &(tendon, angle_deg) in segment.actuated(segment_bend_m).into_iter().flatten() {
+                // A tendon of a later segment passes the earlier ones and bends with them.
                 let pull_m = if index == 0 {
                     projected(segment_bend_m, angle_deg)
                 } else {
@@ -79,6 +81,7 @@ impl BendMap {
         }
         let max_bend_m = bend_m.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
         if largest_m > max_bend_m {
+            // All commands shrink together, so that the direction of the bend stays.
             let share = max_bend_m / largest_m;
             for command in &mut commands {
                 if let TendonCommand::Pull(pull_m) = command {
@@ -105,6 +108,7 @@ impl SegmentBend {
     fn actuated(&self, [a, b]: [f64; 2]) -> [Option<&(usize, f64)>; 2] {
         let tendons = &self.tendons;
         if let [first, opposite] = tendons.as_slice() {
+            // Two tendons bend in one plane; the second component has no effect.
             return [Some(if a >= 0.0 { first } else { opposite }), None];
         }
         if self.is_cross() {
@@ -158,6 +162,7 @@ pub(in crate::tasks) fn drive_to(
         }
         observation = Some(plant.drive(&map.commands(from_m))?);
     }
+    // Exactly the target: shares of a step leave rounding behind.
     *from_m = to_m;
     Ok(observation)
 }
@@ -212,6 +217,7 @@ impl GridOptions {
         let segments = map.segments.len();
         let bend = |visit: usize| {
             let part = |segment: usize| {
+                // Segments that bent alike would show only a part of the workspace.
                 let shifted = (visit + segment * count / segments) % count;
                 self.node_m(shifted, segment % 2 == 1)
             };

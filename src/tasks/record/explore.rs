@@ -86,6 +86,7 @@ pub fn explore_trajectory(
     options.check()?;
     let map = BendMap::of(plant)?;
     let mut plant = RetryLostFrames(plant);
+    // A seed for each trajectory, so that they may be recorded in any order.
     let seed = seed.child("explore").index(index as u64);
     let mut random = seed.child("walk").rng();
     let mut tip_m = plant.reset(seed.child("plant"))?.tip_m;
@@ -95,6 +96,7 @@ pub fn explore_trajectory(
         for value_m in &mut bend_m {
             let change_m = random.random_range(-options.max_step_m..=options.max_step_m);
             let next_m = *value_m + change_m;
+            // Reflection at the limit keeps the step; clamping would gather points there.
             *value_m = if next_m.abs() > options.max_pull_m { *value_m - change_m } else { next_m };
         }
         let after = plant.drive(&map.commands(&bend_m))?;

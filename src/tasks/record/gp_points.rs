@@ -113,6 +113,7 @@ impl GpPool {
         let mut points = GpPoints::none(self.steps.pulls_m.width());
         for (&step, real_m) in self.kept.iter().zip(self.real_m.iter()) {
             let (from_m, to_m) = (self.steps.to_m.row(step), changed.to_m.row(step));
+            // Measurement plus the change that the model predicts keeps gap and noise of the robot.
             let moved_m: Vec<f64> = (0..3).map(|axis| real_m[axis] + to_m[axis] - from_m[axis]).collect();
             points.push(&self.steps, step, &moved_m);
         }
@@ -193,6 +194,7 @@ pub fn gp_points(
     let mut robot = RetryLostFrames(robot);
     robot.reset(seed.child("robot"))?;
     let mut kept = visited.kept.iter().copied().peekable();
+    // Every step is replayed, points or not: the robot's history must be the model's.
     for row in 0..visited.steps.len() {
         let pulls_m = visited.steps.pulls_m.row(row);
         let observation = robot.step(pulls_m)?;

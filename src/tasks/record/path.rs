@@ -111,6 +111,7 @@ pub fn interpolate(waypoints: &[Point3], options: &PathOptions) -> Result<Vec<Po
     let mut path = vec![*first];
     for (from, to) in waypoints.iter().zip(waypoints.iter().skip(1).chain(closing)) {
         let pieces = (distance_m(from, to) / options.spacing_m).ceil().max(1.0);
+        // The last piece ends at the way-point, which is added without rounding.
         for piece in 1..(pieces as usize) {
             let share = piece as f64 / pieces;
             path.push(std::array::from_fn(|axis| from[axis] + share * (to[axis] - from[axis])));

@@ -56,6 +56,7 @@ pub fn record_trial(
     seed: Seed,
 ) -> Result<Recording, PlantError> {
     let mut observations: Vec<Observation> = vec![plant.reset(seed)?];
+    // A row is the state before its command, so the last command is not executed.
     for row in rows.start..rows.end - 1 {
         observations.push(plant.step(commands.commands.row(row))?);
     }

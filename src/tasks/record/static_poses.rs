@@ -70,6 +70,7 @@ pub fn plan_static_poses(
     for (trial, &weight_kg) in (0..).zip(weights_kg) {
         let mut from_m = vec![0.0; tendons];
         let mut steps = 0;
+        // Home comes first in any case; a second visit would tell nothing new.
         let bent_poses = poses_m.iter().filter(|pose| pose.iter().any(|&pull_m| pull_m != 0.0));
         for (number, pose) in std::iter::once(&vec![0.0; tendons]).chain(bent_poses).enumerate() {
             // The robot is already at rest at home.
@@ -108,6 +109,7 @@ pub fn record_static_poses(
                 from_m.iter().zip(to_m).map(|(from, to)| share * to + (1.0 - share) * from).collect();
             plant.step(&pulls_m)?;
         }
+        // The same number of steps for every pose, as planned: times must agree.
         for _ in 0..options.rest_steps {
             plant.step(to_m)?;
         }
@@ -120,6 +122,7 @@ pub fn record_static_poses(
 
 /// The last of several observations, with the mean tip and points of the valid ones.
 fn averaged(looks: Vec<Observation>) -> Observation {
+    // Only the looks in which the tip was seen are averaged.
     let valid: Vec<[f64; 3]> = looks.iter().filter(|look| look.valid).map(|look| look.tip_m).collect();
     let tip_m = mean(&valid);
     let point = |index: usize| {

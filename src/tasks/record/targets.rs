@@ -82,6 +82,7 @@ pub fn spread_targets(candidates: &[Point3], count: usize) -> Result<Vec<Point3>
     let mut next = 0;
     while chosen.len() < count {
         if candidates.is_empty() || gap_squared[next] <= 0.0 {
+            // A gap of zero means that all distinct candidates are chosen.
             let what = "distinct candidates for targets";
             return Err(TaskError::TooFew { what, required: count, available: chosen.len() });
         }
@@ -110,6 +111,7 @@ pub fn draw_targets(pool: &[Point3], count: usize, seed: Seed) -> Result<Vec<(us
         return Err(TaskError::TooFew { what: "targets in the pool", required: count, available: pool.len() });
     }
     let mut order: Vec<usize> = (0..pool.len()).collect();
+    // A shuffle of all, not a draw of some: smaller draws are beginnings of larger ones.
     order.shuffle(&mut seed.child("targets").rng());
     Ok(order.into_iter().take(count).map(|index| (index, pool[index])).collect())
 }

@@ -59,6 +59,7 @@ pub fn simulate_with_rates(
     if commands.gravity_m_s2.is_some() {
         let with_rate = (0..variables.len()).filter(|index| !left_out.contains(index));
         for (column, _) in with_rate.enumerate().filter(|&(_, index)| is_gravity(&variables[index])) {
+            // The recording's gravity replaces the model's, so that number moves nothing.
             rates.iter_mut().filter_map(|row| row.get_mut(column)).for_each(PoseRates::clear);
         }
     }
@@ -80,6 +81,7 @@ fn simulate_trials<E>(
     let mut previous: Option<SimulatedTrial> = None;
     for (number, rows) in commands.trials() {
         let trial = match previous.take() {
+            // The same robot goes on; else each trial builds its own, with its load.
             Some(previous) if starts == Starts::Continue => previous.next(rows.clone()),
             _ => SimulatedTrial::new(commands, rows.clone(), starts, robot(rows.start)?),
         };

@@ -83,6 +83,7 @@ impl SimulatedColumns {
             PlantError::NotRecorded(_) => "not_recorded",
         };
         for row in rows.filter(|&row| self.observed[row].is_none()) {
+            // The first failure of a row is its cause.
             if self.status[row] == "converged" {
                 name.clone_into(&mut self.status[row]);
             }

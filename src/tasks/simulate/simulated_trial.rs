@@ -104,6 +104,7 @@ impl<'a> SimulatedTrial<'a> {
         let mut observation = self.start_or_flutter(at_rest, seed, columns)?;
         for row in self.rows.clone() {
             interruption_point();
+            // Before the command: the load acts during the row.
             self.load(row);
             if at_rest {
                 // Rows are independent: one without an equilibrium does not affect the others.
@@ -168,6 +169,7 @@ impl<'a> SimulatedTrial<'a> {
             }
             (_, Actuation::Lengths) => self.plant.reset(seed).map(Some),
             (_, Actuation::Tensions) => {
+                // Under tensions the tendons have no length to start from.
                 self.plant.reset_slack(seed);
                 self.plant.apply_tensions(&vec![0.0; commands.tendons()], true).map(Some)
             }

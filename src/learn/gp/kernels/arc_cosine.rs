@@ -12,8 +12,10 @@ impl DotFormula for ArcCosine {
     const NAME: &'static str = "arc_cosine";
 
     fn at(products: [f64; 3]) -> DotValue {
+        // The further component 1 is the bias of the units.
         let [xy, xx, yy] = products.map(|product| 1.0 + product);
         let norms = (xx * yy).sqrt();
+        // Rounding may carry the cosine of equal points beyond 1.
         let cos = (xy / norms).clamp(-1.0, 1.0);
         let (theta, sin) = (cos.acos(), (1.0 - cos * cos).sqrt());
         let value = norms * (sin + (PI - theta) * cos) / PI;

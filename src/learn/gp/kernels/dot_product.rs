@@ -56,6 +56,7 @@ impl<F: DotFormula> Component for F {
             let y = centre / scale;
             for ((rate, x), slopes) in rates.iter_mut().zip(values).zip(&slopes) {
                 let x = x / scale;
+                // Every product falls with the square of the scale, hence −2 in the logarithm.
                 *rate = -2.0 * (slopes[0] * x * y + slopes[1] * x * x + slopes[2] * y * y);
             }
         }

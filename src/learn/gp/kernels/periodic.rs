@@ -41,6 +41,7 @@ impl Component for Periodic {
         for (values, centre) in row.each() {
             for (rate, x) in of_period.iter_mut().zip(values) {
                 let angle = PI * (x - centre) / period;
+                // d/d ln p of −2 sin²(a)/l² with a = πΔ/p, by 2 sin a cos a = sin 2a.
                 *rate += 2.0 * angle * (2.0 * angle).sin() * inverse;
             }
         }

@@ -21,6 +21,7 @@ impl Formula for RationalQuadratic {
     fn shape_slope(s: f64, shape: &[f64], _index: usize) -> f64 {
         let ratio = s / (2.0 * shape[0]);
         let base = 1.0 + ratio;
+        // `ln_1p` keeps its digits for large α, where the kernel tends to `se_ard`.
         shape[0] * base.powf(-shape[0]) * (ratio / base - ratio.ln_1p())
     }
 }

@@ -16,6 +16,7 @@ impl Posterior {
         y: &[f64],
         theta: &[f64],
     ) -> Option<Posterior> {
+        // Chosen anew, so that a stored process needs to keep none.
         let inducing = sparse::greedy_conditional_variance(covariance, theta, points, config.inducing_points);
         let mut likelihood =
             SparseLikelihood::new(config.approximation, config.mean, covariance.clone(), points, y, &inducing);
@@ -28,6 +29,7 @@ impl SparseLikelihood<'_> {
     fn posterior(&self, theta: &[f64], inducing: Vec<usize>, value: f64) -> Posterior {
         let (m, width) = (self.inducing.n, self.width());
         let mut alpha = self.weights[..m].to_vec();
+        // Weights of the features V become weights of the covariances: V = L⁻¹ k.
         self.inducing_factor.solve_transposed_half(&mut alpha);
         let inverse = self.precision_factor.inverse_factor();
         let mut rows = vec![0.0; width * width];

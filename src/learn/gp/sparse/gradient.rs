@@ -27,9 +27,12 @@ impl SparseLikelihood<'_> {
     /// Writes the gradient of minus the likelihood at the latest value.
     pub(super) fn gradient_into(&mut self, out: &mut [f64]) {
         let (n, m, width) = (self.points.n, self.inducing.n, self.width());
+        // 1. S⁻¹ and P V.
         let inverse = self.precision_inverse();
         let projected = self.projected(&inverse);
+        // 2. The diagonals of W̃, of the variances and of the noise.
         let weights = self.diagonal_weights(&projected);
+        // 3. G = W̃ Vᵀ L⁻¹ against dK_fu.
         let mut crossed = projected;
         crossed.truncate(n * m);
         for (j, column) in crossed.chunks_exact_mut(n).enumerate() {
@@ -38,6 +41,7 @@ impl SparseLikelihood<'_> {
                 *value = self.alpha[i] * weight - *value + weights.added[i] * v[i];
             }
         }
+        // 4. −½ L⁻ᵀ V W̃ Vᵀ L⁻¹ against dK_uu.
         let mut inner = self.inner_weights(&inverse, &weights, width);
         self.inducing_factor.solve_transposed_half_rows(&mut crossed);
         self.inducing_factor.solve_transposed_half(&mut inner);

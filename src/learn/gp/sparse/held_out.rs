@@ -20,6 +20,7 @@ impl<'a> SparseLikelihood<'a> {
     /// leave the mean function undetermined.
     pub(in crate::learn::gp) fn held_out_errors(&self, fold: &[usize]) -> Vec<f64> {
         let (n, width) = (self.points.n, self.width());
+        // S is small; taking samples out of it is quicker than building it anew.
         let mut precision: Lower = self.precision.clone();
         let mut weights = vec![0.0; width];
         // S w is Φ Λ⁻¹ y.
@@ -62,6 +63,7 @@ impl<'a> SparseLikelihood<'a> {
         }
         let bound = self.approximation == Approximation::Sgpr;
         let error_and_variance = |i: usize| {
+            // Sherman–Morrison for one sample that leaves the regression.
             let variance = self.diagonal[i] / (1.0 - explained[i]);
             // The diagonal of FITC holds what inducing points do not tell; that of SGPR does not.
             (self.alpha[i] * variance, variance + if bound { self.missing[i].max(0.0) } else { 0.0 })

@@ -33,6 +33,8 @@ pub(in crate::learn::gp) fn greedy_conditional_variance(
         let mut column = vec![0.0; n];
         at.row(&prepared, 0, &prepared.point(next), &mut column);
         subtract_explained(&factor, next, &mut column);
+        // A column of the pivoted Cholesky factor; its squares are what the point explains of
+        // others.
         let root = remaining[next].sqrt();
         column.iter_mut().zip(&mut remaining).for_each(|(value, remaining)| {
             *value /= root;

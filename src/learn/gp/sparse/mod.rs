@@ -121,6 +121,7 @@ impl<'a> SparseLikelihood<'a> {
             let centre = inducing.point(j);
             let column = self.inducing_factor.column_mut(j);
             at.row(&inducing, j, &centre, column);
+            // Relative, so that it means the same at any signal variance.
             column[0] *= 1.0 + JITTER;
             at.row(&all, 0, &centre, &mut self.features[j * n..(j + 1) * n]);
         }
@@ -197,6 +198,7 @@ impl Objective for SparseLikelihood<'_> {
             self.alpha.iter().zip(&self.diagonal).map(|(alpha, diagonal)| alpha * alpha * diagonal).sum();
         let weights: f64 = self.weights[..m].iter().map(|weight| weight * weight).sum();
         let logarithms: f64 = self.diagonal.iter().map(|diagonal| diagonal.ln()).sum();
+        // Each weight of the mean that was integrated out takes a degree of freedom.
         let degrees = (n - self.basis.len()) as f64;
         let normalisation = degrees * (2.0 * std::f64::consts::PI).ln();
         let likelihood =

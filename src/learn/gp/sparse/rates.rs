@@ -66,6 +66,7 @@ impl<'a> CovarianceAt<'a> {
                     let mut noisy_variance = [0.0];
                     composite.row(natural, PointRun { points, from: i, self_index: Some(0) }, &at, &mut noisy_variance);
                     variances[i] = composite.variance(natural, &at);
+                    // What only a training point has with itself is the kernel's own noise.
                     noises[i] = noisy_variance[0] - variances[i];
                 }
             }

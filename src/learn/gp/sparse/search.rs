@@ -30,6 +30,7 @@ pub(in crate::learn::gp) fn search(
     let lengths: Vec<bool> = parameters.iter().map(|parameter| parameter.is_length).collect();
     let limits = search::limits(&parameters, &lengths, config.tolerance.max(TOLERANCE));
     for _ in 0..ROUNDS {
+        // Fixed during a climb: else the likelihood would jump where a choice changes.
         let inducing = greedy_conditional_variance(covariance, &theta, points, config.inducing_points);
         let mut start = Likelihood::new(covariance.clone(), config.mean, &subset, &subset_y);
         start.value(&theta);

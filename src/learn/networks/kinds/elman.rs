@@ -16,6 +16,7 @@ impl HiddenUnit for Elman {
     #[inline(always)]
     fn backward<T: Real>(past: &Past<T>) -> Backward<T> {
         let mut d_sums = [T::default(); MAX_SUMS];
+        // tanh′ = 1 − tanh².
         d_sums[0] = past.d_value * (-past.value).fma(past.value, T::of(1.0));
         Backward { d_sums, d_value_before: T::default(), d_memory_before: T::default() }
     }

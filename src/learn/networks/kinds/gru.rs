@@ -21,6 +21,7 @@ impl HiddenUnit for Gru {
         let [reset, update] = [sigmoid(sums[0]), sigmoid(sums[1])];
         let from_state = sums[3];
         let candidate = reset.fma(from_state, sums[2]).tanh_fast();
+        // (1 − z) n + z h as n + z (h − n): one product less.
         let value = update.fma(value_before - candidate, candidate);
         Forward { value, memory: T::default(), saved: [reset, update, candidate, from_state, T::default()] }
     }
@@ -29,6 +30,7 @@ impl HiddenUnit for Gru {
     fn backward<T: Real>(past: &Past<T>) -> Backward<T> {
         let one = T::of(1.0);
         let [reset, update, candidate, from_state, _] = past.saved;
+        // tanh′ = 1 − n² and σ′ = σ (1 − σ) throughout.
         let d_candidate = past.d_value * (one - update) * (-candidate).fma(candidate, one);
         let d_update = past.d_value * (past.value_before - candidate) * update * (one - update);
         let d_reset = d_candidate * from_state * reset * (one - reset);

@@ -26,6 +26,7 @@ impl HiddenUnit for Lstm {
     fn backward<T: Real>(past: &Past<T>) -> Backward<T> {
         let one = T::of(1.0);
         let [input, forget, candidate, output, shown] = past.saved;
+        // The memory acts through the value now and through the memory of later steps.
         let d_memory = (past.d_value * output).fma((-shown).fma(shown, one), past.d_memory);
         let gate = |value: T| value * (one - value);
         Backward {

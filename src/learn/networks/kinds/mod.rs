@@ -153,5 +153,6 @@ impl NetworkKind {
 #[inline(always)]
 fn sigmoid<T: Real>(x: T) -> T {
     let half = T::of(0.5);
+    // σ(x) = (1 + tanh(x/2)) / 2: one function for all units.
     half.fma((half * x).tanh_fast(), half)
 }
