@@ -22,27 +22,27 @@ pub enum HoldOut {
 
 /// The blocks of a comparison.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::calibration) struct Blocks {
+pub(crate) struct Blocks {
     /// What a block is: `pattern`, `trial` or `stretch of time`.
-    pub(in crate::calibration) kind: &'static str,
+    pub(crate) kind: &'static str,
     /// Their names.
-    pub(in crate::calibration) names: Vec<String>,
+    pub(crate) names: Vec<String>,
     /// Block of each sighting.
-    pub(in crate::calibration) of: Vec<usize>,
+    pub(crate) of: Vec<usize>,
 }
 
 /// Sightings of a validation by their index.
 #[derive(Clone, Copy)]
-pub(in crate::calibration) struct SightingSplit<'a> {
+pub(crate) struct SightingSplit<'a> {
     /// Those that the fit sees.
-    pub(in crate::calibration) fitted: &'a [usize],
+    pub(crate) fitted: &'a [usize],
     /// Those whose error is measured.
-    pub(in crate::calibration) unseen: &'a [usize],
+    pub(crate) unseen: &'a [usize],
 }
 
 impl Blocks {
     /// Blocks of the sightings of `comparison`: by pattern where the recording has several, else by trial, else by time.
-    pub(in crate::calibration) fn new(comparison: &Comparison) -> Blocks {
+    pub(crate) fn new(comparison: &Comparison) -> Blocks {
         if let Some(labels) = &comparison.recording.pattern {
             let patterns = comparison.sightings.iter().map(|sighting| labels[sighting.row].clone());
             let blocks = Blocks::labelled("pattern", patterns);
@@ -78,7 +78,7 @@ impl Blocks {
 
     /// The parts of a cross-validation: blocks that follow each other stay together, so that motions of one kind are held out
     /// together. One part a block where there are few.
-    pub(in crate::calibration) fn folds(&self) -> Vec<Vec<usize>> {
+    pub(crate) fn folds(&self) -> Vec<Vec<usize>> {
         let (count, folds) = (self.names.len(), self.names.len().min(FOLDS));
         // Contiguous: block k of n goes to part ⌊k · folds / n⌋.
         let fold = |block: usize| block * folds / count.max(1);
@@ -90,7 +90,7 @@ impl Blocks {
     ///
     /// # Errors
     /// [`CalibrationError::HoldOut`] when nothing is left to fit or to hold out.
-    pub(in crate::calibration) fn held_out(&self, wanted: &HoldOut) -> Result<Vec<usize>, CalibrationError> {
+    pub(crate) fn held_out(&self, wanted: &HoldOut) -> Result<Vec<usize>, CalibrationError> {
         let count = self.names.len();
         let held: Vec<usize> = match wanted {
             HoldOut::CrossValidated => return Ok(Vec::new()),
@@ -124,12 +124,12 @@ impl Blocks {
     }
 
     /// Indices of the sightings in these blocks, and of the others.
-    pub(in crate::calibration) fn parted(&self, held: &[usize]) -> (Vec<usize>, Vec<usize>) {
+    pub(crate) fn parted(&self, held: &[usize]) -> (Vec<usize>, Vec<usize>) {
         (0..self.of.len()).partition(|&index| held.contains(&self.of[index]))
     }
 
     /// The blocks of some sightings, renumbered without gaps.
-    pub(in crate::calibration) fn only(&self, kept: &[usize]) -> Blocks {
+    pub(crate) fn only(&self, kept: &[usize]) -> Blocks {
         Blocks::labelled(self.kind, kept.iter().map(|&index| self.names[self.of[index]].clone()))
     }
 }

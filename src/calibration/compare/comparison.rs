@@ -19,47 +19,47 @@ const ROWS: usize = 48;
 
 /// One measured position.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::calibration) struct Sighting {
+pub(crate) struct Sighting {
     /// Row of the recording.
-    pub(in crate::calibration) row: usize,
+    pub(crate) row: usize,
     /// Tracked point: 0 is the tip, then the recording's points.
-    pub(in crate::calibration) marker: usize,
+    pub(crate) marker: usize,
     /// Measured, metres.
-    pub(in crate::calibration) at_m: Point3,
+    pub(crate) at_m: Point3,
 }
 
 /// A recording and what of it is compared.
 #[derive(Clone, Debug)]
-pub(in crate::calibration) struct Comparison<'a> {
-    pub(in crate::calibration) recording: &'a Recording,
-    pub(in crate::calibration) at_rest: bool,
-    pub(in crate::calibration) sightings: Vec<Sighting>,
+pub(crate) struct Comparison<'a> {
+    pub(crate) recording: &'a Recording,
+    pub(crate) at_rest: bool,
+    pub(crate) sightings: Vec<Sighting>,
     /// Names of the tracked points.
-    pub(in crate::calibration) markers: Vec<String>,
+    pub(crate) markers: Vec<String>,
     /// Whether rows do not depend on those before them.
-    pub(in crate::calibration) independent: bool,
+    pub(crate) independent: bool,
     /// Whether trials go on from one another.
     continues: bool,
-    pub(in crate::calibration) parts: Vec<Part>,
+    pub(crate) parts: Vec<Part>,
 }
 
 /// Rows that are simulated together.
 #[derive(Clone, Debug)]
-pub(in crate::calibration) struct Part {
-    pub(in crate::calibration) commands: Recording,
+pub(crate) struct Part {
+    pub(crate) commands: Recording,
     /// Index of a sighting and its row in `commands`.
-    pub(in crate::calibration) sightings: Vec<(usize, usize)>,
+    pub(crate) sightings: Vec<(usize, usize)>,
 }
 
 /// Positions that a model says, one a sighting; none where it has no solution.
-pub(in crate::calibration) type Positions = Vec<Option<Point3>>;
+pub(crate) type Positions = Vec<Option<Point3>>;
 
 impl<'a> Comparison<'a> {
     /// Every tracked point that `model` places, in every valid row.
     ///
     /// # Errors
     /// [`CalibrationError::NothingTracked`].
-    pub(in crate::calibration) fn new(
+    pub(crate) fn new(
         model: &Model,
         recording: &'a Recording,
         at_rest: bool,
@@ -92,7 +92,7 @@ impl<'a> Comparison<'a> {
     }
 
     /// Only some of the sightings, by index.
-    pub(in crate::calibration) fn only(&self, kept: &[usize]) -> Comparison<'a> {
+    pub(crate) fn only(&self, kept: &[usize]) -> Comparison<'a> {
         let sightings = kept.iter().map(|&index| self.sightings[index]).collect();
         let mut comparison = Comparison { sightings, parts: Vec::new(), ..self.clone() };
         comparison.parts = comparison.divided();
@@ -100,7 +100,7 @@ impl<'a> Comparison<'a> {
     }
 
     /// Number of compared rows.
-    pub(in crate::calibration) fn rows(&self) -> usize {
+    pub(crate) fn rows(&self) -> usize {
         let mut rows: Vec<usize> = self.sightings.iter().map(|sighting| sighting.row).collect();
         rows.dedup();
         rows.len()
@@ -145,13 +145,13 @@ impl<'a> Comparison<'a> {
         Part { commands, sightings: seen.iter().map(|&(index, row)| (index, place(row))).collect() }
     }
 
-    pub(in crate::calibration) fn options(&self) -> SimulationOptions {
+    pub(crate) fn options(&self) -> SimulationOptions {
         SimulationOptions { at_rest: self.at_rest, ..SimulationOptions::default() }
     }
 
     /// What of a part is simulated under `model`, and the model to do it with: its gains decide what the tendons do, and poses
     /// that do not depend on others need no home.
-    pub(in crate::calibration) fn driven<'b>(&self, part: &'b Part, model: &Model) -> (Model, Cow<'b, Recording>) {
+    pub(crate) fn driven<'b>(&self, part: &'b Part, model: &Model) -> (Model, Cow<'b, Recording>) {
         let mut model = model.clone();
         if self.independent {
             // A part may begin far from home, and nothing before it matters.
@@ -166,13 +166,13 @@ impl<'a> Comparison<'a> {
         (model, commands)
     }
 
-    pub(in crate::calibration) fn simulated(&self, part: &Part, model: &Model) -> Recording {
+    pub(crate) fn simulated(&self, part: &Part, model: &Model) -> Recording {
         let (model, commands) = self.driven(part, model);
         simulate_recording(&model, &commands, &self.options())
     }
 
     /// What `model` says.
-    pub(in crate::calibration) fn positions(&self, model: &Model) -> Positions {
+    pub(crate) fn positions(&self, model: &Model) -> Positions {
         let request = InterruptRequest::current();
         let simulated = |part| request.within(|| self.simulated(part, model));
         let each: Vec<Recording> = self.parts.par_iter().map(simulated).collect();
@@ -183,7 +183,7 @@ impl<'a> Comparison<'a> {
         positions
     }
 
-    pub(in crate::calibration) fn take(
+    pub(crate) fn take(
         &self,
         part: &Part,
         tracks: &[(String, &[Point3])],
@@ -198,7 +198,7 @@ impl<'a> Comparison<'a> {
 }
 
 /// The tracked points of a recording, with their positions: the tip first.
-pub(in crate::calibration) fn tracks(recording: &Recording) -> Vec<(String, &[Point3])> {
+pub(crate) fn tracks(recording: &Recording) -> Vec<(String, &[Point3])> {
     let tip = recording.tip_m.iter().map(|tip| ("tip".to_owned(), tip.as_slice()));
     tip.chain(recording.points.iter().map(|point| (point.name.clone(), point.position_m.as_slice()))).collect()
 }

@@ -26,18 +26,18 @@ const SOLVER_M: f64 = 1e-6;
 
 /// Noise of the measurement.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::calibration) struct NoiseEstimate {
+pub(crate) struct NoiseEstimate {
     /// Root mean square distance that noise makes, metres.
-    pub(in crate::calibration) rms_m: f64,
+    pub(crate) rms_m: f64,
     /// Pairs of rows behind it.
-    pub(in crate::calibration) pairs: usize,
+    pub(crate) pairs: usize,
     /// Where it is from.
-    pub(in crate::calibration) from: &'static str,
+    pub(crate) from: &'static str,
 }
 
 /// The noise of the recording: from pairs of rows in which the robot rests, or else from the change of the error from one
 /// row to the next (von Neumann 1941), which is an upper bound. `None` for too few pairs.
-pub(in crate::calibration) fn noise(
+pub(crate) fn noise(
     comparison: &Comparison,
     residual_m: &DVector<f64>,
     positions: &Positions,
@@ -89,16 +89,16 @@ fn pairs(comparison: &Comparison, positions: &Positions) -> Vec<(usize, usize)> 
 
 /// How much more than noise a model leaves.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::calibration) struct Misfit {
+pub(crate) struct Misfit {
     /// Error of the model over that of noise.
-    pub(in crate::calibration) ratio: f64,
+    pub(crate) ratio: f64,
     /// Probability of this ratio or more from noise alone.
-    pub(in crate::calibration) p_value: f64,
+    pub(crate) p_value: f64,
 }
 
 /// The misfit of a model that leaves `rms_m` (robust, so that outliers do not count) over `freedom` degrees of freedom;
 /// `None` when noise explains it.
-pub(in crate::calibration) fn misfit(noise: &NoiseEstimate, rms_m: f64, freedom: f64) -> Option<Misfit> {
+pub(crate) fn misfit(noise: &NoiseEstimate, rms_m: f64, freedom: f64) -> Option<Misfit> {
     if rms_m < SOLVER_M {
         return None;
     }

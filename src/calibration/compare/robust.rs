@@ -25,7 +25,7 @@ pub enum ErrorLaw {
 }
 
 /// Weight of each sighting and variance of one coordinate, m².
-pub(in crate::calibration) fn weights(
+pub(crate) fn weights(
     likelihood: ErrorLaw,
     residual_m: &DVector<f64>,
     positions: &Positions,
@@ -52,12 +52,12 @@ pub(in crate::calibration) fn weights(
 }
 
 /// Standard deviation of a coordinate from the median distance, metres.
-pub(in crate::calibration) fn robust_deviation_m(residual_m: &DVector<f64>, positions: &Positions) -> f64 {
+pub(crate) fn robust_deviation_m(residual_m: &DVector<f64>, positions: &Positions) -> f64 {
     quantile(&distances_m(residual_m, positions), 0.5) / MEDIAN_DISTANCE
 }
 
 /// Sightings too far from the model to belong to the same noise.
-pub(in crate::calibration) fn outliers(residual_m: &DVector<f64>, positions: &Positions) -> Vec<usize> {
+pub(crate) fn outliers(residual_m: &DVector<f64>, positions: &Positions) -> Vec<usize> {
     let limit_m = OUTLIER * robust_deviation_m(residual_m, positions);
     let far = |index: &usize| residual_m.rows(3 * index, 3).norm() > limit_m;
     (0..positions.len()).filter(far).collect()

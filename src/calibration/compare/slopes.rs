@@ -18,7 +18,7 @@ const TRIAL_STEP: f64 = 1e-3;
 impl Comparison<'_> {
     /// What `model` says, and the derivative of it (three rows a sighting) with respect to the coordinates of `numbers` at
     /// `x`; rows of zeros where there is no solution. `None` when a number cannot be varied.
-    pub(in crate::calibration) fn with_slopes(
+    pub(crate) fn with_slopes(
         &self,
         model: &Model,
         numbers: &[FitNumber],

@@ -15,19 +15,19 @@ const MIN_BLOCKS: usize = 5;
 
 /// Uncertainty of the coordinates at an optimum.
 #[derive(Clone, Debug)]
-pub(in crate::calibration) struct Uncertain {
+pub(crate) struct Uncertain {
     /// Half width of the 95 % interval of each coordinate; infinite where it is not determined.
-    pub(in crate::calibration) half: Vec<f64>,
+    pub(crate) half: Vec<f64>,
     /// Correlation of the coordinates; zero for those that are not determined.
-    pub(in crate::calibration) correlation: DMatrix<f64>,
+    pub(crate) correlation: DMatrix<f64>,
     /// Whether the covariance between blocks widened the intervals.
-    pub(in crate::calibration) widened: bool,
+    pub(crate) widened: bool,
 }
 
 /// The uncertainty at `best`. `blocks` (one of each sighting) is given where the model errs by more than noise: errors within
 /// a block may then be correlated in any way, and the covariance is at least the sandwich of the blocks' scores (Liang &
 /// Zeger 1986), with the correction (G/(G−1)) and Student's t with G − 1 degrees of freedom for G blocks.
-pub(in crate::calibration) fn uncertainty(
+pub(crate) fn uncertainty(
     problem: &CalibrationProblem,
     best: &Optimum,
     blocks: Option<&[usize]>,
@@ -95,13 +95,13 @@ fn sandwich(best: &Optimum, inverse: &DMatrix<f64>, blocks: &[usize]) -> Option<
 }
 
 /// Pseudo-inverse of a normal matrix, and which coordinates it determines.
-pub(in crate::calibration) struct Inverse {
-    pub(in crate::calibration) inverse: DMatrix<f64>,
-    pub(in crate::calibration) determined: Vec<bool>,
+pub(crate) struct Inverse {
+    pub(crate) inverse: DMatrix<f64>,
+    pub(crate) determined: Vec<bool>,
 }
 
 /// The inverse of a normal matrix on the directions that the data determine; `None` when there is none.
-pub(in crate::calibration) fn inverse(normal: &DMatrix<f64>) -> Option<Inverse> {
+pub(crate) fn inverse(normal: &DMatrix<f64>) -> Option<Inverse> {
     let count = normal.nrows();
     let size: Vec<f64> = (0..count).map(|k| normal[(k, k)].max(0.0).sqrt()).collect();
     let seen: Vec<usize> = (0..count).filter(|&k| size[k] > 0.0).collect();

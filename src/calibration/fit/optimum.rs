@@ -18,8 +18,8 @@ const POINT_ACCURACY_M: f64 = 1e-8;
 const MAX_DAMPING: f64 = 1e5;
 /// Improvement of the sum of squares below which a fit has converged, in variances of one coordinate: a thirtieth of a
 /// standard error, or, for a start of another fit, a tenth.
-pub(in crate::calibration) const CONVERGED: f64 = 1e-3;
-pub(in crate::calibration) const ROUGHLY_CONVERGED: f64 = 1e-2;
+pub(crate) const CONVERGED: f64 = 1e-3;
+pub(crate) const ROUGHLY_CONVERGED: f64 = 1e-2;
 /// Largest share of rows that the model may leave without a solution.
 const MAX_FAILED_SHARE: f64 = 0.2;
 /// Largest share of the solved rows that a step may lose.
@@ -27,35 +27,35 @@ const MAX_LOST_SHARE: f64 = 0.02;
 
 /// A fit at its optimum, or where it stopped.
 #[derive(Clone, Debug)]
-pub(in crate::calibration) struct Optimum {
+pub(crate) struct Optimum {
     /// Coordinates of the numbers.
-    pub(in crate::calibration) x: Vec<f64>,
+    pub(crate) x: Vec<f64>,
     /// What the model says of each sighting.
-    pub(in crate::calibration) positions: Positions,
+    pub(crate) positions: Positions,
     /// Derivative of the positions, three rows a sighting; zero for numbers without influence and sightings without solution.
-    pub(in crate::calibration) slopes: DMatrix<f64>,
+    pub(crate) slopes: DMatrix<f64>,
     /// Simulated minus measured, three a sighting, metres; zero where there is no solution.
-    pub(in crate::calibration) residual_m: DVector<f64>,
+    pub(crate) residual_m: DVector<f64>,
     /// Weight of each sighting.
-    pub(in crate::calibration) weights: Vec<f64>,
+    pub(crate) weights: Vec<f64>,
     /// Variance of one coordinate of a sighting, m².
-    pub(in crate::calibration) variance_m2: f64,
+    pub(crate) variance_m2: f64,
     /// Whether no more improvement was possible within the iterations.
-    pub(in crate::calibration) converged: bool,
+    pub(crate) converged: bool,
 }
 
 /// What is fitted to what.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::calibration) struct CalibrationProblem<'a> {
-    pub(in crate::calibration) model: &'a Model,
-    pub(in crate::calibration) numbers: &'a [FitNumber],
-    pub(in crate::calibration) comparison: &'a Comparison<'a>,
-    pub(in crate::calibration) likelihood: ErrorLaw,
+pub(crate) struct CalibrationProblem<'a> {
+    pub(crate) model: &'a Model,
+    pub(crate) numbers: &'a [FitNumber],
+    pub(crate) comparison: &'a Comparison<'a>,
+    pub(crate) likelihood: ErrorLaw,
 }
 
 impl CalibrationProblem<'_> {
     /// The model at some coordinates.
-    pub(in crate::calibration) fn at(&self, x: &[f64]) -> Option<Model> {
+    pub(crate) fn at(&self, x: &[f64]) -> Option<Model> {
         with_coordinates(self.model, self.numbers, x)
     }
 
@@ -63,7 +63,7 @@ impl CalibrationProblem<'_> {
     ///
     /// # Errors
     /// [`CalibrationError::NotSimulated`] when the model has no solution for many of the rows at the start.
-    pub(in crate::calibration) fn fit(
+    pub(crate) fn fit(
         &self,
         start: &[f64],
         iterations: usize,
@@ -98,7 +98,7 @@ impl CalibrationProblem<'_> {
     }
 
     /// Positions, derivative and weights at `x`; `None` when the model cannot be evaluated.
-    pub(in crate::calibration) fn evaluated(&self, x: &[f64]) -> Option<Optimum> {
+    pub(crate) fn evaluated(&self, x: &[f64]) -> Option<Optimum> {
         let (positions, slopes) = self.comparison.with_slopes(&self.at(x)?, self.numbers, x)?;
         let residual_m = self.residual_m(&positions);
         let (weights, variance_m2) = weights(self.likelihood, &residual_m, &positions, self.numbers.len());
@@ -108,7 +108,7 @@ impl CalibrationProblem<'_> {
     }
 
     /// Simulated minus measured; zero where there is no solution.
-    pub(in crate::calibration) fn residual_m(&self, positions: &Positions) -> DVector<f64> {
+    pub(crate) fn residual_m(&self, positions: &Positions) -> DVector<f64> {
         let each = positions.iter().zip(&self.comparison.sightings).flat_map(|(at, sighting)| match at {
             Some(at) => [0, 1, 2].map(|axis| at[axis] - sighting.at_m[axis]),
             None => [0.0; 3],
@@ -151,7 +151,7 @@ impl CalibrationProblem<'_> {
     }
 
     /// Half the second derivative and half the gradient of the weighted sum of squares, priors included.
-    pub(in crate::calibration) fn normal(&self, here: &Optimum) -> (DMatrix<f64>, DVector<f64>) {
+    pub(crate) fn normal(&self, here: &Optimum) -> (DMatrix<f64>, DVector<f64>) {
         let mut weighted = here.slopes.clone();
         for (index, &weight) in here.weights.iter().enumerate() {
             weighted.rows_mut(3 * index, 3).scale_mut(weight);
@@ -235,7 +235,7 @@ impl CalibrationProblem<'_> {
 
 impl Optimum {
     /// Root mean square distance between simulated and measured points, metres.
-    pub(in crate::calibration) fn rms_m(&self) -> f64 {
+    pub(crate) fn rms_m(&self) -> f64 {
         let solved = self.positions.iter().filter(|at| at.is_some()).count();
         (self.residual_m.norm_squared() / solved.max(1) as f64).sqrt()
     }

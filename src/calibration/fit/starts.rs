@@ -16,13 +16,13 @@ const CHEAP_STEPS: usize = 8;
 const STARTS: u64 = 4;
 const SPREAD: f64 = 0.7;
 /// Steps of the fit to all rows.
-pub(in crate::calibration) const MAX_STEPS: usize = 60;
+pub(crate) const MAX_STEPS: usize = 60;
 /// Another start is taken when it leaves less than this share of the sum of squares.
 const BETTER: f64 = 0.9;
 
 /// The best fit, and whether another start than the given one led to it. Other starts are only tried when `is_good` says that
 /// the given one leaves more than noise.
-pub(in crate::calibration) fn best(
+pub(crate) fn best(
     problem: &CalibrationProblem,
     start: &[f64],
     is_good: &dyn Fn(&Optimum) -> bool,

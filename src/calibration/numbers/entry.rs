@@ -30,7 +30,7 @@ struct Entry<'a> {
 ///
 /// # Errors
 /// [`CalibrationError`] for the first entry that names none, and for a number that is named twice.
-pub(in crate::calibration) fn numbers(model: &Model, entries: &[String]) -> Result<Vec<FitNumber>, CalibrationError> {
+pub(crate) fn numbers(model: &Model, entries: &[String]) -> Result<Vec<FitNumber>, CalibrationError> {
     let mut numbers: Vec<FitNumber> = Vec::new();
     for text in entries {
         let entry = Entry::read(text)?;

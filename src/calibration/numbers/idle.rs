@@ -29,7 +29,7 @@ const INSTEAD: &[(&str, &[&str])] = &[
 ///
 /// # Errors
 /// [`CalibrationError::Idle`] says what stands in its place.
-pub(in crate::calibration) fn check(model: &Model, numbers: &[FitNumber]) -> Result<(), CalibrationError> {
+pub(crate) fn check(model: &Model, numbers: &[FitNumber]) -> Result<(), CalibrationError> {
     // Two rods with the same text are the same to the solver.
     let rod = format!("{:?}", model.rod(&[]));
     for number in numbers {
@@ -59,7 +59,7 @@ fn is_idle(model: &Model, member: &ModelParameter, rod: &str) -> bool {
 }
 
 /// What stands in the place of the number at `path`, as part of a sentence.
-pub(in crate::calibration) fn instead(model: &Model, path: &str) -> Option<String> {
+pub(crate) fn instead(model: &Model, path: &str) -> Option<String> {
     let (_, others) = INSTEAD.iter().find(|(key, _)| *key == path)?;
     let all = ModelParameter::all(model);
     let replacement = others.iter().find(|other| all.iter().any(|parameter| like(other, parameter.path())))?;

@@ -4,24 +4,24 @@ use crate::effects::{Model, ModelParameter};
 
 /// A number to fit: one of the model file, or several that change together.
 #[derive(Clone, Debug)]
-pub(in crate::calibration) struct FitNumber {
+pub(crate) struct FitNumber {
     /// Its name in the report: its short name, or its path.
-    pub(in crate::calibration) name: String,
+    pub(crate) name: String,
     /// The numbers of the model file that it changes.
-    pub(in crate::calibration) members: Vec<ModelParameter>,
+    pub(crate) members: Vec<ModelParameter>,
     /// Their values at coordinate 0.
-    pub(in crate::calibration) start: Vec<f64>,
+    pub(crate) start: Vec<f64>,
     /// How its coordinate is read.
-    pub(in crate::calibration) scale: Coordinate,
+    pub(crate) scale: Coordinate,
     /// Standard deviation of the prior around coordinate 0, in coordinates; none: no prior.
-    pub(in crate::calibration) prior: Option<f64>,
+    pub(crate) prior: Option<f64>,
     /// The same in the unit of the number.
-    pub(in crate::calibration) deviation: Option<f64>,
+    pub(crate) deviation: Option<f64>,
 }
 
 /// How a coordinate changes a value.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::calibration) enum Coordinate {
+pub(crate) enum Coordinate {
     /// value = start · exp(x): numbers that are positive.
     Logarithm,
     /// value = start + unit · x, x at least `low`.
@@ -30,7 +30,7 @@ pub(in crate::calibration) enum Coordinate {
 
 impl FitNumber {
     /// Its value at a coordinate; the first one's where several change together.
-    pub(in crate::calibration) fn value(&self, x: f64) -> f64 {
+    pub(crate) fn value(&self, x: f64) -> f64 {
         self.member_value(0, x)
     }
 
@@ -43,7 +43,7 @@ impl FitNumber {
     }
 
     /// The coordinate at which its first member has a value, within its bound.
-    pub(in crate::calibration) fn coordinate(&self, value: f64) -> f64 {
+    pub(crate) fn coordinate(&self, value: f64) -> f64 {
         let x = match self.scale {
             Coordinate::Logarithm => (value / self.start[0]).ln(),
             Coordinate::Linear { unit, .. } => (value - self.start[0]) / unit,
@@ -52,13 +52,13 @@ impl FitNumber {
     }
 
     /// The value of a member of the model at a coordinate; `None` when it is none of this number's.
-    pub(in crate::calibration) fn value_of(&self, member: &ModelParameter, x: f64) -> Option<f64> {
+    pub(crate) fn value_of(&self, member: &ModelParameter, x: f64) -> Option<f64> {
         let index = self.members.iter().position(|other| other == member)?;
         Some(self.member_value(index, x))
     }
 
     /// Derivative of a member's value with respect to the coordinate.
-    pub(in crate::calibration) fn slope(&self, member: usize, x: f64) -> f64 {
+    pub(crate) fn slope(&self, member: usize, x: f64) -> f64 {
         match self.scale {
             Coordinate::Logarithm => self.start[member] * x.exp(),
             Coordinate::Linear { unit, .. } => unit,
@@ -66,7 +66,7 @@ impl FitNumber {
     }
 
     /// Least coordinate.
-    pub(in crate::calibration) fn low(&self) -> f64 {
+    pub(crate) fn low(&self) -> f64 {
         match self.scale {
             Coordinate::Logarithm => f64::NEG_INFINITY,
             Coordinate::Linear { low, .. } => low,
@@ -74,7 +74,7 @@ impl FitNumber {
     }
 
     /// Largest change of the coordinate in one step: a factor of 4, or five units.
-    pub(in crate::calibration) fn longest_step(&self) -> f64 {
+    pub(crate) fn longest_step(&self) -> f64 {
         match self.scale {
             Coordinate::Logarithm => 1.4,
             Coordinate::Linear { .. } => 5.0,
@@ -83,12 +83,12 @@ impl FitNumber {
 
     /// Whether it is fitted on a logarithmic scale.
     #[cfg(test)]
-    pub(in crate::calibration) fn is_logarithmic(&self) -> bool {
+    pub(crate) fn is_logarithmic(&self) -> bool {
         self.scale == Coordinate::Logarithm
     }
 
     /// Unit of its value.
-    pub(in crate::calibration) fn unit(&self) -> &'static str {
+    pub(crate) fn unit(&self) -> &'static str {
         self.members[0].unit()
     }
 
@@ -100,7 +100,7 @@ impl FitNumber {
 }
 
 /// `model` with all numbers at their coordinates; `None` when that is no model.
-pub(in crate::calibration) fn with_coordinates(model: &Model, numbers: &[FitNumber], x: &[f64]) -> Option<Model> {
+pub(crate) fn with_coordinates(model: &Model, numbers: &[FitNumber], x: &[f64]) -> Option<Model> {
     let changed = numbers.iter().zip(x).try_fold(model.clone(), |model, (number, &x)| number.applied(model, x))?;
     // A step may leave the range of a number, or of two together (sections longer than the backbone).
     changed.check().is_ok().then_some(changed)

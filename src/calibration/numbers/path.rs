@@ -12,7 +12,7 @@ use crate::effects::{Model, ModelParameter};
 ///
 /// # Errors
 /// [`CalibrationError::Unknown`] with the nearest path, [`CalibrationError::NoNumber`] for a path of something else.
-pub(in crate::calibration) fn named(model: &Model, pattern: &str) -> Result<Vec<ModelParameter>, CalibrationError> {
+pub(crate) fn named(model: &Model, pattern: &str) -> Result<Vec<ModelParameter>, CalibrationError> {
     let all = ModelParameter::all(model);
     for candidate in [pattern.to_owned(), format!("robot.{pattern}")] {
         let parameters: Vec<ModelParameter> = all
@@ -57,7 +57,7 @@ fn matches(pattern: &str, path: &str) -> bool {
 }
 
 /// Whether one step, or one label, is like a pattern with any number of `*`.
-pub(in crate::calibration) fn like(pattern: &str, step: &str) -> bool {
+pub(crate) fn like(pattern: &str, step: &str) -> bool {
     let mut parts = pattern.split('*');
     let first = parts.next().unwrap_or_default();
     let Some(mut rest) = step.strip_prefix(first) else { return false };

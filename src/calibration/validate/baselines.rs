@@ -16,16 +16,16 @@ const MAX_ROWS: usize = 1200;
 const RIDGE: f64 = 1e-6;
 
 /// A reference model and what it says of sightings that it has not seen.
-pub(in crate::calibration) struct Reference {
-    pub(in crate::calibration) name: &'static str,
+pub(crate) struct Reference {
+    pub(crate) name: &'static str,
     /// Numbers fitted, a point each counted; none where that is no measure.
-    pub(in crate::calibration) numbers: usize,
+    pub(crate) numbers: usize,
     /// Predictions in the order of the asked sightings; none where it could not be fitted.
-    pub(in crate::calibration) positions: Option<Vec<Point3>>,
+    pub(crate) positions: Option<Vec<Point3>>,
 }
 
 /// Every reference model, fitted to the sightings `fitted` and asked for the sightings `asked`.
-pub(in crate::calibration) fn references(
+pub(crate) fn references(
     model: &Model,
     comparison: &Comparison,
     split: SightingSplit,
@@ -88,7 +88,7 @@ impl<'a, 'b> Data<'a, 'b> {
 
 /// For each row the commands that led to its pose: its own at rest, else those of the row before; with the hung weight where
 /// that changes.
-pub(in crate::calibration) fn commands_in_force(comparison: &Comparison) -> Vec<Vec<f64>> {
+pub(crate) fn commands_in_force(comparison: &Comparison) -> Vec<Vec<f64>> {
     let recording = comparison.recording;
     let weights = recording.known_load_kg.as_ref().filter(|all| all.iter().any(|mass_kg| *mass_kg != all[0]));
     let row = |row: usize| {

@@ -35,7 +35,7 @@ struct Arcs {
 }
 
 /// Predictions of the unseen sightings after a fit to the others, and the number of fitted numbers.
-pub(in crate::calibration) fn predictions(
+pub(crate) fn predictions(
     model: &Model,
     comparison: &Comparison,
     commands: &[Vec<f64>],

@@ -8,7 +8,7 @@ use crate::calibration::fit::optimum::Optimum;
 use crate::data::calibration::{ResidualGroup, SightingRow};
 
 /// Root mean square and mean error of groups of sightings.
-pub(in crate::calibration) fn groups(comparison: &Comparison, blocks: &Blocks, best: &Optimum) -> Vec<ResidualGroup> {
+pub(crate) fn groups(comparison: &Comparison, blocks: &Blocks, best: &Optimum) -> Vec<ResidualGroup> {
     let mut all = Vec::new();
     let mut by = |kind: &str, name: &dyn Fn(usize) -> String| {
         let mut groups: BTreeMap<String, Vec<usize>> = BTreeMap::new();
@@ -72,7 +72,7 @@ fn place(comparison: &Comparison, extents: &[([f64; 2], f64)], index: usize) -> 
 }
 
 /// Every sighting with its error.
-pub(in crate::calibration) fn rows(comparison: &Comparison, blocks: &Blocks, best: &Optimum) -> Vec<SightingRow> {
+pub(crate) fn rows(comparison: &Comparison, blocks: &Blocks, best: &Optimum) -> Vec<SightingRow> {
     let row = |index: usize| {
         let sighting = comparison.sightings[index];
         let solved = best.positions[index].is_some();

@@ -24,7 +24,7 @@ struct Unseen {
 /// Blocked cross-validation. For each part the numbers are those of a fit without it, from one Gauss–Newton step at the
 /// optimum of all rows (exact where the model is linear; Giordano et al. 2019, the infinitesimal jackknife), and the part is
 /// then simulated with them.
-pub(in crate::calibration) fn cross_validated(
+pub(crate) fn cross_validated(
     problem: &CalibrationProblem,
     best: &Optimum,
     blocks: &Blocks,
@@ -47,7 +47,7 @@ pub(in crate::calibration) fn cross_validated(
 }
 
 /// Error on the unseen sightings of `whole`.
-pub(in crate::calibration) fn held_out(
+pub(crate) fn held_out(
     problem: &CalibrationProblem,
     best: &Optimum,
     whole: &Comparison,
@@ -64,7 +64,7 @@ pub(in crate::calibration) fn held_out(
 }
 
 /// Coordinates of a fit without some sightings.
-pub(in crate::calibration) fn without(problem: &CalibrationProblem, best: &Optimum, left_out: &[usize]) -> Vec<f64> {
+pub(crate) fn without(problem: &CalibrationProblem, best: &Optimum, left_out: &[usize]) -> Vec<f64> {
     let (mut normal, mut gradient) = problem.normal(best);
     for &index in left_out {
         // Downdate the normal equations by the equations that are left out.

@@ -65,7 +65,7 @@ impl ColumnGroup<'_> {
 ///
 /// # Errors
 /// The length, when it differs from 1.
-pub(in crate::data) fn unit_length(quaternion: &[f64; 4]) -> Result<f64, f64> {
+pub(crate) fn unit_length(quaternion: &[f64; 4]) -> Result<f64, f64> {
     let length = quaternion.iter().map(|part| part * part).sum::<f64>().sqrt();
     if (length - 1.0).abs() > UNIT_TOLERANCE { Err(length) } else { Ok(length) }
 }

@@ -5,7 +5,7 @@ use crate::runner::graph::timing::Timing;
 use crate::runner::graph::{Failure, Handle};
 use serde::{Deserialize, Serialize};
 
-pub(in crate::runner) type StageOutcome = Result<AnyResult, Failure>;
+pub(crate) type StageOutcome = Result<AnyResult, Failure>;
 
 /// What it cost a process that others worked at the same run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -28,7 +28,7 @@ pub struct SharingCost {
 
 /// What became of the stages that were wanted, and of those computed for them.
 pub struct Outcomes {
-    pub(in crate::runner) values: Vec<Option<StageOutcome>>,
+    pub(crate) values: Vec<Option<StageOutcome>>,
     /// Time of each computed stage; `None` for those read from the store or not needed.
     pub timings: Vec<Option<Timing>>,
     /// Stages computed now.
@@ -62,7 +62,7 @@ impl Outcomes {
         self.values.get(node)?.as_ref()?.as_ref().err()
     }
 
-    pub(in crate::runner) fn new(
+    pub(crate) fn new(
         values: Vec<Option<StageOutcome>>,
         timings: Vec<Option<Timing>>,
         cached: usize,

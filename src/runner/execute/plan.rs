@@ -20,7 +20,7 @@ pub fn plan(graph: &Graph, store: &Store, wanted: &[usize]) -> Vec<Need> {
 }
 
 /// Decides for each stage from the last to the first: `stored` is asked only for those that are needed.
-pub(in crate::runner) fn plan_with(
+pub(crate) fn plan_with(
     graph: &Graph,
     wanted: &[usize],
     mut stored: impl FnMut(usize, &StageNode) -> bool,

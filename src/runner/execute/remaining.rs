@@ -11,7 +11,7 @@ const SMOOTHING_SHARE: f64 = 0.05;
 
 /// What is left of a run.
 #[derive(Debug)]
-pub(in crate::runner) struct RemainingTime {
+pub(crate) struct RemainingTime {
     kinds: BTreeMap<String, KindOfStage>,
     threads: f64,
     /// The last estimate, seconds, and when it was made.
@@ -37,13 +37,13 @@ struct KindOfStage {
 
 impl RemainingTime {
     /// Nothing to do.
-    pub(in crate::runner) fn none() -> RemainingTime {
+    pub(crate) fn none() -> RemainingTime {
         RemainingTime { kinds: BTreeMap::new(), threads: 1.0, last_estimate: None, began: Instant::now() }
     }
 
     /// The stages to compute, each with its kind and rough cost in milliseconds, on so many threads. `usual_s`: what a stage
     /// of a kind took in runs before, seconds.
-    pub(in crate::runner) fn new<'a>(
+    pub(crate) fn new<'a>(
         stages: impl Iterator<Item = (&'a str, u64)>,
         threads: usize,
         usual_s: &dyn Fn(&str) -> Option<f64>,
@@ -61,14 +61,14 @@ impl RemainingTime {
     }
 
     /// A stage begins.
-    pub(in crate::runner) fn started(&mut self, kind: &str) {
+    pub(crate) fn started(&mut self, kind: &str) {
         if let Some(kind) = self.kinds.get_mut(kind) {
             kind.running_since.push(Instant::now());
         }
     }
 
     /// A stage ended after so many seconds; 0 where somebody else had computed it.
-    pub(in crate::runner) fn finished(&mut self, kind: &str, wall_s: f64) {
+    pub(crate) fn finished(&mut self, kind: &str, wall_s: f64) {
         let Some(kind) = self.kinds.get_mut(kind) else { return };
         kind.unfinished = kind.unfinished.saturating_sub(1);
         if !kind.running_since.is_empty() {
@@ -81,7 +81,7 @@ impl RemainingTime {
     }
 
     /// The estimate at `now`, smoothed, seconds; `None` while too little is known.
-    pub(in crate::runner) fn remaining_s(&mut self, now: Instant) -> Option<f64> {
+    pub(crate) fn remaining_s(&mut self, now: Instant) -> Option<f64> {
         let Some(estimate_s) = self.estimate_s(now) else {
             self.last_estimate = None;
             return None;
@@ -100,7 +100,7 @@ impl RemainingTime {
     }
 
     /// Share of the work that is done, by time.
-    pub(in crate::runner) fn share_done(&mut self, now: Instant) -> f64 {
+    pub(crate) fn share_done(&mut self, now: Instant) -> f64 {
         let passed_s = (now - self.began).as_secs_f64();
         self.remaining_s(now).map_or(0.0, |remaining_s| passed_s / (passed_s + remaining_s).max(1e-9))
     }
@@ -149,7 +149,7 @@ impl KindOfStage {
 }
 
 /// A time as a person would say it: `about 40 s`, `about 18 min`, `about 2 h`.
-pub(in crate::runner) fn about(remaining_s: f64) -> String {
+pub(crate) fn about(remaining_s: f64) -> String {
     let rounded = |unit_s: f64, step: f64| (remaining_s / unit_s / step).round().max(1.0) * step;
     match remaining_s {
         s if s < 90.0 => format!("about {} s", rounded(1.0, 10.0)),

@@ -7,7 +7,7 @@ use serde::{Serialize, de::DeserializeOwned};
 
 /// Why bytes could not be written or read.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub(in crate::runner) enum CodecError {
+pub(crate) enum CodecError {
     /// Bytes are left over after the value.
     #[error("the stored bytes hold more than the value")]
     Surplus,
@@ -23,7 +23,7 @@ pub(in crate::runner) enum CodecError {
 ///
 /// # Errors
 /// [`CodecError::Unsupported`] for a sequence of unknown length.
-pub(in crate::runner) fn encode<T: Serialize + ?Sized>(value: &T) -> Result<Vec<u8>, CodecError> {
+pub(crate) fn encode<T: Serialize + ?Sized>(value: &T) -> Result<Vec<u8>, CodecError> {
     postcard::to_stdvec(value).map_err(|error| CodecError::Unsupported(error.to_string()))
 }
 
@@ -31,7 +31,7 @@ pub(in crate::runner) fn encode<T: Serialize + ?Sized>(value: &T) -> Result<Vec<
 ///
 /// # Errors
 /// When the bytes are not exactly one value of this type.
-pub(in crate::runner) fn decode<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, CodecError> {
+pub(crate) fn decode<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, CodecError> {
     let (value, rest) = postcard::take_from_bytes(bytes).map_err(|error| CodecError::Malformed(error.to_string()))?;
     if rest.is_empty() { Ok(value) } else { Err(CodecError::Surplus) }
 }

@@ -10,7 +10,7 @@ pub type Key = Digest;
 ///
 /// # Errors
 /// The serialiser's words when `params` is no JSON (a map with keys that are no text).
-pub(in crate::runner) fn key(
+pub(crate) fn key(
     stage: &str,
     code: &Digest,
     params: &impl Serialize,

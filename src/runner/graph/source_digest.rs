@@ -16,10 +16,10 @@ struct CodeOfModule {
 }
 
 /// What the code of a robot on a bench is: part of the digest of such a robot, not of all stages.
-pub(in crate::runner) const BENCH: &str = "bench";
+pub(crate) const BENCH: &str = "bench";
 
 /// The digest of the code behind the jobs of `module`, named as by `module_path!()`.
-pub(in crate::runner) fn of_module(module: &str) -> Digest {
+pub(crate) fn of_module(module: &str) -> Digest {
     let code = MODULES.iter().find(|code| code.module == module);
     let code =
         code.unwrap_or_else(|| panic!("{module}: found a stage outside of src/runner/jobs, expected one within"));
@@ -38,12 +38,12 @@ pub(in crate::runner) fn of_module(module: &str) -> Digest {
 }
 
 /// The digest of the code that drives a robot on a bench, or a rehearsal of one.
-pub(in crate::runner) fn of_bench() -> Digest {
+pub(crate) fn of_bench() -> Digest {
     of_module(BENCH)
 }
 
 /// The sources below `src/` and the packages behind the jobs of `module`; nothing for a module without jobs.
-pub(in crate::runner) fn dependencies(module: &str) -> (Vec<&'static str>, &'static [&'static str]) {
+pub(crate) fn dependencies(module: &str) -> (Vec<&'static str>, &'static [&'static str]) {
     let code = MODULES.iter().find(|code| code.module == module);
     let sources = code.map(|code| code.sources.iter().map(|&source| SOURCES[source].0).collect());
     (sources.unwrap_or_default(), code.map_or(&[], |code| code.packages))

@@ -36,7 +36,7 @@ pub struct Stage<P, I: StageInputs, T> {
 
 /// The promise of a stage's result.
 pub struct Handle<T> {
-    pub(in crate::runner) node: usize,
+    pub(crate) node: usize,
     result: PhantomData<fn() -> T>,
 }
 
@@ -49,7 +49,7 @@ impl<T> Copy for Handle<T> {}
 
 impl<T> Handle<T> {
     /// The handle of the stage with this number, which yields a `T`.
-    pub(in crate::runner) fn new(node: usize) -> Handle<T> {
+    pub(crate) fn new(node: usize) -> Handle<T> {
         Handle { node, result: PhantomData }
     }
 
@@ -60,11 +60,11 @@ impl<T> Handle<T> {
 }
 
 /// A result with its type forgotten; the handle of its stage remembers it.
-pub(in crate::runner) type AnyResult = Arc<dyn Any + Send + Sync>;
+pub(crate) type AnyResult = Arc<dyn Any + Send + Sync>;
 
 /// The results of a stage's inputs, by the number of their stage.
 pub struct InputResults {
-    pub(in crate::runner) results: Vec<(usize, AnyResult)>,
+    pub(crate) results: Vec<(usize, AnyResult)>,
 }
 
 /// Handles of the stages whose results a job reads: one, an optional one, a list, or a tuple of these.

@@ -13,19 +13,19 @@ pub struct Timing {
 }
 
 /// A stopwatch for the current thread.
-pub(in crate::runner) struct Stopwatch {
+pub(crate) struct Stopwatch {
     began: Instant,
     cpu_s: f64,
 }
 
 impl Stopwatch {
     /// Starts.
-    pub(in crate::runner) fn start() -> Stopwatch {
+    pub(crate) fn start() -> Stopwatch {
         Stopwatch { began: Instant::now(), cpu_s: thread_cpu_s() }
     }
 
     /// Time since the start, on the same thread.
-    pub(in crate::runner) fn read(&self) -> Timing {
+    pub(crate) fn read(&self) -> Timing {
         Timing { wall_s: self.began.elapsed().as_secs_f64(), cpu_s: thread_cpu_s() - self.cpu_s }
     }
 }

@@ -37,7 +37,7 @@ fn depends_on_simulating_network(metric: &ClaimMetric, tables: &Tables) -> bool 
 }
 
 /// On how many robots each claim holds, where every seed has a robot of its own.
-pub(in crate::runner) fn per_robot(
+pub(crate) fn per_robot(
     claims: &[PaperClaim],
     tables: &Tables,
     seeds: &[u64],

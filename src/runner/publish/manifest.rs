@@ -94,7 +94,7 @@ impl Manifest {
     }
 
     /// The manifest of an experiment whose parts have run one after the other or on several machines.
-    pub(in crate::runner) fn merged<'a>(
+    pub(crate) fn merged<'a>(
         parts: impl ExactSizeIterator<Item = &'a Manifest> + Clone,
         trail: &[StageRow],
     ) -> Manifest {

@@ -28,7 +28,7 @@ impl Tables {
     ///
     /// # Errors
     /// [`DataError`] for the first file that is there and cannot be read.
-    pub(in crate::runner) fn read(folder: &Path) -> Result<Tables, DataError> {
+    pub(crate) fn read(folder: &Path) -> Result<Tables, DataError> {
         Published::read(folder).map(Tables::from)
     }
 
@@ -37,20 +37,20 @@ impl Tables {
     ///
     /// # Errors
     /// [`DataError::Write`] for rows that make no table.
-    pub(in crate::runner) fn as_published(&self, folder: &Path) -> Result<Tables, DataError> {
+    pub(crate) fn as_published(&self, folder: &Path) -> Result<Tables, DataError> {
         let (claims, robot_claims) = (Vec::new(), Vec::new());
         Ok(Tables::from(Published { claims, robot_claims, ..self.published.rounded(folder)? }))
     }
 
     /// Adds the rows of further repetitions, but for their claims, which are of all repetitions together.
-    pub(in crate::runner) fn append(&mut self, other: Tables) {
+    pub(crate) fn append(&mut self, other: Tables) {
         self.published.append(Published { claims: Vec::new(), robot_claims: Vec::new(), ..other.published });
         self.runs.extend(other.runs);
     }
 }
 
 /// The metric for one seed and training; `None` where the rows do not tell (no such rows, none without failure).
-pub(in crate::runner) fn value(tables: &Tables, metric: &ClaimMetric, seed: u64, training: &str) -> Option<f64> {
+pub(crate) fn value(tables: &Tables, metric: &ClaimMetric, seed: u64, training: &str) -> Option<f64> {
     let number = match metric {
         ClaimMetric::ReachMean(cell) => mean(&reach_errors_m(tables, cell, seed, training)),
         ClaimMetric::ReachSd(cell) => standard_deviation(&reach_errors_m(tables, cell, seed, training)),

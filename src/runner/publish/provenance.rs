@@ -8,7 +8,7 @@ use crate::runner::store::Store;
 use std::collections::BTreeSet;
 
 /// The numbers of all stages behind what an experiment publishes.
-pub(in crate::runner) fn stages_behind(campaign: &Campaign, entry: &CampaignEntry) -> BTreeSet<usize> {
+pub(crate) fn stages_behind(campaign: &Campaign, entry: &CampaignEntry) -> BTreeSet<usize> {
     let mut needed = entry.wanted();
     for number in (0..campaign.graph.len()).rev() {
         if needed.contains(&number) {

@@ -12,7 +12,7 @@ use crate::runner::jobs::repair::diagnosis::Diagnosis;
 use crate::runner::stages::{RepairCampaign, RepairStages};
 
 /// Adds the rows of one repetition and training; `targets` rows where a failure has made trials impossible.
-pub(in crate::runner) fn add(
+pub(crate) fn add(
     published: &mut Published,
     repetition: &TrainedRepetition,
     repair: &RepairCampaign,

@@ -58,7 +58,7 @@ impl CampaignEntry {
     ///
     /// # Errors
     /// As [`Entry::publish`].
-    pub(in crate::runner) fn publish_rows(
+    pub(crate) fn publish_rows(
         &self,
         point: &PointStages,
         tables: &Tables,
@@ -83,7 +83,7 @@ impl CampaignEntry {
     }
 
     /// What became of the claims at one point.
-    pub(in crate::runner) fn claims(&self, point: &PointStages, tables: &Tables) -> Vec<ClaimRow> {
+    pub(crate) fn claims(&self, point: &PointStages, tables: &Tables) -> Vec<ClaimRow> {
         let seeds: Vec<u64> = point.repetitions.iter().map(|repetition| repetition.seed).collect();
         let trainings: Vec<String> = point.experiment.training.keys().cloned().collect();
         evaluate(&self.experiment.claims, tables, &seeds, &trainings)
@@ -102,7 +102,7 @@ impl CampaignEntry {
     }
 
     /// Draws the figures of these names: that of the experiment's name to `plots/`, others to a folder there.
-    pub(in crate::runner) fn draw(
+    pub(crate) fn draw(
         &self,
         figures: &[String],
         published: &Published,

@@ -21,7 +21,7 @@ const FIGURE: &str = "sweep";
 impl CampaignEntry {
     /// Makes the files of this sweep from the results of its stages. The claims are judged at every point, and count for
     /// none of the published ones.
-    pub(in crate::runner) fn publish_sweep(&self, outcomes: &Outcomes) -> Result<Publication, PublishError> {
+    pub(crate) fn publish_sweep(&self, outcomes: &Outcomes) -> Result<Publication, PublishError> {
         let mut all: Vec<Tables> = Vec::with_capacity(self.points.len());
         for point in &self.points {
             let mut tables = point.tables(outcomes);

@@ -21,7 +21,7 @@ use crate::specs::Experiment;
 
 impl PointStages {
     /// The tables of this point: rows sorted, failures as rows with a status.
-    pub(in crate::runner) fn tables(&self, outcomes: &Outcomes) -> Tables {
+    pub(crate) fn tables(&self, outcomes: &Outcomes) -> Tables {
         let mut tables = Tables::default();
         let published = &mut tables.published;
         for repetition in &self.repetitions {
@@ -119,15 +119,15 @@ fn add_trained(
 }
 
 /// One seed and training, and what became of its stages.
-pub(in crate::runner) struct TrainedRepetition<'a> {
-    pub(in crate::runner) seed: u64,
-    pub(in crate::runner) training: &'a str,
-    pub(in crate::runner) outcomes: &'a Outcomes,
+pub(crate) struct TrainedRepetition<'a> {
+    pub(crate) seed: u64,
+    pub(crate) training: &'a str,
+    pub(crate) outcomes: &'a Outcomes,
 }
 
 impl TrainedRepetition<'_> {
     /// The values of a stage, or those that stand for its failure.
-    pub(in crate::runner) fn values<T: Clone>(
+    pub(crate) fn values<T: Clone>(
         &self,
         stage: Handle<Vec<T>>,
         unmeasured: impl FnOnce(Outcome) -> Vec<T>,

@@ -9,7 +9,7 @@ use crate::specs::{Experiment, PlantSpec};
 use std::collections::BTreeMap;
 
 /// The shared parts of one experiment.
-pub(in crate::runner) struct SharedParts {
+pub(crate) struct SharedParts {
     pub(super) model: Identified,
     pub(super) plant: Identified,
     /// The robot measured without noise.
@@ -25,7 +25,7 @@ impl SharedParts {
     ///
     /// # Errors
     /// [`Failure`] for a part that cannot be written into a key.
-    pub(in crate::runner) fn new(spec: &Experiment, previous: Option<&SharedParts>) -> Result<SharedParts, Failure> {
+    pub(crate) fn new(spec: &Experiment, previous: Option<&SharedParts>) -> Result<SharedParts, Failure> {
         let robot =
             |spec: PlantSpec, previous: Option<&Identified>| match previous.filter(|previous| previous.is(&spec)) {
                 Some(shared) => Ok(shared.clone()),

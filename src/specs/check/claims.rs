@@ -10,7 +10,7 @@ use crate::specs::experiment::claims::{ClaimMetric, ReachCell, Relation};
 use crate::specs::experiment::spec::Experiment;
 
 /// Refuses the first claim that the experiment's rows cannot decide.
-pub(in crate::specs) fn check(experiment: &Experiment, document: &Document) -> Result<(), SpecError> {
+pub(crate) fn check(experiment: &Experiment, document: &Document) -> Result<(), SpecError> {
     let mut names: Vec<&str> = Vec::new();
     for (index, claim) in experiment.claims.iter().enumerate() {
         let path = KeyPath::default().key("claims").item(index);

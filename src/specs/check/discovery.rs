@@ -10,7 +10,7 @@ use crate::specs::document::path::KeyPath;
 
 /// Refuses names that are not in the catalogue and deviations that are not positive; `path` is the path of the options in
 /// the document.
-pub(in crate::specs) fn check_entries(document: &Document, options: &Options, path: &KeyPath) -> Result<(), SpecError> {
+pub(crate) fn check_entries(document: &Document, options: &Options, path: &KeyPath) -> Result<(), SpecError> {
     let unless = |holds: bool, path: &KeyPath, expected: &[&str]| {
         if holds { Ok(()) } else { Err(document.wrong(path, one_of(expected))) }
     };

@@ -24,7 +24,7 @@ use std::ops::RangeInclusive;
 ///
 /// # Errors
 /// [`SpecError::Key`] with the location of the first invalid value.
-pub(in crate::specs) fn check(experiment: &Experiment, document: &Document) -> Result<(), SpecError> {
+pub(crate) fn check(experiment: &Experiment, document: &Document) -> Result<(), SpecError> {
     let checker = Checker { experiment, document };
     checker.header()?;
     checker.options()?;

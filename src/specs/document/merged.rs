@@ -17,15 +17,15 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub struct Document {
     pub(super) layers: Vec<Layer>,
-    pub(in crate::specs) merged: Value,
+    pub(crate) merged: Value,
     /// Keys of the root that are no part of the typed value.
     pub(super) root_keys: &'static [&'static str],
     /// The file as the user named it.
     pub file: String,
     /// Sources of the swept values in the tree.
-    pub(in crate::specs) origins: Vec<Origin>,
+    pub(crate) origins: Vec<Origin>,
     /// What the user should know of it: keys under former names.
-    pub(in crate::specs) notes: Vec<String>,
+    pub(crate) notes: Vec<String>,
 }
 
 impl Document {
@@ -40,7 +40,7 @@ impl Document {
     }
 
     /// As [`Document::read`], with the `--sweep` options.
-    pub(in crate::specs) fn read_swept(
+    pub(crate) fn read_swept(
         file: &Path,
         sets: &[String],
         sweeps: &[String],
@@ -73,7 +73,7 @@ impl Document {
     }
 
     /// Every file that was read for it.
-    pub(in crate::specs) fn files(&self) -> Vec<PathBuf> {
+    pub(crate) fn files(&self) -> Vec<PathBuf> {
         self.layers.iter().filter(|layer| !layer.is_option()).map(|layer| PathBuf::from(&layer.name)).collect()
     }
 
@@ -144,7 +144,7 @@ impl Document {
     }
 
     /// Location of `below` in the values of a swept field, or of its nearest existing parent.
-    pub(in crate::specs) fn place_swept(&self, written: &SweptEntry, below: &[Step], end: PathEnd) -> SourceLocation {
+    pub(crate) fn place_swept(&self, written: &SweptEntry, below: &[Step], end: PathEnd) -> SourceLocation {
         let layer = &self.layers[written.layer];
         let full = KeyPath([written.at.0.as_slice(), below].concat());
         let (path, end) = if layer.get(&full).is_some() { (&full, end) } else { (&written.at, PathEnd::Value) };
@@ -154,28 +154,28 @@ impl Document {
 
 /// An entry of `sweep:` in one source, with its values not yet expanded.
 #[derive(Clone, Debug)]
-pub(in crate::specs) struct SweptEntry {
+pub(crate) struct SweptEntry {
     /// The swept field.
-    pub(in crate::specs) field: KeyPath,
+    pub(crate) field: KeyPath,
     /// Path of its values.
-    pub(in crate::specs) at: KeyPath,
+    pub(crate) at: KeyPath,
     /// Index of its source, the strongest first.
     pub(super) layer: usize,
     /// Folder that file names in it are relative to.
-    pub(in crate::specs) folder: PathBuf,
+    pub(crate) folder: PathBuf,
     /// Its values, as written.
-    pub(in crate::specs) value: Value,
+    pub(crate) value: Value,
 }
 
 /// Source of a swept value.
 #[derive(Clone, Debug)]
-pub(in crate::specs) struct Origin {
+pub(crate) struct Origin {
     /// The entry of `sweep:`.
-    pub(in crate::specs) written: Arc<SweptEntry>,
+    pub(crate) written: Arc<SweptEntry>,
     /// Position of this value in the entry; none for a computed value.
-    pub(in crate::specs) below: Option<Step>,
+    pub(crate) below: Option<Step>,
     /// Files that the value names: path of the name below the field, the file, its text.
-    pub(in crate::specs) files: Arc<Vec<(KeyPath, String, String)>>,
+    pub(crate) files: Arc<Vec<(KeyPath, String, String)>>,
 }
 
 impl Origin {

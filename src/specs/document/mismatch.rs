@@ -10,13 +10,13 @@ use serde_yaml::with::singleton_map_recursive;
 
 /// Why a value cannot be read as the expected type.
 #[derive(Debug, PartialEq)]
-pub(in crate::specs) struct Mismatch {
+pub(crate) struct Mismatch {
     /// The path below the value that was read.
-    pub(in crate::specs) key: KeyPath,
+    pub(crate) key: KeyPath,
     /// Whether the key or its value is wrong.
-    pub(in crate::specs) end: PathEnd,
-    pub(in crate::specs) found: String,
-    pub(in crate::specs) expected: String,
+    pub(crate) end: PathEnd,
+    pub(crate) found: String,
+    pub(crate) expected: String,
 }
 
 impl Mismatch {
@@ -29,7 +29,7 @@ impl Mismatch {
 ///
 /// # Errors
 /// [`Mismatch`] for the first key or value that does not fit.
-pub(in crate::specs) fn deserialize<T: DeserializeOwned>(value: &Value, root_keys: &[&str]) -> Result<T, Mismatch> {
+pub(crate) fn deserialize<T: DeserializeOwned>(value: &Value, root_keys: &[&str]) -> Result<T, Mismatch> {
     // Most values fit, and reading without a record of the path is several times faster.
     singleton_map_recursive::deserialize(value).or_else(|_| {
         let mut track = Track::new();
@@ -111,7 +111,7 @@ fn mistyped(message: &str, path: &KeyPath) -> Option<Mismatch> {
 const MAX_SHOWN: usize = 60;
 
 /// A value as error messages show it.
-pub(in crate::specs) fn describe(value: &Value) -> String {
+pub(crate) fn describe(value: &Value) -> String {
     match value {
         Value::Null => "nothing".to_owned(),
         Value::Bool(flag) => flag.to_string(),
@@ -130,7 +130,7 @@ pub(in crate::specs) fn describe(value: &Value) -> String {
 }
 
 /// ``one of `a`, `b` ``.
-pub(in crate::specs) fn one_of(names: &[&str]) -> String {
+pub(crate) fn one_of(names: &[&str]) -> String {
     let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
     format!("one of {}", names.join(", "))
 }

@@ -15,7 +15,7 @@ impl Document {
     ///
     /// # Errors
     /// A `sweep` that is not a mapping; a field that one source, or the command line, sweeps twice.
-    pub(in crate::specs) fn take_sweep(&mut self) -> Result<Vec<SweptEntry>, SpecError> {
+    pub(crate) fn take_sweep(&mut self) -> Result<Vec<SweptEntry>, SpecError> {
         let sweep = KeyPath::default().key("sweep");
         let mut fields: Vec<SweptEntry> = Vec::new();
         for (number, layer) in self.layers.iter().enumerate().rev() {
@@ -63,7 +63,7 @@ impl Document {
     }
 
     /// Location of the `--set` that sets `field` or a part of it.
-    pub(in crate::specs) fn set_by(&self, field: &KeyPath) -> Option<SourceLocation> {
+    pub(crate) fn set_by(&self, field: &KeyPath) -> Option<SourceLocation> {
         let sets_field = |layer: &&Layer| {
             layer.name.starts_with(SET) && (layer.root.0.starts_with(&field.0) || layer.get(field).is_some())
         };
@@ -71,7 +71,7 @@ impl Document {
     }
 
     /// The error for a value of a swept field.
-    pub(in crate::specs) fn refuse_swept(
+    pub(crate) fn refuse_swept(
         &self,
         written: &SweptEntry,
         below: &[Step],
@@ -83,7 +83,7 @@ impl Document {
     }
 
     /// Reads the file that a swept value names at `below` its field: its content, its name and its text.
-    pub(in crate::specs) fn read_swept_file(
+    pub(crate) fn read_swept_file(
         &self,
         written: &SweptEntry,
         below: &[Step],

@@ -4,13 +4,13 @@ use super::path::KeyPath;
 use serde_yaml::{Mapping, Value};
 
 /// What is expected after `=`.
-pub(in crate::specs) const EXPECTED: &str = "values `a,b,c`, or `from:to:count`, `log:from:to:count`, `random:from:to:count`, each with `:whole` for whole numbers";
+pub(crate) const EXPECTED: &str = "values `a,b,c`, or `from:to:count`, `log:from:to:count`, `random:from:to:count`, each with `:whole` for whole numbers";
 
 /// The path and the values of `--sweep`, the values as in YAML.
 ///
 /// # Errors
 /// The malformed part.
-pub(in crate::specs) fn parse(text: &str) -> Result<(KeyPath, Value), String> {
+pub(crate) fn parse(text: &str) -> Result<(KeyPath, Value), String> {
     let (path, values) = text.split_once('=').ok_or_else(|| format!("`{text}`"))?;
     let path = KeyPath::parse(path.trim())?;
     Ok((path, series(values.trim())?))

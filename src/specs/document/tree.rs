@@ -31,7 +31,7 @@ fn other_choice(key: &Value, under: &Value, over: &Value) -> bool {
 }
 
 /// Removes the value at `path`, if there is one.
-pub(in crate::specs) fn remove(value: &mut Value, path: &KeyPath) {
+pub(crate) fn remove(value: &mut Value, path: &KeyPath) {
     let Some((Step::Key(last), above)) = path.0.split_last() else { return };
     let holder = above.iter().try_fold(value, |value, step| match step {
         Step::Key(key) => value.get_mut(key.as_str()),
@@ -43,7 +43,7 @@ pub(in crate::specs) fn remove(value: &mut Value, path: &KeyPath) {
 }
 
 /// The value at `path`.
-pub(in crate::specs) fn get<'a>(value: &'a Value, path: &KeyPath) -> Option<&'a Value> {
+pub(crate) fn get<'a>(value: &'a Value, path: &KeyPath) -> Option<&'a Value> {
     path.0.iter().try_fold(value, |value, step| match (step, value) {
         (Step::Key(key), Value::Mapping(mapping)) => mapping.get(key.as_str()),
         (Step::Item(index), Value::Sequence(items)) => items.get(*index),
@@ -52,7 +52,7 @@ pub(in crate::specs) fn get<'a>(value: &'a Value, path: &KeyPath) -> Option<&'a 
 }
 
 /// Sets the value of `tree` at `steps`, creating missing mappings.
-pub(in crate::specs) fn put(tree: &mut Value, steps: &[Step], value: Value) -> Result<(), String> {
+pub(crate) fn put(tree: &mut Value, steps: &[Step], value: Value) -> Result<(), String> {
     let Some((step, below)) = steps.split_first() else {
         *tree = value;
         return Ok(());

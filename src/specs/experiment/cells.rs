@@ -98,7 +98,7 @@ fn sizes(entry: &policies::PolicyEntry, part: Size, sizes: Option<&[usize]>) -> 
 }
 
 /// Whether a policy is trained from data of which there may be more or less.
-pub(in crate::specs) fn uses(entry: &policies::PolicyEntry, size: Size) -> bool {
+pub(crate) fn uses(entry: &policies::PolicyEntry, size: Size) -> bool {
     match size {
         Size::GpPoints => entry.uses_error_model(),
         Size::RealPoints => entry.uses_real_data(),

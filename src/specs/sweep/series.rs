@@ -12,30 +12,30 @@ use serde_yaml::{Number, Value};
 use std::collections::BTreeMap;
 
 /// Most values of one field; more indicate a mistyped count.
-pub(in crate::specs) const MAX_VALUES: usize = 100_000;
+pub(crate) const MAX_VALUES: usize = 100_000;
 
 /// The forms of values.
-pub(in crate::specs) const FORMS: &str = "a list, or one of `range`, `log_range`, `random`, `named`";
+pub(crate) const FORMS: &str = "a list, or one of `range`, `log_range`, `random`, `named`";
 
 /// One value of a swept field.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::specs) struct SweepValue {
+pub(crate) struct SweepValue {
     /// Its name in tables and figures.
-    pub(in crate::specs) name: String,
+    pub(crate) name: String,
     /// The value in the spec.
-    pub(in crate::specs) value: Value,
+    pub(crate) value: Value,
     /// Its position in the field's entry; none when it was computed.
-    pub(in crate::specs) below: Option<Step>,
+    pub(crate) below: Option<Step>,
 }
 
 /// An error in the values of a field: the path below them, what was found, what was expected.
-pub(in crate::specs) type Wrong = (KeyPath, String, String);
+pub(crate) type Wrong = (KeyPath, String, String);
 
 /// The forms of values other than a list, for the schema.
 #[derive(JsonSchema)]
 #[schemars(rename_all = "snake_case")]
 #[allow(dead_code)] // only its schema is used
-pub(in crate::specs) enum SeriesForm {
+pub(crate) enum SeriesForm {
     /// Evenly spaced values, both ends included.
     Range(EvenRange),
     /// Logarithmically spaced values, both ends included.
@@ -49,7 +49,7 @@ pub(in crate::specs) enum SeriesForm {
 /// Evenly spaced values, both ends included.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(in crate::specs) struct EvenRange {
+pub(crate) struct EvenRange {
     /// First value.
     from: f64,
     /// Last value.
@@ -66,7 +66,7 @@ pub(in crate::specs) struct EvenRange {
 /// Logarithmically spaced values, both ends included.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(in crate::specs) struct LogRange {
+pub(crate) struct LogRange {
     /// First value, above 0.
     from: f64,
     /// Last value.
@@ -81,7 +81,7 @@ pub(in crate::specs) struct LogRange {
 /// Values drawn from a uniform or a log-uniform distribution.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub(in crate::specs) struct RandomDraw {
+pub(crate) struct RandomDraw {
     /// Smallest value.
     from: f64,
     /// Largest value.
@@ -103,7 +103,7 @@ pub(in crate::specs) struct RandomDraw {
 ///
 /// # Errors
 /// The first invalid value.
-pub(in crate::specs) fn expand(written: &Value, field: &KeyPath, seed: Seed) -> Result<Vec<SweepValue>, Wrong> {
+pub(crate) fn expand(written: &Value, field: &KeyPath, seed: Seed) -> Result<Vec<SweepValue>, Wrong> {
     let values = match written {
         Value::Sequence(items) => listed(items)?,
         Value::Mapping(form) if form.len() == 1 => {

@@ -70,7 +70,7 @@ pub struct ReachOutcome {
 
 /// A failure inside a trial.
 #[derive(Debug, thiserror::Error)]
-pub(in crate::tasks) enum TrialError {
+pub(crate) enum TrialError {
     #[error("plant: {0}")]
     Plant(#[from] PlantError),
     #[error("policy: {0}")]

@@ -14,36 +14,36 @@ pub struct WatchedRobot {
 
 /// The end of one control step.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::tasks) struct WatchedStep {
-    pub(in crate::tasks) time_s: f64,
+pub(crate) struct WatchedStep {
+    pub(crate) time_s: f64,
     /// Not a number where tracking was lost.
-    pub(in crate::tasks) measured_m: Point3,
+    pub(crate) measured_m: Point3,
     /// As measured where no robot without noise runs beside.
-    pub(in crate::tasks) true_m: Point3,
-    pub(in crate::tasks) target_m: Point3,
-    pub(in crate::tasks) pulls_m: Vec<f64>,
+    pub(crate) true_m: Point3,
+    pub(crate) target_m: Point3,
+    pub(crate) pulls_m: Vec<f64>,
 }
 
 impl WatchedStep {
-    pub(in crate::tasks) fn error_m(&self) -> f64 {
+    pub(crate) fn error_m(&self) -> f64 {
         distance_m(&self.true_m, &self.target_m)
     }
 
-    pub(in crate::tasks) fn tracked_m(&self) -> f64 {
+    pub(crate) fn tracked_m(&self) -> f64 {
         distance_m(&self.measured_m, &self.target_m)
     }
 }
 
 /// A run: the tip at home, the steps until the end or a failure, and `ok` or that failure.
-pub(in crate::tasks) struct WatchedRun {
-    pub(in crate::tasks) home_m: Point3,
-    pub(in crate::tasks) steps: Vec<WatchedStep>,
-    pub(in crate::tasks) status: Outcome,
+pub(crate) struct WatchedRun {
+    pub(crate) home_m: Point3,
+    pub(crate) steps: Vec<WatchedStep>,
+    pub(crate) status: Outcome,
 }
 
 impl WatchedRun {
     /// Distance travelled by all tendons together, metres, from home on.
-    pub(in crate::tasks) fn tendon_travel_m(&self) -> f64 {
+    pub(crate) fn tendon_travel_m(&self) -> f64 {
         let home_m = self.steps.first().map(|step| vec![0.0; step.pulls_m.len()]);
         let pulls_m: Vec<&Vec<f64>> = home_m.iter().chain(self.steps.iter().map(|step| &step.pulls_m)).collect();
         let travel =
@@ -54,7 +54,7 @@ impl WatchedRun {
 
 impl WatchedRobot {
     /// Runs a policy from rest at home for one step for each target. In open loop it sees home alone.
-    pub(in crate::tasks) fn run(
+    pub(crate) fn run(
         &mut self,
         policy: &mut dyn Policy,
         targets_m: impl Iterator<Item = Point3>,

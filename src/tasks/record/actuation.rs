@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::base::{BadOption, Observation, Plant, PlantError, TendonCommand, TendonLayout};
 
 /// Bends of all segments from base to tip, metres: two numbers a segment.
-pub(in crate::tasks) type Bend = Vec<f64>;
+pub(crate) type Bend = Vec<f64>;
 
 /// How the tendons of a robot bend its segments.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,12 +52,12 @@ impl BendMap {
     }
 
     /// The straight robot.
-    pub(in crate::tasks) fn straight(&self) -> Bend {
+    pub(crate) fn straight(&self) -> Bend {
         vec![0.0; 2 * self.segments.len()]
     }
 
     /// The same bend in every segment.
-    pub(in crate::tasks) fn everywhere(&self, bend_m: [f64; 2]) -> Bend {
+    pub(crate) fn everywhere(&self, bend_m: [f64; 2]) -> Bend {
         bend_m.repeat(self.segments.len())
     }
 
@@ -145,7 +145,7 @@ fn projected([a, b]: [f64; 2], angle_deg: f64) -> f64 {
 
 /// Drives from one bend to another, in steps of at most `max_step_m` per component. Returns the last observation, or `None`
 /// when the two bends are the same.
-pub(in crate::tasks) fn drive_to(
+pub(crate) fn drive_to(
     plant: &mut dyn Plant,
     map: &BendMap,
     from_m: &mut Bend,
@@ -168,7 +168,7 @@ pub(in crate::tasks) fn drive_to(
 }
 
 /// Number of equal steps of at most `max_step_m` per component from one set of displacements to another.
-pub(in crate::tasks) fn steps_between(from_m: &[f64], to_m: &[f64], max_step_m: f64) -> usize {
+pub(crate) fn steps_between(from_m: &[f64], to_m: &[f64], max_step_m: f64) -> usize {
     let largest_m = from_m.iter().zip(to_m).map(|(from, to)| (to - from).abs()).fold(0.0, f64::max);
     // The tolerance keeps a step of exactly the limit a single step.
     (largest_m / max_step_m - 1e-9).ceil().max(0.0) as usize
@@ -212,7 +212,7 @@ impl GridOptions {
 
     /// The bends in the order of the visits, metres. Every further segment visits the square in another order: column by
     /// column, and from another corner.
-    pub(in crate::tasks) fn bends_m(&self, map: &BendMap) -> Vec<Bend> {
+    pub(crate) fn bends_m(&self, map: &BendMap) -> Vec<Bend> {
         let count = self.rows * self.columns;
         let segments = map.segments.len();
         let bend = |visit: usize| {

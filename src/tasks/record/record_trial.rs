@@ -64,7 +64,7 @@ pub fn record_trial(
 }
 
 /// The rows of `commands` with what was `seen`; `points` are the names of the tracked points.
-pub(in crate::tasks) fn measured_rows(
+pub(crate) fn measured_rows(
     commands: &Recording,
     rows: Range<usize>,
     seen: &[Observation],
@@ -95,7 +95,7 @@ pub(in crate::tasks) fn measured_rows(
 
 /// The tracks of the points with these names; where nothing was `seen`, not a number. Without any orientation there is no
 /// column of it.
-pub(in crate::tasks) fn point_tracks(names: &[String], seen: &[Option<&Observation>]) -> Vec<PointTrack> {
+pub(crate) fn point_tracks(names: &[String], seen: &[Option<&Observation>]) -> Vec<PointTrack> {
     let track = |(index, name): (usize, &String)| {
         let all = || seen.iter().map(|seen| seen.and_then(|seen| seen.points.get(index)));
         let has_orientation = all().any(|point| point.is_some_and(|point| point.quaternion.is_some()));

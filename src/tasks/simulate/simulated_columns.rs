@@ -14,7 +14,7 @@ pub const TOUCHES_ITSELF: &str = "touches_itself";
 
 /// What the solver says of one row's solution.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::tasks) struct SolutionDetail {
+pub(crate) struct SolutionDetail {
     /// Tip error of the iteration, metres.
     residual_m: f64,
     /// Estimated tip error of the spatial discretisation, metres.
@@ -27,7 +27,7 @@ pub(in crate::tasks) struct SolutionDetail {
 
 impl SolutionDetail {
     /// That of the present solution of `rod`.
-    pub(in crate::tasks) fn of(rod: &Rod) -> SolutionDetail {
+    pub(crate) fn of(rod: &Rod) -> SolutionDetail {
         SolutionDetail {
             residual_m: rod.residual_m(),
             space_m: rod.space_error_m(),
@@ -39,12 +39,12 @@ impl SolutionDetail {
 }
 
 /// The columns of a simulated recording.
-pub(in crate::tasks) struct SimulatedColumns {
+pub(crate) struct SimulatedColumns {
     /// What is observed in each row, and the detail of its solution; none without a solution.
-    pub(in crate::tasks) observed: Vec<Option<(Observation, SolutionDetail)>>,
+    pub(crate) observed: Vec<Option<(Observation, SolutionDetail)>>,
     status: Vec<String>,
     /// Derivatives of the tip and the tracked points.
-    pub(in crate::tasks) rates: Vec<Vec<PoseRates>>,
+    pub(crate) rates: Vec<Vec<PoseRates>>,
     tendons: usize,
     /// Names of the tracked points.
     points: Vec<String>,
@@ -55,7 +55,7 @@ pub(in crate::tasks) struct SimulatedColumns {
 }
 
 impl SimulatedColumns {
-    pub(in crate::tasks) fn new(model: &Model, commands: &Recording, at_rest: bool) -> SimulatedColumns {
+    pub(crate) fn new(model: &Model, commands: &Recording, at_rest: bool) -> SimulatedColumns {
         let rows = commands.len();
         SimulatedColumns {
             observed: vec![None; rows],
@@ -69,12 +69,12 @@ impl SimulatedColumns {
     }
 
     /// Sets the status of a row that has an observation.
-    pub(in crate::tasks) fn set_status(&mut self, row: usize, status: SolveStatus) {
+    pub(crate) fn set_status(&mut self, row: usize, status: SolveStatus) {
         status.name().clone_into(&mut self.status[row]);
     }
 
     /// Sets the failure of those of `rows` that have neither an observation nor another failure.
-    pub(in crate::tasks) fn set_failure(&mut self, rows: Range<usize>, error: &PlantError) {
+    pub(crate) fn set_failure(&mut self, rows: Range<usize>, error: &PlantError) {
         let name = match error {
             PlantError::Solver(name) => name.as_str(),
             PlantError::Refused(_) => "refused",
@@ -110,7 +110,7 @@ impl SimulatedColumns {
         columns
     }
 
-    pub(in crate::tasks) fn into_recording(self, commands: &Recording) -> Recording {
+    pub(crate) fn into_recording(self, commands: &Recording) -> Recording {
         let lost = [f64::NAN; 3];
         let numbers = |value: &dyn Fn(&(Observation, SolutionDetail)) -> f64| -> Extra {
             Extra::Numbers(self.observed.iter().map(|observed| observed.as_ref().map_or(f64::NAN, value)).collect())

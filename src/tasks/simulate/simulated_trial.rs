@@ -40,13 +40,13 @@ impl SimulationOptions {
 }
 
 /// The mass on the tip in a trial's first row, as an effect.
-pub(in crate::tasks) fn hung_mass(commands: &Recording, first_row: usize) -> Option<EffectSpec> {
+pub(crate) fn hung_mass(commands: &Recording, first_row: usize) -> Option<EffectSpec> {
     let hung_kg = commands.known_load_kg.as_ref().map_or(0.0, |load| load[first_row]);
     (hung_kg > 0.0).then(|| EffectSpec::tip_load(hung_kg))
 }
 
 /// The model under the gravity of the trial that begins with this row.
-pub(in crate::tasks) fn model_of_trial<'a>(model: &'a Model, commands: &Recording, first_row: usize) -> Cow<'a, Model> {
+pub(crate) fn model_of_trial<'a>(model: &'a Model, commands: &Recording, first_row: usize) -> Cow<'a, Model> {
     match &commands.gravity_m_s2 {
         None => Cow::Borrowed(model),
         Some(gravity_m_s2) => {
@@ -58,7 +58,7 @@ pub(in crate::tasks) fn model_of_trial<'a>(model: &'a Model, commands: &Recordin
 }
 
 /// The state of one trial.
-pub(in crate::tasks) struct SimulatedTrial<'a> {
+pub(crate) struct SimulatedTrial<'a> {
     plant: Simulated,
     commands: &'a Recording,
     rows: Range<usize>,
@@ -71,7 +71,7 @@ pub(in crate::tasks) struct SimulatedTrial<'a> {
 
 impl<'a> SimulatedTrial<'a> {
     /// The first trial of a robot, with the mass on its tip in this trial.
-    pub(in crate::tasks) fn new(
+    pub(crate) fn new(
         commands: &'a Recording,
         rows: Range<usize>,
         starts: Starts,
@@ -82,12 +82,12 @@ impl<'a> SimulatedTrial<'a> {
     }
 
     /// The next trial of the same robot, which goes on where this one has ended.
-    pub(in crate::tasks) fn next(self, rows: Range<usize>) -> SimulatedTrial<'a> {
+    pub(crate) fn next(self, rows: Range<usize>) -> SimulatedTrial<'a> {
         SimulatedTrial { previous_row: Some(self.rows.end - 1), rows, ..self }
     }
 
     /// Simulates the rows and sets the failure of those without a solution.
-    pub(in crate::tasks) fn fill(
+    pub(crate) fn fill(
         mut self,
         columns: &mut SimulatedColumns,
         options: &SimulationOptions,

@@ -30,17 +30,17 @@ impl Hyperparameter {
     }
 
     /// A signal variance.
-    pub(in crate::learn::gp) fn signal_variance(name: String) -> Hyperparameter {
+    pub(crate) fn signal_variance(name: String) -> Hyperparameter {
         Hyperparameter::plain(name, 1.0, (1e-3, 1e3), (0.3, 10.0))
     }
 
     /// A length-scale.
-    pub(in crate::learn::gp) fn length(name: String) -> Hyperparameter {
+    pub(crate) fn length(name: String) -> Hyperparameter {
         Hyperparameter { name, start: 1.0, bounds: (1e-2, 1e3), plausible: (0.3, 30.0), is_length: true }
     }
 
     /// The noise variance.
-    pub(in crate::learn::gp) fn noise_variance(noise_floor: f64) -> Hyperparameter {
+    pub(crate) fn noise_variance(noise_floor: f64) -> Hyperparameter {
         Hyperparameter::plain("noise variance", 0.1, (noise_floor * noise_floor, 10.0), (1e-4, 0.3))
     }
 
@@ -56,15 +56,15 @@ impl Hyperparameter {
 
 /// One point and a run of training points, of which a factor sees some of the inputs.
 pub struct PairRow<'a> {
-    pub(in crate::learn::gp) points: &'a TrainingPoints,
+    pub(crate) points: &'a TrainingPoints,
     /// The inputs that the factor sees, from 0.
-    pub(in crate::learn::gp) inputs: &'a [usize],
+    pub(crate) inputs: &'a [usize],
     /// Number of the first of the training points.
-    pub(in crate::learn::gp) from: usize,
+    pub(crate) from: usize,
     /// The point, all inputs.
-    pub(in crate::learn::gp) at: &'a [f64],
+    pub(crate) at: &'a [f64],
     /// Place in the run of the training point that the point itself is.
-    pub(in crate::learn::gp) self_index: Option<usize>,
+    pub(crate) self_index: Option<usize>,
 }
 
 impl PairRow<'_> {
@@ -94,7 +94,7 @@ pub trait Component: Send + Sync {
 }
 
 /// A registered stationary kernel as a factor.
-pub(in crate::learn::gp) struct Stationary(pub(in crate::learn::gp) &'static dyn Kernel);
+pub(crate) struct Stationary(pub(crate) &'static dyn Kernel);
 
 impl Stationary {
     fn squared_distances(lengths: &[f64], row: &PairRow, s: &mut [f64]) {

@@ -9,7 +9,7 @@ use crate::math::optimise::Objective;
 impl Posterior {
     /// Conditions a sparse process on the points, with the inducing points that the hyper-parameters choose; `None` when the
     /// covariance matrices are not positive definite.
-    pub(in crate::learn::gp) fn sparse(
+    pub(crate) fn sparse(
         config: &GpConfig,
         covariance: &Covariance,
         points: &TrainingPoints,

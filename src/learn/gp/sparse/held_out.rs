@@ -8,7 +8,7 @@ use crate::math::optimise::Objective;
 
 impl<'a> SparseLikelihood<'a> {
     /// The likelihood behind output `output` of a fitted process, at its hyper-parameters.
-    pub(in crate::learn::gp) fn of(gp: &Gp, output: usize, points: &'a TrainingPoints, y: &'a [f64]) -> Self {
+    pub(crate) fn of(gp: &Gp, output: usize, points: &'a TrainingPoints, y: &'a [f64]) -> Self {
         let GpConfig { approximation, mean, .. } = gp.config;
         let inducing = &gp.posteriors[output].inducing;
         let mut likelihood = SparseLikelihood::new(approximation, mean, gp.covariance.clone(), points, y, inducing);
@@ -18,7 +18,7 @@ impl<'a> SparseLikelihood<'a> {
 
     /// Prediction errors (standardised) of the rows numbered `fold` when they are held out; not a number where the others
     /// leave the mean function undetermined.
-    pub(in crate::learn::gp) fn held_out_errors(&self, fold: &[usize]) -> Vec<f64> {
+    pub(crate) fn held_out_errors(&self, fold: &[usize]) -> Vec<f64> {
         let (n, width) = (self.points.n, self.width());
         // S is small; taking samples out of it is quicker than building it anew.
         let mut precision: Lower = self.precision.clone();
@@ -53,7 +53,7 @@ impl<'a> SparseLikelihood<'a> {
 
     /// Error and variance of every sample when it is held out, standardised: the residual over `1 − h_i`, and what is not known
     /// of the function there and noise. `h_i = φ_iᵀ S⁻¹ φ_i / Λ_i` is the weight of the sample in its own prediction.
-    pub(in crate::learn::gp) fn leave_one_out_errors(&self) -> Vec<(f64, f64)> {
+    pub(crate) fn leave_one_out_errors(&self) -> Vec<(f64, f64)> {
         let n = self.points.n;
         let mut halves = self.weighted.clone();
         self.precision_factor.solve_half_rows(&mut halves);

@@ -10,7 +10,7 @@ const MIN_VARIANCE_SHARE: f64 = 1e-10;
 /// Numbers of at most `count` points: each the one whose value those chosen before leave least certain under the covariance
 /// with these hyper-parameters (Burt, Rasmussen & van der Wilk 2020, section 4.2.2). It is a Cholesky decomposition with pivoting,
 /// which ends early when every point is known: a linear kernel has no more than its rank.
-pub(in crate::learn::gp) fn greedy_conditional_variance(
+pub(crate) fn greedy_conditional_variance(
     covariance: &Covariance,
     theta: &[f64],
     points: &TrainingPoints,

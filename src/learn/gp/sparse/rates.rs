@@ -8,20 +8,20 @@ use crate::learn::simd::dot;
 use crate::math::vectorised;
 
 /// A covariance function under hyper-parameters. Points are given as [`CovarianceAt::prepare`] returns them.
-pub(in crate::learn::gp) enum CovarianceAt<'a> {
+pub(crate) enum CovarianceAt<'a> {
     Stationary(StationaryAt<'a>),
     Composite { composite: &'a Composite, natural: Vec<f64> },
 }
 
 /// One stationary kernel under hyper-parameters.
-pub(in crate::learn::gp) struct StationaryAt<'a> {
+pub(crate) struct StationaryAt<'a> {
     kernel: &'static dyn Kernel,
     layout: HyperparameterLayout,
     theta: &'a [f64],
 }
 
 impl<'a> CovarianceAt<'a> {
-    pub(in crate::learn::gp) fn new(covariance: &'a Covariance, theta: &'a [f64]) -> Self {
+    pub(crate) fn new(covariance: &'a Covariance, theta: &'a [f64]) -> Self {
         match covariance {
             Covariance::Stationary(kernel, layout) => {
                 CovarianceAt::Stationary(StationaryAt { kernel: *kernel, layout: *layout, theta })
@@ -31,7 +31,7 @@ impl<'a> CovarianceAt<'a> {
     }
 
     /// Points in the units in which their distances count.
-    pub(in crate::learn::gp) fn prepare(&self, points: &TrainingPoints) -> TrainingPoints {
+    pub(crate) fn prepare(&self, points: &TrainingPoints) -> TrainingPoints {
         match self {
             CovarianceAt::Stationary(StationaryAt { layout, theta, .. }) => points.scaled(&layout.length_scales(theta)),
             CovarianceAt::Composite { .. } => points.clone(),
@@ -39,7 +39,7 @@ impl<'a> CovarianceAt<'a> {
     }
 
     /// Writes the covariances of `centre` with the points from number `from` on, without noise.
-    pub(in crate::learn::gp) fn row(&self, points: &TrainingPoints, from: usize, centre: &[f64], out: &mut [f64]) {
+    pub(crate) fn row(&self, points: &TrainingPoints, from: usize, centre: &[f64], out: &mut [f64]) {
         match self {
             CovarianceAt::Stationary(StationaryAt { kernel, layout, theta }) => {
                 let signal = layout.signal_variance(theta);
@@ -54,7 +54,7 @@ impl<'a> CovarianceAt<'a> {
     }
 
     /// Writes the variance of every point and the noise that the kernel gives it beside. Points count as they are.
-    pub(in crate::learn::gp) fn diagonal(&self, points: &TrainingPoints, variances: &mut [f64], noises: &mut [f64]) {
+    pub(crate) fn diagonal(&self, points: &TrainingPoints, variances: &mut [f64], noises: &mut [f64]) {
         match self {
             CovarianceAt::Stationary(StationaryAt { layout, theta, .. }) => {
                 variances.fill(layout.signal_variance(theta));
@@ -75,7 +75,7 @@ impl<'a> CovarianceAt<'a> {
 
     /// Adds to `out` the derivatives of `Σ weight_i k(centre, x_i)` over the points from number `from` on with respect to the
     /// logarithm of every hyper-parameter. The weights are used as working memory.
-    pub(in crate::learn::gp) fn add_row_rates(
+    pub(crate) fn add_row_rates(
         &self,
         points: &TrainingPoints,
         from: usize,
@@ -98,7 +98,7 @@ impl<'a> CovarianceAt<'a> {
 
     /// Adds to `out` the derivatives of `Σ variance_weight_i k_ii + noise_weight_i w_i` for the variance k and the kernel's own
     /// noise w of every point. Points count as they are.
-    pub(in crate::learn::gp) fn add_diagonal_rates(
+    pub(crate) fn add_diagonal_rates(
         &self,
         points: &TrainingPoints,
         variance_weights: &[f64],

@@ -17,7 +17,7 @@ const ROUNDS: usize = 2;
 const TOLERANCE: f64 = 0.01;
 
 /// Maximises the likelihood (FITC) or its bound (SGPR) of the standardised output `y`; `None` when no start is usable.
-pub(in crate::learn::gp) fn search(
+pub(crate) fn search(
     config: &GpConfig,
     covariance: &Covariance,
     points: &TrainingPoints,

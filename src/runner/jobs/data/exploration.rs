@@ -6,7 +6,7 @@ use crate::runner::jobs::parts::identified::Identified;
 use crate::tasks::{self, ExploreOptions, Transitions};
 
 /// The exploration on the model.
-pub(in crate::runner) const EXPLORE: Stage<ExploreParams, (), Transitions> = Stage {
+pub(crate) const EXPLORE: Stage<ExploreParams, (), Transitions> = Stage {
     kind: StageKind { name: "collect_sim", module: module_path!(), cost_ms: 14_000 },
     job: |params, ()| {
         let mut plant = params.model.build(&[], params.step_s)?;
@@ -15,7 +15,7 @@ pub(in crate::runner) const EXPLORE: Stage<ExploreParams, (), Transitions> = Sta
 };
 
 /// The same commands on the robot.
-pub(in crate::runner) const REPLAY: Stage<ReplayParams, Handle<Transitions>, Transitions> = Stage {
+pub(crate) const REPLAY: Stage<ReplayParams, Handle<Transitions>, Transitions> = Stage {
     kind: StageKind { name: "collect_real", module: module_path!(), cost_ms: 20_000 },
     job: |params, explored| {
         let mut plant = params.plant.build(&[], params.step_s)?;
@@ -25,17 +25,17 @@ pub(in crate::runner) const REPLAY: Stage<ReplayParams, Handle<Transitions>, Tra
 
 /// Parameters of [`EXPLORE`].
 #[derive(serde::Serialize)]
-pub(in crate::runner) struct ExploreParams {
-    pub(in crate::runner) model: Identified,
-    pub(in crate::runner) options: ExploreOptions,
-    pub(in crate::runner) step_s: f64,
-    pub(in crate::runner) seed: u64,
+pub(crate) struct ExploreParams {
+    pub(crate) model: Identified,
+    pub(crate) options: ExploreOptions,
+    pub(crate) step_s: f64,
+    pub(crate) seed: u64,
 }
 
 /// Parameters of [`REPLAY`].
 #[derive(serde::Serialize)]
-pub(in crate::runner) struct ReplayParams {
-    pub(in crate::runner) plant: Identified,
-    pub(in crate::runner) step_s: f64,
-    pub(in crate::runner) seed: u64,
+pub(crate) struct ReplayParams {
+    pub(crate) plant: Identified,
+    pub(crate) step_s: f64,
+    pub(crate) seed: u64,
 }

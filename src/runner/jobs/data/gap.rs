@@ -6,7 +6,7 @@ use crate::runner::graph::stage::{Handle, Stage, StageKind};
 use crate::tasks::Transitions;
 
 /// A number of samples spread over the exploration.
-pub(in crate::runner) const GAP: Stage<usize, (Handle<Transitions>, Handle<Transitions>), Vec<GapSample>> = Stage {
+pub(crate) const GAP: Stage<usize, (Handle<Transitions>, Handle<Transitions>), Vec<GapSample>> = Stage {
     kind: StageKind { name: "gap", module: module_path!(), cost_ms: 20 },
     job: |&rows, (model, robot)| {
         let rows = rows.min(model.len());

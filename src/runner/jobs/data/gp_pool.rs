@@ -6,7 +6,7 @@ use crate::runner::jobs::parts::identified::Identified;
 use crate::tasks::{self, GpPointsOptions, GpPool};
 
 /// The points on model and robot.
-pub(in crate::runner) const GP_POOL: Stage<PoolParams, (), GpPool> = Stage {
+pub(crate) const GP_POOL: Stage<PoolParams, (), GpPool> = Stage {
     kind: StageKind { name: "gp_pool", module: module_path!(), cost_ms: 4000 },
     job: |params, ()| {
         let (mut model, mut robot) = (params.model.build(&[], params.step_s)?, params.plant.build(&[], params.step_s)?);
@@ -17,10 +17,10 @@ pub(in crate::runner) const GP_POOL: Stage<PoolParams, (), GpPool> = Stage {
 
 /// Parameters of [`GP_POOL`].
 #[derive(serde::Serialize)]
-pub(in crate::runner) struct PoolParams {
-    pub(in crate::runner) model: Identified,
-    pub(in crate::runner) plant: Identified,
-    pub(in crate::runner) options: GpPointsOptions,
-    pub(in crate::runner) step_s: f64,
-    pub(in crate::runner) seed: u64,
+pub(crate) struct PoolParams {
+    pub(crate) model: Identified,
+    pub(crate) plant: Identified,
+    pub(crate) options: GpPointsOptions,
+    pub(crate) step_s: f64,
+    pub(crate) seed: u64,
 }

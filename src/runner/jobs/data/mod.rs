@@ -1,8 +1,8 @@
 //! Recordings: exploration, replay, predefined points, targets, the path.
 
-pub(in crate::runner) mod exploration;
-pub(in crate::runner) mod gap;
-pub(in crate::runner) mod gp_pool;
-pub(in crate::runner) mod path;
-pub(in crate::runner) mod samples;
-pub(in crate::runner) mod targets;
+pub(crate) mod exploration;
+pub(crate) mod gap;
+pub(crate) mod gp_pool;
+pub(crate) mod path;
+pub(crate) mod samples;
+pub(crate) mod targets;

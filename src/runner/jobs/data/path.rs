@@ -6,7 +6,7 @@ use crate::runner::jobs::parts::identified::Identified;
 use crate::tasks::{self, PathOptions};
 
 /// The points through which the path goes.
-pub(in crate::runner) const WAYPOINTS: Stage<WaypointParams, (), Vec<Point3>> = Stage {
+pub(crate) const WAYPOINTS: Stage<WaypointParams, (), Vec<Point3>> = Stage {
     kind: StageKind { name: "waypoints", module: module_path!(), cost_ms: 100 },
     job: |params, ()| {
         let mut robot = params.robot.build(&[], params.step_s)?;
@@ -15,16 +15,16 @@ pub(in crate::runner) const WAYPOINTS: Stage<WaypointParams, (), Vec<Point3>> = 
 };
 
 /// The path through them.
-pub(in crate::runner) const PATH: Stage<PathOptions, Handle<Vec<Point3>>, Vec<Point3>> = Stage {
+pub(crate) const PATH: Stage<PathOptions, Handle<Vec<Point3>>, Vec<Point3>> = Stage {
     kind: StageKind { name: "path", module: module_path!(), cost_ms: 1 },
     job: |options, waypoints| tasks::interpolate(waypoints, options).map_err(|error| error.to_string()),
 };
 
 /// Parameters of [`WAYPOINTS`].
 #[derive(serde::Serialize)]
-pub(in crate::runner) struct WaypointParams {
+pub(crate) struct WaypointParams {
     /// Measured without noise.
-    pub(in crate::runner) robot: Identified,
-    pub(in crate::runner) options: PathOptions,
-    pub(in crate::runner) step_s: f64,
+    pub(crate) robot: Identified,
+    pub(crate) options: PathOptions,
+    pub(crate) step_s: f64,
 }

@@ -6,10 +6,10 @@ use crate::runner::jobs::parts::identified::Identified;
 use crate::tasks::{self, TargetOptions};
 
 /// Targets with their numbers in the pool, metres.
-pub(in crate::runner) type Targets = Vec<(usize, Point3)>;
+pub(crate) type Targets = Vec<(usize, Point3)>;
 
 /// All points that may become targets.
-pub(in crate::runner) const TARGET_POOL: Stage<TargetPoolParams, (), Vec<Point3>> = Stage {
+pub(crate) const TARGET_POOL: Stage<TargetPoolParams, (), Vec<Point3>> = Stage {
     kind: StageKind { name: "target_pool", module: module_path!(), cost_ms: 4000 },
     job: |params, ()| {
         let mut robot = params.robot.build(&[], params.step_s)?;
@@ -18,16 +18,16 @@ pub(in crate::runner) const TARGET_POOL: Stage<TargetPoolParams, (), Vec<Point3>
 };
 
 /// The targets that are drawn: their number and the seed.
-pub(in crate::runner) const TARGETS: Stage<(usize, u64), Handle<Vec<Point3>>, Targets> = Stage {
+pub(crate) const TARGETS: Stage<(usize, u64), Handle<Vec<Point3>>, Targets> = Stage {
     kind: StageKind { name: "targets", module: module_path!(), cost_ms: 1 },
     job: |&(drawn, seed), pool| tasks::draw_targets(pool, drawn, Seed(seed)).map_err(|error| error.to_string()),
 };
 
 /// Parameters of [`TARGET_POOL`].
 #[derive(serde::Serialize)]
-pub(in crate::runner) struct TargetPoolParams {
+pub(crate) struct TargetPoolParams {
     /// Measured without noise.
-    pub(in crate::runner) robot: Identified,
-    pub(in crate::runner) options: TargetOptions,
-    pub(in crate::runner) step_s: f64,
+    pub(crate) robot: Identified,
+    pub(crate) options: TargetOptions,
+    pub(crate) step_s: f64,
 }

@@ -7,7 +7,7 @@ use crate::runner::graph::stage::{Handle, Stage, StageKind};
 use crate::tasks::ExploreOptions;
 
 /// The commands of a case.
-pub(in crate::runner) const COMMANDS: Stage<CommandParams, (), Commands> = Stage {
+pub(crate) const COMMANDS: Stage<CommandParams, (), Commands> = Stage {
     kind: StageKind { name: "blind_commands", module: module_path!(), cost_ms: 300 },
     job: |params, ()| {
         let commands = benchmark::explore_commands(&params.model, &params.explore, params.step_s, Seed(params.seed));
@@ -16,7 +16,7 @@ pub(in crate::runner) const COMMANDS: Stage<CommandParams, (), Commands> = Stage
 };
 
 /// What the catalogue can imitate under these commands.
-pub(in crate::runner) const SPAN: Stage<SpanParams, Handle<Commands>, CatalogueSpan> = Stage {
+pub(crate) const SPAN: Stage<SpanParams, Handle<Commands>, CatalogueSpan> = Stage {
     kind: StageKind { name: "blind_span", module: module_path!(), cost_ms: 15_000 },
     job: |params, commands| {
         CatalogueSpan::new(&params.model, commands, &params.priors, params.noise_m).map_err(|error| error.to_string())
@@ -29,13 +29,13 @@ type TruthInputs = (Handle<Commands>, Option<Handle<CatalogueSpan>>);
 type RecordingInputs = (Handle<Truth>, Handle<Commands>);
 
 /// What is hidden: the sealed label.
-pub(in crate::runner) const TRUTH: Stage<CaseDesign, TruthInputs, Truth> = Stage {
+pub(crate) const TRUTH: Stage<CaseDesign, TruthInputs, Truth> = Stage {
     kind: StageKind { name: "blind_truth", module: module_path!(), cost_ms: 3_000 },
     job: |robot, (commands, span)| benchmark::draw(robot, commands, span).map_err(|error| error.to_string()),
 };
 
 /// The recording: of the robot and of the correlation of its noise.
-pub(in crate::runner) const RECORDING: Stage<(CaseDesign, f64), RecordingInputs, PublicCase> = Stage {
+pub(crate) const RECORDING: Stage<(CaseDesign, f64), RecordingInputs, PublicCase> = Stage {
     kind: StageKind { name: "blind_recording", module: module_path!(), cost_ms: 500 },
     job: |(robot, correlation), (truth, commands)| {
         benchmark::measure_case(robot, truth, commands, *correlation).map_err(|error| error.to_string())
@@ -43,24 +43,24 @@ pub(in crate::runner) const RECORDING: Stage<(CaseDesign, f64), RecordingInputs,
 };
 
 /// The truth of a recording of others, which their table tells.
-pub(in crate::runner) const RECORDED_TRUTH: Stage<Truth, (), Truth> = Stage {
+pub(crate) const RECORDED_TRUTH: Stage<Truth, (), Truth> = Stage {
     kind: StageKind { name: "recorded_truth", module: module_path!(), cost_ms: 1 },
     job: |truth, ()| Ok(truth.clone()),
 };
 
 /// Parameters of [`COMMANDS`].
 #[derive(serde::Serialize)]
-pub(in crate::runner) struct CommandParams {
-    pub(in crate::runner) model: Model,
-    pub(in crate::runner) explore: ExploreOptions,
-    pub(in crate::runner) step_s: f64,
-    pub(in crate::runner) seed: u64,
+pub(crate) struct CommandParams {
+    pub(crate) model: Model,
+    pub(crate) explore: ExploreOptions,
+    pub(crate) step_s: f64,
+    pub(crate) seed: u64,
 }
 
 /// Parameters of [`SPAN`].
 #[derive(serde::Serialize)]
-pub(in crate::runner) struct SpanParams {
-    pub(in crate::runner) model: Model,
-    pub(in crate::runner) priors: Vec<Prior>,
-    pub(in crate::runner) noise_m: f64,
+pub(crate) struct SpanParams {
+    pub(crate) model: Model,
+    pub(crate) priors: Vec<Prior>,
+    pub(crate) noise_m: f64,
 }

@@ -5,7 +5,7 @@ use crate::effects::Model;
 use crate::runner::graph::stage::{Handle, Stage, StageKind};
 
 /// The score of a case.
-pub(in crate::runner) const SCORE: Stage<ScoreParams, (Handle<Truth>, Handle<CaseAnswer>), ScoredCase> = Stage {
+pub(crate) const SCORE: Stage<ScoreParams, (Handle<Truth>, Handle<CaseAnswer>), ScoredCase> = Stage {
     kind: StageKind { name: "blind_score", module: module_path!(), cost_ms: 1 },
     job: |params, (truth, answer)| {
         let ScoreParams { case, batch, correlation, model } = params;
@@ -16,9 +16,9 @@ pub(in crate::runner) const SCORE: Stage<ScoreParams, (Handle<Truth>, Handle<Cas
 
 /// Parameters of [`SCORE`].
 #[derive(serde::Serialize)]
-pub(in crate::runner) struct ScoreParams {
-    pub(in crate::runner) case: u64,
-    pub(in crate::runner) batch: CaseBatch,
-    pub(in crate::runner) correlation: f64,
-    pub(in crate::runner) model: Model,
+pub(crate) struct ScoreParams {
+    pub(crate) case: u64,
+    pub(crate) batch: CaseBatch,
+    pub(crate) correlation: f64,
+    pub(crate) model: Model,
 }

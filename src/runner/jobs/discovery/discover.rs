@@ -11,7 +11,7 @@ use crate::effects::Model;
 use crate::runner::graph::stage::{Handle, Stage, StageKind};
 
 /// The answer to a blind case, from the model and the options.
-pub(in crate::runner) const DISCOVER: Stage<(Model, Options), Handle<PublicCase>, CaseAnswer> = Stage {
+pub(crate) const DISCOVER: Stage<(Model, Options), Handle<PublicCase>, CaseAnswer> = Stage {
     kind: StageKind { name: "discover", module: module_path!(), cost_ms: 15_000 },
     job: |(model, options), presented| {
         let mut options = options.clone();
@@ -21,7 +21,7 @@ pub(in crate::runner) const DISCOVER: Stage<(Model, Options), Handle<PublicCase>
 };
 
 /// The answer to a recording of others.
-pub(in crate::runner) const DISCOVER_RECORDED: Stage<RecordedParams, (), CaseAnswer> = Stage {
+pub(crate) const DISCOVER_RECORDED: Stage<RecordedParams, (), CaseAnswer> = Stage {
     kind: StageKind { name: "discover_recorded", module: module_path!(), cost_ms: 20_000 },
     job: |params, ()| {
         let read = |file: &RecordedFile| Recording::read(&file.0).map_err(|error| error.to_string());
@@ -32,15 +32,15 @@ pub(in crate::runner) const DISCOVER_RECORDED: Stage<RecordedParams, (), CaseAns
 
 /// Parameters of [`DISCOVER_RECORDED`].
 #[derive(Serialize)]
-pub(in crate::runner) struct RecordedParams {
-    pub(in crate::runner) model: Model,
-    pub(in crate::runner) options: Options,
-    pub(in crate::runner) measured: RecordedFile,
-    pub(in crate::runner) baseline: Option<RecordedFile>,
+pub(crate) struct RecordedParams {
+    pub(crate) model: Model,
+    pub(crate) options: Options,
+    pub(crate) measured: RecordedFile,
+    pub(crate) baseline: Option<RecordedFile>,
 }
 
 /// A file that enters the key of a stage by its content, wherever it lies. One that cannot be read fails the stage.
-pub(in crate::runner) struct RecordedFile(pub(in crate::runner) PathBuf);
+pub(crate) struct RecordedFile(pub(crate) PathBuf);
 
 impl Serialize for RecordedFile {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {

@@ -1,5 +1,5 @@
 //! Blind cases of `discover`.
 
-pub(in crate::runner) mod blind;
-pub(in crate::runner) mod blind_score;
-pub(in crate::runner) mod discover;
+pub(crate) mod blind;
+pub(crate) mod blind_score;
+pub(crate) mod discover;

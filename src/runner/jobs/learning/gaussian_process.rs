@@ -9,10 +9,10 @@ use crate::runner::jobs::data::samples::points;
 use crate::tasks::{GpPoints, GpPool};
 
 /// Handles of the predefined points, and of the forward network where p_sim comes from it.
-pub(in crate::runner) type GpInputs = (Handle<GpPool>, Option<Handle<Trained>>);
+pub(crate) type GpInputs = (Handle<GpPool>, Option<Handle<Trained>>);
 
 /// The process of eq. (20) on `points` of the predefined points.
-pub(in crate::runner) const GP: Stage<GpParams, GpInputs, Gp> = Stage {
+pub(crate) const GP: Stage<GpParams, GpInputs, Gp> = Stage {
     kind: StageKind { name: "gp_fit", module: module_path!(), cost_ms: 100 },
     job: |params, (pool, network)| {
         let all = points(pool, network)?;
@@ -21,26 +21,26 @@ pub(in crate::runner) const GP: Stage<GpParams, GpInputs, Gp> = Stage {
 };
 
 /// How well the process fits: a stage of its own, so that publishing holds no process in memory.
-pub(in crate::runner) const GP_SCORE: Stage<(), Handle<Gp>, GpScore> =
+pub(crate) const GP_SCORE: Stage<(), Handle<Gp>, GpScore> =
     Stage { kind: StageKind { name: "gp_score", module: module_path!(), cost_ms: 50 }, job: |(), gp| Ok(score(gp)) };
 
 /// Parameters of [`GP`].
 #[derive(serde::Serialize)]
-pub(in crate::runner) struct GpParams {
-    pub(in crate::runner) config: GpConfig,
-    pub(in crate::runner) points: usize,
-    pub(in crate::runner) seed: u64,
+pub(crate) struct GpParams {
+    pub(crate) config: GpConfig,
+    pub(crate) points: usize,
+    pub(crate) seed: u64,
 }
 
 impl GpParams {
     /// The indices of the points that the process is fitted to.
-    pub(in crate::runner::jobs) fn chosen(&self, all: &GpPoints) -> Result<Vec<usize>, String> {
+    pub(crate) fn chosen(&self, all: &GpPoints) -> Result<Vec<usize>, String> {
         let chosen = self.config.selection.choose(&all.inputs, self.points, Seed(self.seed));
         chosen.map_err(|error| error.to_string())
     }
 
     /// The process of these points.
-    pub(in crate::runner::jobs) fn fit(&self, points: &GpPoints) -> Result<Gp, String> {
+    pub(crate) fn fit(&self, points: &GpPoints) -> Result<Gp, String> {
         Gp::fit(&points.inputs, &points.errors_m, &self.config).map_err(|error| error.to_string())
     }
 }

@@ -11,11 +11,11 @@ use crate::tasks::{self, Transitions};
 
 /// Handles of the exploration, of the Gaussian process, of the network to start from (a new one where there is none)
 /// and, where p_sim comes from it, of the forward network.
-pub(in crate::runner) type GeneratedInputs =
+pub(crate) type GeneratedInputs =
     (Handle<Transitions>, Handle<Gp>, Option<Handle<Trained>>, Option<Handle<Trained>>);
 
 /// The training of a network on the exploration, moved by the error model (eq. 24).
-pub(in crate::runner) fn train_generated(
+pub(crate) fn train_generated(
     network: &NetworkDescription,
 ) -> Stage<NetworkParams, GeneratedInputs, Trained> {
     Stage {

@@ -10,10 +10,10 @@ use crate::runner::jobs::data::samples::points;
 use crate::tasks::GpPool;
 
 /// Handles of the predefined points, of the forward network where p_sim comes from it, and of the process.
-pub(in crate::runner) type CoverageInputs = (Handle<GpPool>, Option<Handle<Trained>>, Handle<Gp>);
+pub(crate) type CoverageInputs = (Handle<GpPool>, Option<Handle<Trained>>, Handle<Gp>);
 
 /// By axis and promised share.
-pub(in crate::runner) const GP_COVERAGE: Stage<CoverageParams, CoverageInputs, Vec<GpCoverage>> = Stage {
+pub(crate) const GP_COVERAGE: Stage<CoverageParams, CoverageInputs, Vec<GpCoverage>> = Stage {
     kind: StageKind { name: "gp_coverage", module: module_path!(), cost_ms: 50 },
     job: |params, (pool, network, gp)| {
         let all = points(pool, network)?;
@@ -52,8 +52,8 @@ pub(in crate::runner) const GP_COVERAGE: Stage<CoverageParams, CoverageInputs, V
 
 /// Parameters of [`GP_COVERAGE`].
 #[derive(serde::Serialize)]
-pub(in crate::runner) struct CoverageParams {
-    pub(in crate::runner) gp: GpParams,
+pub(crate) struct CoverageParams {
+    pub(crate) gp: GpParams,
     /// Promised shares, above 0 and below 1.
-    pub(in crate::runner) shares: Vec<f64>,
+    pub(crate) shares: Vec<f64>,
 }

@@ -6,7 +6,7 @@ use crate::rows::experiment::GpLeftOut;
 use crate::runner::graph::stage::{Handle, Stage, StageKind};
 
 /// By axis and promised share, which are the parameters.
-pub(in crate::runner) const GP_LEAVE_ONE_OUT: Stage<Vec<f64>, Handle<Gp>, Vec<GpLeftOut>> = Stage {
+pub(crate) const GP_LEAVE_ONE_OUT: Stage<Vec<f64>, Handle<Gp>, Vec<GpLeftOut>> = Stage {
     kind: StageKind { name: "gp_leave_one_out", module: module_path!(), cost_ms: 50 },
     job: |shares, gp| Ok(rows(gp, shares)),
 };

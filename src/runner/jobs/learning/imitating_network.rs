@@ -13,7 +13,7 @@ use crate::tasks::{self, ExploreOptions, Transitions};
 use std::sync::Arc;
 
 /// The training of a network that begins with the inverse network of the model.
-pub(in crate::runner) fn train_imitating(
+pub(crate) fn train_imitating(
     network: &NetworkDescription,
 ) -> Stage<ImitationParams, Handle<Trained>, Trained> {
     Stage {
@@ -36,13 +36,13 @@ pub(in crate::runner) fn train_imitating(
 
 /// Parameters of the training.
 #[derive(serde::Serialize)]
-pub(in crate::runner) struct ImitationParams {
-    pub(in crate::runner) network: NetworkParams,
+pub(crate) struct ImitationParams {
+    pub(crate) network: NetworkParams,
     /// The robots differ from this one.
-    pub(in crate::runner) model: Identified,
-    pub(in crate::runner) explore: ExploreOptions,
-    pub(in crate::runner) policies: SharedPart<PolicyOptions>,
-    pub(in crate::runner) step_s: f64,
+    pub(crate) model: Identified,
+    pub(crate) explore: ExploreOptions,
+    pub(crate) policies: SharedPart<PolicyOptions>,
+    pub(crate) step_s: f64,
 }
 
 impl ImitationParams {

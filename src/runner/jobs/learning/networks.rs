@@ -8,7 +8,7 @@ use crate::runner::jobs::data::samples::joined;
 use crate::tasks::Transitions;
 
 /// The training of a network on the exploration, or on what the robot did under the same commands.
-pub(in crate::runner) fn train(network: &NetworkDescription) -> Stage<NetworkParams, Handle<Transitions>, Trained> {
+pub(crate) fn train(network: &NetworkDescription) -> Stage<NetworkParams, Handle<Transitions>, Trained> {
     Stage {
         kind: StageKind { name: network.stage, module: module_path!(), cost_ms: 1000 },
         job: |params, samples| {
@@ -23,17 +23,17 @@ pub(in crate::runner) fn train(network: &NetworkDescription) -> Stage<NetworkPar
 
 /// Parameters of a network.
 #[derive(serde::Serialize)]
-pub(in crate::runner) struct NetworkParams {
-    pub(in crate::runner) config: NetworkConfig,
-    pub(in crate::runner) inputs: &'static [SampleColumns],
-    pub(in crate::runner) outputs: &'static [SampleColumns],
+pub(crate) struct NetworkParams {
+    pub(crate) config: NetworkConfig,
+    pub(crate) inputs: &'static [SampleColumns],
+    pub(crate) outputs: &'static [SampleColumns],
     /// How many of the samples it is trained on; all without a number.
-    pub(in crate::runner) points: Option<usize>,
-    pub(in crate::runner) seed: u64,
+    pub(crate) points: Option<usize>,
+    pub(crate) seed: u64,
 }
 
 /// Some columns of samples, side by side.
-pub(in crate::runner::jobs) fn columns(samples: &Transitions, chosen: &[SampleColumns]) -> Rows {
+pub(crate) fn columns(samples: &Transitions, chosen: &[SampleColumns]) -> Rows {
     let column = |columns: &SampleColumns| match columns {
         SampleColumns::Pulls => &samples.pulls_m,
         SampleColumns::TipBefore => &samples.from_m,

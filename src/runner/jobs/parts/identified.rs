@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 /// A robot and its digest. Written by serde as the digest.
 #[derive(Clone)]
-pub(in crate::runner) struct Identified {
+pub(crate) struct Identified {
     spec: Arc<PlantSpec>,
     digest: Digest,
 }
@@ -23,7 +23,7 @@ impl Identified {
     ///
     /// # Errors
     /// [`Failure`] for a robot that cannot be written as JSON.
-    pub(in crate::runner) fn new(spec: PlantSpec) -> Result<Identified, Failure> {
+    pub(crate) fn new(spec: PlantSpec) -> Result<Identified, Failure> {
         let failed = |error: serde_json::Error| Failure { stage: "plant".into(), status: error.to_string() };
         let mut bytes = serde_json::to_vec(&spec).map_err(failed)?;
         bytes.extend(spec.identity());
@@ -34,17 +34,17 @@ impl Identified {
     }
 
     /// True for a robot with the same settings.
-    pub(in crate::runner) fn is(&self, spec: &PlantSpec) -> bool {
+    pub(crate) fn is(&self, spec: &PlantSpec) -> bool {
         *self.spec == *spec
     }
 
     /// Number of tendons.
-    pub(in crate::runner) fn tendons(&self) -> usize {
+    pub(crate) fn tendons(&self) -> usize {
         self.spec.tendons()
     }
 
     /// Its settings.
-    pub(in crate::runner) fn spec(&self) -> &PlantSpec {
+    pub(crate) fn spec(&self) -> &PlantSpec {
         &self.spec
     }
 
@@ -52,7 +52,7 @@ impl Identified {
     ///
     /// # Errors
     /// What is out of range or not as it should be, in words.
-    pub(in crate::runner) fn build(&self, effects: &[EffectSpec], step_s: f64) -> Result<Box<dyn Plant>, String> {
+    pub(crate) fn build(&self, effects: &[EffectSpec], step_s: f64) -> Result<Box<dyn Plant>, String> {
         if effects.is_empty() { self.spec.build(step_s) } else { self.spec.with_effects(effects).build(step_s) }
     }
 }

@@ -1,5 +1,5 @@
 //! Parts of parameters: each is digested once.
 
-pub(in crate::runner) mod identified;
-pub(in crate::runner) mod outside_part;
-pub(in crate::runner) mod shared_part;
+pub(crate) mod identified;
+pub(crate) mod outside_part;
+pub(crate) mod shared_part;

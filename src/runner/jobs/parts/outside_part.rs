@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 /// A policy from outside, its file and their digest. Written by serde as the digest.
 #[derive(Clone)]
-pub(in crate::runner) struct OutsidePart {
+pub(crate) struct OutsidePart {
     policy: OutsidePolicy,
     content: Arc<Vec<u8>>,
     digest: Digest,
@@ -22,7 +22,7 @@ impl OutsidePart {
     ///
     /// # Errors
     /// [`Failure`] for a file that cannot be read.
-    pub(in crate::runner) fn all(policies: &OutsidePolicies) -> Result<BTreeMap<String, OutsidePart>, Failure> {
+    pub(crate) fn all(policies: &OutsidePolicies) -> Result<BTreeMap<String, OutsidePart>, Failure> {
         policies.iter().map(|(name, policy)| Ok((name.clone(), OutsidePart::read(policy)?))).collect()
     }
 
@@ -40,7 +40,7 @@ impl OutsidePart {
     ///
     /// # Errors
     /// What is not as it should be, in words.
-    pub(in crate::runner) fn build(&self, tendons: usize, options: &PolicyOptions) -> Result<Box<dyn Policy>, String> {
+    pub(crate) fn build(&self, tendons: usize, options: &PolicyOptions) -> Result<Box<dyn Policy>, String> {
         self.policy.build(&self.content, tendons, options)
     }
 }

@@ -8,14 +8,14 @@ use std::ops::Deref;
 use std::sync::Arc;
 
 /// A part of a spec with the digest of its JSON, which is how it serialises.
-pub(in crate::runner) struct SharedPart<T>(Arc<(T, Digest)>);
+pub(crate) struct SharedPart<T>(Arc<(T, Digest)>);
 
 impl<T: Serialize> SharedPart<T> {
     /// The part with its digest.
     ///
     /// # Errors
     /// [`Failure`] for a part that cannot be written as JSON.
-    pub(in crate::runner) fn new(value: T) -> Result<SharedPart<T>, Failure> {
+    pub(crate) fn new(value: T) -> Result<SharedPart<T>, Failure> {
         let failed = |error: serde_json::Error| Failure { stage: "spec".into(), status: error.to_string() };
         let json = serde_json::to_vec(&value).map_err(failed)?;
         Ok(SharedPart(Arc::new((value, Digest::of(&json)))))

@@ -11,23 +11,23 @@ use crate::tasks::Transitions;
 type DiagnoseInputs = (Handle<Transitions>, Handle<Transitions>, Handle<Diagnosis>);
 
 /// What the model lacks of the robot as it was built.
-pub(in crate::runner) const IDENTIFY: Stage<DiagnoseParams, Handle<Transitions>, Diagnosis> = Stage {
+pub(crate) const IDENTIFY: Stage<DiagnoseParams, Handle<Transitions>, Diagnosis> = Stage {
     kind: StageKind { name: "identify", module: module_path!(), cost_ms: 20_000 },
     job: |params, built| Ok(params.answer(&[], built, None)),
 };
 
 /// What has changed since.
-pub(in crate::runner) const DIAGNOSE: Stage<DiagnoseParams, DiagnoseInputs, Diagnosis> = Stage {
+pub(crate) const DIAGNOSE: Stage<DiagnoseParams, DiagnoseInputs, Diagnosis> = Stage {
     kind: StageKind { name: "diagnose", module: module_path!(), cost_ms: 15_000 },
     job: |params, (built, changed, identified)| Ok(params.answer(&identified.effects, changed, Some(built))),
 };
 
 /// Parameters of [`IDENTIFY`] and [`DIAGNOSE`].
 #[derive(Clone, serde::Serialize)]
-pub(in crate::runner) struct DiagnoseParams {
-    pub(in crate::runner) model: Model,
-    pub(in crate::runner) options: Options,
-    pub(in crate::runner) step_s: f64,
+pub(crate) struct DiagnoseParams {
+    pub(crate) model: Model,
+    pub(crate) options: Options,
+    pub(crate) step_s: f64,
 }
 
 impl DiagnoseParams {

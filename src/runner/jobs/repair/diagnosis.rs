@@ -5,22 +5,22 @@ use serde::{Deserialize, Serialize};
 
 /// The answer of a discovery.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(in crate::runner) struct Diagnosis {
+pub(crate) struct Diagnosis {
     /// The verdict, or `failed` and why.
-    pub(in crate::runner) verdict: String,
+    pub(crate) verdict: String,
     /// The lines that the model gets.
-    pub(in crate::runner) effects: Vec<EffectSpec>,
+    pub(crate) effects: Vec<EffectSpec>,
     /// Rows of the recording.
-    pub(in crate::runner) samples: u64,
+    pub(crate) samples: u64,
     /// Rms tip error of held-out trials before and after, metres.
-    pub(in crate::runner) gap_m: [f64; 2],
+    pub(crate) gap_m: [f64; 2],
     /// Rms distance of the measured from the true tip by noise alone, metres.
-    pub(in crate::runner) noise_floor_m: f64,
+    pub(crate) noise_floor_m: f64,
 }
 
 impl Diagnosis {
     /// The answer of a recording of so many rows that adds nothing to the model.
-    pub(in crate::runner) fn nothing(verdict: String, samples: u64) -> Diagnosis {
+    pub(crate) fn nothing(verdict: String, samples: u64) -> Diagnosis {
         Diagnosis { verdict, effects: Vec::new(), samples, gap_m: [f64::NAN; 2], noise_floor_m: f64::NAN }
     }
 }

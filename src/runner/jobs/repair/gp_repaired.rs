@@ -14,7 +14,7 @@ type ChangedGpInputs = (Handle<GpPool>, Handle<Transitions>, Handle<Diagnosis>);
 
 /// The process of eq. (20) about the repaired model, for networks that were trained on with it. Where the diagnosis is right,
 /// the model as it was lacked of the robot before the change what the repaired one lacks after it.
-pub(in crate::runner) const GP_REPAIRED: Stage<GpRepairedParams, ChangedGpInputs, Gp> = Stage {
+pub(crate) const GP_REPAIRED: Stage<GpRepairedParams, ChangedGpInputs, Gp> = Stage {
     kind: StageKind { name: "gp_repaired", module: module_path!(), cost_ms: 500 },
     job: |params, (pool, changed, diagnosis)| {
         let before = pool.points();
@@ -26,7 +26,7 @@ pub(in crate::runner) const GP_REPAIRED: Stage<GpRepairedParams, ChangedGpInputs
 
 /// The process about the model as it was, for networks that stay as they are: each real point is moved by what the named
 /// lines do at its command, in the model.
-pub(in crate::runner) const GP_MOVED: Stage<GpRepairedParams, ChangedGpInputs, Gp> = Stage {
+pub(crate) const GP_MOVED: Stage<GpRepairedParams, ChangedGpInputs, Gp> = Stage {
     kind: StageKind { name: "gp_moved", module: module_path!(), cost_ms: 2000 },
     job: |params, (pool, changed, diagnosis)| {
         let before = pool.points();
@@ -39,10 +39,10 @@ pub(in crate::runner) const GP_MOVED: Stage<GpRepairedParams, ChangedGpInputs, G
 
 /// Parameters of [`GP_REPAIRED`] and [`GP_MOVED`].
 #[derive(serde::Serialize)]
-pub(in crate::runner) struct GpRepairedParams {
-    pub(in crate::runner) model: Identified,
-    pub(in crate::runner) step_s: f64,
-    pub(in crate::runner) gp: GpParams,
+pub(crate) struct GpRepairedParams {
+    pub(crate) model: Identified,
+    pub(crate) step_s: f64,
+    pub(crate) gp: GpParams,
 }
 
 impl GpRepairedParams {

@@ -1,9 +1,9 @@
 //! A robot changes: what is noticed, diagnosed and repaired.
 
-pub(in crate::runner) mod diagnose;
-pub(in crate::runner) mod diagnosis;
-pub(in crate::runner) mod gp_repaired;
-pub(in crate::runner) mod nearest;
-pub(in crate::runner) mod repaired;
-pub(in crate::runner) mod retrain;
-pub(in crate::runner) mod work;
+pub(crate) mod diagnose;
+pub(crate) mod diagnosis;
+pub(crate) mod gp_repaired;
+pub(crate) mod nearest;
+pub(crate) mod repaired;
+pub(crate) mod retrain;
+pub(crate) mod work;

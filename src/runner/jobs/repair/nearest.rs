@@ -8,7 +8,7 @@ use crate::runner::jobs::parts::identified::Identified;
 use crate::tasks;
 
 /// The mean distance of the targets from the nearest place where the tip comes to rest, metres.
-pub(in crate::runner) const NEAREST: Stage<NearestParams, Handle<Vec<(usize, Point3)>>, f64> = Stage {
+pub(crate) const NEAREST: Stage<NearestParams, Handle<Vec<(usize, Point3)>>, f64> = Stage {
     kind: StageKind { name: "nearest", module: module_path!(), cost_ms: 3000 },
     job: |params, targets| {
         let targets_m: Vec<Point3> = targets.iter().map(|(_, target_m)| *target_m).collect();
@@ -23,11 +23,11 @@ pub(in crate::runner) const NEAREST: Stage<NearestParams, Handle<Vec<(usize, Poi
 
 /// Parameters of [`NEAREST`].
 #[derive(serde::Serialize)]
-pub(in crate::runner) struct NearestParams {
-    pub(in crate::runner) robot: Identified,
+pub(crate) struct NearestParams {
+    pub(crate) robot: Identified,
     /// What has changed.
-    pub(in crate::runner) effects: Vec<EffectSpec>,
+    pub(crate) effects: Vec<EffectSpec>,
     /// Farthest that a tendon is pulled, metres.
-    pub(in crate::runner) travel_m: f64,
-    pub(in crate::runner) step_s: f64,
+    pub(crate) travel_m: f64,
+    pub(crate) step_s: f64,
 }

@@ -7,7 +7,7 @@ use crate::runner::jobs::data::exploration::ExploreParams;
 use crate::tasks::{self, Transitions};
 
 /// The exploration on the repaired model.
-pub(in crate::runner) const EXPLORE_REPAIRED: Stage<ExploreParams, Handle<Diagnosis>, Transitions> = Stage {
+pub(crate) const EXPLORE_REPAIRED: Stage<ExploreParams, Handle<Diagnosis>, Transitions> = Stage {
     kind: StageKind { name: "collect_repaired", module: module_path!(), cost_ms: 14_000 },
     job: |params, diagnosis| {
         let mut plant = params.model.build(&diagnosis.effects, params.step_s)?;

@@ -12,7 +12,7 @@ use crate::tasks::{self, Transitions};
 type RetrainInputs = (Handle<Trained>, Handle<Transitions>, Option<Handle<Gp>>);
 
 /// The training of a network from its present weights; its name is a parameter.
-pub(in crate::runner) const RETRAIN: Stage<(String, NetworkParams), RetrainInputs, Trained> = Stage {
+pub(crate) const RETRAIN: Stage<(String, NetworkParams), RetrainInputs, Trained> = Stage {
     kind: StageKind { name: "retrain", module: module_path!(), cost_ms: 1000 },
     job: |(_, params), (present, samples, gp)| {
         let generated = gp.map(|gp| generated(samples, gp)).transpose()?;

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 type WorkInputs = (PartHandles, Handle<Vec<Point3>>, Handle<Gp>);
 
 /// A monitor, calibrated and tried on further work of the unchanged robot.
-pub(in crate::runner) const MONITOR: Stage<WorkParams, WorkInputs, TriedMonitor> = Stage {
+pub(crate) const MONITOR: Stage<WorkParams, WorkInputs, TriedMonitor> = Stage {
     kind: StageKind { name: "monitor", module: module_path!(), cost_ms: 60_000 },
     job: |params, inputs| {
         let (mut work, options, step_s) = (params.begin(inputs)?, &params.options, params.condition.step_s);
@@ -36,7 +36,7 @@ pub(in crate::runner) const MONITOR: Stage<WorkParams, WorkInputs, TriedMonitor>
 };
 
 /// The time of work of the changed robot until the alarm, seconds; nothing where the monitor stays silent.
-pub(in crate::runner) const ALARM: Stage<WorkParams, (WorkInputs, Handle<TriedMonitor>), Option<f64>> = Stage {
+pub(crate) const ALARM: Stage<WorkParams, (WorkInputs, Handle<TriedMonitor>), Option<f64>> = Stage {
     kind: StageKind { name: "alarm", module: module_path!(), cost_ms: 500 },
     job: |params, (inputs, tried)| {
         let (mut work, step_s) = (params.begin(inputs)?, params.condition.step_s);
@@ -56,21 +56,21 @@ pub(in crate::runner) const ALARM: Stage<WorkParams, (WorkInputs, Handle<TriedMo
 
 /// What work is.
 #[derive(serde::Serialize)]
-pub(in crate::runner) struct WorkParams {
+pub(crate) struct WorkParams {
     /// The policy and its robot.
-    pub(in crate::runner) condition: Condition,
+    pub(crate) condition: Condition,
     /// The model that plays the same commands.
-    pub(in crate::runner) model: Identified,
-    pub(in crate::runner) options: MonitorOptions,
+    pub(crate) model: Identified,
+    pub(crate) options: MonitorOptions,
 }
 
 /// A calibrated monitor and its false alarms.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(in crate::runner) struct TriedMonitor {
-    pub(in crate::runner) monitor: Monitor,
+pub(crate) struct TriedMonitor {
+    pub(crate) monitor: Monitor,
     /// Time of work of the unchanged robot in which alarms were counted, seconds.
-    pub(in crate::runner) watched_s: f64,
-    pub(in crate::runner) false_alarms: u64,
+    pub(crate) watched_s: f64,
+    pub(crate) false_alarms: u64,
 }
 
 impl WorkParams {

@@ -1,4 +1,4 @@
 //! Trials of one policy.
 
-pub(in crate::runner) mod reach_track;
-pub(in crate::runner) mod responses;
+pub(crate) mod reach_track;
+pub(crate) mod responses;

@@ -15,10 +15,10 @@ use crate::tasks::{self, LoopMode, ReachOptions, ReachOutcome, TrackOptions, Tra
 use std::sync::Arc;
 
 /// Handles of what a policy needs: its networks in the order of its entry, and the error model.
-pub(in crate::runner) type PartHandles = (Vec<Handle<Trained>>, Option<Handle<Gp>>);
+pub(crate) type PartHandles = (Vec<Handle<Trained>>, Option<Handle<Gp>>);
 
 /// Goal reaching.
-pub(in crate::runner) const REACH: Stage<ReachParams, (PartHandles, Handle<Targets>), Vec<ReachTrial>> = Stage {
+pub(crate) const REACH: Stage<ReachParams, (PartHandles, Handle<Targets>), Vec<ReachTrial>> = Stage {
     kind: StageKind { name: "reach", module: module_path!(), cost_ms: 1000 },
     job: |params, (parts, targets)| {
         let condition = &params.condition;
@@ -36,7 +36,7 @@ pub(in crate::runner) const REACH: Stage<ReachParams, (PartHandles, Handle<Targe
 };
 
 /// Path tracking.
-pub(in crate::runner) const TRACK: Stage<TrackParams, (PartHandles, Handle<Vec<Point3>>), Vec<TrackSample>> = Stage {
+pub(crate) const TRACK: Stage<TrackParams, (PartHandles, Handle<Vec<Point3>>), Vec<TrackSample>> = Stage {
     kind: StageKind { name: "track", module: module_path!(), cost_ms: 1000 },
     job: |params, (parts, path)| {
         let condition = &params.condition;
@@ -48,44 +48,44 @@ pub(in crate::runner) const TRACK: Stage<TrackParams, (PartHandles, Handle<Vec<P
 
 /// Parameters of [`REACH`].
 #[derive(serde::Serialize)]
-pub(in crate::runner) struct ReachParams {
-    pub(in crate::runner) condition: Condition,
-    pub(in crate::runner) options: ReachOptions,
+pub(crate) struct ReachParams {
+    pub(crate) condition: Condition,
+    pub(crate) options: ReachOptions,
 }
 
 /// Parameters of [`TRACK`].
 #[derive(serde::Serialize)]
-pub(in crate::runner) struct TrackParams {
-    pub(in crate::runner) condition: Condition,
-    pub(in crate::runner) options: TrackOptions,
+pub(crate) struct TrackParams {
+    pub(crate) condition: Condition,
+    pub(crate) options: TrackOptions,
 }
 
 /// All that a trial depends on besides its task and its inputs.
 #[derive(serde::Serialize)]
-pub(in crate::runner) struct Condition {
+pub(crate) struct Condition {
     /// Name of the policy.
-    pub(in crate::runner) policy: String,
+    pub(crate) policy: String,
     /// The policy itself, where it is one from outside.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(in crate::runner) outside: Option<OutsidePart>,
-    pub(in crate::runner) options: SharedPart<PolicyOptions>,
-    pub(in crate::runner) plant: Identified,
+    pub(crate) outside: Option<OutsidePart>,
+    pub(crate) options: SharedPart<PolicyOptions>,
+    pub(crate) plant: Identified,
     /// The nominal model, for a policy that is told of it.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(in crate::runner) model: Option<Identified>,
+    pub(crate) model: Option<Identified>,
     /// What the mode adds to the robot's own effects.
-    pub(in crate::runner) effects: Vec<EffectSpec>,
-    pub(in crate::runner) feedback: LoopMode,
-    pub(in crate::runner) step_s: f64,
-    pub(in crate::runner) seed: u64,
+    pub(crate) effects: Vec<EffectSpec>,
+    pub(crate) feedback: LoopMode,
+    pub(crate) step_s: f64,
+    pub(crate) seed: u64,
 }
 
 impl Condition {
-    pub(in crate::runner::jobs) fn plant(&self) -> Result<Box<dyn Plant>, String> {
+    pub(crate) fn plant(&self) -> Result<Box<dyn Plant>, String> {
         self.plant.build(&self.effects, self.step_s)
     }
 
-    pub(in crate::runner::jobs) fn policy(
+    pub(crate) fn policy(
         &self,
         (networks, error): <PartHandles as StageInputs>::Results<'_>,
     ) -> Result<Box<dyn Policy>, String> {

@@ -9,7 +9,7 @@ use crate::runner::jobs::parts::identified::Identified;
 use crate::tasks::{self, Lap, LapTimes, Response, ResponseLimits, WatchedRobot};
 
 /// Responses to the targets.
-pub(in crate::runner) const RESPONSE: Stage<ResponseParams, (PartHandles, Handle<Targets>), Vec<ResponseTrial>> =
+pub(crate) const RESPONSE: Stage<ResponseParams, (PartHandles, Handle<Targets>), Vec<ResponseTrial>> =
     Stage {
         kind: StageKind { name: "response", module: module_path!(), cost_ms: 3000 },
         job: |params, (parts, targets)| {
@@ -29,7 +29,7 @@ pub(in crate::runner) const RESPONSE: Stage<ResponseParams, (PartHandles, Handle
     };
 
 /// A lap at each speed.
-pub(in crate::runner) const PACE: Stage<PaceParams, (PartHandles, Handle<Vec<Point3>>), Vec<PaceLap>> = Stage {
+pub(crate) const PACE: Stage<PaceParams, (PartHandles, Handle<Vec<Point3>>), Vec<PaceLap>> = Stage {
     kind: StageKind { name: "pace", module: module_path!(), cost_ms: 2000 },
     job: |params, (parts, path)| {
         let condition = &params.trial.condition;
@@ -46,21 +46,21 @@ pub(in crate::runner) const PACE: Stage<PaceParams, (PartHandles, Handle<Vec<Poi
 
 /// Parameters of [`RESPONSE`].
 #[derive(serde::Serialize)]
-pub(in crate::runner) struct ResponseParams {
-    pub(in crate::runner) condition: Condition,
+pub(crate) struct ResponseParams {
+    pub(crate) condition: Condition,
     /// The robot measured without noise; nothing for one on a bench.
-    pub(in crate::runner) quiet: Option<Identified>,
+    pub(crate) quiet: Option<Identified>,
     /// Duration of a trial, or of the way to the beginning of the path, seconds.
-    pub(in crate::runner) duration_s: f64,
+    pub(crate) duration_s: f64,
 }
 
 /// Parameters of [`PACE`].
 #[derive(serde::Serialize)]
-pub(in crate::runner) struct PaceParams {
-    pub(in crate::runner) trial: ResponseParams,
+pub(crate) struct PaceParams {
+    pub(crate) trial: ResponseParams,
     /// Duration of the lap at speed 1, seconds.
-    pub(in crate::runner) lap_s: f64,
-    pub(in crate::runner) speeds: Vec<f64>,
+    pub(crate) lap_s: f64,
+    pub(crate) speeds: Vec<f64>,
 }
 
 impl ResponseParams {
