@@ -42,7 +42,7 @@ pub struct CampaignEntry {
 }
 
 /// The stages of one point of a sweep, or of the one experiment.
-pub(super) struct PointStages {
+pub(crate) struct PointStages {
     /// Which of its values each swept field has.
     pub(super) values: Vec<usize>,
     pub(super) experiment: Arc<Experiment>,

@@ -99,7 +99,7 @@ impl HyperparameterLayout {
 
 /// Points with each input in a run of its own, so that one instruction serves several points.
 #[derive(Clone, Debug)]
-pub(super) struct TrainingPoints {
+pub(crate) struct TrainingPoints {
     pub(super) n: usize,
     pub(super) inputs: usize,
     values: Vec<f64>,
