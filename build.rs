@@ -19,15 +19,19 @@ fn main() {
     let files = dependencies::read_sources(Path::new("src")).expect("the sources can be read");
     let manifest = fs::read_to_string("Cargo.toml").expect("the manifest can be read");
     let direct = dependencies::direct_dependencies(&manifest);
-    let graph = import_graph::ImportGraph::new("spinebench", &files, direct.keys().map(String::as_str));
+    let graph =
+        import_graph::ImportGraph::new("spinebench", &files, direct.keys().map(String::as_str));
     let graph = graph.unwrap_or_else(|error| panic!("{error}"));
     // Without its lock file, as a dependency of another crate, the program's packages are not known.
     let lock = Lockfile::load("Cargo.lock").ok();
     let mut text = "const SOURCES: &[(&str, [u64; 2])] = &[\n".to_owned();
     let mut places: BTreeMap<&str, usize> = BTreeMap::new();
     for (place, (name, source)) in files.iter().enumerate() {
-        let code =
-            if name.ends_with(".rs") { import_graph::code(source).expect("a parsed source") } else { source.clone() };
+        let code = if name.ends_with(".rs") {
+            import_graph::code(source).expect("a parsed source")
+        } else {
+            source.clone()
+        };
         let _ = writeln!(text, "    ({name:?}, {:?}),", digest(&code));
         places.insert(name, place);
     }
@@ -36,9 +40,12 @@ fn main() {
         let crates: BTreeSet<&str> =
             sources.iter().flat_map(|source| graph.crates(source)).map(String::as_str).collect();
         let named = crates.into_iter().filter_map(|name| direct.get(name));
-        let packages: Vec<String> =
-            lock.as_ref().map(|lock| packages(lock, named).into_iter().collect()).unwrap_or_default();
-        let sources: Vec<usize> = sources.iter().filter_map(|source| places.get(source.as_str()).copied()).collect();
+        let packages: Vec<String> = lock
+            .as_ref()
+            .map(|lock| packages(lock, named).into_iter().collect())
+            .unwrap_or_default();
+        let sources: Vec<usize> =
+            sources.iter().filter_map(|source| places.get(source.as_str()).copied()).collect();
         let _ = writeln!(
             text,
             "    CodeOfModule {{ module: {module:?}, sources: &{sources:?}, packages: &{packages:?} }},"
@@ -53,9 +60,14 @@ fn main() {
 fn packages<'a>(lock: &Lockfile, named: impl Iterator<Item = &'a String>) -> BTreeSet<String> {
     let own = lock.packages.iter().find(|package| package.name.as_str() == env!("CARGO_PKG_NAME"));
     let of = |package: &Package, name: Option<&str>| -> Vec<&Package> {
-        let wanted = package.dependencies.iter().filter(|one| name.is_none_or(|name| one.name.as_str() == name));
+        let wanted = package
+            .dependencies
+            .iter()
+            .filter(|one| name.is_none_or(|name| one.name.as_str() == name));
         let matches = |one: &cargo_lock::Dependency| {
-            lock.packages.iter().find(|package| package.name == one.name && package.version == one.version)
+            lock.packages
+                .iter()
+                .find(|package| package.name == one.name && package.version == one.version)
         };
         wanted.filter_map(matches).collect()
     };

@@ -1,5 +1,5 @@
-//! Timing of the control loop by the wall clock: the drivers over a pseudo-terminal and UDP against simulators in
-//! another process, with idle processors and with a busy thread on each.
+//! Timing of the control loop by the wall clock: the drivers over a pseudo-terminal and UDP against
+//! simulators in another process, with idle processors and with a busy thread on each.
 //!
 //! `cargo bench --bench hardware` prints a table and writes `results/hardware/timing.csv`.
 #![allow(missing_docs)]
@@ -21,7 +21,8 @@ const STEP_S: f64 = 0.2;
 const TICKS: usize = 600;
 /// Longest start-up time of the simulators.
 const PATIENCE: Duration = Duration::from_secs(60);
-/// Environment variable with the load, for a second process of this program, whose robot has a state folder of its own.
+/// Environment variable with the load, for a second process of this program, whose robot has a
+/// state folder of its own.
 const LOAD: &str = "SPINEBENCH_BENCH_LOAD";
 
 fn main() {
@@ -102,7 +103,9 @@ fn serve() -> Child {
 }
 
 fn play(load: &str, processors: usize) {
-    let PlantSpec::Hardware(options) = read_plant(Path::new("served.yaml")).unwrap() else { panic!("no robot") };
+    let PlantSpec::Hardware(options) = read_plant(Path::new("served.yaml")).unwrap() else {
+        panic!("no robot")
+    };
     let mut robot = Hardware::open(&options, STEP_S, Seed(1)).unwrap();
     robot.reset(Seed(1)).unwrap();
     robot.reset_timing();
@@ -112,7 +115,9 @@ fn play(load: &str, processors: usize) {
         robot.step(&[x, y, -x, -y]).unwrap();
     }
     let timing = robot.timing();
-    for (name, times) in [("command to wire", &timing.latency), ("lateness of the tick", &timing.jitter)] {
+    for (name, times) in
+        [("command to wire", &timing.latency), ("lateness of the tick", &timing.jitter)]
+    {
         row(load, name, times, processors);
     }
     eprintln!("{load}: {} ticks missed, {} held", timing.missed, timing.held);

@@ -1,13 +1,13 @@
-//! Sparse Gaussian processes beside the exact one: `cargo bench --bench inducing` prints CPU seconds of a fit (three outputs, one
-//! thread), of 1,000 predictions with variance, and the mean absolute error on unseen points without noise. `docs/learning.md`
-//! holds measured figures.
+//! Sparse Gaussian processes beside the exact one: `cargo bench --bench inducing` prints CPU
+//! seconds of a fit (three outputs, one thread), of 1,000 predictions with variance, and the mean
+//! absolute error on unseen points without noise. `docs/learning.md` holds measured figures.
 
 use rand::RngExt;
 use spinebench::base::{Rows, Seed};
 use spinebench::learn::gp::{Approximation, Gp, GpConfig};
 
-/// Samples of a smooth gap over two bending angles of a constant-curvature robot of 0.22 m: four displacements and the tip, the
-/// gap in three coordinates, and the same without 0.5 mm of noise.
+/// Samples of a smooth gap over two bending angles of a constant-curvature robot of 0.22 m: four
+/// displacements and the tip, the gap in three coordinates, and the same without 0.5 mm of noise.
 fn samples(count: usize, seed: u64) -> [Rows; 3] {
     let mut rng = Seed(seed).child("angles").rng();
     let mut all = [Rows::new(7), Rows::new(3), Rows::new(3)];
@@ -52,7 +52,9 @@ fn rugged(count: usize, seed: u64) -> [Rows; 3] {
 fn cpu_s() -> f64 {
     let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
     let after = stat.rsplit(')').next().unwrap_or_default();
-    let ticks = |place: usize| after.split_whitespace().nth(place).and_then(|value| value.parse::<f64>().ok());
+    let ticks = |place: usize| {
+        after.split_whitespace().nth(place).and_then(|value| value.parse::<f64>().ok())
+    };
     (ticks(11).unwrap_or(f64::NAN) + ticks(12).unwrap_or(f64::NAN)) / 100.0
 }
 

@@ -1,7 +1,8 @@
 //! Where the time of learning goes: fits, predictions, an epoch, a step.
 //!
-//! `cargo bench --bench learn`. The data are made here, with the sizes and shapes of the experiments (seven inputs,
-//! three outputs, 0.5 mm of noise); `docs/learning.md` holds measured figures.
+//! `cargo bench --bench learn`. The data are made here, with the sizes and shapes of the
+//! experiments (seven inputs, three outputs, 0.5 mm of noise); `docs/learning.md` holds measured
+//! figures.
 
 use std::hint::black_box;
 use std::time::Duration;
@@ -12,8 +13,8 @@ use spinebench::base::{Rows, Seed};
 use spinebench::learn::gp::{Gp, GpConfig};
 use spinebench::learn::networks::{Network, NetworkConfig};
 
-/// A random walk of two bending angles of a constant-curvature robot of 0.22 m: rows of four tendon displacements,
-/// three tip coordinates and a smooth residual with noise in three coordinates.
+/// A random walk of two bending angles of a constant-curvature robot of 0.22 m: rows of four tendon
+/// displacements, three tip coordinates and a smooth residual with noise in three coordinates.
 fn walk(count: usize, stride: usize) -> Rows {
     let mut rng = Seed(1).child("walk").rng();
     let mut angles = [0.0_f64; 2];
@@ -34,7 +35,8 @@ fn walk(count: usize, stride: usize) -> Rows {
                 0.004 * (2.0 * b).sin() + 0.003 * a * b + noise(),
                 0.003 * (1.5 * a).cos() + 0.002 * (3.0 * a).tanh() + noise(),
             ];
-            let row = [[0.025 * a, 0.025 * b, -0.025 * a, -0.025 * b].as_slice(), &tip, &gap].concat();
+            let row =
+                [[0.025 * a, 0.025 * b, -0.025 * a, -0.025 * b].as_slice(), &tip, &gap].concat();
             rows.push(&row);
         }
     }
@@ -87,12 +89,16 @@ fn elman(c: &mut Criterion) {
     ];
     for (name, config) in cases {
         c.bench_function(&format!("elman_epoch_7000_rows_with_validation/{name}"), |b| {
-            let train = || Network::train(&inputs, &outputs, &[], &config, Seed(1)).expect("training");
+            let train =
+                || Network::train(&inputs, &outputs, &[], &config, Seed(1)).expect("training");
             b.iter(train);
         });
     }
     c.bench_function("elman_to_convergence/10000_rows", |b| {
-        let train = || Network::train(&inputs, &outputs, &[], &NetworkConfig::default(), Seed(1)).expect("training");
+        let train = || {
+            Network::train(&inputs, &outputs, &[], &NetworkConfig::default(), Seed(1))
+                .expect("training")
+        };
         b.iter(train);
     });
     let network = Network::train(&inputs, &outputs, &[], &one, Seed(1)).expect("training").network;

@@ -12,7 +12,8 @@ use spinebench::rod::{Drive, Rod, SolveStatus};
 use spinebench::tasks::{ExploreOptions, explore, explore_trajectory};
 
 fn model(text: &str) -> Model {
-    serde_yaml::with::singleton_map_recursive::deserialize(serde_yaml::Deserializer::from_str(text)).unwrap()
+    serde_yaml::with::singleton_map_recursive::deserialize(serde_yaml::Deserializer::from_str(text))
+        .unwrap()
 }
 
 fn rod(criterion: &mut Criterion) {
@@ -34,7 +35,10 @@ fn rod(criterion: &mut Criterion) {
         let mut further = false;
         bench.iter(|| {
             further = !further;
-            assert_eq!(rod.settle(&pulls(if further { 0.016 } else { 0.015 }, 0.01)), SolveStatus::Converged);
+            assert_eq!(
+                rod.settle(&pulls(if further { 0.016 } else { 0.015 }, 0.01)),
+                SolveStatus::Converged
+            );
         });
     });
     for (name, model) in [("nominal", &nominal), ("real", &real)] {
@@ -59,30 +63,36 @@ fn collections(criterion: &mut Criterion, model: &Model) {
         let mut plant = Simulated::new(model, &[], SimulatedOptions::default());
         bench.iter(|| black_box(explore(&mut plant, &options, Seed(1)).unwrap()));
     });
-    criterion.bench_function("exploration, 10,000 points in 20 trajectories, two threads", |bench| {
-        let options = ExploreOptions { points: 10_000, trajectories: 20, ..ExploreOptions::default() };
-        let own = |first: usize| {
-            let mut plant = Simulated::new(model, &[], SimulatedOptions::default());
-            for index in (first..options.trajectories).step_by(2) {
-                black_box(explore_trajectory(&mut plant, &options, Seed(1), index).unwrap());
-            }
-        };
-        bench.iter(|| {
-            std::thread::scope(|threads| {
-                threads.spawn(|| own(0));
-                own(1);
+    criterion.bench_function(
+        "exploration, 10,000 points in 20 trajectories, two threads",
+        |bench| {
+            let options =
+                ExploreOptions { points: 10_000, trajectories: 20, ..ExploreOptions::default() };
+            let own = |first: usize| {
+                let mut plant = Simulated::new(model, &[], SimulatedOptions::default());
+                for index in (first..options.trajectories).step_by(2) {
+                    black_box(explore_trajectory(&mut plant, &options, Seed(1), index).unwrap());
+                }
+            };
+            bench.iter(|| {
+                std::thread::scope(|threads| {
+                    threads.spawn(|| own(0));
+                    own(1);
+                });
             });
-        });
-    });
+        },
+    );
 }
 
-/// A control step of the nominal robot with more Gauss points, more tendons, or more segments with tendons of their own.
+/// A control step of the nominal robot with more Gauss points, more tendons, or more segments with
+/// tendons of their own.
 fn scaling(criterion: &mut Criterion) {
     let nominal = model(include_str!("../models/nominal.yaml"));
     let mut step = |name: String, robot: Model| {
         let tendons = robot.robot.tendons.angles_deg.len();
-        let pulls =
-            |x: f64| -> Vec<Drive> { (0..tendons).map(|i| Drive::Pull(if i % 4 == 0 { x } else { 0.0 })).collect() };
+        let pulls = |x: f64| -> Vec<Drive> {
+            (0..tendons).map(|i| Drive::Pull(if i % 4 == 0 { x } else { 0.0 })).collect()
+        };
         let mut rod = Rod::new(robot.rod(&[]));
         assert_eq!(rod.settle(&pulls(0.01)), SolveStatus::Converged);
         let mut x = 0.01;
@@ -103,14 +113,16 @@ fn scaling(criterion: &mut Criterion) {
     }
     for count in [4, 8, 16, 32] {
         let mut robot = nominal.clone();
-        robot.robot.tendons.angles_deg = (0..count).map(|i| 360.0 * f64::from(i) / f64::from(count)).collect();
+        robot.robot.tendons.angles_deg =
+            (0..count).map(|i| 360.0 * f64::from(i) / f64::from(count)).collect();
         step(format!("control step, {count} tendons"), robot);
     }
     for segments in [1_u32, 2, 4] {
         let mut robot = nominal.clone();
         let tendons = &mut robot.robot.tendons;
         tendons.angles_deg = [0.0, 90.0, 180.0, 270.0].repeat(segments as usize);
-        let end = |i: u32| robot.robot.backbone.length_m * f64::from(i / 4 + 1) / f64::from(segments);
+        let end =
+            |i: u32| robot.robot.backbone.length_m * f64::from(i / 4 + 1) / f64::from(segments);
         tendons.ends_m = Some((0..4 * segments).map(end).collect());
         step(format!("control step, {segments} segments of 4 tendons"), robot);
     }

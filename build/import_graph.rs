@@ -1,14 +1,20 @@
-//! The import graph of the crate, read from its sources: which files a file depends on, and which external crates it names.
-//! The build script derives from it what a stored result depends on; the architecture tests hold the rooms by it.
+//! The import graph of the crate, read from its sources: which files a file depends on, and which
+//! external crates it names. The build script derives from it what a stored result depends on; the
+//! architecture tests hold the rooms by it.
 //!
-//! Rules, chosen so that the closure of a file is sound (a file outside of it cannot change what the file computes):
+//! Rules, chosen so that the closure of a file is sound (a file outside of it cannot change what
+//! the file computes):
 //!
-//! * A path in code, in a private `use`, in a macro's tokens or in an attribute's text is an edge to the file that *defines*
-//!   the item. Re-exports are followed: a file that only passes a name on is not part of the closure.
-//! * A name that a module does not visibly define (a macro makes it) counts as defined in the module's file.
+//! * A path in code, in a private `use`, in a macro's tokens or in an attribute's text is an edge
+//!   to the file that *defines* the item. Re-exports are followed: a file that only passes a name
+//!   on is not part of the closure.
+//! * A name that a module does not visibly define (a macro makes it) counts as defined in the
+//!   module's file.
 //! * A re-exported trait is an edge of the file that re-exports it, since methods need no path.
-//! * An `impl` block in a file that nobody names belongs to the closure as soon as all types and traits in its header do.
-//! * A macro that is called by its bare name is an edge to every file that defines a macro of this name.
+//! * An `impl` block in a file that nobody names belongs to the closure as soon as all types and
+//!   traits in its header do.
+//! * A macro that is called by its bare name is an edge to every file that defines a macro of this
+//!   name.
 //! * Comments, layout, doc attributes and `#[cfg(test)]` items do not count.
 //! * `include_str!`, `include_bytes!` and `include!` with a literal path are edges to that file.
 
@@ -17,7 +23,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use syn::buffer::{Cursor, TokenBuffer};
 use syn::visit::{self, Visit};
 
-/// A module of the crate, by the names on the way to it; the program's own modules begin with [`PROGRAM`].
+/// A module of the crate, by the names on the way to it; the program's own modules begin with
+/// [`PROGRAM`].
 type Module = Vec<String>;
 
 /// First name of the modules below `main.rs`.
@@ -56,7 +63,8 @@ struct ImplBlock {
     header: BTreeSet<String>,
 }
 
-/// Files of the crate with what each depends on. Files are named by their path below `src/`, with `/`.
+/// Files of the crate with what each depends on. Files are named by their path below `src/`, with
+/// `/`.
 #[derive(Default)]
 pub(crate) struct ImportGraph {
     scopes: BTreeMap<Module, Scope>,
@@ -68,7 +76,8 @@ pub(crate) struct ImportGraph {
 }
 
 impl ImportGraph {
-    /// Reads the graph of a crate with this library name from its files and the library names of its dependencies.
+    /// Reads the graph of a crate with this library name from its files and the library names of
+    /// its dependencies.
     ///
     /// # Errors
     /// The first file that cannot be parsed.
@@ -84,20 +93,27 @@ impl ImportGraph {
             let tree = syn::parse_file(text).map_err(|error| format!("{file}: {error}"))?;
             parsed.push((file.clone(), module_of(file), tree));
         }
-        let root = parsed.iter().find(|(file, ..)| file == "lib.rs").map(|(.., tree)| declared(&tree.items));
+        let root = parsed
+            .iter()
+            .find(|(file, ..)| file == "lib.rs")
+            .map(|(.., tree)| declared(&tree.items));
         let root = root.ok_or("lib.rs: not found")?;
         for (_, module, _) in parsed.iter_mut().filter(|(file, ..)| file != "main.rs") {
             if module.first().is_some_and(|room| !root.contains(room)) {
                 module.insert(0, PROGRAM.to_owned());
             }
         }
-        let tests: BTreeSet<Module> = parsed.iter().flat_map(|(_, module, tree)| test_modules(module, tree)).collect();
-        parsed.retain(|(_, module, _)| !(1..=module.len()).any(|length| tests.contains(&module[..length])));
+        let tests: BTreeSet<Module> =
+            parsed.iter().flat_map(|(_, module, tree)| test_modules(module, tree)).collect();
+        parsed.retain(|(_, module, _)| {
+            !(1..=module.len()).any(|length| tests.contains(&module[..length]))
+        });
         for (file, module, tree) in &parsed {
             graph.collect(file, module, &tree.items);
             // Whoever declares it and the modules around it, also inside a macro.
             for depth in 1..=module.len() {
-                let names = &mut graph.scopes.entry(module[..depth - 1].to_vec()).or_default().names;
+                let names =
+                    &mut graph.scopes.entry(module[..depth - 1].to_vec()).or_default().names;
                 let binding = Binding::Module(module[..depth].to_vec());
                 names.entry(module[depth - 1].clone()).or_default().insert(binding);
             }
@@ -126,7 +142,9 @@ impl ImportGraph {
             edges.retain(|edge| files.contains_key(edge));
             graph.edges.insert(file.clone(), edges);
             graph.crates.insert(file.clone(), crates);
-            graph.impls.extend(impls.into_iter().map(|header| ImplBlock { file: file.clone(), header }));
+            graph
+                .impls
+                .extend(impls.into_iter().map(|header| ImplBlock { file: file.clone(), header }));
         }
         Ok(graph)
     }
@@ -143,8 +161,8 @@ impl ImportGraph {
         self.crates.get(file).unwrap_or(&NONE)
     }
 
-    /// All files that `roots` depend on, the roots included. Files for which `outside` holds are not entered unless they
-    /// are roots.
+    /// All files that `roots` depend on, the roots included. Files for which `outside` holds are
+    /// not entered unless they are roots.
     pub(crate) fn closure<'a>(
         &self,
         roots: impl IntoIterator<Item = &'a str>,
@@ -160,9 +178,13 @@ impl ImportGraph {
                     }
                 }
             }
-            let reached = |block: &&ImplBlock| !block.header.is_empty() && block.header.is_subset(&closure);
-            let found: Vec<String> = self.impls.iter().filter(reached).map(|block| block.file.clone()).collect();
-            next.extend(found.into_iter().filter(|file| !outside(file) && closure.insert(file.clone())));
+            let reached =
+                |block: &&ImplBlock| !block.header.is_empty() && block.header.is_subset(&closure);
+            let found: Vec<String> =
+                self.impls.iter().filter(reached).map(|block| block.file.clone()).collect();
+            next.extend(
+                found.into_iter().filter(|file| !outside(file) && closure.insert(file.clone())),
+            );
             if next.is_empty() {
                 return closure;
             }
@@ -174,7 +196,13 @@ impl ImportGraph {
         self.scopes.entry(module.clone()).or_default().file = file.to_owned();
         for item in items.iter().filter(|item| !is_test(attributes(item))) {
             let mut bind = |name: String, binding: Binding| {
-                self.scopes.entry(module.clone()).or_default().names.entry(name).or_default().insert(binding);
+                self.scopes
+                    .entry(module.clone())
+                    .or_default()
+                    .names
+                    .entry(name)
+                    .or_default()
+                    .insert(binding);
             };
             match item {
                 syn::Item::Mod(inner) => {
@@ -196,12 +224,19 @@ impl ImportGraph {
                     }
                 }
                 other => {
-                    // Names that a function's body imports count for the module: more names, never fewer.
+                    // Names that a function's body imports count for the module: more names, never
+                    // fewer.
                     let mut local = LocalUses::default();
                     local.visit_item(other);
                     local.0.into_iter().for_each(|(path, name)| bind(name, Binding::Use(path)));
                     if let Some(name) = defined(other) {
-                        bind(name, Binding::Item(matches!(other, syn::Item::Trait(_) | syn::Item::TraitAlias(_))));
+                        bind(
+                            name,
+                            Binding::Item(matches!(
+                                other,
+                                syn::Item::Trait(_) | syn::Item::TraitAlias(_)
+                            )),
+                        );
                     }
                 }
             }
@@ -226,7 +261,11 @@ impl ImportGraph {
         if !seen.borrow_mut().insert((module.clone(), path.to_vec())) {
             return found;
         }
-        let root = if module.first().is_some_and(|name| name == PROGRAM) { vec![PROGRAM.to_owned()] } else { vec![] };
+        let root = if module.first().is_some_and(|name| name == PROGRAM) {
+            vec![PROGRAM.to_owned()]
+        } else {
+            vec![]
+        };
         match first.as_str() {
             "crate" => self.descend(library, root, rest, seen, &mut found),
             "self" => self.descend(library, module.clone(), rest, seen, &mut found),
@@ -284,10 +323,13 @@ impl ImportGraph {
                     }
                 }
                 Binding::Use(path) => {
-                    // `use` paths begin at a crate or at a name of this module, never at the name that they bind here.
+                    // `use` paths begin at a crate or at a name of this module, never at the name
+                    // that they bind here.
                     for target in self.resolve_new(library, &module, path, seen) {
                         match target {
-                            Target::Module(inner) => self.descend(library, inner, after, seen, found),
+                            Target::Module(inner) => {
+                                self.descend(library, inner, after, seen, found)
+                            }
                             other => {
                                 found.insert(other);
                             }
@@ -315,7 +357,8 @@ impl Visitor<'_> {
         self.targets.extend(self.graph.resolve(self.library, &self.module, path));
     }
 
-    /// Names in tokens that have not been parsed: sequences of `a::b::c`, and paths in literal text where `texts`.
+    /// Names in tokens that have not been parsed: sequences of `a::b::c`, and paths in literal text
+    /// where `texts`.
     fn tokens(&mut self, mut cursor: Cursor, texts: bool) {
         let mut path: Vec<String> = Vec::new();
         let mut joined = false;
@@ -329,7 +372,9 @@ impl Visitor<'_> {
             } else if let Some((_, next)) = cursor.lifetime() {
                 cursor = next;
             } else if let Some((mark, next)) = cursor.punct() {
-                let colons = next.punct().filter(|(second, _)| mark.as_char() == ':' && second.as_char() == ':');
+                let colons = next
+                    .punct()
+                    .filter(|(second, _)| mark.as_char() == ':' && second.as_char() == ':');
                 if let Some((_, after)) = colons.filter(|_| !path.is_empty()) {
                     (joined, cursor) = (true, after);
                 } else {
@@ -366,14 +411,18 @@ impl Visitor<'_> {
     /// A path in the text of an attribute, as serde takes them.
     fn text(&mut self, literal: &str) {
         let text = literal.trim_matches('"');
-        let names: Vec<String> = text.split("::").map(|name| name.split('<').next().unwrap_or("").to_owned()).collect();
-        let is_name = |name: &String| !name.is_empty() && name.chars().all(|c| c.is_alphanumeric() || c == '_');
+        let names: Vec<String> =
+            text.split("::").map(|name| name.split('<').next().unwrap_or("").to_owned()).collect();
+        let is_name = |name: &String| {
+            !name.is_empty() && name.chars().all(|c| c.is_alphanumeric() || c == '_')
+        };
         if names.iter().all(is_name) {
             // serde's `with` names a module: its functions are meant.
             for target in self.graph.resolve(self.library, &self.module, &names) {
                 match target {
                     Target::Module(module) => {
-                        self.files.extend(self.graph.scopes.get(&module).map(|scope| scope.file.clone()));
+                        self.files
+                            .extend(self.graph.scopes.get(&module).map(|scope| scope.file.clone()));
                     }
                     other => {
                         self.targets.insert(other);
@@ -405,7 +454,9 @@ impl<'ast> Visit<'ast> for Visitor<'_> {
         let private = matches!(item.vis, syn::Visibility::Inherited);
         for (path, _) in leaves(&item.tree) {
             let targets = self.graph.resolve(self.library, &self.module, &path);
-            let counts = |target: &Target| private || matches!(target, Target::Item(_, true) | Target::External(_));
+            let counts = |target: &Target| {
+                private || matches!(target, Target::Item(_, true) | Target::External(_))
+            };
             self.targets.extend(targets.into_iter().filter(counts));
         }
     }
@@ -485,7 +536,9 @@ fn module_of(file: &str) -> Module {
 
 /// The modules that these items declare.
 fn declared(items: &[syn::Item]) -> BTreeSet<String> {
-    let module = |item: &syn::Item| if let syn::Item::Mod(item) = item { Some(item.ident.to_string()) } else { None };
+    let module = |item: &syn::Item| {
+        if let syn::Item::Mod(item) = item { Some(item.ident.to_string()) } else { None }
+    };
     items.iter().filter_map(module).collect()
 }
 
@@ -493,7 +546,9 @@ fn declared(items: &[syn::Item]) -> BTreeSet<String> {
 fn test_modules(module: &Module, tree: &syn::File) -> Vec<Module> {
     let tests = tree.items.iter().filter(|item| is_test(attributes(item)));
     let path = |item: &syn::Item| match item {
-        syn::Item::Mod(item) if item.content.is_none() => Some([module.as_slice(), &[item.ident.to_string()]].concat()),
+        syn::Item::Mod(item) if item.content.is_none() => {
+            Some([module.as_slice(), &[item.ident.to_string()]].concat())
+        }
         _ => None,
     };
     tests.filter_map(path).collect()
@@ -508,13 +563,19 @@ fn leaves(tree: &syn::UseTree) -> Vec<(Vec<String>, String)> {
             syn::UseTree::Name(inner) if inner.ident == "self" => {
                 found.push((path.to_vec(), path.last().cloned().unwrap_or_default()));
             }
-            syn::UseTree::Name(inner) => found.push((joined(&inner.ident), inner.ident.to_string())),
+            syn::UseTree::Name(inner) => {
+                found.push((joined(&inner.ident), inner.ident.to_string()))
+            }
             syn::UseTree::Rename(inner) if inner.ident == "self" => {
                 found.push((path.to_vec(), inner.rename.to_string()))
             }
-            syn::UseTree::Rename(inner) => found.push((joined(&inner.ident), inner.rename.to_string())),
+            syn::UseTree::Rename(inner) => {
+                found.push((joined(&inner.ident), inner.rename.to_string()))
+            }
             syn::UseTree::Glob(_) => found.push((path.to_vec(), "*".to_owned())),
-            syn::UseTree::Group(inner) => inner.items.iter().for_each(|tree| descend(tree, path, found)),
+            syn::UseTree::Group(inner) => {
+                inner.items.iter().for_each(|tree| descend(tree, path, found))
+            }
         }
     }
     let mut found = Vec::new();
@@ -559,7 +620,8 @@ fn attributes(item: &syn::Item) -> &[syn::Attribute] {
 /// True with `#[cfg(test)]`.
 fn is_test(attributes: &[syn::Attribute]) -> bool {
     let test = |attribute: &syn::Attribute| {
-        attribute.path().is_ident("cfg") && attribute.parse_args::<syn::Ident>().is_ok_and(|name| name == "test")
+        attribute.path().is_ident("cfg")
+            && attribute.parse_args::<syn::Ident>().is_ok_and(|name| name == "test")
     };
     attributes.iter().any(test)
 }
@@ -639,8 +701,10 @@ fn cfg_test(inside: Cursor) -> bool {
 
 /// What follows the item that begins here; `None` where no item begins.
 fn item_end(mut cursor: Cursor) -> Option<Cursor> {
-    const KEYWORDS: [&str; 12] =
-        ["async", "const", "enum", "fn", "impl", "mod", "static", "struct", "trait", "type", "unsafe", "use"];
+    const KEYWORDS: [&str; 12] = [
+        "async", "const", "enum", "fn", "impl", "mod", "static", "struct", "trait", "type",
+        "unsafe", "use",
+    ];
     while let Some((_, after)) = attribute(cursor) {
         cursor = after;
     }
@@ -648,7 +712,8 @@ fn item_end(mut cursor: Cursor) -> Option<Cursor> {
         let _ = word;
         cursor = next.any_group().map_or(next, |(_, _, _, after)| after);
     }
-    let (keyword, _) = cursor.ident().filter(|(word, _)| KEYWORDS.iter().any(|keyword| word == keyword))?;
+    let (keyword, _) =
+        cursor.ident().filter(|(word, _)| KEYWORDS.iter().any(|keyword| word == keyword))?;
     let to_semicolon = ["const", "static", "type", "use"].iter().any(|word| keyword == word);
     while !cursor.eof() {
         if let Some((_, delimiter, _, next)) = cursor.any_group() {

@@ -1,11 +1,14 @@
-//! spinebench: does this learning-based continuum-robot controller really work, and where is my simulator wrong?
+//! spinebench: does this learning-based continuum-robot controller really work, and where is my
+//! simulator wrong?
 //!
 //! Rooms, lowest first; a room may import only rooms above its own line in `docs/architecture.md`:
-//! [`base`] value types and seeds, [`math`] numerics, [`data`] all files, [`rows`] the rows of result tables, [`rod`] the Cosserat rod, [`effects`] the
-//! catalogue of missing physics, [`hardware`] motors, tracker and safety, [`simulators`] simulators of motors and tracker,
-//! [`plants`] robots, [`learn`] networks and Gaussian processes, [`discovery`] what a model lacks, [`policies`]
-//! controllers, [`tasks`] the loops, [`calibration`] numbers of a model from recordings, [`benchmark`] the blind benchmark of
-//! `discover`, [`specs`] YAML experiments, [`runner`] stages, store and threads, [`report`] tables and figures.
+//! [`base`] value types and seeds, [`math`] numerics, [`data`] all files, [`rows`] the rows of
+//! result tables, [`rod`] the Cosserat rod, [`effects`] the catalogue of missing physics,
+//! [`hardware`] motors, tracker and safety, [`simulators`] simulators of motors and tracker,
+//! [`plants`] robots, [`learn`] networks and Gaussian processes, [`discovery`] what a model lacks,
+//! [`policies`] controllers, [`tasks`] the loops, [`calibration`] numbers of a model from
+//! recordings, [`benchmark`] the blind benchmark of `discover`, [`specs`] YAML experiments,
+//! [`runner`] stages, store and threads, [`report`] tables and figures.
 
 pub mod base;
 pub mod benchmark;

@@ -2,7 +2,8 @@
 
 use std::time::Instant;
 
-/// Runs are timed together until they take this long on the clock: the system counts processor time in ticks.
+/// Runs are timed together until they take this long on the clock: the system counts processor time
+/// in ticks.
 const BLOCK_S: f64 = 0.12;
 /// Timed blocks, the shortest of which counts; a run that takes longer than this is timed twice …
 const BLOCKS: usize = 4;
@@ -12,8 +13,8 @@ const VERY_LONG_S: f64 = 5.0;
 /// A run whose mean counts is repeated until this much time has gone by.
 const ENOUGH_S: f64 = 0.3;
 
-/// Processor time of this thread from Linux's scheduler statistics (nanoseconds in the first field); `None` where the
-/// system does not tell.
+/// Processor time of this thread from Linux's scheduler statistics (nanoseconds in the first
+/// field); `None` where the system does not tell.
 fn thread_cpu_s() -> Option<f64> {
     // A thread that offers its turn is counted up to now, not up to the last tick.
     std::thread::yield_now();
@@ -34,8 +35,8 @@ fn timed(mut run: impl FnMut()) -> f64 {
     thread_cpu_s().zip(cpu).map_or(wall, |(now, before)| now - before)
 }
 
-/// The result of `run` and the shortest time that it took: what disturbs a run only ever makes it longer. A run that
-/// fails is not repeated.
+/// The result of `run` and the shortest time that it took: what disturbs a run only ever makes it
+/// longer. A run that fails is not repeated.
 pub fn best<R, E>(mut run: impl FnMut() -> Result<R, E>) -> (Result<R, E>, f64) {
     let began = Instant::now();
     let mut first = None;

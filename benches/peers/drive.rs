@@ -19,14 +19,16 @@ const MOST_PULL_M: f64 = 0.03;
 const RAMP_ENDS_S: [f64; 4] = [3.652, 3.967, 17.63, 17.94];
 const RAMP_M: f64 = 0.01619;
 
-/// Drive values of all tendons at given times, with straight lines between: metres pulled in, or newtons.
+/// Drive values of all tendons at given times, with straight lines between: metres pulled in, or
+/// newtons.
 #[derive(Clone, Debug)]
 pub struct Series {
     pub times_s: Vec<f64>,
     pub values: Vec<Vec<f64>>,
     /// Whether the values are tensions.
     pub tensions: bool,
-    /// Whether the drive changes its speed with a jump at these times, so that time steps should end there.
+    /// Whether the drive changes its speed with a jump at these times, so that time steps should
+    /// end there.
     pub kinks: bool,
 }
 
@@ -45,7 +47,9 @@ impl Series {
 
     /// The same as the rod's commands.
     pub fn drives(&self, time_s: f64) -> Vec<Drive> {
-        let drive = |value: f64| if self.tensions { Drive::Tension(value.max(0.0)) } else { Drive::Pull(value) };
+        let drive = |value: f64| {
+            if self.tensions { Drive::Tension(value.max(0.0)) } else { Drive::Pull(value) }
+        };
         self.at(time_s).into_iter().map(drive).collect()
     }
 }
@@ -84,13 +88,17 @@ pub fn till() -> Result<Case, String> {
     Ok(Case { name: "till", params: shipped("till_dynamic.yaml")?, series, duration_s: 24.95 })
 }
 
-/// The limit of that example for ever finer steps in space and time: tip at the samples, planar (x, z).
+/// The limit of that example for ever finer steps in space and time: tip at the samples, planar (x,
+/// z).
 pub fn till_limit() -> Result<Vec<Vector3<f64>>, String> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/reference/rod/till_dynamic_example_limit.csv");
-    let text = std::fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("tests/reference/rod/till_dynamic_example_limit.csv");
+    let text =
+        std::fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
     let mut tips = Vec::new();
     for line in text.lines().skip(1) {
-        let values: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap_or(f64::NAN)).collect();
+        let values: Vec<f64> =
+            line.split(',').map(|cell| cell.parse().unwrap_or(f64::NAN)).collect();
         // The row before time zero is the state at rest once more.
         if let [t, x, z, ..] = values[..]
             && t >= 0.0
@@ -101,14 +109,15 @@ pub fn till_limit() -> Result<Vec<Vector3<f64>>, String> {
     Ok(tips)
 }
 
-/// The paper's robot explored at random, 10 s: every 0.2 s the point of the actuation plane moves by at most 3 mm a
-/// tendon, two tendons are pulled towards it and the opposite ones are let out by as much; the lead screws move at
-/// constant speed in between.
+/// The paper's robot explored at random, 10 s: every 0.2 s the point of the actuation plane moves
+/// by at most 3 mm a tendon, two tendons are pulled towards it and the opposite ones are let out by
+/// as much; the lead screws move at constant speed in between.
 pub fn paper() -> Result<Case, String> {
     let duration_s = 10.0;
     let mut random = Seed(1).child("peers").rng();
     let mut bend = [0.0_f64; 2];
-    let mut series = Series { times_s: vec![0.0], values: vec![vec![0.0; 4]], tensions: false, kinks: true };
+    let mut series =
+        Series { times_s: vec![0.0], values: vec![vec![0.0; 4]], tensions: false, kinks: true };
     for tick in 1..=(duration_s / TICK_S).round() as usize {
         for value in &mut bend {
             let change = random.random_range(-MOST_STEP_M..=MOST_STEP_M);
@@ -121,8 +130,8 @@ pub fn paper() -> Result<Case, String> {
     Ok(Case { name: "paper", params: shipped("nominal.yaml")?, series, duration_s })
 }
 
-/// The paper's robot without what some peers cannot do (no compressible spine, no damping), driven by smooth tensions
-/// for 1 s.
+/// The paper's robot without what some peers cannot do (no compressible spine, no damping), driven
+/// by smooth tensions for 1 s.
 pub fn tension() -> Result<Case, String> {
     let mut params = shipped("nominal.yaml")?;
     params.sections.clear();

@@ -54,24 +54,35 @@ struct Environment {
 /// # Errors
 /// What the serialiser said.
 pub fn yaml(facts: &Facts) -> Result<String, String> {
-    let map =
-        |pairs: &[(String, String)]| pairs.iter().map(|(name, word)| (name.clone(), word.clone().into())).collect();
+    let map = |pairs: &[(String, String)]| {
+        pairs.iter().map(|(name, word)| (name.clone(), word.clone().into())).collect()
+    };
     let environment = Environment {
         machine: Machine::this(),
         versions: map(&facts.versions),
         skipped: map(&facts.skipped),
-        limits_m: facts.limits_m.iter().map(|(name, value)| (name.clone(), (*value).into())).collect(),
+        limits_m: facts
+            .limits_m
+            .iter()
+            .map(|(name, value)| (name.clone(), (*value).into()))
+            .collect(),
     };
     serde_yaml::to_string(&environment).map_err(|error| error.to_string())
 }
 
 fn processor() -> String {
     let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let name = text.lines().find(|line| line.starts_with("model name")).and_then(|line| line.split(": ").nth(1));
+    let name = text
+        .lines()
+        .find(|line| line.starts_with("model name"))
+        .and_then(|line| line.split(": ").nth(1));
     name.unwrap_or("unknown").to_owned()
 }
 
 fn compiler() -> String {
     let said = Command::new("rustc").arg("--version").output();
-    said.map_or_else(|_| "unknown".into(), |said| String::from_utf8_lossy(&said.stdout).trim().to_owned())
+    said.map_or_else(
+        |_| "unknown".into(),
+        |said| String::from_utf8_lossy(&said.stdout).trim().to_owned(),
+    )
 }

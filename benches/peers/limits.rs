@@ -23,13 +23,16 @@ fn fine(time_step_s: f64, base: Resolution) -> Setting {
     Setting { name: "limit".into(), resolution }
 }
 
-/// The limit of a case from our own rod at tiny steps, checked against twice the steps and against the other scheme.
+/// The limit of a case from our own rod at tiny steps, checked against twice the steps and against
+/// the other scheme.
 ///
 /// # Errors
 /// A run that did not end.
 pub fn of(case: &Case, time_step_s: f64, facts: &mut Facts) -> Result<Tips, String> {
-    let at =
-        |step| ours::tips(&ours::with(case, &fine(step, case.params.resolution)), case).map(|(tips, _)| Tips(tips));
+    let at = |step| {
+        ours::tips(&ours::with(case, &fine(step, case.params.resolution)), case)
+            .map(|(tips, _)| Tips(tips))
+    };
     let limit = at(time_step_s)?;
     let (rms, most, _) = at(2.0 * time_step_s)?.errors(&limit);
     note(facts, format!("{}: ours, step doubled to {} s, rms", case.name, 2.0 * time_step_s), rms);
@@ -37,8 +40,8 @@ pub fn of(case: &Case, time_step_s: f64, facts: &mut Facts) -> Result<Tips, Stri
     Ok(limit)
 }
 
-/// How far the other scheme, refined in space and time, is from the limit of the paper's robot; its own Richardson
-/// extrapolation in time (second order) as well.
+/// How far the other scheme, refined in space and time, is from the limit of the paper's robot; its
+/// own Richardson extrapolation in time (second order) as well.
 ///
 /// # Errors
 /// A run that did not end.
@@ -56,16 +59,30 @@ pub fn cross_check(case: &Case, limit: &Tips, facts: &mut Facts) -> Result<(), S
         };
         peer_till::tips(case, settings).map(Tips)
     };
-    let [coarse, mid, fine] = [(48, 0.0025), (96, 0.0025), (96, 0.00125)].map(|(nodes, step)| at(nodes, step));
+    let [coarse, mid, fine] =
+        [(48, 0.0025), (96, 0.0025), (96, 0.00125)].map(|(nodes, step)| at(nodes, step));
     let (coarse, mid, fine) = (coarse?, mid?, fine?);
-    note(facts, format!("{}: Till's scheme, 48 against 96 nodes, rms", case.name), coarse.errors(&mid).0);
-    note(facts, format!("{}: Till's scheme, 2.5 against 1.25 ms, rms", case.name), mid.errors(&fine).0);
-    let extrapolated = fine.0.iter().zip(&mid.0).map(|(fine, mid)| fine + (fine - mid) / 3.0).collect();
+    note(
+        facts,
+        format!("{}: Till's scheme, 48 against 96 nodes, rms", case.name),
+        coarse.errors(&mid).0,
+    );
+    note(
+        facts,
+        format!("{}: Till's scheme, 2.5 against 1.25 ms, rms", case.name),
+        mid.errors(&fine).0,
+    );
+    let extrapolated =
+        fine.0.iter().zip(&mid.0).map(|(fine, mid)| fine + (fine - mid) / 3.0).collect();
     let (rms, most, rest) = fine.errors(limit);
     note(facts, format!("{}: Till's scheme, 96 nodes, 1.25 ms, against ours, rms", case.name), rms);
     note(facts, format!("{}: the same, largest", case.name), most);
     note(facts, format!("{}: the same, at rest", case.name), rest);
-    note(facts, format!("{}: extrapolated in time, against ours, rms", case.name), Tips(extrapolated).errors(limit).0);
+    note(
+        facts,
+        format!("{}: extrapolated in time, against ours, rms", case.name),
+        Tips(extrapolated).errors(limit).0,
+    );
     Ok(())
 }
 

@@ -1,6 +1,6 @@
-//! Other simulators on the same robots, one after the other on one core: processor time against error of the tip. Then
-//! packages that learn, on the same samples.
-//! `make peers` runs it; `docs/peers.md` says what is compared and why like this.
+//! Other simulators on the same robots, one after the other on one core: processor time against
+//! error of the tip. Then packages that learn, on the same samples. `make peers` runs it;
+//! `docs/peers.md` says what is compared and why like this.
 #![allow(missing_docs, unreachable_pub)]
 
 mod clock;
@@ -22,9 +22,10 @@ use std::process::ExitCode;
 use spinebench::report;
 
 fn main() -> ExitCode {
-    // Cargo passes `--bench`; a word picks one robot, and then nothing is written, or `learning`; `cases FOLDER` writes the robots
-    // for the comparison of environments.
-    let words: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with('-')).collect();
+    // Cargo passes `--bench`; a word picks one robot, and then nothing is written, or `learning`;
+    // `cases FOLDER` writes the robots for the comparison of environments.
+    let words: Vec<String> =
+        std::env::args().skip(1).filter(|word| !word.starts_with('-')).collect();
     let words: Vec<&str> = words.iter().map(String::as_str).collect();
     let done = if let ["cases", folder] = words[..] {
         python::write_cases(Path::new(folder))
@@ -58,7 +59,8 @@ fn simulators(root: &Path, only: Option<&str>) -> Result<(), String> {
     let published = report::Published { peers: results.rows, ..report::Published::default() };
     let published = published.write(&folder).map_err(|error| words(&error))?;
     let text = environment::yaml(&results.facts)?;
-    spinebench::data::write_atomic(&folder.join("environment.yaml"), text.as_bytes()).map_err(|e| words(&e))?;
+    spinebench::data::write_atomic(&folder.join("environment.yaml"), text.as_bytes())
+        .map_err(|e| words(&e))?;
     let figure = report::figure("peers").ok_or("no figure called peers")?;
     let files = (figure.render)(&published).map_err(|error| words(&error))?;
     report::write(&files, &folder, &root.join("plots")).map_err(|error| words(&error))

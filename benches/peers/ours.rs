@@ -24,7 +24,8 @@ pub fn tips(params: &RodParams, case: &Case) -> Result<(Vec<Vector3<f64>>, f64),
     for pair in case.samples_s().windows(2) {
         let mut now = pair[0];
         // A step ends wherever the drive changes its speed.
-        let inside = |kink: &f64| case.series.kinks && *kink > pair[0] + 1e-9 && *kink < pair[1] - 1e-9;
+        let inside =
+            |kink: &f64| case.series.kinks && *kink > pair[0] + 1e-9 && *kink < pair[1] - 1e-9;
         let kinks: Vec<f64> = case.series.times_s.iter().copied().filter(inside).collect();
         for end in kinks.into_iter().chain([pair[1]]) {
             let start = now;

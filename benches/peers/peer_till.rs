@@ -31,8 +31,8 @@ fn tips_of<const T: usize>(case: &Case, settings: Settings) -> Result<Vec<Vector
     Ok(tips)
 }
 
-/// Runs and times one setting. With the authors' solver the peer is called by their article; a kept derivative makes it
-/// another peer, so that the two curves stay apart.
+/// Runs and times one setting. With the authors' solver the peer is called by their article; a kept
+/// derivative makes it another peer, so that the two curves stay apart.
 pub fn run(case: &Case, limit: &Tips, settings: Settings) -> Row {
     let peer = match settings.solver {
         Solver::LevenbergMarquardt => "till_2019",

@@ -1,4 +1,5 @@
-//! The peers that are Python packages: a script each, which reads a case and writes its runs, both JSON.
+//! The peers that are Python packages: a script each, which reads a case and writes its runs, both
+//! JSON.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -29,9 +30,11 @@ impl Python {
     /// Why there is none.
     pub fn find() -> Result<Python, String> {
         let program = std::env::var_os("PEERS_PYTHON").filter(|name| !name.is_empty());
-        let program = PathBuf::from(program.ok_or("no Python environment (PEERS_PYTHON is not set)")?);
+        let program =
+            PathBuf::from(program.ok_or("no Python environment (PEERS_PYTHON is not set)")?);
         let scratch = Path::new(env!("CARGO_TARGET_TMPDIR")).join("peers");
-        std::fs::create_dir_all(&scratch).map_err(|error| format!("{}: {error}", scratch.display()))?;
+        std::fs::create_dir_all(&scratch)
+            .map_err(|error| format!("{}: {error}", scratch.display()))?;
         Ok(Python { program, scratch })
     }
 
@@ -39,7 +42,13 @@ impl Python {
     ///
     /// # Errors
     /// What the script or the system said.
-    pub fn run(&self, script: &str, case: &Case, limit: &Tips, settings: &Value) -> Result<Runs, String> {
+    pub fn run(
+        &self,
+        script: &str,
+        case: &Case,
+        limit: &Tips,
+        settings: &Value,
+    ) -> Result<Runs, String> {
         let stem = script.trim_end_matches(".py");
         let file = |kind: &str| self.scratch.join(format!("{stem}_{}_{kind}.json", case.name));
         let (input, output) = (file("case"), file("runs"));
@@ -51,7 +60,11 @@ impl Python {
             .arg(path)
             .args([&input, &output])
             // One thread each: nothing else may help.
-            .envs([("OMP_NUM_THREADS", "1"), ("OPENBLAS_NUM_THREADS", "1"), ("NUMBA_NUM_THREADS", "1")])
+            .envs([
+                ("OMP_NUM_THREADS", "1"),
+                ("OPENBLAS_NUM_THREADS", "1"),
+                ("NUMBA_NUM_THREADS", "1"),
+            ])
             .envs([("NUMBA_CACHE_DIR", &self.scratch), ("PYTHONPYCACHEPREFIX", &self.scratch)])
             .current_dir(&self.scratch)
             .output()
@@ -130,8 +143,14 @@ fn read(value: &Value, case: &Case, limit: &Tips) -> Runs {
         let tips = Tips(run["tips_m"].as_array().into_iter().flatten().map(point).collect());
         let status = words(&run["status"]);
         let result = if status == "ok" { Ok(tips) } else { Err(status) };
-        Row::new(case, &words(&run["peer"]), &words(&run["setting"]), number(&run["segments"]), number(&run["dt_s"]))
-            .ended(result, limit, number(&run["cpu_s"]), number(&run["simulated_s"]))
+        Row::new(
+            case,
+            &words(&run["peer"]),
+            &words(&run["setting"]),
+            number(&run["segments"]),
+            number(&run["dt_s"]),
+        )
+        .ended(result, limit, number(&run["cpu_s"]), number(&run["simulated_s"]))
     };
     let versions = value["versions"].as_object().into_iter().flatten();
     Runs {

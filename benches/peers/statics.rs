@@ -1,4 +1,5 @@
-//! One equilibrium under given tendon lengths: time per solve, cold from straight and warm from a millimetre away.
+//! One equilibrium under given tendon lengths: time per solve, cold from straight and warm from a
+//! millimetre away.
 
 use nalgebra::Vector3;
 use spinebench::rod::{Drive, Rod, RodParams, SolveStatus};
@@ -60,7 +61,8 @@ pub fn run(results: &mut Results) -> Result<(), String> {
     let mut ours = Rod::new(case.params.clone());
     let nodes = (case.params.length_m() / case.params.resolution.cell_m).ceil();
     time(results, &case, "spinebench", "", nodes, &mut ours, limit);
-    let published = Settings { rotary_inertia: false, linear_damping: true, ..Settings::published() };
+    let published =
+        Settings { rotary_inertia: false, linear_damping: true, ..Settings::published() };
     let tuned = Settings { space: Space::Rk4, solver: Solver::Newton, ..published };
     for (peer, settings) in [
         ("till_2019", published),
@@ -93,7 +95,9 @@ fn time(
     solver: &mut dyn Statics,
     limit: Vector3<f64>,
 ) {
-    let (tip, cold_s) = clock::best(|| (0..BATCH).map(|_| solver.cold()).last().unwrap_or_else(|| Err(String::new())));
+    let (tip, cold_s) = clock::best(|| {
+        (0..BATCH).map(|_| solver.cold()).last().unwrap_or_else(|| Err(String::new()))
+    });
     report(results, case, (peer, &format!("{prefix}cold")), nodes, tip, cold_s, limit);
     let warm = |solver: &mut dyn Statics| {
         // An even number: it ends where the cold solve ends.

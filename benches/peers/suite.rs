@@ -65,20 +65,31 @@ pub fn run(only: Option<&str>) -> Result<Results, String> {
 
 /// A grid that is as fine as it needs to be for 0.1 mm rather than a micrometre.
 fn coarse(base: Resolution, cell_m: f64) -> Resolution {
-    Resolution { cell_m, bending_modes: 4, torsion_modes: 2, shear_modes: 2, axial_modes: 3, ..base }
+    Resolution {
+        cell_m,
+        bending_modes: 4,
+        torsion_modes: 2,
+        shear_modes: 2,
+        axial_modes: 3,
+        ..base
+    }
 }
 
 /// Our own curves: steps by their error, as shipped, and steps of one length.
 fn ours(results: &mut Results, case: &Case, limit: &Tips, steps_ms: &[f64], coarse_cell_m: f64) {
     let shipped = case.params.resolution;
     let coarse = coarse(shipped, coarse_cell_m);
-    for (name, base) in [("steps by error, shipped grid", shipped), ("steps by error, coarse grid", coarse)] {
+    for (name, base) in
+        [("steps by error, shipped grid", shipped), ("steps by error, coarse grid", coarse)]
+    {
         for motion_tolerance_m in [3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 1e-6, 3e-7] {
             let resolution = Resolution { time_step_s: 0.1, motion_tolerance_m, ..base };
             results.add(ours::run(case, limit, &Setting { name: name.into(), resolution }));
         }
     }
-    for (name, scheme) in [("SDIRK2, coarse grid", Scheme::Sdirk2), ("SDIRK3, coarse grid", Scheme::Sdirk3)] {
+    for (name, scheme) in
+        [("SDIRK2, coarse grid", Scheme::Sdirk2), ("SDIRK3, coarse grid", Scheme::Sdirk3)]
+    {
         equal_steps(results, case, limit, (name, scheme, coarse), steps_ms);
     }
 }
@@ -93,7 +104,8 @@ fn equal_steps(
 ) {
     for step_ms in steps_ms {
         let time_step_s = 1e-3 * step_ms;
-        let resolution = Resolution { time_step_s, scheme, motion_tolerance_m: f64::INFINITY, ..base };
+        let resolution =
+            Resolution { time_step_s, scheme, motion_tolerance_m: f64::INFINITY, ..base };
         results.add(ours::run(case, limit, &Setting { name: name.into(), resolution }));
     }
 }
@@ -109,8 +121,11 @@ fn till(results: &mut Results) -> Result<(), String> {
     for (nodes, step_ms) in [(50, 50.0), (100, 50.0), (200, 25.0), (200, 10.0), (200, 5.0)] {
         scheme(Settings { nodes, time_step_s: 1e-3 * step_ms, ..published });
     }
-    let tuned = Settings { space: Space::Rk4, solver: Solver::Newton, extrapolate: true, ..published };
-    for (nodes, step_ms) in [(20, 50.0), (20, 25.0), (20, 10.0), (40, 5.0), (40, 2.5), (80, 2.5), (80, 1.0)] {
+    let tuned =
+        Settings { space: Space::Rk4, solver: Solver::Newton, extrapolate: true, ..published };
+    for (nodes, step_ms) in
+        [(20, 50.0), (20, 25.0), (20, 10.0), (40, 5.0), (40, 2.5), (80, 2.5), (80, 1.0)]
+    {
         scheme(Settings { nodes, time_step_s: 1e-3 * step_ms, ..tuned });
     }
     // Segments, time step, tendons through sites.
@@ -137,13 +152,16 @@ fn paper(results: &mut Results) -> Result<(), String> {
     limits::cross_check(&case, &limit, &mut results.facts)?;
     table::print_header("the paper's robot, lengths explored at random");
     ours(results, &case, &limit, &[50.0, 25.0, 10.0, 5.0, 2.5], 0.02);
-    let published = Settings { rotary_inertia: false, linear_damping: true, ..Settings::published() };
+    let published =
+        Settings { rotary_inertia: false, linear_damping: true, ..Settings::published() };
     let mut scheme = |settings: Settings| results.add(peer_till::run(&case, &limit, settings));
     for (nodes, step_ms) in [(100, 50.0), (200, 50.0), (200, 10.0)] {
         scheme(Settings { nodes, time_step_s: 1e-3 * step_ms, ..published });
     }
     let tuned = Settings { space: Space::Rk4, solver: Solver::Newton, ..published };
-    for (nodes, step_ms) in [(24, 50.0), (24, 25.0), (24, 10.0), (24, 5.0), (24, 2.5), (48, 2.5), (48, 1.25)] {
+    for (nodes, step_ms) in
+        [(24, 50.0), (24, 25.0), (24, 10.0), (24, 5.0), (24, 2.5), (48, 2.5), (48, 1.25)]
+    {
         scheme(Settings { nodes, time_step_s: 1e-3 * step_ms, ..tuned });
     }
     let settings = json!([
@@ -168,12 +186,19 @@ fn tension(results: &mut Results) -> Result<(), String> {
     let limit = limits::of(&case, 0.0005, &mut results.facts)?;
     table::print_header("the same, 1 s");
     let base = case.params.resolution;
-    for (name, scheme) in [("SDIRK2, shipped grid", Scheme::Sdirk2), ("SDIRK3, shipped grid", Scheme::Sdirk3)] {
+    for (name, scheme) in
+        [("SDIRK2, shipped grid", Scheme::Sdirk2), ("SDIRK3, shipped grid", Scheme::Sdirk3)]
+    {
         equal_steps(results, &case, &limit, (name, scheme, base), &[25.0, 10.0, 5.0, 2.5, 1.0]);
     }
     // Elements, time step, factor on the rotary inertia.
-    let settings =
-        json!([[11, 5e-5, 100.0], [11, 2e-5, 20.0], [22, 5e-5, 100.0], [22, 2e-5, 100.0], [44, 5e-6, 100.0]]);
+    let settings = json!([
+        [11, 5e-5, 100.0],
+        [11, 2e-5, 20.0],
+        [22, 5e-5, 100.0],
+        [22, 2e-5, 100.0],
+        [44, 5e-6, 100.0]
+    ]);
     results.python("elastica_rod.py", &case, &limit, &settings);
     Ok(())
 }

@@ -10,13 +10,18 @@ use crate::drive::Case;
 pub struct Tips(pub Vec<Vector3<f64>>);
 
 impl Tips {
-    /// Root mean square and largest distance from `limit` over the samples that both have, and the first distance: that
-    /// at rest before anything moves.
+    /// Root mean square and largest distance from `limit` over the samples that both have, and the
+    /// first distance: that at rest before anything moves.
     pub fn errors(&self, limit: &Tips) -> (f64, f64, f64) {
-        let distances: Vec<f64> = self.0.iter().zip(&limit.0).map(|(one, other)| (one - other).norm()).collect();
+        let distances: Vec<f64> =
+            self.0.iter().zip(&limit.0).map(|(one, other)| (one - other).norm()).collect();
         let square: f64 = distances.iter().map(|d| d * d).sum();
         let most = distances.iter().copied().fold(0.0, f64::max);
-        ((square / distances.len() as f64).sqrt(), most, distances.first().copied().unwrap_or(f64::NAN))
+        (
+            (square / distances.len() as f64).sqrt(),
+            most,
+            distances.first().copied().unwrap_or(f64::NAN),
+        )
     }
 }
 
@@ -41,7 +46,13 @@ impl Row {
     }
 
     /// Fills in what a run of `simulated_s` seconds gave.
-    pub fn ended(mut self, result: Result<Tips, String>, limit: &Tips, cpu_s: f64, simulated_s: f64) -> Row {
+    pub fn ended(
+        mut self,
+        result: Result<Tips, String>,
+        limit: &Tips,
+        cpu_s: f64,
+        simulated_s: f64,
+    ) -> Row {
         let row = &mut self.0;
         match result {
             Ok(tips) if tips.0.iter().all(|tip| tip.iter().all(|x| x.is_finite())) => {

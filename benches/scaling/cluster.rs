@@ -3,15 +3,16 @@
 use crate::recorded::Recorded;
 use spinebench::runner::slurm::workers_per_task;
 use spinebench::runner::{
-    Campaign, EXCHANGE_INTERVAL, Graph, MAX_PAUSE, MAX_RESULTS_IN_MEMORY, MAX_RESUMED_STAGES, MAX_UNWRITTEN_RESULTS,
-    MIN_PAUSE, Need, StageQueue, WorkPlan,
+    Campaign, EXCHANGE_INTERVAL, Graph, MAX_PAUSE, MAX_RESULTS_IN_MEMORY, MAX_RESUMED_STAGES,
+    MAX_UNWRITTEN_RESULTS, MIN_PAUSE, Need, StageQueue, WorkPlan,
 };
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashSet, VecDeque};
 
 /// What is assumed of the cluster.
 pub struct Assumed {
-    /// From the moment that a node is free to the first stage: launch, start of the program, expansion of the specs, s.
+    /// From the moment that a node is free to the first stage: launch, start of the program,
+    /// expansion of the specs, s.
     pub begin_s: f64,
     /// From the start of an array task to that of all its workers, s.
     pub step_s: f64,
@@ -24,9 +25,16 @@ pub struct Assumed {
 }
 
 impl Default for Assumed {
-    /// A scheduler as measured on the emulated one of `tests/program/slurm.rs`, a store behind one 10-gigabit line.
+    /// A scheduler as measured on the emulated one of `tests/program/slurm.rs`, a store behind one
+    /// 10-gigabit line.
     fn default() -> Self {
-        Assumed { begin_s: 1.0, step_s: 0.5, launches_per_s: 50.0, store_bytes_s: 1.0e9, store_operation_s: 0.005 }
+        Assumed {
+            begin_s: 1.0,
+            step_s: 0.5,
+            launches_per_s: 50.0,
+            store_bytes_s: 1.0e9,
+            store_operation_s: 0.005,
+        }
     }
 }
 
@@ -101,7 +109,8 @@ enum Step {
     Computed(usize),
     /// The lock of a stage that somebody else has stored is given back.
     Skipped(usize),
-    /// In the background: the oldest result is about to be written, is stored, and its lock is given back.
+    /// In the background: the oldest result is about to be written, is stored, and its lock is
+    /// given back.
     Write,
     Written,
     Unlocked,
@@ -233,7 +242,9 @@ impl Cluster<'_> {
                 self.locked[stage] = true;
                 self.operate(now_us, number, Step::Locked(stage));
             }
-            Step::Locked(stage) if self.stored[stage] => self.operate(now_us, number, Step::Skipped(stage)),
+            Step::Locked(stage) if self.stored[stage] => {
+                self.operate(now_us, number, Step::Skipped(stage))
+            }
             Step::Locked(stage) => self.compute(now_us, number, stage),
             Step::Computed(stage) => {
                 worker.hold(stage);
@@ -267,7 +278,8 @@ impl Cluster<'_> {
             Step::Unlocked => {
                 let stage = worker.unwritten.pop_front().expect("one is being written");
                 self.locked[stage] = false;
-                let (blocked, more) = (std::mem::take(&mut worker.blocked), !worker.unwritten.is_empty());
+                let (blocked, more) =
+                    (std::mem::take(&mut worker.blocked), !worker.unwritten.is_empty());
                 if more {
                     self.background(now_us, number, 1, Step::Write);
                 }
@@ -278,10 +290,13 @@ impl Cluster<'_> {
         }
     }
 
-    /// As the executor's threads do: a word with the others before stealing, then what the queue says.
+    /// As the executor's threads do: a word with the others before stealing, then what the queue
+    /// says.
     fn take(&mut self, now_us: u64, number: usize) {
         let worker = &mut self.workers[number];
-        if worker.queue.is_idle() && worker.exchanged_us + micros(EXCHANGE_INTERVAL.as_secs_f64()) <= now_us {
+        if worker.queue.is_idle()
+            && worker.exchanged_us + micros(EXCHANGE_INTERVAL.as_secs_f64()) <= now_us
+        {
             worker.exchanged_us = now_us;
             if worker.queue.own_share_finished() && !std::mem::replace(&mut worker.recorded, true) {
                 self.finished.push(number);
@@ -310,7 +325,8 @@ impl Cluster<'_> {
 
     fn look_up_inputs(&mut self, now_us: u64, number: usize, stage: usize) {
         let unknown = self.workers[number].queue.unknown_inputs(stage);
-        let next = unknown.first().map_or(Step::Lock(stage), |&input| Step::LookedUpInput(stage, input));
+        let next =
+            unknown.first().map_or(Step::Lock(stage), |&input| Step::LookedUpInput(stage, input));
         self.operate(now_us, number, next);
     }
 
@@ -328,7 +344,8 @@ impl Cluster<'_> {
 
     /// The end of a transfer: everyone shares one line.
     fn line(&mut self, now_us: u64, bytes: f64) -> u64 {
-        self.line_free_us = self.line_free_us.max(now_us) + micros(bytes / self.assumed.store_bytes_s);
+        self.line_free_us =
+            self.line_free_us.max(now_us) + micros(bytes / self.assumed.store_bytes_s);
         self.replayed.bytes += bytes;
         self.line_free_us
     }

@@ -13,7 +13,8 @@ impl Costs {
 
     /// Each result is written once and read by everyone who asks for it.
     pub fn all_bytes(&self, graph: &Graph) -> f64 {
-        let read = |stage: usize| graph.inputs(stage).iter().map(|&input| self.bytes[input]).sum::<f64>();
+        let read =
+            |stage: usize| graph.inputs(stage).iter().map(|&input| self.bytes[input]).sum::<f64>();
         (0..graph.len()).map(|stage| self.bytes[stage] + read(stage)).sum()
     }
 
@@ -27,11 +28,12 @@ impl Costs {
         ends.into_iter().fold(0.0, f64::max)
     }
 
-    /// Every stage as soon as its inputs are there and a node is free, the longest chain behind it first (Graham's list
-    /// scheduling); nothing costs anything but the stages.
+    /// Every stage as soon as its inputs are there and a node is free, the longest chain behind it
+    /// first (Graham's list scheduling); nothing costs anything but the stages.
     pub fn ideal_s(&self, graph: &Graph, nodes: usize) -> f64 {
         let count = graph.len();
-        let (mut rank, mut waits, mut next) = (vec![0.0_f64; count], vec![0; count], vec![Vec::new(); count]);
+        let (mut rank, mut waits, mut next) =
+            (vec![0.0_f64; count], vec![0; count], vec![Vec::new(); count]);
         for stage in (0..count).rev() {
             rank[stage] += self.stage_s[stage];
             waits[stage] = graph.inputs(stage).len();
@@ -41,7 +43,8 @@ impl Costs {
             }
         }
         let order = |stage: usize| ((rank[stage] * 1e6) as u64, Reverse(stage));
-        let mut ready: BinaryHeap<_> = (0..count).filter(|&stage| waits[stage] == 0).map(order).collect();
+        let mut ready: BinaryHeap<_> =
+            (0..count).filter(|&stage| waits[stage] == 0).map(order).collect();
         let mut running: BinaryHeap<Reverse<(u64, usize)>> = BinaryHeap::new();
         let (mut now_us, mut free) = (0, nodes);
         loop {

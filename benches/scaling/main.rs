@@ -1,5 +1,6 @@
-//! How runs scale: one and two threads on this machine, and recorded stage times replayed on clusters of up to a
-//! thousand nodes. `make scaling` runs it; `docs/scaling.md` says what is assumed.
+//! How runs scale: one and two threads on this machine, and recorded stage times replayed on
+//! clusters of up to a thousand nodes. `make scaling` runs it; `docs/scaling.md` says what is
+//! assumed.
 #![allow(missing_docs, unreachable_pub)]
 
 mod cluster;
@@ -31,8 +32,8 @@ fn main() -> ExitCode {
     }
 }
 
-/// `cargo bench --bench scaling -- DIR` takes stage times from the store DIR of a run and measures nothing: the table keeps
-/// its measured rows.
+/// `cargo bench --bench scaling -- DIR` takes stage times from the store DIR of a run and measures
+/// nothing: the table keeps its measured rows.
 fn run() -> Result<(), String> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let spec = root.join("experiments/table1.yaml");
@@ -40,7 +41,8 @@ fn run() -> Result<(), String> {
     let given = std::env::args().skip(1).find(|argument| !argument.starts_with('-'));
     let (mut rows, store) = match given {
         Some(store) => {
-            let published = Published::read(&root.join("results/scaling")).map_err(|error| error.to_string())?;
+            let published = Published::read(&root.join("results/scaling"))
+                .map_err(|error| error.to_string())?;
             let measured = published.scaling.into_iter().filter(|row| row.stages == 0);
             (measured.collect(), PathBuf::from(store))
         }
@@ -76,8 +78,13 @@ fn replayed(campaign: &Campaign, costs: &Costs, nodes: usize) -> [ScalingRow; 2]
     let ideal_s = costs.ideal_s(graph, nodes);
     let chain = if costs.chain_s(graph) > 0.9 * ideal_s { "longest chain" } else { "" };
     let done = cluster::replay(campaign, costs, &Assumed::default(), nodes);
-    let losses = [(done.starting_s, "starting workers"), (done.store_s, "store"), (done.idle_s, "waiting for stages")];
-    let loss = losses.iter().max_by(|one, other| one.0.total_cmp(&other.0)).map_or("", |loss| loss.1);
+    let losses = [
+        (done.starting_s, "starting workers"),
+        (done.store_s, "store"),
+        (done.idle_s, "waiting for stages"),
+    ];
+    let loss =
+        losses.iter().max_by(|one, other| one.0.total_cmp(&other.0)).map_or("", |loss| loss.1);
     let workers = ScalingRow {
         store_operations: done.operations,
         locks_lost: done.locks_lost,

@@ -24,7 +24,13 @@ impl Scratch {
 
     fn begin(&self, name: &str, spec: &Path, threads: usize) -> Result<Child, String> {
         let mut command = Command::new(env!("CARGO_BIN_EXE_spinebench"));
-        command.arg("run").arg(spec).args(["--seeds", SEEDS, "--quiet", "--threads", &threads.to_string()]);
+        command.arg("run").arg(spec).args([
+            "--seeds",
+            SEEDS,
+            "--quiet",
+            "--threads",
+            &threads.to_string(),
+        ]);
         command.arg("--out").arg(self.0.path().join(name)).arg("--cache").arg(self.cache(name));
         command.stdout(Stdio::null()).spawn().map_err(|error| error.to_string())
     }
@@ -35,7 +41,8 @@ fn end(mut child: Child) -> Result<(), String> {
     if status.success() { Ok(()) } else { Err(format!("a run ended with {status}")) }
 }
 
-/// One and two threads from nothing, two processes of one thread beside each other, and a run that finds everything.
+/// One and two threads from nothing, two processes of one thread beside each other, and a run that
+/// finds everything.
 pub fn threads(scratch: &Scratch, spec: &Path) -> Result<Vec<ScalingRow>, String> {
     let timed = |runs: &[(&str, usize)]| -> Result<f64, String> {
         let began = Instant::now();

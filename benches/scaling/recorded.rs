@@ -26,7 +26,11 @@ impl Recorded {
             kind.entries += 1;
         }
         kinds.values_mut().for_each(|kind| kind.bytes /= kind.entries as f64);
-        if kinds.is_empty() { Err("the run has stored nothing".to_owned()) } else { Ok(Recorded(kinds)) }
+        if kinds.is_empty() {
+            Err("the run has stored nothing".to_owned())
+        } else {
+            Ok(Recorded(kinds))
+        }
     }
 
     /// What stage number `number` takes: the recorded times of its kind in turn.

@@ -1,4 +1,5 @@
-//! Arrays in and out: anything that numpy makes an array of numbers of, with its shape checked, and arrays of f64.
+//! Arrays in and out: anything that numpy makes an array of numbers of, with its shape checked, and
+//! arrays of f64.
 
 use numpy::{PyArray1, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
@@ -26,18 +27,27 @@ pub(crate) fn numbers(found: &Bound<'_, PyAny>, name: &str) -> PyResult<Numbers>
             let py = found.py();
             let numpy = py.import("numpy")?;
             let refused = || {
-                let kind = found.get_type().name().map_or_else(|_| "?".to_owned(), |name| name.to_string());
+                let kind = found
+                    .get_type()
+                    .name()
+                    .map_or_else(|_| "?".to_owned(), |name| name.to_string());
                 Fault::argument(name, format!("a {kind}"), "an array of numbers")
             };
             let plain = numpy.call_method1("asarray", (found,)).map_err(|_| refused())?;
             let kind: String = plain.getattr("dtype")?.getattr("kind")?.extract()?;
             if !"fiu".contains(kind.as_str()) {
                 let dtype = plain.getattr("dtype")?.str()?.to_string();
-                return Err(Fault::argument(name, format!("dtype {dtype}"), "an array of real numbers").into());
+                return Err(Fault::argument(
+                    name,
+                    format!("dtype {dtype}"),
+                    "an array of real numbers",
+                )
+                .into());
             }
             let options = PyDict::new(py);
             options.set_item("dtype", "float64")?;
-            converted = numpy.call_method("asarray", (plain,), Some(&options)).map_err(|_| refused())?;
+            converted =
+                numpy.call_method("asarray", (plain,), Some(&options)).map_err(|_| refused())?;
             converted.cast::<PyArrayDyn<f64>>().map_err(|_| refused())?
         }
     };
@@ -51,16 +61,32 @@ pub(crate) fn numbers(found: &Bound<'_, PyAny>, name: &str) -> PyResult<Numbers>
 }
 
 /// Reads an array of this shape; `what` says it in words.
-pub(crate) fn shaped(found: &Bound<'_, PyAny>, name: &str, shape: &[usize], what: &str) -> PyResult<Vec<f64>> {
+pub(crate) fn shaped(
+    found: &Bound<'_, PyAny>,
+    name: &str,
+    shape: &[usize],
+    what: &str,
+) -> PyResult<Vec<f64>> {
     let read = numbers(found, name)?;
     if read.shape != shape {
-        return Err(Fault::argument(name, shown(&read.shape), format!("{} ({what})", shown(shape))).into());
+        return Err(Fault::argument(
+            name,
+            shown(&read.shape),
+            format!("{} ({what})", shown(shape)),
+        )
+        .into());
     }
     Ok(read.values)
 }
 
 /// An array whose last axes are `ends`, and the sizes of the `lead` axes before them.
-pub(crate) fn led(found: &Bound<'_, PyAny>, name: &str, lead: usize, end: usize, what: &str) -> PyResult<Numbers> {
+pub(crate) fn led(
+    found: &Bound<'_, PyAny>,
+    name: &str,
+    lead: usize,
+    end: usize,
+    what: &str,
+) -> PyResult<Numbers> {
     let read = numbers(found, name)?;
     if read.shape.len() != lead + 1 || read.shape[lead] != end {
         return Err(Fault::argument(name, shown(&read.shape), what).into());
@@ -69,7 +95,11 @@ pub(crate) fn led(found: &Bound<'_, PyAny>, name: &str, lead: usize, end: usize,
 }
 
 /// An array of this shape.
-pub(crate) fn array<'py>(py: Python<'py>, values: Vec<f64>, shape: &[usize]) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+pub(crate) fn array<'py>(
+    py: Python<'py>,
+    values: Vec<f64>,
+    shape: &[usize],
+) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
     PyArray1::from_vec(py, values).reshape(shape.to_vec())
 }
 

@@ -1,5 +1,5 @@
-//! Calculations on recordings and specs: simulate, calibrate, discover, run. Arguments are files; results are JSON and CSV,
-//! which `spinebench/_calculations.py` makes objects of.
+//! Calculations on recordings and specs: simulate, calibrate, discover, run. Arguments are files;
+//! results are JSON and CSV, which `spinebench/_calculations.py` makes objects of.
 
 use std::collections::BTreeMap;
 use std::fmt::Display;
@@ -16,7 +16,9 @@ use spinebench::discovery::{
 };
 use spinebench::runner::{self, Campaign, Progress, RunFacts, RunOptions, Store, Style};
 use spinebench::specs::{ExperimentSet, read_options};
-use spinebench::tasks::{SimulationOptions, read_commands, read_to_calibrate, read_to_explain, simulate_recording};
+use spinebench::tasks::{
+    SimulationOptions, read_commands, read_to_calibrate, read_to_explain, simulate_recording,
+};
 
 use crate::calls::{claim_global_threads, long};
 use crate::errors::Fault;
@@ -48,8 +50,12 @@ pub(crate) fn _simulate(
     let model = model.clone();
     long(py, move |stop| {
         let read = read_commands(&commands, &model.0, at_rest)?;
-        let options =
-            SimulationOptions { at_rest, noise_m, seed: spinebench::base::Seed(seed), ..SimulationOptions::default() };
+        let options = SimulationOptions {
+            at_rest,
+            noise_m,
+            seed: spinebench::base::Seed(seed),
+            ..SimulationOptions::default()
+        };
         let simulated = stop.within(|| simulate_recording(&model.0, &read, &options));
         Ok(simulated.to_bytes(Path::new("simulated.csv"))?)
     })
@@ -72,7 +78,11 @@ impl CalibrationArguments {
     fn options(self) -> Result<CalibrationOptions, Fault> {
         let hold_out = match self.hold_out {
             Some(share) if !(share > 0.0 && share < 1.0) => {
-                return Err(Fault::argument("hold_out", share.to_string(), "a number between 0 and 1"));
+                return Err(Fault::argument(
+                    "hold_out",
+                    share.to_string(),
+                    "a number between 0 and 1",
+                ));
             }
             Some(share) => HoldOut::Share(share),
             None if self.hold_out_patterns.is_empty() => HoldOut::CrossValidated,
@@ -83,7 +93,11 @@ impl CalibrationArguments {
             Some("normal") => Some(ErrorLaw::Normal),
             Some("student_t") => Some(ErrorLaw::StudentT),
             Some(other) => {
-                return Err(Fault::argument("likelihood", format!("{other:?}"), "\"normal\", \"student_t\" or None"));
+                return Err(Fault::argument(
+                    "likelihood",
+                    format!("{other:?}"),
+                    "\"normal\", \"student_t\" or None",
+                ));
             }
         };
         let validate = self.validate || self.select || self.fit == [AUTO];
@@ -98,7 +112,8 @@ impl CalibrationArguments {
     }
 }
 
-/// Fits numbers of a model; returns the model, the findings as JSON, and every position with its error as CSV.
+/// Fits numbers of a model; returns the model, the findings as JSON, and every position with its
+/// error as CSV.
 #[pyfunction]
 pub(crate) fn _calibrate(
     py: Python<'_>,
@@ -109,13 +124,16 @@ pub(crate) fn _calibrate(
     let (model, options) = (model.clone(), arguments.options()?);
     long(py, move |stop| {
         let read = read_to_calibrate(&measured, &model.0, options.at_rest)?;
-        let found = stop.within(|| calibrate(&model.0, &read, &options)).map_err(|error| about(&measured, error))?;
+        let found = stop
+            .within(|| calibrate(&model.0, &read, &options))
+            .map_err(|error| about(&measured, error))?;
         let sightings = tables::to_csv(Path::new("sightings.csv"), &found.sightings)?;
         Ok((PyModel(found.model.into()), json(&found.findings)?, sightings))
     })
 }
 
-/// An answer for Python: the extended model, the findings as JSON, residuals and residual map as CSV.
+/// An answer for Python: the extended model, the findings as JSON, residuals and residual map as
+/// CSV.
 type WrittenDiscovery = (PyModel, String, Vec<u8>, Vec<u8>);
 
 fn written(answer: &Discovery) -> Result<WrittenDiscovery, Fault> {
@@ -136,8 +154,9 @@ pub(crate) struct DiscoverArguments {
     max_rounds: usize,
 }
 
-/// Finds what a model lacks. While the answer is ambiguous, `record` gets it with the commands of its proposals as CSV and
-/// returns the file of a new recording, or None. Returns the answer of each round.
+/// Finds what a model lacks. While the answer is ambiguous, `record` gets it with the commands of
+/// its proposals as CSV and returns the file of a new recording, or None. Returns the answer of
+/// each round.
 #[pyfunction]
 pub(crate) fn _discover(
     py: Python<'_>,
@@ -147,13 +166,16 @@ pub(crate) fn _discover(
 ) -> PyResult<Vec<WrittenDiscovery>> {
     let model = model.clone();
     long(py, move |stop| {
-        let DiscoverArguments { measured, baseline, options, leave_out, at_rest, max_rounds } = arguments;
-        let mut settings = options.as_deref().map_or_else(|| Ok(Options::default()), read_options)?;
+        let DiscoverArguments { measured, baseline, options, leave_out, at_rest, max_rounds } =
+            arguments;
+        let mut settings =
+            options.as_deref().map_or_else(|| Ok(Options::default()), read_options)?;
         settings.left_out.extend(leave_out);
         settings.at_rest |= at_rest;
         let read = |file: &PathBuf| read_to_explain(file, &model.0, settings.at_rest);
         let parts: Vec<Recording> = measured.iter().map(read).collect::<Result<_, _>>()?;
-        let whole = Recording::joined(&parts).map_err(|error| about(&measured[error.index], &error))?;
+        let whole =
+            Recording::joined(&parts).map_err(|error| about(&measured[error.index], &error))?;
         let baseline = baseline.as_ref().map(read).transpose()?;
         let stop = stop.clone();
         // A search that nobody waits for ends at its next step.
@@ -169,10 +191,12 @@ pub(crate) fn _discover(
                 .map(|next| Ok(next.commands.to_bytes(Path::new("commands.csv"))?))
                 .collect::<Result<_, Fault>>()?;
             let answer = written(round.answer)?;
-            let file: Option<PathBuf> = Python::attach(|py| record.bind(py).call1((answer, commands))?.extract())?;
+            let file: Option<PathBuf> =
+                Python::attach(|py| record.bind(py).call1((answer, commands))?.extract())?;
             Ok(file.as_ref().map(read).transpose().map_err(Fault::from)?)
         };
-        let question = Question { model: &model.0, baseline: baseline.as_ref(), options: &settings };
+        let question =
+            Question { model: &model.0, baseline: baseline.as_ref(), options: &settings };
         match with_step_listener(step, || discover_until_named(question, whole, max_rounds, ask)) {
             Ok(rounds) => {
                 let answers = rounds.earlier.iter().chain([&rounds.answer]);
@@ -215,14 +239,23 @@ fn experiments(file: &Path, arguments: &RunArguments) -> Result<ExperimentSet, F
         format!("{path}.policies={}", serde_json::json!(all))
     };
     let runs = &read.experiment.runs;
-    sets.extend(runs.reach.iter().enumerate().map(|(k, sweep)| with_own(format!("runs.reach[{k}]"), &sweep.policies)));
+    sets.extend(
+        runs.reach
+            .iter()
+            .enumerate()
+            .map(|(k, sweep)| with_own(format!("runs.reach[{k}]"), &sweep.policies)),
+    );
     sets.extend(runs.track.iter().map(|track| with_own("runs.track".to_owned(), &track.policies)));
     Ok(ExperimentSet::read(file, &sets, sweeps)?)
 }
 
 /// Runs specs and writes tables and figures; returns what was computed as JSON.
 #[pyfunction]
-pub(crate) fn _run(py: Python<'_>, specs: Vec<PathBuf>, arguments: RunArguments) -> PyResult<String> {
+pub(crate) fn _run(
+    py: Python<'_>,
+    specs: Vec<PathBuf>,
+    arguments: RunArguments,
+) -> PyResult<String> {
     claim_global_threads()?;
     long(py, move |stop| {
         let read = |file: &PathBuf| experiments(file, &arguments);
@@ -237,8 +270,13 @@ pub(crate) fn _run(py: Python<'_>, specs: Vec<PathBuf>, arguments: RunArguments)
             .map_err(|failure| Fault::Run(failure.to_string()))?;
         stop.check()?;
         let threads = if jobs > 0 { jobs } else { available_parallelism().map_or(1, usize::from) };
-        let facts = RunFacts { revision: &revision, threads: &|_| threads, wall_s: began.elapsed().as_secs_f64() };
-        let published = runner::publish_all(&campaign, &outcomes, &store, &out, &facts).map_err(Fault::Run)?;
+        let facts = RunFacts {
+            revision: &revision,
+            threads: &|_| threads,
+            wall_s: began.elapsed().as_secs_f64(),
+        };
+        let published =
+            runner::publish_all(&campaign, &outcomes, &store, &out, &facts).map_err(Fault::Run)?;
         let experiments: Vec<serde_json::Value> = campaign
             .entries
             .iter()

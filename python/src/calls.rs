@@ -1,4 +1,5 @@
-//! How calls run: without the interpreter's lock, over all cores, with panics as exceptions and with Ctrl-C.
+//! How calls run: without the interpreter's lock, over all cores, with panics as exceptions and
+//! with Ctrl-C.
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -21,7 +22,8 @@ const STACK_BYTES: usize = 16 << 20;
 
 /// The threads of a process. After a fork the child has none of them and makes its own.
 static POOL: Mutex<Option<(u32, Arc<ThreadPool>)>> = Mutex::new(None);
-/// Process that has used the library's global threads, which a forked child cannot replace; 0 for none.
+/// Process that has used the library's global threads, which a forked child cannot replace; 0 for
+/// none.
 static GLOBAL_THREADS_OF: AtomicU32 = AtomicU32::new(0);
 /// Where the last panic happened, for its exception.
 static LAST_PANIC: Mutex<String> = Mutex::new(String::new());
@@ -29,7 +31,8 @@ static LAST_PANIC: Mutex<String> = Mutex::new(String::new());
 /// Records panics for their exceptions instead of printing them.
 pub(crate) fn record_panics() {
     std::panic::set_hook(Box::new(|info| {
-        let place = info.location().map(|at| format!("{}:{}", at.file(), at.line())).unwrap_or_default();
+        let place =
+            info.location().map(|at| format!("{}:{}", at.file(), at.line())).unwrap_or_default();
         *LAST_PANIC.lock().unwrap_or_else(PoisonError::into_inner) = place;
     }));
 }
@@ -42,7 +45,9 @@ fn panic_fault(payload: &(dyn Any + Send)) -> Fault {
     let text = payload.downcast_ref::<&str>().map(|text| (*text).to_owned());
     let text = text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_default();
     let place = LAST_PANIC.lock().unwrap_or_else(PoisonError::into_inner).clone();
-    Fault::Panic(format!("internal error at {place}: {text}; please report it with the input that led here"))
+    Fault::Panic(format!(
+        "internal error at {place}: {text}; please report it with the input that led here"
+    ))
 }
 
 /// The threads of this process.
@@ -66,15 +71,16 @@ pub(crate) fn pool() -> Result<Arc<ThreadPool>, Fault> {
     Ok(made)
 }
 
-/// Refuses a forked child of a process that has used the library's global threads: it would wait for them for ever.
+/// Refuses a forked child of a process that has used the library's global threads: it would wait
+/// for them for ever.
 pub(crate) fn claim_global_threads() -> Result<(), Fault> {
     let own = process::id();
     match GLOBAL_THREADS_OF.compare_exchange(0, own, Ordering::Relaxed, Ordering::Relaxed) {
         Ok(_) => Ok(()),
         Err(owner) if owner == own => Ok(()),
         Err(_) => Err(Fault::Run(
-            "found a process forked after `spinebench.run`, expected one started with multiprocessing's `spawn` or \
-             `forkserver`"
+            "found a process forked after `spinebench.run`, expected one started with \
+             multiprocessing's `spawn` or `forkserver`"
                 .into(),
         )),
     }
@@ -86,7 +92,10 @@ pub(crate) fn guarded<T>(work: impl FnOnce() -> Result<T, Fault>) -> Result<T, F
 }
 
 /// A short call without the interpreter's lock.
-pub(crate) fn detached<T: Send>(py: Python<'_>, work: impl FnOnce() -> Result<T, Fault> + Send) -> PyResult<T> {
+pub(crate) fn detached<T: Send>(
+    py: Python<'_>,
+    work: impl FnOnce() -> Result<T, Fault> + Send,
+) -> PyResult<T> {
     Ok(py.detach(|| guarded(work))?)
 }
 
@@ -114,8 +123,8 @@ impl Stop {
     }
 }
 
-/// A long call: `work` runs on a thread of its own and on those of the pool, while this one looks for Ctrl-C. On Ctrl-C
-/// the call returns at once; `work` ends when it next looks at the request.
+/// A long call: `work` runs on a thread of its own and on those of the pool, while this one looks
+/// for Ctrl-C. On Ctrl-C the call returns at once; `work` ends when it next looks at the request.
 pub(crate) fn long<T: Send + 'static>(
     py: Python<'_>,
     work: impl FnOnce(&Stop) -> Result<T, Fault> + Send + 'static,
@@ -123,8 +132,9 @@ pub(crate) fn long<T: Send + 'static>(
     apart(py, move |pool, stop| pool.install(|| guarded(|| work(stop))))
 }
 
-/// A long call on a state that calls share. The thread of its own waits for the state, not one of the pool: that one may be
-/// lent out by the very call that holds the state, and would wait for itself.
+/// A long call on a state that calls share. The thread of its own waits for the state, not one of
+/// the pool: that one may be lent out by the very call that holds the state, and would wait for
+/// itself.
 pub(crate) fn long_on<S: Send + 'static, T: Send + 'static>(
     py: Python<'_>,
     state: Arc<Mutex<S>>,
@@ -159,11 +169,15 @@ fn apart<T: Send + 'static>(
     // A receiver alone cannot go into a call without the lock.
     let results = Mutex::new(results);
     loop {
-        let received = py.detach(|| results.lock().unwrap_or_else(PoisonError::into_inner).recv_timeout(LOOK));
+        let received =
+            py.detach(|| results.lock().unwrap_or_else(PoisonError::into_inner).recv_timeout(LOOK));
         match received {
             Ok(result) => return Ok(result?),
             Err(RecvTimeoutError::Disconnected) => {
-                return Err(Fault::Panic("internal error: the computation ended without an answer".into()).into());
+                return Err(Fault::Panic(
+                    "internal error: the computation ended without an answer".into(),
+                )
+                .into());
             }
             Err(RecvTimeoutError::Timeout) => {
                 if let Err(interrupted) = py.check_signals() {

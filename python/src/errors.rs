@@ -1,4 +1,5 @@
-//! What goes wrong, and the exception that tells it: one hierarchy, defined in `spinebench/_errors.py`.
+//! What goes wrong, and the exception that tells it: one hierarchy, defined in
+//! `spinebench/_errors.py`.
 
 use pyo3::prelude::*;
 use spinebench::base::PlantError;
@@ -31,7 +32,11 @@ pub(crate) struct InputFault {
 
 impl Fault {
     /// Bad input of a call: `name` is the argument.
-    pub(crate) fn argument(name: &str, found: impl Into<String>, expected: impl Into<String>) -> Fault {
+    pub(crate) fn argument(
+        name: &str,
+        found: impl Into<String>,
+        expected: impl Into<String>,
+    ) -> Fault {
         let (found, expected) = (found.into(), expected.into());
         let message = format!("{name}: found {found}, expected {expected}");
         let (found, expected) = (Some(found), Some(expected));
@@ -64,12 +69,15 @@ impl From<SpecError> for Fault {
         };
         let mut fault = InputFault { message, ..Default::default() };
         let mut located = |place: SourceLocation| match place {
-            SourceLocation::File { file, line, .. } => (fault.file, fault.line) = (Some(file), Some(line)),
+            SourceLocation::File { file, line, .. } => {
+                (fault.file, fault.line) = (Some(file), Some(line))
+            }
             SourceLocation::Option(option) => fault.key = Some(option),
         };
         match first {
             Some(SpecError::File { file, found, expected }) => {
-                (fault.file, fault.found, fault.expected) = (Some(file), Some(found), Some(expected.to_owned()));
+                (fault.file, fault.found, fault.expected) =
+                    (Some(file), Some(found), Some(expected.to_owned()));
             }
             Some(SpecError::Syntax { place, found, expected }) => {
                 located(place);
@@ -91,7 +99,9 @@ impl From<DataError> for Fault {
         let mut fault = InputFault { message: error.to_string(), ..Default::default() };
         let number = |place: &str| place.rsplit(' ').next().and_then(|word| word.parse().ok());
         match error {
-            DataError::Read { file, .. } | DataError::Write { file, .. } | DataError::Empty { file, .. } => {
+            DataError::Read { file, .. }
+            | DataError::Write { file, .. }
+            | DataError::Empty { file, .. } => {
                 fault.file = Some(file.display().to_string());
             }
             DataError::Line { file, place, found, expected } => {
@@ -100,11 +110,13 @@ impl From<DataError> for Fault {
             }
             DataError::Column { file, place, column, found, expected } => {
                 (fault.file, fault.line) = (Some(file.display().to_string()), number(place));
-                (fault.key, fault.found, fault.expected) = (Some(column), Some(found), Some(expected));
+                (fault.key, fault.found, fault.expected) =
+                    (Some(column), Some(found), Some(expected));
             }
             DataError::Cell { file, place, column, found, expected } => {
                 (fault.file, fault.line) = (Some(file.display().to_string()), number(&place));
-                (fault.key, fault.found, fault.expected) = (Some(column), Some(found), Some(expected));
+                (fault.key, fault.found, fault.expected) =
+                    (Some(column), Some(found), Some(expected));
             }
         }
         Fault::Input(Box::new(fault))

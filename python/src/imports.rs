@@ -33,7 +33,11 @@ fn told(found: MappedImport) -> Result<ToldImport, Fault> {
 
 /// Imports text files by the map in a file.
 #[pyfunction]
-pub(crate) fn _import_csv(py: Python<'_>, files: Vec<PathBuf>, map: PathBuf) -> PyResult<ToldImport> {
+pub(crate) fn _import_csv(
+    py: Python<'_>,
+    files: Vec<PathBuf>,
+    map: PathBuf,
+) -> PyResult<ToldImport> {
     long(py, move |_| {
         let logs = LogFiles::find(&files)?;
         let map = read_map(&map, SourceKind::from(&logs))?;
@@ -62,8 +66,12 @@ pub(crate) fn _export_mcap(
 ) -> PyResult<()> {
     let model = model.map(|model| model.clone());
     long(py, move |stop| {
-        let read = if at_rest { Recording::read_poses(&recording)? } else { Recording::read(&recording)? };
-        let residuals = residuals.map(|file| tables::read_csv::<ResidualRow>(&file)).transpose()?.unwrap_or_default();
+        let read =
+            if at_rest { Recording::read_poses(&recording)? } else { Recording::read(&recording)? };
+        let residuals = residuals
+            .map(|file| tables::read_csv::<ResidualRow>(&file))
+            .transpose()?
+            .unwrap_or_default();
         let shape_m = match &model {
             Some(model) => stop.within(|| body_lines_m(&recording, &read, &model.0, at_rest))?,
             None => Vec::new(),

@@ -1,4 +1,5 @@
-//! Learners of the library for scikit-learn's conventions; `spinebench/_learn.py` makes estimators of them.
+//! Learners of the library for scikit-learn's conventions; `spinebench/_learn.py` makes estimators
+//! of them.
 
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
@@ -16,7 +17,12 @@ type Array<'py> = Bound<'py, PyArrayDyn<f64>>;
 fn table(found: &Bound<'_, PyAny>, name: &str) -> PyResult<Rows> {
     let read = numbers(found, name)?;
     let &[_, width] = &read.shape[..] else {
-        return Err(Fault::argument(name, format!("{} axes", read.shape.len()), "shape (rows, columns)").into());
+        return Err(Fault::argument(
+            name,
+            format!("{} axes", read.shape.len()),
+            "shape (rows, columns)",
+        )
+        .into());
     };
     let mut rows = Rows::new(width);
     read.values.chunks(width.max(1)).for_each(|row| rows.push(row));
@@ -29,14 +35,16 @@ fn out<'py>(py: Python<'py>, rows: &Rows) -> PyResult<Array<'py>> {
 
 /// Options in JSON. A fault names the option, not its place in the text, which nobody wrote.
 fn options<T: serde::de::DeserializeOwned>(json: &str) -> Result<T, Fault> {
-    serde_path_to_error::deserialize(&mut serde_json::Deserializer::from_str(json)).map_err(|error| {
-        let words = error.inner().to_string();
-        let words = words.split(" at line ").next().unwrap_or_default();
-        match error.path().to_string().as_str() {
-            "." => Fault::words(words),
-            option => Fault::words(format!("{option}: {words}")),
-        }
-    })
+    serde_path_to_error::deserialize(&mut serde_json::Deserializer::from_str(json)).map_err(
+        |error| {
+            let words = error.inner().to_string();
+            let words = words.split(" at line ").next().unwrap_or_default();
+            match error.path().to_string().as_str() {
+                "." => Fault::words(words),
+                option => Fault::words(format!("{option}: {words}")),
+            }
+        },
+    )
 }
 
 /// A fitted Gaussian process.
@@ -45,7 +53,8 @@ pub(crate) struct PyGp(Gp);
 
 #[pymethods]
 impl PyGp {
-    /// Fits (rows, inputs) and (rows, outputs) with the hyper-parameters of greatest likelihood, or given ones (outputs, each).
+    /// Fits (rows, inputs) and (rows, outputs) with the hyper-parameters of greatest likelihood, or
+    /// given ones (outputs, each).
     #[staticmethod]
     #[pyo3(signature = (inputs, outputs, config, theta=None))]
     fn fit(
@@ -63,7 +72,13 @@ impl PyGp {
                 None => stop.within(|| Gp::fit(&inputs, &outputs, &config)),
                 Some(theta) => {
                     config.check().map_err(Fault::words)?;
-                    Gp::condition(&inputs, &outputs, &config, theta.iter().map(<[f64]>::to_vec).collect(), 0)
+                    Gp::condition(
+                        &inputs,
+                        &outputs,
+                        &config,
+                        theta.iter().map(<[f64]>::to_vec).collect(),
+                        0,
+                    )
                 }
             };
             fitted.map(PyGp).map_err(Fault::words)
@@ -85,16 +100,24 @@ impl PyGp {
         let found = detached(py, || self.0.predict_rows(&inputs).map_err(Fault::words))?;
         let mut deviations = Rows::new(found.variance.width());
         for row in found.variance.iter() {
-            deviations.push(&row.iter().map(|variance| variance.max(0.0).sqrt()).collect::<Vec<f64>>());
+            deviations
+                .push(&row.iter().map(|variance| variance.max(0.0).sqrt()).collect::<Vec<f64>>());
         }
         Ok((out(py, &found.mean)?, Some(out(py, &deviations)?)))
     }
 
-    /// Mean, standard deviation with noise, and log density of every sample as the others foretell it: three of (rows, outputs).
-    fn leave_one_out<'py>(&self, py: Python<'py>) -> PyResult<(Array<'py>, Array<'py>, Array<'py>)> {
+    /// Mean, standard deviation with noise, and log density of every sample as the others foretell
+    /// it: three of (rows, outputs).
+    fn leave_one_out<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<(Array<'py>, Array<'py>, Array<'py>)> {
         let found = detached(py, || Ok::<_, Fault>(self.0.leave_one_out()))?;
         let mut deviations = Rows::new(found.variance.width());
-        found.variance.iter().for_each(|row| deviations.push(&row.iter().map(|v| v.sqrt()).collect::<Vec<f64>>()));
+        found
+            .variance
+            .iter()
+            .for_each(|row| deviations.push(&row.iter().map(|v| v.sqrt()).collect::<Vec<f64>>()));
         Ok((out(py, &found.mean)?, out(py, &deviations)?, out(py, &found.log_probability)?))
     }
 
@@ -140,7 +163,8 @@ pub(crate) struct PyNetwork(Trained);
 
 #[pymethods]
 impl PyNetwork {
-    /// Trains on (rows, inputs) and (rows, outputs) in time order; recordings begin at the rows `sequences`.
+    /// Trains on (rows, inputs) and (rows, outputs) in time order; recordings begin at the rows
+    /// `sequences`.
     #[staticmethod]
     fn train(
         py: Python<'_>,
@@ -153,13 +177,19 @@ impl PyNetwork {
         let (inputs, outputs) = (table(inputs, "X")?, table(outputs, "y")?);
         let config: NetworkConfig = options(config)?;
         long(py, move |stop| {
-            let trained = stop.within(|| Network::train(&inputs, &outputs, &sequences, &config, Seed(seed)));
+            let trained =
+                stop.within(|| Network::train(&inputs, &outputs, &sequences, &config, Seed(seed)));
             trained.map(PyNetwork).map_err(Fault::words)
         })
     }
 
     /// Outputs (rows, outputs) row by row; the state is reset at the rows `sequences`.
-    fn predict<'py>(&self, py: Python<'py>, inputs: &Bound<'py, PyAny>, sequences: Vec<usize>) -> PyResult<Array<'py>> {
+    fn predict<'py>(
+        &self,
+        py: Python<'py>,
+        inputs: &Bound<'py, PyAny>,
+        sequences: Vec<usize>,
+    ) -> PyResult<Array<'py>> {
         let network = &self.0.network;
         let read = led(inputs, "X", 1, network.inputs(), "(rows, inputs of the training)")?;
         let mut rows = Rows::new(network.inputs());
@@ -180,7 +210,8 @@ impl PyNetwork {
     #[getter]
     fn history(&self) -> Vec<(usize, f64, f64, f64)> {
         let each = self.0.history.iter();
-        each.map(|one| (one.epoch, one.training_loss, one.validation_mae, one.learning_rate)).collect()
+        each.map(|one| (one.epoch, one.training_loss, one.validation_mae, one.learning_rate))
+            .collect()
     }
 
     /// Everything, as text.

@@ -1,5 +1,6 @@
-//! The Python package of spinebench: the rod, calibration, discovery and experiments, with arrays in and out.
-//! The modules here hold what needs Rust; `spinebench/*.py` gives it names, types and documents.
+//! The Python package of spinebench: the rod, calibration, discovery and experiments, with arrays
+//! in and out. The modules here hold what needs Rust; `spinebench/*.py` gives it names, types and
+//! documents.
 
 mod arrays;
 mod calculations;

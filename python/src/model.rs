@@ -10,7 +10,8 @@ use spinebench::specs::{model_text, read_model};
 
 use crate::errors::{Fault, InputFault};
 
-/// A robot and the effects added to it. It does not change: `with_value` and `with_effects` return another one.
+/// A robot and the effects added to it. It does not change: `with_value` and `with_effects` return
+/// another one.
 #[pyclass(frozen, from_py_object, name = "Model", module = "spinebench")]
 #[derive(Clone)]
 pub(crate) struct PyModel(pub(crate) Arc<Model>);
@@ -26,7 +27,8 @@ pub(crate) fn checked(model: Model) -> Result<PyModel, Fault> {
 /// Effects from JSON: a list such as `[{"tip_load": {"mass_kg": 0.02}}]`.
 pub(crate) fn effects_of(json: &str) -> Result<Vec<EffectSpec>, Fault> {
     let expected = "a list such as [{\"tip_load\": {\"mass_kg\": 0.02}}]";
-    serde_json::from_str(json).map_err(|error| Fault::argument("effects", error.to_string(), expected))
+    serde_json::from_str(json)
+        .map_err(|error| Fault::argument("effects", error.to_string(), expected))
 }
 
 #[pymethods]
@@ -87,7 +89,8 @@ impl PyModel {
     }
 
     fn with_effects(&self, effects: &Bound<'_, PyAny>) -> PyResult<PyModel> {
-        let json: String = effects.py().import("json")?.call_method1("dumps", (effects,))?.extract()?;
+        let json: String =
+            effects.py().import("json")?.call_method1("dumps", (effects,))?.extract()?;
         let mut model = Model::clone(&self.0);
         model.effects.extend(effects_of(&json)?);
         Ok(checked(model)?)
@@ -106,14 +109,19 @@ impl PyModel {
 /// The number of `model` at `path`.
 pub(crate) fn named(model: &Model, path: &str) -> Result<ModelParameter, Fault> {
     ModelParameter::named(model, path).map_err(|_| {
-        Fault::argument("path", format!("`{path}`"), "the path of a number, as `Model.parameters` lists them")
+        Fault::argument(
+            "path",
+            format!("`{path}`"),
+            "the path of a number, as `Model.parameters` lists them",
+        )
     })
 }
 
 /// Name of a model that was given as text, in errors.
 const TEXT: &str = "<text>";
 
-/// A model from the text of a file. Names of files in it (`extends`) are relative to the current folder.
+/// A model from the text of a file. Names of files in it (`extends`) are relative to the current
+/// folder.
 fn of_text(text: &str) -> Result<PyModel, Fault> {
     let made = |error: std::io::Error| Fault::Run(format!("a temporary file: {error}"));
     let folder = tempfile::tempdir().map_err(made)?;

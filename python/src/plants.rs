@@ -27,7 +27,8 @@ impl Robot {
     fn new(spec: &PlantSpec, step_s: f64) -> Result<Robot, Fault> {
         match spec {
             PlantSpec::Simulated(spec) => {
-                let options = SimulatedOptions { step_s, noise_m: spec.noise_m, travel_m: spec.travel_m };
+                let options =
+                    SimulatedOptions { step_s, noise_m: spec.noise_m, travel_m: spec.travel_m };
                 Ok(Robot::Simulated(Box::new(Simulated::new(&spec.model, &[], options))))
             }
             other => Ok(Robot::Other(other.build(step_s).map_err(Fault::words)?)),
@@ -94,14 +95,23 @@ impl PyPlants {
             let slots = self.slots.lock().unwrap_or_else(PoisonError::into_inner);
             let none = vec![0.0; self.tendons];
             let tip = |slot: &Slot| slot.seen.as_ref().map_or([f64::NAN; 3], |seen| seen.tip_m);
-            let pulls = |slot: &Slot| slot.seen.as_ref().map_or(none.clone(), |seen| seen.pulls_m.clone());
+            let pulls =
+                |slot: &Slot| slot.seen.as_ref().map_or(none.clone(), |seen| seen.pulls_m.clone());
             let tips: Vec<f64> = slots.iter().flat_map(tip).collect();
             let pulls: Vec<f64> = slots.iter().flat_map(pulls).collect();
-            let valid: Vec<bool> = slots.iter().map(|slot| slot.seen.as_ref().is_some_and(|seen| seen.valid)).collect();
+            let valid: Vec<bool> = slots
+                .iter()
+                .map(|slot| slot.seen.as_ref().is_some_and(|seen| seen.valid))
+                .collect();
             let status: Vec<String> = slots.iter().map(|slot| slot.status.clone()).collect();
             (tips, pulls, valid, status)
         });
-        Ok((array(py, tips, &[self.count, 3])?, array(py, pulls, &[self.count, self.tendons])?, valid, status))
+        Ok((
+            array(py, tips, &[self.count, 3])?,
+            array(py, pulls, &[self.count, self.tendons])?,
+            valid,
+            status,
+        ))
     }
 }
 
@@ -118,15 +128,27 @@ impl PyPlants {
     ) -> PyResult<PyPlants> {
         let model = spinebench::effects::Model::clone(&model.0);
         let spec = PlantSpec::Simulated(Box::new(SimulatedSpec { model, noise_m, travel_m }));
-        spec.check().map_err(|(path, bad)| Fault::argument(&format!("{path}.{}", bad.key), bad.found, bad.expected))?;
+        spec.check().map_err(|(path, bad)| {
+            Fault::argument(&format!("{path}.{}", bad.key), bad.found, bad.expected)
+        })?;
         Ok(PyPlants::of(spec, count, step_s)?)
     }
 
     #[classmethod]
-    fn of_file(_class: &Bound<'_, PyType>, file: PathBuf, count: usize, step_s: f64) -> PyResult<PyPlants> {
+    fn of_file(
+        _class: &Bound<'_, PyType>,
+        file: PathBuf,
+        count: usize,
+        step_s: f64,
+    ) -> PyResult<PyPlants> {
         let spec = read_plant(&file).map_err(Fault::from)?;
         if spec.drives_hardware() && count > 1 {
-            return Err(Fault::argument("count", count.to_string(), "1: a real robot stands alone").into());
+            return Err(Fault::argument(
+                "count",
+                count.to_string(),
+                "1: a real robot stands alone",
+            )
+            .into());
         }
         Ok(PyPlants::of(spec, count, step_s)?)
     }
@@ -150,7 +172,8 @@ impl PyPlants {
         self.spec.tendon_layout().segments.into_iter().map(of).collect()
     }
 
-    /// Brings the robots `which` home, each with its seed and further effects (JSON; empty for none).
+    /// Brings the robots `which` home, each with its seed and further effects (JSON; empty for
+    /// none).
     fn reset<'py>(
         &self,
         py: Python<'py>,
@@ -159,10 +182,20 @@ impl PyPlants {
         effects: Vec<String>,
     ) -> PyResult<Seen<'py>> {
         if let Some(index) = which.iter().find(|index| **index >= self.count) {
-            return Err(Fault::argument("which", index.to_string(), format!("below {}", self.count)).into());
+            return Err(Fault::argument(
+                "which",
+                index.to_string(),
+                format!("below {}", self.count),
+            )
+            .into());
         }
         if seeds.len() != which.len() || effects.len() != which.len() {
-            return Err(Fault::argument("seeds", seeds.len().to_string(), "one seed and effects a robot").into());
+            return Err(Fault::argument(
+                "seeds",
+                seeds.len().to_string(),
+                "one seed and effects a robot",
+            )
+            .into());
         }
         let takes = self.spec.takes_effects();
         let (spec, step_s) = (self.spec.clone(), self.step_s);
@@ -173,7 +206,11 @@ impl PyPlants {
                 let Some(place) = place else { return Ok(()) };
                 if !effects[place].is_empty() {
                     if !takes {
-                        return Err(Fault::argument("effects", "some", "none: this plant takes no effects"));
+                        return Err(Fault::argument(
+                            "effects",
+                            "some",
+                            "none: this plant takes no effects",
+                        ));
                     }
                     let own = spec.with_effects(&effects_of(&effects[place])?);
                     own.check().map_err(|(path, bad)| {
@@ -215,7 +252,12 @@ impl PyPlants {
     }
 
     /// Positions (n, 3) along a simulated robot, metres; None for another plant.
-    fn shape<'py>(&self, py: Python<'py>, index: usize, n: usize) -> PyResult<Option<Bound<'py, PyArrayDyn<f64>>>> {
+    fn shape<'py>(
+        &self,
+        py: Python<'py>,
+        index: usize,
+        n: usize,
+    ) -> PyResult<Option<Bound<'py, PyArrayDyn<f64>>>> {
         counted(n)?;
         let shape = py.detach(|| {
             let slots = self.slots.lock().unwrap_or_else(PoisonError::into_inner);

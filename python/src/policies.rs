@@ -1,9 +1,12 @@
-//! Policies of Python in runs: `spinebench/_policies.py` makes and asks them, this gives them to the runner.
+//! Policies of Python in runs: `spinebench/_policies.py` makes and asks them, this gives them to
+//! the runner.
 
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use spinebench::base::PolicyError;
-use spinebench::policies::{OutsideDecider, OutsideDecision, OutsideView, PythonOptions, provide_python};
+use spinebench::policies::{
+    OutsideDecider, OutsideDecision, OutsideView, PythonOptions, provide_python,
+};
 
 /// An instance of a class of Python.
 struct PythonDecider(Py<PyAny>);
@@ -16,7 +19,8 @@ fn told(py: Python<'_>, error: &PyErr) -> String {
         while let Ok(next) = traceback.getattr("tb_next")?.cast_into() {
             traceback = next;
         }
-        let file: String = traceback.getattr("tb_frame")?.getattr("f_code")?.getattr("co_filename")?.extract()?;
+        let file: String =
+            traceback.getattr("tb_frame")?.getattr("f_code")?.getattr("co_filename")?.extract()?;
         let line: usize = traceback.getattr("tb_lineno")?.extract()?;
         let name = file.rsplit(['/', '\\']).next().unwrap_or_default();
         Ok(format!(" ({name}, line {line})"))
@@ -27,9 +31,9 @@ fn told(py: Python<'_>, error: &PyErr) -> String {
 
 fn make(options: &PythonOptions) -> Result<Box<dyn OutsideDecider>, String> {
     Python::attach(|py| {
-        let made = py
-            .import("spinebench._policies")
-            .and_then(|module| module.call_method1("_make", (options.file.as_os_str(), &options.class_name)));
+        let made = py.import("spinebench._policies").and_then(|module| {
+            module.call_method1("_make", (options.file.as_os_str(), &options.class_name))
+        });
         match made {
             Ok(policy) => Ok(Box::new(PythonDecider(policy.unbind())) as Box<dyn OutsideDecider>),
             Err(error) => Err(told(py, &error)),
@@ -41,7 +45,9 @@ impl OutsideDecider for PythonDecider {
     fn reset(&mut self) -> Result<(), PolicyError> {
         Python::attach(|py| {
             let policy = self.0.bind(py);
-            let reset = policy.getattr_opt("reset").and_then(|reset| reset.map(|reset| reset.call0()).transpose());
+            let reset = policy
+                .getattr_opt("reset")
+                .and_then(|reset| reset.map(|reset| reset.call0()).transpose());
             reset.map(drop).map_err(|error| PolicyError::Outside(told(py, &error)))
         })
     }
@@ -50,12 +56,21 @@ impl OutsideDecider for PythonDecider {
         Python::attach(|py| {
             let asked = || -> PyResult<(Vec<f64>, Option<bool>)> {
                 let array = |values: &[f64]| PyArray1::from_slice(py, values);
-                let arguments = (&self.0, array(&view.tip_m), array(&view.target_m), array(view.pulls_m), view.time_s);
-                let decided = py.import("spinebench._policies")?.call_method1("_decide", arguments)?;
-                let (pulls, settled): (Bound<'_, PyArray1<f64>>, Option<bool>) = decided.extract()?;
+                let arguments = (
+                    &self.0,
+                    array(&view.tip_m),
+                    array(&view.target_m),
+                    array(view.pulls_m),
+                    view.time_s,
+                );
+                let decided =
+                    py.import("spinebench._policies")?.call_method1("_decide", arguments)?;
+                let (pulls, settled): (Bound<'_, PyArray1<f64>>, Option<bool>) =
+                    decided.extract()?;
                 Ok((pulls.readonly().as_array().to_vec(), settled))
             };
-            let (pulls_m, settled) = asked().map_err(|error| PolicyError::Outside(told(py, &error)))?;
+            let (pulls_m, settled) =
+                asked().map_err(|error| PolicyError::Outside(told(py, &error)))?;
             Ok(OutsideDecision { pulls_m, settled })
         })
     }

@@ -68,7 +68,8 @@ pub(crate) fn shape_m(rod: &Rod, n: usize) -> Vec<f64> {
 
 fn places(rod: &Rod, n: usize) -> impl Iterator<Item = f64> {
     let length_m = rod.params().length_m();
-    (0..n).map(move |index| if n == 1 { length_m } else { length_m * index as f64 / (n - 1) as f64 })
+    (0..n)
+        .map(move |index| if n == 1 { length_m } else { length_m * index as f64 / (n - 1) as f64 })
 }
 
 /// At least one cross-section.
@@ -103,8 +104,10 @@ impl PyRod {
         let mut driven = guarded(|| Ok(Driven::new(&model)))?;
         if !parameters.is_empty() {
             let variable = |path: &String| named(&model, path).map(Variable::Parameter);
-            let variables: Vec<Variable> = parameters.iter().map(variable).collect::<Result<_, Fault>>()?;
-            driven.rod = guarded(|| DrivenModel::varied(&model, &[], &variables).map_err(Fault::words))?;
+            let variables: Vec<Variable> =
+                parameters.iter().map(variable).collect::<Result<_, Fault>>()?;
+            driven.rod =
+                guarded(|| DrivenModel::varied(&model, &[], &variables).map_err(Fault::words))?;
         }
         Ok(PyRod { driven, model, parameters })
     }
@@ -125,10 +128,13 @@ impl PyRod {
         let driven = &mut self.driven;
         match (pulls_m, tensions_n) {
             (Some(_), Some(_)) => {
-                return Err(Fault::argument("tensions_n", "both", "either pulls_m or tensions_n").into());
+                return Err(
+                    Fault::argument("tensions_n", "both", "either pulls_m or tensions_n").into()
+                );
             }
             (None, Some(tensions_n)) => {
-                let tensions_n = shaped(tensions_n, "tensions_n", &[tendons], "one number per tendon")?;
+                let tensions_n =
+                    shaped(tensions_n, "tensions_n", &[tendons], "one number per tendon")?;
                 detached(py, || {
                     let outcome = driven.rod.settle_under(&tensions_n);
                     driven.noted(outcome).map_err(Fault::from)
@@ -136,7 +142,9 @@ impl PyRod {
             }
             (pulls_m, None) => {
                 let pulls_m = match pulls_m {
-                    Some(pulls_m) => shaped(pulls_m, "pulls_m", &[tendons], "one number per tendon")?,
+                    Some(pulls_m) => {
+                        shaped(pulls_m, "pulls_m", &[tendons], "one number per tendon")?
+                    }
                     None => vec![0.0; tendons],
                 };
                 detached(py, || driven.settle(&pulls_m).map_err(Fault::from))?;
@@ -221,7 +229,11 @@ impl PyRod {
     }
 
     #[pyo3(signature = (with_respect_to="pulls"))]
-    fn jacobian<'py>(&self, py: Python<'py>, with_respect_to: &str) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+    fn jacobian<'py>(
+        &self,
+        py: Python<'py>,
+        with_respect_to: &str,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let tendons = self.tendons();
         let directions: Vec<Direction> = match with_respect_to {
             "pulls" => (0..tendons).map(Direction::Pull).collect(),
@@ -230,25 +242,30 @@ impl PyRod {
             "moment" => (0..3).map(Direction::Moment).collect(),
             other => {
                 let expected = "\"pulls\", \"tensions\", \"force\" or \"moment\"";
-                return Err(Fault::argument("with_respect_to", format!("{other:?}"), expected).into());
+                return Err(
+                    Fault::argument("with_respect_to", format!("{other:?}"), expected).into()
+                );
             }
         };
         let mut rod = self.driven.rod.rod().clone();
         let rates = detached(py, || {
             let none = || {
-                let message = "found a rod that is not at rest, expected a call of settle() before".to_owned();
+                let message = "found a rod that is not at rest, expected a call of settle() before"
+                    .to_owned();
                 Fault::Solver { status: "not_at_rest".into(), message }
             };
             rod.tip_jacobian(&directions).ok_or_else(none)
         })?;
         let columns = rates.len();
-        let rows = (0..3).flat_map(|axis| rates.iter().map(move |rate| rate.position_m[axis])).collect();
+        let rows =
+            (0..3).flat_map(|axis| rates.iter().map(move |rate| rate.position_m[axis])).collect();
         array(py, rows, &[3, columns])
     }
 
     fn parameter_jacobian<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let rates = guarded(|| Ok(self.driven.rod.tip_rates()))?;
-        let rows = (0..3).flat_map(|axis| rates.iter().map(move |rate| rate.position_m[axis])).collect();
+        let rows =
+            (0..3).flat_map(|axis| rates.iter().map(move |rate| rate.position_m[axis])).collect();
         array(py, rows, &[3, rates.len()])
     }
 

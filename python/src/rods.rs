@@ -90,7 +90,11 @@ impl PyRods {
         self.each(py, restart, |_| ())
     }
 
-    fn settle<'py>(&self, py: Python<'py>, pulls_m: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+    fn settle<'py>(
+        &self,
+        py: Python<'py>,
+        pulls_m: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let tendons = self.tendons;
         let pulls_m = shaped(pulls_m, "pulls_m", &[self.count, tendons], "robots, tendons")?;
         let work = move |index: usize, rod: &mut Driven, stop: &Stop| {
@@ -128,7 +132,8 @@ impl PyRods {
         dt_s: f64,
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let (tendons, dt_s, count) = (self.tendons, positive("dt_s", dt_s)?, self.count);
-        let what = format!("shape (n, steps, tendons) with n = {count} robots and {tendons} tendons");
+        let what =
+            format!("shape (n, steps, tendons) with n = {count} robots and {tendons} tendons");
         let read = led(pulls_m, "pulls_m", 2, tendons, &what)?;
         if read.shape[0] != count {
             let found = format!("commands of {} robots", read.shape[0]);
@@ -166,7 +171,9 @@ impl PyRods {
 
     #[getter]
     fn tensions_n<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-        let read = |rods: &[Driven]| rods.iter().flat_map(|rod| rod.rod.rod().tensions_n().to_vec()).collect();
+        let read = |rods: &[Driven]| {
+            rods.iter().flat_map(|rod| rod.rod.rod().tensions_n().to_vec()).collect()
+        };
         array(py, self.read(py, read), &[self.count, self.tendons])
     }
 
@@ -178,7 +185,8 @@ impl PyRods {
     #[pyo3(signature = (n=50))]
     fn shapes<'py>(&self, py: Python<'py>, n: usize) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         counted(n)?;
-        let read = |rods: &[Driven]| rods.iter().flat_map(|rod| shape_m(rod.rod.rod(), n)).collect();
+        let read =
+            |rods: &[Driven]| rods.iter().flat_map(|rod| shape_m(rod.rod.rod(), n)).collect();
         array(py, self.read(py, read), &[self.count, n, 3])
     }
 
@@ -187,7 +195,8 @@ impl PyRods {
     }
 }
 
-/// A step of one robot; the first one starts from rest at home. One that has failed stays failed until a restart.
+/// A step of one robot; the first one starts from rest at home. One that has failed stays failed
+/// until a restart.
 fn move_one(rod: &mut Driven, pulls_m: &[f64], dt_s: f64) -> Result<(), Fault> {
     if rod.status == UNSOLVED {
         let home = rod.rod.home();

@@ -9,8 +9,8 @@ thread_local! {
     static CURRENT: RefCell<InterruptRequest> = const { RefCell::new(InterruptRequest(None)) };
 }
 
-/// A request to end a computation. The computation looks for it at its [`interruption_point`]s and unwinds there, so that the
-/// caller must catch the unwinding.
+/// A request to end a computation. The computation looks for it at its [`interruption_point`]s and
+/// unwinds there, so that the caller must catch the unwinding.
 #[derive(Clone, Debug, Default)]
 pub struct InterruptRequest(Option<Arc<AtomicBool>>);
 
@@ -24,7 +24,8 @@ impl InterruptRequest {
         InterruptRequest(Some(Arc::clone(flag)))
     }
 
-    /// The request that holds for this thread: what a computation hands to other threads that work for it.
+    /// The request that holds for this thread: what a computation hands to other threads that work
+    /// for it.
     pub fn current() -> InterruptRequest {
         CURRENT.with_borrow(InterruptRequest::clone)
     }

@@ -1,6 +1,7 @@
 //! Commands to a robot and observations of it.
 
-/// Displacement of each tendon at the drive, in metres: 0 at home, positive pulls (takes tendon out of the robot).
+/// Displacement of each tendon at the drive, in metres: 0 at home, positive pulls (takes tendon out
+/// of the robot).
 pub type Displacements = Vec<f64>;
 
 /// A position in the base frame, in metres: x up (against gravity), z along the straight robot.
@@ -11,7 +12,8 @@ pub type Point3 = [f64; 3];
 pub struct SeenPoint {
     /// Position, metres; not a number where it was not seen.
     pub position_m: Point3,
-    /// Orientation of the body there as a unit quaternion (w, x, y, z), where the plant measures it.
+    /// Orientation of the body there as a unit quaternion (w, x, y, z), where the plant measures
+    /// it.
     pub quaternion: Option<[f64; 4]>,
 }
 
@@ -26,8 +28,8 @@ pub struct Observation {
     pub tip_quaternion: Option<[f64; 4]>,
     /// Further tracked points, in the order of [`crate::base::Plant::points`].
     pub points: Vec<SeenPoint>,
-    /// Displacements in force during the interval that ended at `time_s`: commanded ones, or for a following
-    /// tendon the one that the robot's shape asked for.
+    /// Displacements in force during the interval that ended at `time_s`: commanded ones, or for a
+    /// following tendon the one that the robot's shape asked for.
     pub pulls_m: Displacements,
     /// Tendon tensions in newtons (0 when slack), where the plant knows them.
     pub tensions_n: Option<Vec<f64>>,
@@ -38,7 +40,8 @@ pub struct Observation {
 impl Observation {
     /// All measured positions, the tip first, to be changed.
     pub fn positions_m(&mut self) -> impl Iterator<Item = &mut Point3> {
-        std::iter::once(&mut self.tip_m).chain(self.points.iter_mut().map(|point| &mut point.position_m))
+        std::iter::once(&mut self.tip_m)
+            .chain(self.points.iter_mut().map(|point| &mut point.position_m))
     }
 }
 

@@ -1,5 +1,5 @@
-//! The seed tree: each part of an experiment draws from its own stream, named by its path. Adding a part or a thread
-//! changes no other part.
+//! The seed tree: each part of an experiment draws from its own stream, named by its path. Adding a
+//! part or a thread changes no other part.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -7,16 +7,18 @@ use rand_chacha::ChaCha8Rng;
 /// The random number generator of the crate.
 pub type Generator = ChaCha8Rng;
 
-/// A node of the seed tree. ChaCha8 streams are documented as portable across machines and versions.
+/// A node of the seed tree. ChaCha8 streams are documented as portable across machines and
+/// versions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Seed(pub u64);
 
 impl Seed {
-    /// The seed of the part called `name` below this one (FNV-1a over the name, SplitMix64 finaliser).
+    /// The seed of the part called `name` below this one (FNV-1a over the name, SplitMix64
+    /// finaliser).
     pub fn child(self, name: &str) -> Seed {
-        let hash = name
-            .bytes()
-            .fold(self.0 ^ 0xcbf2_9ce4_8422_2325, |h, b| (h ^ u64::from(b)).wrapping_mul(0x0000_0100_0000_01b3));
+        let hash = name.bytes().fold(self.0 ^ 0xcbf2_9ce4_8422_2325, |h, b| {
+            (h ^ u64::from(b)).wrapping_mul(0x0000_0100_0000_01b3)
+        });
         Seed(finalise(hash))
     }
 

@@ -39,17 +39,24 @@ pub struct Look {
     pub dash: Dash,
 }
 
-/// Colours of Okabe & Ito (2008) in the order in which series take them. They are told apart with every common colour
-/// vision.
+/// Colours of Okabe & Ito (2008) in the order in which series take them. They are told apart with
+/// every common colour vision.
 pub const PALETTE: [Colour; 6] =
     [[0, 114, 178], [213, 94, 0], [0, 158, 115], [204, 121, 167], [230, 159, 0], [86, 180, 233]];
 
-const MARKERS: [Marker; 6] =
-    [Marker::Circle, Marker::Square, Marker::Diamond, Marker::Triangle, Marker::Circle, Marker::Square];
+const MARKERS: [Marker; 6] = [
+    Marker::Circle,
+    Marker::Square,
+    Marker::Diamond,
+    Marker::Triangle,
+    Marker::Circle,
+    Marker::Square,
+];
 const DASHES: [Dash; 6] = [SOLID, DASHED, DASH_DOT, DOTTED, DASHED, SOLID];
 
 impl Look {
-    /// The look of series number `index`. The first 24 differ in colour or in the pair of marker and dash.
+    /// The look of series number `index`. The first 24 differ in colour or in the pair of marker
+    /// and dash.
     pub const fn assigned(index: usize) -> Look {
         let round = index / PALETTE.len();
         Look {
@@ -72,7 +79,8 @@ pub struct SeriesLabel {
 }
 
 impl SeriesLabel {
-    /// A label that is the same text everywhere; it holds no character that Markdown or LaTeX reads as markup.
+    /// A label that is the same text everywhere; it holds no character that Markdown or LaTeX reads
+    /// as markup.
     pub const fn text(text: &'static str) -> SeriesLabel {
         SeriesLabel { plain: text, markdown: text, latex: text }
     }

@@ -19,7 +19,10 @@ pub struct PlacedTendon {
 impl TendonLayout {
     /// One segment with `tendons` tendons evenly around it.
     pub fn ring(tendons: usize) -> TendonLayout {
-        let place = |tendon: usize| PlacedTendon { tendon, angle_deg: 360.0 * tendon as f64 / tendons as f64 };
+        let place = |tendon: usize| PlacedTendon {
+            tendon,
+            angle_deg: 360.0 * tendon as f64 / tendons as f64,
+        };
         TendonLayout { segments: vec![(0..tendons).map(place).collect()] }
     }
 
@@ -30,7 +33,8 @@ impl TendonLayout {
     pub fn check(&self) -> Result<(), String> {
         for (index, tendons) in self.segments.iter().enumerate() {
             if !bends_both_ways(tendons) {
-                let angles: Vec<String> = tendons.iter().map(|placed| format!("{}°", placed.angle_deg)).collect();
+                let angles: Vec<String> =
+                    tendons.iter().map(|placed| format!("{}°", placed.angle_deg)).collect();
                 let (number, angles) = (index + 1, angles.join(", "));
                 return Err(format!("segment {number} with tendons on one side only ({angles})"));
             }
@@ -39,10 +43,11 @@ impl TendonLayout {
     }
 }
 
-/// Whether some tendon lies on every side: two opposite ones (a robot that bends in a plane), or three and more with gaps
-/// below half a turn.
+/// Whether some tendon lies on every side: two opposite ones (a robot that bends in a plane), or
+/// three and more with gaps below half a turn.
 fn bends_both_ways(tendons: &[PlacedTendon]) -> bool {
-    let mut angles: Vec<f64> = tendons.iter().map(|placed| placed.angle_deg.rem_euclid(360.0)).collect();
+    let mut angles: Vec<f64> =
+        tendons.iter().map(|placed| placed.angle_deg.rem_euclid(360.0)).collect();
     angles.sort_by(f64::total_cmp);
     angles.dedup_by(|a, b| (*a - *b).abs() < 1e-6);
     let Some(first) = angles.first() else { return false };
@@ -66,7 +71,12 @@ mod tests {
 
     #[test]
     fn tendons_on_every_side_bend_a_robot_and_others_do_not() {
-        for good in [&[0.0, 180.0][..], &[0.0, 120.0, 240.0], &[-45.0, 45.0, 135.0, 225.0], &[90.0, -30.0, 210.0]] {
+        for good in [
+            &[0.0, 180.0][..],
+            &[0.0, 120.0, 240.0],
+            &[-45.0, 45.0, 135.0, 225.0],
+            &[90.0, -30.0, 210.0],
+        ] {
             assert_eq!(checked(good), Ok(()), "{good:?}");
         }
         assert_eq!(TendonLayout::ring(6).check(), Ok(()));

@@ -1,5 +1,5 @@
-//! What a controller may ask of a model of the robot. The model is the nominal one: nothing of the robot itself stands
-//! behind it.
+//! What a controller may ask of a model of the robot. The model is the nominal one: nothing of the
+//! robot itself stands behind it.
 
 use super::observation::{Displacements, Point3};
 
@@ -19,16 +19,19 @@ pub struct RestPose {
 
 /// A model that predicts where the tip comes to rest.
 ///
-/// A bend is two numbers for each segment from base to tip, towards x and towards y, metres: about the displacement of a
-/// tendon that lies there. It says how the tendons are loaded; the displacements that this takes are part of the pose.
+/// A bend is two numbers for each segment from base to tip, towards x and towards y, metres: about
+/// the displacement of a tendon that lies there. It says how the tendons are loaded; the
+/// displacements that this takes are part of the pose.
 pub trait TipModel: Send {
     /// Number of components of a bend.
     fn bends(&self) -> usize;
 
-    /// Forgets earlier questions: a trial does not depend on those before it, not even in the last digit.
+    /// Forgets earlier questions: a trial does not depend on those before it, not even in the last
+    /// digit.
     fn restart(&mut self) {}
 
-    /// The pose at rest under a bend: tendons on its side are pulled, the others follow without slack and without tension.
+    /// The pose at rest under a bend: tendons on its side are pulled, the others follow without
+    /// slack and without tension.
     ///
     /// # Errors
     /// [`NoRestPose`] where the model has no equilibrium.
@@ -37,6 +40,7 @@ pub trait TipModel: Send {
     /// Derivative of that tip with respect to each component of the bend, metres per metre.
     ///
     /// # Errors
-    /// [`NoRestPose`] where the model has no equilibrium, or one at which the derivative does not exist.
+    /// [`NoRestPose`] where the model has no equilibrium, or one at which the derivative does not
+    /// exist.
     fn tip_per_bend(&mut self, bend_m: &[f64]) -> Result<Vec<Point3>, NoRestPose>;
 }

@@ -9,7 +9,8 @@ use super::tendon_layout::TendonLayout;
 pub enum TendonCommand {
     /// Pull to this displacement, metres (positive pulls).
     Pull(f64),
-    /// Follow the shape without slack and without tension; the observation reports the displacement this took.
+    /// Follow the shape without slack and without tension; the observation reports the displacement
+    /// this took.
     Follow,
 }
 
@@ -51,7 +52,8 @@ pub trait Plant: Send {
     fn points(&self) -> Vec<String> {
         Vec::new()
     }
-    /// Which tendons bend which part, and where they lie; evenly around one segment where a plant does not know better.
+    /// Which tendons bend which part, and where they lie; evenly around one segment where a plant
+    /// does not know better.
     fn tendon_layout(&self) -> TendonLayout {
         TendonLayout::ring(self.tendons())
     }
@@ -63,7 +65,8 @@ pub trait Plant: Send {
     fn drive(&mut self, commands: &[TendonCommand]) -> Result<Observation, PlantError>;
     /// [`Plant::drive`] with every tendon pulled to a displacement in metres.
     fn step(&mut self, pulls_m: &[f64]) -> Result<Observation, PlantError> {
-        let commands: Vec<TendonCommand> = pulls_m.iter().map(|&pull_m| TendonCommand::Pull(pull_m)).collect();
+        let commands: Vec<TendonCommand> =
+            pulls_m.iter().map(|&pull_m| TendonCommand::Pull(pull_m)).collect();
         self.drive(&commands)
     }
 }
@@ -103,8 +106,15 @@ pub enum PolicyError {
 
 impl PolicyError {
     /// Error unless all `values` are finite.
-    pub fn unless_finite<'a>(what: &'static str, values: impl IntoIterator<Item = &'a f64>) -> Result<(), PolicyError> {
-        if values.into_iter().all(|value| value.is_finite()) { Ok(()) } else { Err(PolicyError::NotFinite(what)) }
+    pub fn unless_finite<'a>(
+        what: &'static str,
+        values: impl IntoIterator<Item = &'a f64>,
+    ) -> Result<(), PolicyError> {
+        if values.into_iter().all(|value| value.is_finite()) {
+            Ok(())
+        } else {
+            Err(PolicyError::NotFinite(what))
+        }
     }
 }
 

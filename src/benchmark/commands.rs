@@ -19,7 +19,8 @@ pub struct Commands {
     pub trials: Vec<Rows>,
 }
 
-/// Commands as in the paper's data collection: random exploration of the model, each trial from rest at home.
+/// Commands as in the paper's data collection: random exploration of the model, each trial from
+/// rest at home.
 ///
 /// # Errors
 /// [`BenchmarkError::Commands`] if the exploration fails.
@@ -29,9 +30,11 @@ pub fn explore_commands(
     step_s: f64,
     seed: Seed,
 ) -> Result<Commands, BenchmarkError> {
-    let mut plant = Simulated::new(model, &[], SimulatedOptions { step_s, ..SimulatedOptions::default() });
+    let mut plant =
+        Simulated::new(model, &[], SimulatedOptions { step_s, ..SimulatedOptions::default() });
     let samples = explore(&mut plant, options, seed)?;
-    let trial = |range: std::ops::Range<usize>| samples.pulls_m.select(&range.collect::<Vec<usize>>());
+    let trial =
+        |range: std::ops::Range<usize>| samples.pulls_m.select(&range.collect::<Vec<usize>>());
     Ok(Commands { step_s, trials: samples.trajectories().into_iter().map(trial).collect() })
 }
 
@@ -46,7 +49,8 @@ impl Commands {
         self.len() == 0
     }
 
-    /// Simulated tip before each command with `extra` effects, metres; none if the simulation fails.
+    /// Simulated tip before each command with `extra` effects, metres; none if the simulation
+    /// fails.
     pub fn tips_m(&self, model: &Model, extra: &[EffectSpec]) -> Option<Vec<Point3>> {
         let mut tips = Vec::with_capacity(self.len());
         for commands in &self.trials {
@@ -70,6 +74,7 @@ impl Commands {
 
 /// Rms distance between two tip paths, metres.
 pub(crate) fn rms_distance_m(first: &[Point3], second: &[Point3]) -> f64 {
-    let square = |(a, b): (&Point3, &Point3)| (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum::<f64>();
+    let square =
+        |(a, b): (&Point3, &Point3)| (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum::<f64>();
     (first.iter().zip(second).map(square).sum::<f64>() / first.len().max(1) as f64).sqrt()
 }

@@ -21,7 +21,10 @@ pub enum BenchmarkError {
         tried: usize,
     },
     /// The oracle found no candidate of the requested group.
-    #[error("{tried} candidates, and none of them is {group} the span of the catalogue: expected at least one")]
+    #[error(
+        "{tried} candidates, and none of them is {group} the span of the catalogue: expected at \
+         least one"
+    )]
     NoneFound {
         /// `outside` or `inside`.
         group: &'static str,

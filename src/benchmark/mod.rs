@@ -1,11 +1,12 @@
-//! Blind benchmark of discovery (docs/blind_benchmark.md): a recording of a robot with an injected effect, the sealed
-//! truth, and the score of an answer.
+//! Blind benchmark of discovery (docs/blind_benchmark.md): a recording of a robot with an injected
+//! effect, the sealed truth, and the score of an answer.
 //!
-//! The truth differs from the fitted model: finer grid and time steps, uncertain parameters drawn anew for every
-//! robot, other laws for some effects, and noise.
+//! The truth differs from the fitted model: finer grid and time steps, uncertain parameters drawn
+//! anew for every robot, other laws for some effects, and noise.
 //!
-//! Order: options and commands, `injection` (effects and disturbances), `truth`, `oracle` (what the catalogue can
-//! imitate), `drawing` (of a case), `public_case`, `recorded` (cases of others), `scores`.
+//! Order: options and commands, `injection` (effects and disturbances), `truth`, `oracle` (what the
+//! catalogue can imitate), `drawing` (of a case), `public_case`, `recorded` (cases of others),
+//! `scores`.
 
 mod commands;
 mod drawing;

@@ -18,8 +18,8 @@ pub enum CaseGroup {
     Single,
     /// Two effects of the catalogue.
     Pair,
-    /// Something that no small set of effects imitates: a disturbance outside the catalogue, or an effect removed from
-    /// it.
+    /// Something that no small set of effects imitates: a disturbance outside the catalogue, or an
+    /// effect removed from it.
     Outside,
     /// An effect removed from the catalogue that a small set of others imitates.
     Inside,
@@ -98,7 +98,11 @@ impl CaseBatch {
     /// [`BadOption`] names the first one.
     pub fn check(&self) -> Result<(), BadOption> {
         let counted = |key, value: usize, range: RangeInclusive<usize>, expected| {
-            if range.contains(&value) { Ok(()) } else { Err(BadOption { key, found: value.to_string(), expected }) }
+            if range.contains(&value) {
+                Ok(())
+            } else {
+                Err(BadOption { key, found: value.to_string(), expected })
+            }
         };
         counted("cases", self.cases, 1..=MAX_CASES, "1 to 100000")?;
         counted("trials", self.trials, 2..=self.samples / 2, "at least 2, and 2 samples in each")?;
@@ -110,15 +114,25 @@ impl CaseBatch {
         within("noise_m", self.noise_m, "above 0 and up to 0.05 m")?;
         let some = |key, empty: bool| {
             let found = "an empty list".to_owned();
-            if empty { Err(BadOption { key, found, expected: "at least one value" }) } else { Ok(()) }
+            if empty {
+                Err(BadOption { key, found, expected: "at least one value" })
+            } else {
+                Ok(())
+            }
         };
         some("shifts_m", self.shifts_m.is_empty())?;
-        self.shifts_m.iter().try_for_each(|&shift| within("shifts_m", shift, "above 0 and up to 0.05 m"))?;
+        self.shifts_m
+            .iter()
+            .try_for_each(|&shift| within("shifts_m", shift, "above 0 and up to 0.05 m"))?;
         some("correlations", self.correlations.is_empty())?;
         self.correlations.iter().try_for_each(|&correlation| {
             let good = (0.0..1.0).contains(&correlation);
             let found = correlation.to_string();
-            if good { Ok(()) } else { Err(BadOption { key: "correlations", found, expected: "0 to below 1" }) }
+            if good {
+                Ok(())
+            } else {
+                Err(BadOption { key: "correlations", found, expected: "0 to below 1" })
+            }
         })
     }
 }
@@ -142,7 +156,13 @@ pub struct TruthOptions {
 impl Default for TruthOptions {
     fn default() -> Self {
         // At 1e-5 m the error of dry friction is 0.08 mm, more than the error of the answer's fit.
-        TruthOptions { cell_m: 0.008, bending_modes: 8, time_step_s: 0.05, motion_tolerance_m: 1e-6, other_laws: true }
+        TruthOptions {
+            cell_m: 0.008,
+            bending_modes: 8,
+            time_step_s: 0.05,
+            motion_tolerance_m: 1e-6,
+            other_laws: true,
+        }
     }
 }
 
@@ -155,7 +175,8 @@ impl TruthOptions {
         BadOption::unless_positive("cell_m", self.cell_m)?;
         BadOption::unless_positive("time_step_s", self.time_step_s)?;
         BadOption::unless_positive("motion_tolerance_m", self.motion_tolerance_m)?;
-        let robot = Robot { resolution: self.resolution(&Resolution::default()), ..Robot::default() };
+        let robot =
+            Robot { resolution: self.resolution(&Resolution::default()), ..Robot::default() };
         robot.check().map_err(|(_, error)| error)
     }
 
@@ -187,7 +208,12 @@ pub struct OracleOptions {
 
 impl Default for OracleOptions {
     fn default() -> Self {
-        OracleOptions { outside_above: 0.6, inside_below: 0.2, most_effects: 3, cases_per_commands: 10 }
+        OracleOptions {
+            outside_above: 0.6,
+            inside_below: 0.2,
+            most_effects: 3,
+            cases_per_commands: 10,
+        }
     }
 }
 
@@ -200,7 +226,11 @@ impl OracleOptions {
         BadOption::unless_positive("inside_below", self.inside_below)?;
         if !(self.outside_above.is_finite() && self.outside_above >= self.inside_below) {
             let found = self.outside_above.to_string();
-            return Err(BadOption { key: "outside_above", found, expected: "at least inside_below" });
+            return Err(BadOption {
+                key: "outside_above",
+                found,
+                expected: "at least inside_below",
+            });
         }
         if !(1..=3).contains(&self.most_effects) {
             let found = self.most_effects.to_string();
@@ -210,8 +240,8 @@ impl OracleOptions {
     }
 }
 
-/// Prior of an uncertain parameter: normal about the value without influence; components of vectors and tendons are
-/// independent.
+/// Prior of an uncertain parameter: normal about the value without influence; components of vectors
+/// and tendons are independent.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Prior {
     /// Effect that has the parameter.

@@ -21,7 +21,8 @@ pub struct PublicCase {
     pub left_out: Vec<String>,
 }
 
-/// Plays the commands on the true robot and measures with noise, of this correlation from one sample to the next.
+/// Plays the commands on the true robot and measures with noise, of this correlation from one
+/// sample to the next.
 ///
 /// # Errors
 /// [`BenchmarkError::NoRobot`] when the robot cannot follow.
@@ -38,8 +39,8 @@ pub fn measure_case(
     Ok(PublicCase { commands: commands.clone(), tips_m, left_out: truth.left_out.clone() })
 }
 
-/// Adds AR(1) noise with this standard deviation by axis, metres, and this correlation of consecutive samples.
-/// `trials`: number of samples of each trial; trials are independent.
+/// Adds AR(1) noise with this standard deviation by axis, metres, and this correlation of
+/// consecutive samples. `trials`: number of samples of each trial; trials are independent.
 pub fn add_noise(
     tips_m: &mut [Point3],
     trials: impl Iterator<Item = usize>,
@@ -56,7 +57,11 @@ pub fn add_noise(
         for (row, tip) in tips_m[start..start + count].iter_mut().enumerate() {
             for (axis, value) in tip.iter_mut().enumerate() {
                 let drawn: f64 = StandardNormal.sample(&mut random);
-                state[axis] = if row == 0 { drawn } else { correlation * state[axis] + innovation_share * drawn };
+                state[axis] = if row == 0 {
+                    drawn
+                } else {
+                    correlation * state[axis] + innovation_share * drawn
+                };
                 *value += noise_m * state[axis];
             }
         }
@@ -94,7 +99,8 @@ mod tests {
             for axis in 0..3 {
                 let all = column(axis);
                 let variance = all.iter().map(|x| x * x).sum::<f64>() / all.len() as f64;
-                let next: f64 = all.windows(2).map(|two| two[0] * two[1]).sum::<f64>() / all.len() as f64;
+                let next: f64 =
+                    all.windows(2).map(|two| two[0] * two[1]).sum::<f64>() / all.len() as f64;
                 assert!((variance.sqrt() / 5e-4 - 1.0).abs() < 0.03, "{}", variance.sqrt());
                 assert!((next / variance - correlation).abs() < 0.03, "{}", next / variance);
             }

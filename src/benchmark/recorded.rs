@@ -17,9 +17,9 @@ use crate::effects::EffectSpec;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RecordedCases {
-    /// The table: `file`, `effects` (names joined by ` + ` or `+`), `parameters` (JSON, as `effects:` of a model) and
-    /// `rms_shift_m`. Names of recordings count from its folder; its own name counts from the folder in
-    /// which the program runs, as that of a replay does.
+    /// The table: `file`, `effects` (names joined by ` + ` or `+`), `parameters` (JSON, as
+    /// `effects:` of a model) and `rms_shift_m`. Names of recordings count from its folder; its own
+    /// name counts from the folder in which the program runs, as that of a replay does.
     pub truth: PathBuf,
     /// Recording of the robot as built, from the folder of the table. It is no case.
     #[serde(default)]
@@ -62,8 +62,13 @@ impl RecordedCases {
     /// [`BadOption`] names the first one.
     pub fn check(&self) -> Result<(), BadOption> {
         BadOption::unless_positive("noise_m", self.noise_m)?;
-        let expected = "a table of recordings that can be read, with `file`, `effects`, `parameters` and `rms_shift_m`";
-        self.cases().map(drop).map_err(|error| BadOption { key: "truth", found: error.to_string(), expected })
+        let expected = "a table of recordings that can be read, with `file`, `effects`, \
+                        `parameters` and `rms_shift_m`";
+        self.cases().map(drop).map_err(|error| BadOption {
+            key: "truth",
+            found: error.to_string(),
+            expected,
+        })
     }
 
     /// The cases of the table, in its order.
@@ -74,7 +79,8 @@ impl RecordedCases {
         let folder = self.truth.parent().unwrap_or(Path::new(""));
         let baseline = self.baseline.as_ref().map(|name| folder.join(name));
         let lines: Vec<TruthLine> = read_csv(&self.truth)?;
-        let others = lines.iter().enumerate().filter(|(_, line)| Some(folder.join(&line.file)) != baseline);
+        let others =
+            lines.iter().enumerate().filter(|(_, line)| Some(folder.join(&line.file)) != baseline);
         let case = |(row, line): (usize, &TruthLine)| {
             let truth = truth(line).ok_or_else(|| self.unreadable(row, line))?;
             self.case(truth, folder.join(&line.file), baseline.clone())
@@ -82,7 +88,12 @@ impl RecordedCases {
         others.map(case).collect()
     }
 
-    fn case(&self, truth: Truth, recording: PathBuf, baseline: Option<PathBuf>) -> Result<RecordedCase, DataError> {
+    fn case(
+        &self,
+        truth: Truth,
+        recording: PathBuf,
+        baseline: Option<PathBuf>,
+    ) -> Result<RecordedCase, DataError> {
         let measured = Recording::read(&recording)?;
         let batch = CaseBatch {
             group: group(&truth),
@@ -103,19 +114,23 @@ impl RecordedCases {
             place: format!("line {}", row + 2),
             column: "parameters".to_owned(),
             found: line.parameters.clone(),
-            expected: "a JSON list of these effects, each with its parameters as in `effects:` of a model".to_owned(),
+            expected:
+                "a JSON list of these effects, each with its parameters as in `effects:` of a model"
+                    .to_owned(),
         }
     }
 }
 
-/// The truth of a line: effects of the catalogue if all names are in it, else something outside it. None where effects of
-/// the catalogue have parameters that cannot be read.
+/// The truth of a line: effects of the catalogue if all names are in it, else something outside it.
+/// None where effects of the catalogue have parameters that cannot be read.
 fn truth(line: &TruthLine) -> Option<Truth> {
-    let names: Vec<&str> = line.effects.split('+').map(str::trim).filter(|name| *name != "nothing").collect();
+    let names: Vec<&str> =
+        line.effects.split('+').map(str::trim).filter(|name| *name != "nothing").collect();
     let in_catalogue = names.iter().all(|name| card(name).is_some());
     let hidden = if in_catalogue { parameters(&line.parameters)? } else { Vec::new() };
     let names_match = |(hidden, name): (&InjectedEffect, &&str)| hidden.name == *name;
-    if in_catalogue && (hidden.len() != names.len() || !hidden.iter().zip(&names).all(names_match)) {
+    if in_catalogue && (hidden.len() != names.len() || !hidden.iter().zip(&names).all(names_match))
+    {
         return None;
     }
     Some(Truth {
@@ -142,15 +157,22 @@ fn injected(effect: &EffectSpec) -> Option<InjectedEffect> {
     let value = |name: &str| {
         let field = match name.split_once('[') {
             None => fields.get(name)?,
-            Some((vector, index)) => fields.get(vector)?.get(index.trim_end_matches(']').parse::<usize>().ok()?)?,
+            Some((vector, index)) => {
+                fields.get(vector)?.get(index.trim_end_matches(']').parse::<usize>().ok()?)?
+            }
         };
         field.as_f64().or_else(|| field.as_bool().map(f64::from))
     };
-    let values = card.parameters.iter().map(|parameter| value(parameter.name)).collect::<Option<Vec<f64>>>()?;
+    let values = card
+        .parameters
+        .iter()
+        .map(|parameter| value(parameter.name))
+        .collect::<Option<Vec<f64>>>()?;
     Some(InjectedEffect { name: card.name.to_owned(), values, other_law: false })
 }
 
-/// What moves the tip by nothing is nothing, whatever its name; an effect that the catalogue does not have is outside it.
+/// What moves the tip by nothing is nothing, whatever its name; an effect that the catalogue does
+/// not have is outside it.
 fn group(truth: &Truth) -> CaseGroup {
     match (truth.hidden.len(), &truth.unknown) {
         _ if truth.shift_m == 0.0 => CaseGroup::Nothing,
@@ -171,13 +193,18 @@ mod tests {
 
     #[test]
     fn a_line_is_one_effect_two_nothing_or_something_outside_the_catalogue() {
-        let force = told("tip_force", r#"[{"tip_force": {"force_n": [0.0, 0.05, 0.0]}}]"#, 0.003).unwrap();
-        assert_eq!((group(&force), force.hidden[0].values.as_slice()), (CaseGroup::Single, &[0.0, 0.05, 0.0][..]));
+        let force =
+            told("tip_force", r#"[{"tip_force": {"force_n": [0.0, 0.05, 0.0]}}]"#, 0.003).unwrap();
+        assert_eq!(
+            (group(&force), force.hidden[0].values.as_slice()),
+            (CaseGroup::Single, &[0.0, 0.05, 0.0][..])
+        );
         let both = r#"[{"tip_load": {"mass_kg": 0.005}}, {"backlash": {"width_m": 0.003}}]"#;
         let pair = told("tip_load + backlash", both, 0.006).unwrap();
         assert_eq!((group(&pair), pair.name().as_str()), (CaseGroup::Pair, "backlash + tip_load"));
         assert_eq!(group(&told("nothing", "[]", 0.0).unwrap()), CaseGroup::Nothing);
-        let noise = told("coloured_noise", r#"[{"coloured_noise": {"correlation": 0.6}}]"#, 0.0).unwrap();
+        let noise =
+            told("coloured_noise", r#"[{"coloured_noise": {"correlation": 0.6}}]"#, 0.0).unwrap();
         assert_eq!(group(&noise), CaseGroup::Nothing);
         let wall = told("wall", r#"[{"wall": {"y_m": -0.045}}]"#, 0.007).unwrap();
         assert_eq!((group(&wall), wall.name().as_str()), (CaseGroup::Outside, "wall"));
@@ -186,7 +213,10 @@ mod tests {
     #[test]
     fn effects_of_the_catalogue_need_parameters_that_can_be_read() {
         assert_eq!(told("tip_load", r#"[{"tip_load": {"mass": 0.005}}]"#, 0.004), None);
-        assert_eq!(told("tip_load + backlash", r#"[{"tip_load": {"mass_kg": 0.005}}]"#, 0.004), None);
+        assert_eq!(
+            told("tip_load + backlash", r#"[{"tip_load": {"mass_kg": 0.005}}]"#, 0.004),
+            None
+        );
         assert_eq!(told("tip_load", r#"[{"backlash": {"width_m": 0.003}}]"#, 0.004), None);
     }
 
@@ -194,8 +224,11 @@ mod tests {
     fn the_other_simulators_recordings_are_cases_and_its_baseline_is_none() {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/twin");
         let baseline = Some(PathBuf::from("baseline.csv"));
-        let cases = RecordedCases { truth: folder.join("truth.csv"), baseline, noise_m: noise_m() }.cases().unwrap();
-        let count = |group: CaseGroup| cases.iter().filter(|case| case.batch.group == group).count();
+        let cases = RecordedCases { truth: folder.join("truth.csv"), baseline, noise_m: noise_m() }
+            .cases()
+            .unwrap();
+        let count =
+            |group: CaseGroup| cases.iter().filter(|case| case.batch.group == group).count();
         assert_eq!(cases.len(), 39);
         assert_eq!([CaseGroup::Single, CaseGroup::Pair, CaseGroup::Nothing].map(count), [22, 5, 6]);
         assert!(cases.iter().all(|case| case.batch.samples == 400 && case.batch.trials == 8));

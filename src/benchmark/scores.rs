@@ -44,7 +44,11 @@ pub struct AnsweredEffect {
 
 impl CaseAnswer {
     /// From findings and the held-out errors of both alternatives, metres.
-    pub fn new(findings: &Findings, stiffness_only_m: Option<f64>, gp_m: Option<f64>) -> CaseAnswer {
+    pub fn new(
+        findings: &Findings,
+        stiffness_only_m: Option<f64>,
+        gp_m: Option<f64>,
+    ) -> CaseAnswer {
         CaseAnswer {
             verdict: findings.verdict,
             effects: findings.effects.iter().map(AnsweredEffect::new).collect(),
@@ -57,7 +61,8 @@ impl CaseAnswer {
     }
 
     fn names(&self) -> Vec<String> {
-        let mut names: Vec<String> = self.effects.iter().map(|effect| effect.name.clone()).collect();
+        let mut names: Vec<String> =
+            self.effects.iter().map(|effect| effect.name.clone()).collect();
         names.sort_unstable();
         names
     }
@@ -111,14 +116,23 @@ pub struct ScoredCase {
 }
 
 /// Scores an answered case.
-pub fn score(setting: CaseSetting, model: &Model, truth: &Truth, answer: &CaseAnswer) -> ScoredCase {
+pub fn score(
+    setting: CaseSetting,
+    model: &Model,
+    truth: &Truth,
+    answer: &CaseAnswer,
+) -> ScoredCase {
     let mut row = row(setting, Some(truth));
     let mut intervals = Vec::new();
     row.verdict = answer.verdict.name().to_owned();
     row.answer = answer.names().join(" + ");
     (row.right, row.in_group) = is_right(setting.batch.group, truth, answer);
     if row.right {
-        let errors: Vec<f64> = truth.hidden.iter().filter_map(|hidden| strength_error(model, hidden, answer)).collect();
+        let errors: Vec<f64> = truth
+            .hidden
+            .iter()
+            .filter_map(|hidden| strength_error(model, hidden, answer))
+            .collect();
         row.strength_error = if errors.is_empty() { f64::NAN } else { quantile(&errors, 0.5) };
         // Parameters of another law are not comparable.
         let comparable = truth.hidden.iter().filter(|hidden| !hidden.other_law);
@@ -170,15 +184,18 @@ fn is_right(group: CaseGroup, truth: &Truth, answer: &CaseAnswer) -> (bool, bool
     match group {
         CaseGroup::Nothing => both(answer.verdict == Verdict::Consistent),
         CaseGroup::Outside => both(answer.verdict == Verdict::Unexplained),
-        // The true effect is excluded from the catalogue, so `ambiguous` and `unexplained` are right.
+        // The true effect is excluded from the catalogue, so `ambiguous` and `unexplained` are
+        // right.
         CaseGroup::Inside => {
             let group = answer.verdict == Verdict::Ambiguous;
             (group || answer.verdict == Verdict::Unexplained, group)
         }
         CaseGroup::Single | CaseGroup::Pair => {
-            let mut names: Vec<&str> = truth.hidden.iter().map(|hidden| hidden.name.as_str()).collect();
+            let mut names: Vec<&str> =
+                truth.hidden.iter().map(|hidden| hidden.name.as_str()).collect();
             names.sort_unstable();
-            let all_answered = truth.hidden.iter().all(|hidden| answered_effect(hidden, answer).is_some());
+            let all_answered =
+                truth.hidden.iter().all(|hidden| answered_effect(hidden, answer).is_some());
             let right = answer.verdict == Verdict::Named && answer.names() == names && all_answered;
             // A group lists the effects of all its sets, each with its tendon.
             (right, right || answer.verdict == Verdict::Ambiguous && all_answered)
@@ -191,12 +208,18 @@ fn both(right: bool) -> (bool, bool) {
 }
 
 /// The effect of the answer with the same name and, if it acts on one, the same tendon.
-fn answered_effect<'a>(hidden: &InjectedEffect, answer: &'a CaseAnswer) -> Option<&'a AnsweredEffect> {
+fn answered_effect<'a>(
+    hidden: &InjectedEffect,
+    answer: &'a CaseAnswer,
+) -> Option<&'a AnsweredEffect> {
     let card = hidden.card()?;
     let is_answer = |answered: &&AnsweredEffect| {
         let tendon = card.parameters.iter().position(|parameter| parameter.seek == Seek::Tendon);
         let same_tendon = tendon.is_none_or(|index| {
-            answered.values.get(card.parameters[index].name).is_some_and(|tendon| *tendon == hidden.values[index])
+            answered
+                .values
+                .get(card.parameters[index].name)
+                .is_some_and(|tendon| *tendon == hidden.values[index])
         });
         answered.name == hidden.name && same_tendon
     };
@@ -219,7 +242,9 @@ fn strength_error(model: &Model, hidden: &InjectedEffect, answer: &CaseAnswer) -
 
 /// Intervals of the parameters of an effect with the true values.
 fn intervals(row: &CaseRow, hidden: &InjectedEffect, answer: &CaseAnswer) -> Vec<IntervalRow> {
-    let (Some(card), Some(answered)) = (hidden.card(), answered_effect(hidden, answer)) else { return Vec::new() };
+    let (Some(card), Some(answered)) = (hidden.card(), answered_effect(hidden, answer)) else {
+        return Vec::new();
+    };
     let interval_row = |(parameter, truth): (&Parameter, f64)| {
         let &[low, high] = answered.intervals.get(parameter.name)?;
         Some(IntervalRow {
@@ -237,15 +262,17 @@ fn intervals(row: &CaseRow, hidden: &InjectedEffect, answer: &CaseAnswer) -> Vec
     card.parameters.iter().zip(as_answered(hidden, answered)).filter_map(interval_row).collect()
 }
 
-/// True values in the convention of the answer: axes a quarter turn apart with opposite ratio are equal, and so are
-/// axes half a turn apart.
+/// True values in the convention of the answer: axes a quarter turn apart with opposite ratio are
+/// equal, and so are axes half a turn apart.
 fn as_answered(hidden: &InjectedEffect, answered: &AnsweredEffect) -> Vec<f64> {
     use std::f64::consts::{FRAC_PI_2, PI};
     let mut values = hidden.values.clone();
     if hidden.name != "anisotropic_stiffness" {
         return values;
     }
-    let (Some(ratio), Some(angle)) = (answered.values.get("ratio"), answered.values.get("angle_rad")) else {
+    let (Some(ratio), Some(angle)) =
+        (answered.values.get("ratio"), answered.values.get("angle_rad"))
+    else {
         return values;
     };
     if ratio.signum() != values[0].signum() {

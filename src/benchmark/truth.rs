@@ -40,8 +40,8 @@ impl Truth {
     }
 }
 
-/// Simulated tip of `model` under `commands` with these uncertain parameters, effects and disturbance, metres; none if
-/// the simulation fails.
+/// Simulated tip of `model` under `commands` with these uncertain parameters, effects and
+/// disturbance, metres; none if the simulation fails.
 pub(crate) fn tips_m(
     model: &Model,
     commands: &Commands,
@@ -49,8 +49,11 @@ pub(crate) fn tips_m(
     hidden: &[InjectedEffect],
     unknown: Option<&Disturbance>,
 ) -> Option<Vec<Point3>> {
-    let effects =
-        uncertain.iter().chain(hidden).map(InjectedEffect::effects).collect::<Option<Vec<Vec<EffectSpec>>>>()?;
+    let effects = uncertain
+        .iter()
+        .chain(hidden)
+        .map(InjectedEffect::effects)
+        .collect::<Option<Vec<Vec<EffectSpec>>>>()?;
     let extra: Vec<EffectSpec> = effects.into_iter().flatten().collect();
     let Some(unknown) = unknown else { return commands.tips_m(model, &extra) };
     let tips_m = unknown.drives(commands).tips_m(model, &extra)?;
@@ -62,13 +65,19 @@ pub(crate) fn tips_m(
 /// # Errors
 /// [`BenchmarkError::Option`].
 pub(crate) fn check_prior(prior: &Prior) -> Result<(), BenchmarkError> {
-    let is_parameter = card(&prior.effect)
-        .is_some_and(|card| card.parameters.iter().any(|parameter| is_component_of(parameter.name, prior)));
+    let is_parameter = card(&prior.effect).is_some_and(|card| {
+        card.parameters.iter().any(|parameter| is_component_of(parameter.name, prior))
+    });
     let found = format!("{}.{}", prior.effect, prior.parameter);
     if is_parameter {
         return Ok(());
     }
-    Err(BadOption { key: "uncertain", found, expected: "an effect of the catalogue and one of its parameters" }.into())
+    Err(BadOption {
+        key: "uncertain",
+        found,
+        expected: "an effect of the catalogue and one of its parameters",
+    }
+    .into())
 }
 
 /// Whether a parameter is that of the prior or a component of it.
@@ -76,15 +85,21 @@ pub(crate) fn is_component_of(parameter: &str, prior: &Prior) -> bool {
     parameter.split('[').next() == Some(prior.parameter.as_str())
 }
 
-/// Draws the uncertain parameters of a robot from their priors: one effect each, for each tendon if it acts on one.
-pub(crate) fn draw_uncertain(priors: &[Prior], model: &Model, deviate: &mut Generator) -> Vec<InjectedEffect> {
+/// Draws the uncertain parameters of a robot from their priors: one effect each, for each tendon if
+/// it acts on one.
+pub(crate) fn draw_uncertain(
+    priors: &[Prior],
+    model: &Model,
+    deviate: &mut Generator,
+) -> Vec<InjectedEffect> {
     let mut drawn = Vec::new();
     for prior in priors {
         let Some(card) = card(&prior.effect) else { continue };
         let tendon = card.parameters.iter().position(|parameter| parameter.seek == Seek::Tendon);
         let count = if tendon.is_some() { model.robot.tendons.angles_deg.len() } else { 1 };
         for number in 1..=count {
-            let mut values: Vec<f64> = card.parameters.iter().map(|parameter| null_value(parameter, model)).collect();
+            let mut values: Vec<f64> =
+                card.parameters.iter().map(|parameter| null_value(parameter, model)).collect();
             for (value, parameter) in values.iter_mut().zip(card.parameters) {
                 if is_component_of(parameter.name, prior) {
                     let deviate: f64 = StandardNormal.sample(deviate);

@@ -26,20 +26,33 @@ pub(super) fn stages(model: &Model, at_rest: bool) -> Vec<NumberGroup> {
             "compliance of the tendons",
             &["robot.tendons.compliance_m_per_n", "robot.tendons.compliance_m_per_n[+]"],
         ),
-        stage("pretension of each tendon", &[&prior("robot.tendons.pretension_m[*]", 0.01 * length_m)])
-            // One number for all must become a list before its entries can be named.
-            .prepared(|model| each(&mut model.robot.tendons.pretension_m, model.robot.tendons.angles_deg.len())),
-        stage("compliance of each tendon", &["robot.tendons.compliance_m_per_n[*]"])
-            .prepared(|model| each(&mut model.robot.tendons.compliance_m_per_n, model.robot.tendons.angles_deg.len())),
-        // A weak prior keeps what the data hardly tell near the drawing: ten degrees, a tenth of the distance.
+        stage(
+            "pretension of each tendon",
+            &[&prior("robot.tendons.pretension_m[*]", 0.01 * length_m)],
+        )
+        // One number for all must become a list before its entries can be named.
+        .prepared(|model| {
+            each(&mut model.robot.tendons.pretension_m, model.robot.tendons.angles_deg.len())
+        }),
+        stage("compliance of each tendon", &["robot.tendons.compliance_m_per_n[*]"]).prepared(
+            |model| {
+                each(
+                    &mut model.robot.tendons.compliance_m_per_n,
+                    model.robot.tendons.angles_deg.len(),
+                )
+            },
+        ),
+        // A weak prior keeps what the data hardly tell near the drawing: ten degrees, a tenth of
+        // the distance.
         stage("turn of all holes", &["robot.tendons.angles_deg[+]"]),
         stage("angle of each hole", &[&prior("robot.tendons.angles_deg[*]", 10.0)]),
         stage("distance of the holes", &["robot.tendons.radius_m"]),
-        stage("distance of each hole", &[&prior("robot.tendons.radii_m[*]", 0.1 * radius_m)]).prepared(|model| {
-            let tendons = &mut model.robot.tendons;
-            let radius_m = tendons.radius_m;
-            tendons.radii_m.get_or_insert_with(|| vec![radius_m; tendons.angles_deg.len()]);
-        }),
+        stage("distance of each hole", &[&prior("robot.tendons.radii_m[*]", 0.1 * radius_m)])
+            .prepared(|model| {
+                let tendons = &mut model.robot.tendons;
+                let radius_m = tendons.radius_m;
+                tendons.radii_m.get_or_insert_with(|| vec![radius_m; tendons.angles_deg.len()]);
+            }),
         stage(
             "place of the tracked points",
             &[
@@ -49,7 +62,10 @@ pub(super) fn stages(model: &Model, at_rest: bool) -> Vec<NumberGroup> {
         ),
         stage(
             "torsional stiffness",
-            &["robot.backbone.torsion_stiffness_n_m2", "robot.backbone.pieces[*].torsion_stiffness_n_m2"],
+            &[
+                "robot.backbone.torsion_stiffness_n_m2",
+                "robot.backbone.pieces[*].torsion_stiffness_n_m2",
+            ],
         ),
         stage("rest curvature", &["robot.backbone.pieces[*].rest_curvature_rad_m[*]"]),
         stage("anisotropy", &["robot.backbone.pieces[*].anisotropy"]),

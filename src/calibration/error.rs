@@ -60,8 +60,8 @@ pub enum CalibrationError {
     NothingTracked,
     /// The model cannot follow the commands.
     #[error(
-        "the model cannot simulate these commands: {failed} of {rows} rows have no solution, first trial {trial}, \
-         {time_s} s"
+        "the model cannot simulate these commands: {failed} of {rows} rows have no solution, first \
+         trial {trial}, {time_s} s"
     )]
     NotSimulated {
         /// Rows without a solution.

@@ -1,6 +1,6 @@
-//! Calibration of a model from a recording (paper, section III-B: Young's modulus from known tendon tensions and the tracked
-//! tip): any numbers of the model file, fitted to every tracked point, with what the fit leaves and what it does not tell.
-//! Methods: `docs/calibration.md`.
+//! Calibration of a model from a recording (paper, section III-B: Young's modulus from known tendon
+//! tensions and the tracked tip): any numbers of the model file, fitted to every tracked point,
+//! with what the fit leaves and what it does not tell. Methods: `docs/calibration.md`.
 
 mod auto;
 mod compare;
@@ -38,8 +38,8 @@ pub const AUTO: &str = "auto";
 /// What to fit and how.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CalibrationOptions {
-    /// Numbers to fit: short names, or paths of the model file, with `*` for groups, `=start` and `~deviation`; or only
-    /// [`AUTO`].
+    /// Numbers to fit: short names, or paths of the model file, with `*` for groups, `=start` and
+    /// `~deviation`; or only [`AUTO`].
     pub fit: Vec<String>,
     /// Whether an entry stays only where it lowers the cross-validated error, as with [`AUTO`].
     pub select: bool,
@@ -87,12 +87,12 @@ struct Fitted {
     noise: Option<(NoiseEstimate, f64, Option<Misfit>)>,
 }
 
-/// Fits numbers of `model` so that the simulated points of `measured` agree with the measured ones. Rows without tracking are
-/// left out.
+/// Fits numbers of `model` so that the simulated points of `measured` agree with the measured ones.
+/// Rows without tracking are left out.
 ///
 /// # Errors
-/// [`CalibrationError`] for a name that is no number of the model, a number without effect, too few data, commands that the
-/// model cannot simulate, or nothing to hold out.
+/// [`CalibrationError`] for a name that is no number of the model, a number without effect, too few
+/// data, commands that the model cannot simulate, or nothing to hold out.
 pub fn calibrate(
     model: &Model,
     measured: &Recording,
@@ -110,15 +110,24 @@ pub fn calibrate(
     let chosen = if selects {
         select::select(model, &comparison, &blocks, &stages(model, options)?)?
     } else {
-        Selection { model: model.clone(), start: vec![0.0; named.len()], numbers: named, stages: Vec::new() }
+        Selection {
+            model: model.clone(),
+            start: vec![0.0; named.len()],
+            numbers: named,
+            stages: Vec::new(),
+        }
     };
     let Selection { model, numbers, start, stages } = chosen;
     if 3 * comparison.sightings.len() <= numbers.len() {
         let (required, available) = (numbers.len() / 3 + 1, comparison.sightings.len());
         return Err(CalibrationError::TooFew { what: "tracked positions", required, available });
     }
-    let normal =
-        CalibrationProblem { model: &model, numbers: &numbers, comparison: &comparison, likelihood: ErrorLaw::Normal };
+    let normal = CalibrationProblem {
+        model: &model,
+        numbers: &numbers,
+        comparison: &comparison,
+        likelihood: ErrorLaw::Normal,
+    };
     let fitted = fitted(&normal, &start, options.likelihood)?;
     let problem = CalibrationProblem { likelihood: fitted.likelihood, ..normal };
     let misfit = fitted.noise.as_ref().and_then(|(.., misfit)| *misfit);
@@ -139,29 +148,45 @@ pub fn calibrate(
         None
     };
     let calibrated = problem.at(&fitted.best.x).unwrap_or_else(|| model.clone());
-    let findings = CalibrationFindings { stages, ..report::findings(&problem, &fitted, &uncertain, &blocks, held_out) };
+    let findings = CalibrationFindings {
+        stages,
+        ..report::findings(&problem, &fitted, &uncertain, &blocks, held_out)
+    };
     let sightings = residuals::rows(&comparison, &blocks, &fitted.best);
     Ok(Calibration { model: calibrated, findings, sightings })
 }
 
 /// The groups of numbers to select from: those of `--fit auto`, or one an entry.
-fn stages(model: &Model, options: &CalibrationOptions) -> Result<Vec<NumberGroup>, CalibrationError> {
+fn stages(
+    model: &Model,
+    options: &CalibrationOptions,
+) -> Result<Vec<NumberGroup>, CalibrationError> {
     if options.fit == [AUTO] {
         return Ok(auto::stages(model, options.at_rest));
     }
     entry::numbers(model, &options.fit)?;
-    let stage = |entry: &String| NumberGroup { name: entry.clone(), entries: vec![entry.clone()], prepare: |_| {} };
+    let stage = |entry: &String| NumberGroup {
+        name: entry.clone(),
+        entries: vec![entry.clone()],
+        prepare: |_| {},
+    };
     Ok(options.fit.iter().map(stage).collect())
 }
 
 /// The fit; with Student's t where that is asked for, or where least squares leaves outliers.
-fn fitted(normal: &CalibrationProblem, start: &[f64], wanted: Option<ErrorLaw>) -> Result<Fitted, CalibrationError> {
+fn fitted(
+    normal: &CalibrationProblem,
+    start: &[f64],
+    wanted: Option<ErrorLaw>,
+) -> Result<Fitted, CalibrationError> {
     let first = CalibrationProblem { likelihood: wanted.unwrap_or(ErrorLaw::Normal), ..*normal };
-    let is_good = |best: &Optimum| explained(&first, best).is_none_or(|(.., misfit)| misfit.is_none());
+    let is_good =
+        |best: &Optimum| explained(&first, best).is_none_or(|(.., misfit)| misfit.is_none());
     let (mut best, restarted) = starts::best(&first, start, &is_good)?;
     let mut likelihood = first.likelihood;
     let outliers = robust::outliers(&best.residual_m, &best.positions).len();
-    // Where the model itself errs, what lies far out is its error, which least squares must not pass over.
+    // Where the model itself errs, what lies far out is its error, which least squares must not
+    // pass over.
     if wanted.is_none() && outliers > 0 && is_good(&best) {
         let robust = CalibrationProblem { likelihood: ErrorLaw::StudentT, ..*normal };
         best = robust.fit(&best.x, starts::MAX_STEPS, optimum::CONVERGED)?;
@@ -173,12 +198,17 @@ fn fitted(normal: &CalibrationProblem, start: &[f64], wanted: Option<ErrorLaw>) 
 }
 
 /// The noise, the error that the model leaves without outliers, and the misfit beyond noise.
-fn explained(problem: &CalibrationProblem, best: &Optimum) -> Option<(NoiseEstimate, f64, Option<Misfit>)> {
+fn explained(
+    problem: &CalibrationProblem,
+    best: &Optimum,
+) -> Option<(NoiseEstimate, f64, Option<Misfit>)> {
     let noise = noise::noise(problem.comparison, &best.residual_m, &best.positions)?;
     let far = robust::outliers(&best.residual_m, &best.positions);
-    let kept: Vec<usize> =
-        (0..best.positions.len()).filter(|index| best.positions[*index].is_some() && !far.contains(index)).collect();
-    let squares: f64 = kept.iter().map(|&index| best.residual_m.rows(3 * index, 3).norm_squared()).sum();
+    let kept: Vec<usize> = (0..best.positions.len())
+        .filter(|index| best.positions[*index].is_some() && !far.contains(index))
+        .collect();
+    let squares: f64 =
+        kept.iter().map(|&index| best.residual_m.rows(3 * index, 3).norm_squared()).sum();
     let freedom = (3 * kept.len()) as f64 - problem.numbers.len() as f64;
     // Three coordinates a distance, less the numbers fitted.
     let rms_m = (3.0 * squares / freedom.max(1.0)).sqrt();

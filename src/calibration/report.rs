@@ -5,10 +5,12 @@ use super::fit::optimum::CalibrationProblem;
 use super::numbers::idle::instead;
 use super::validate::residuals;
 use super::{ErrorLaw, FitNumber, Fitted, Uncertain};
-use crate::data::calibration::{CalibratedNumber, CalibrationFindings, HeldOutError, NoiseAndMisfit, TradeOff};
+use crate::data::calibration::{
+    CalibratedNumber, CalibrationFindings, HeldOutError, NoiseAndMisfit, TradeOff,
+};
 
-/// Correlation beyond which two numbers trade against each other: one of them known, the other's interval would be less than
-/// half as wide.
+/// Correlation beyond which two numbers trade against each other: one of them known, the other's
+/// interval would be less than half as wide.
 const TRADES: f64 = 0.87;
 /// Pairs that are told.
 const MAX_PAIRS: usize = 20;
@@ -28,7 +30,8 @@ pub(super) fn findings(
         .enumerate()
         .map(|(k, number)| calibrated(number, best.x[k], uncertain.half[k]))
         .collect();
-    let start_positions = problem.at(&vec![0.0; best.x.len()]).map(|model| problem.comparison.positions(&model));
+    let start_positions =
+        problem.at(&vec![0.0; best.x.len()]).map(|model| problem.comparison.positions(&model));
     let before_m = start_positions.map_or(f64::NAN, |positions| {
         let solved = positions.iter().filter(|at| at.is_some()).count();
         (problem.residual_m(&positions).norm_squared() / solved.max(1) as f64).sqrt()
@@ -47,7 +50,8 @@ pub(super) fn findings(
             ratio: rms_m / noise.rms_m,
             beyond_noise: misfit.is_some(),
         }),
-        likelihood: if fitted.likelihood == ErrorLaw::Normal { "normal" } else { "student_t" }.to_owned(),
+        likelihood: if fitted.likelihood == ErrorLaw::Normal { "normal" } else { "student_t" }
+            .to_owned(),
         outliers: fitted.outliers,
         held_out,
         residual_groups: residuals::groups(problem.comparison, blocks, best),
@@ -100,8 +104,8 @@ fn limitations(
     let best = &fitted.best;
     match &fitted.noise {
         Some((noise, rms_m, Some(_))) => told.push(format!(
-            "The model is off by {:.3} mm where noise makes {:.3} mm (from {}). It cannot be right as it stands, whatever these \
-             numbers are. {}",
+            "The model is off by {:.3} mm where noise makes {:.3} mm (from {}). It cannot be right \
+             as it stands, whatever these numbers are. {}",
             1e3 * rms_m,
             1e3 * noise.rms_m,
             noise.from,
@@ -109,12 +113,14 @@ fn limitations(
         )),
         Some(_) => {}
         None => told.push(
-            "The noise of this recording is unknown: no rows in which the robot rests, and too few that follow each other. The \
-             intervals hold if the model is right."
+            "The noise of this recording is unknown: no rows in which the robot rests, and too few \
+             that follow each other. The intervals hold if the model is right."
                 .to_owned(),
         ),
     }
-    for (number, fitted) in problem.numbers.iter().zip(numbers).filter(|(_, fitted)| !fitted.determined) {
+    for (number, fitted) in
+        problem.numbers.iter().zip(numbers).filter(|(_, fitted)| !fitted.determined)
+    {
         let why = number.members.iter().find_map(|member| instead(problem.model, member.path()));
         let why = why.map_or_else(String::new, |why| format!(": {why}"));
         told.push(format!("This recording does not determine {}{why}.", fitted.name));
@@ -125,19 +131,24 @@ fn limitations(
     }
     if fitted.outliers > 0 {
         told.push(format!(
-            "{} of {} positions are too far from the model to belong to the same noise (beyond 6 robust standard deviations); \
-             see the column `weight` of residuals.csv.",
+            "{} of {} positions are too far from the model to belong to the same noise (beyond 6 \
+             robust standard deviations); see the column `weight` of residuals.csv.",
             fitted.outliers,
             best.positions.len()
         ));
     }
     let unsolved = best.positions.iter().filter(|at| at.is_none()).count();
     if unsolved > 0 {
-        told.push(format!("{unsolved} of {} positions have no solution in the model.", best.positions.len()));
+        told.push(format!(
+            "{unsolved} of {} positions have no solution in the model.",
+            best.positions.len()
+        ));
     }
     if fitted.restarted {
         told.push(
-            "Another start than the model's values led to a better fit: there is more than one minimum.".to_owned(),
+            "Another start than the model's values led to a better fit: there is more than one \
+             minimum."
+                .to_owned(),
         );
     }
     if !best.converged {
@@ -150,7 +161,8 @@ fn widening(uncertain: &Uncertain, blocks: &Blocks) -> String {
     if uncertain.widened {
         let (count, kind) = (blocks.names.len(), blocks.kind);
         return format!(
-            "The intervals are widened by the scatter between the {count} {kind}s, and hold for this model only."
+            "The intervals are widened by the scatter between the {count} {kind}s, and hold for \
+             this model only."
         );
     }
     "The intervals hold for this model only, and do not contain its error.".to_owned()

@@ -1,5 +1,5 @@
-//! How many numbers the data can carry: groups of numbers are added one after the other, and stay only where they lower the
-//! blocked cross-validation error.
+//! How many numbers the data can carry: groups of numbers are added one after the other, and stay
+//! only where they lower the blocked cross-validation error.
 
 use super::compare::blocks::Blocks;
 use super::compare::comparison::Comparison;
@@ -54,7 +54,8 @@ struct SelectionStep {
 /// Adds `stages` to nothing.
 ///
 /// # Errors
-/// [`CalibrationError`] when the model cannot simulate the commands, or when no stage lowers the error.
+/// [`CalibrationError`] when the model cannot simulate the commands, or when no stage lowers the
+/// error.
 pub(super) fn select(
     model: &Model,
     comparison: &Comparison,
@@ -67,8 +68,18 @@ pub(super) fn select(
     let kept: Vec<usize> = (0..wanted).map(|k| k * count / wanted).collect();
     let (some, blocks) = (comparison.only(&kept), blocks.only(&kept));
     let given_m = rms_m(&some, &some.positions(model));
-    let mut best = SelectionStep { model: model.clone(), numbers: Vec::new(), x: Vec::new(), error_m: given_m };
-    let mut told = vec![FitStage { name: "as given".to_owned(), numbers: 0, cross_validated_m: given_m, kept: true }];
+    let mut best = SelectionStep {
+        model: model.clone(),
+        numbers: Vec::new(),
+        x: Vec::new(),
+        error_m: given_m,
+    };
+    let mut told = vec![FitStage {
+        name: "as given".to_owned(),
+        numbers: 0,
+        cross_validated_m: given_m,
+        kept: true,
+    }];
     let mut waiting: Vec<&NumberGroup> = stages.iter().collect();
     let mut last = None;
     for _ in 0..ROUNDS {
@@ -82,10 +93,16 @@ pub(super) fn select(
                 }
             };
             let Some(next) = next else { continue };
-            // The first fit of all that the model as given does not solve for is judged against that.
+            // The first fit of all that the model as given does not solve for is judged against
+            // that.
             let keep = next.error_m < LOWER * best.error_m || best.error_m.is_nan();
             let (numbers, cross_validated_m) = (next.numbers.len(), next.error_m);
-            told.push(FitStage { name: stage.name.clone(), numbers, cross_validated_m, kept: keep });
+            told.push(FitStage {
+                name: stage.name.clone(),
+                numbers,
+                cross_validated_m,
+                kept: keep,
+            });
             if keep {
                 best = next;
             } else {
@@ -98,13 +115,15 @@ pub(super) fn select(
         }
     }
     if best.numbers.is_empty() {
-        let none = "none of the groups of numbers lowers the cross-validated error of the model as given";
+        let none =
+            "none of the groups of numbers lowers the cross-validated error of the model as given";
         return Err(last.unwrap_or_else(|| CalibrationError::HoldOut(none.to_owned())));
     }
     Ok(Selection { model: best.model, numbers: best.numbers, start: best.x, stages: told })
 }
 
-/// The model with one stage more, fitted; `None` when the stage has no number that is not fitted already.
+/// The model with one stage more, fitted; `None` when the stage has no number that is not fitted
+/// already.
 fn added(
     before: &SelectionStep,
     stage: &NumberGroup,
@@ -113,15 +132,24 @@ fn added(
 ) -> Result<Option<SelectionStep>, CalibrationError> {
     let mut model = before.model.clone();
     (stage.prepare)(&mut model);
-    let named = stage.entries.iter().filter_map(|entry| numbers(&model, std::slice::from_ref(entry)).ok()).flatten();
-    let is_fitted = |number: &FitNumber| before.numbers.iter().any(|other| other.members == number.members);
+    let named = stage
+        .entries
+        .iter()
+        .filter_map(|entry| numbers(&model, std::slice::from_ref(entry)).ok())
+        .flatten();
+    let is_fitted =
+        |number: &FitNumber| before.numbers.iter().any(|other| other.members == number.members);
     let acts = |number: &FitNumber| idle::check(&model, std::slice::from_ref(number)).is_ok();
-    let new_numbers: Vec<FitNumber> = named.filter(|number| !is_fitted(number) && acts(number)).collect();
+    let new_numbers: Vec<FitNumber> =
+        named.filter(|number| !is_fitted(number) && acts(number)).collect();
     // A number for several is replaced by one for each.
     let replaced = |number: &FitNumber| {
-        new_numbers.iter().any(|new| new.members.iter().any(|member| number.members.contains(member)))
+        new_numbers
+            .iter()
+            .any(|new| new.members.iter().any(|member| number.members.contains(member)))
     };
-    let stays: Vec<usize> = (0..before.x.len()).filter(|&k| !replaced(&before.numbers[k])).collect();
+    let stays: Vec<usize> =
+        (0..before.x.len()).filter(|&k| !replaced(&before.numbers[k])).collect();
     if new_numbers.is_empty() || 3 * comparison.sightings.len() <= stays.len() + new_numbers.len() {
         return Ok(None);
     }
@@ -129,16 +157,24 @@ fn added(
         let earlier = before.numbers.iter().zip(&before.x);
         // An entry of a list begins where the number for all was.
         let path = number.members[0].path();
-        let is_entry =
-            |old: &FitNumber| path.strip_prefix(old.members[0].path()).is_some_and(|rest| rest.starts_with('['));
-        let value = earlier
-            .into_iter()
-            .find_map(|(old, &x)| if is_entry(old) { Some(old.value(x)) } else { old.value_of(&number.members[0], x) });
+        let is_entry = |old: &FitNumber| {
+            path.strip_prefix(old.members[0].path()).is_some_and(|rest| rest.starts_with('['))
+        };
+        let value = earlier.into_iter().find_map(|(old, &x)| {
+            if is_entry(old) { Some(old.value(x)) } else { old.value_of(&number.members[0], x) }
+        });
         value.map_or(0.0, |value| number.coordinate(value))
     };
-    let start: Vec<f64> = stays.iter().map(|&k| before.x[k]).chain(new_numbers.iter().map(begins)).collect();
-    let numbers: Vec<FitNumber> = stays.iter().map(|&k| before.numbers[k].clone()).chain(new_numbers).collect();
-    let problem = CalibrationProblem { model: &model, numbers: &numbers, comparison, likelihood: ErrorLaw::Normal };
+    let start: Vec<f64> =
+        stays.iter().map(|&k| before.x[k]).chain(new_numbers.iter().map(begins)).collect();
+    let numbers: Vec<FitNumber> =
+        stays.iter().map(|&k| before.numbers[k].clone()).chain(new_numbers).collect();
+    let problem = CalibrationProblem {
+        model: &model,
+        numbers: &numbers,
+        comparison,
+        likelihood: ErrorLaw::Normal,
+    };
     let fit = problem.fit(&start, STEPS, ROUGHLY_CONVERGED)?;
     let mut squares = (0.0, 0_usize);
     for fold in blocks.folds() {
@@ -146,11 +182,13 @@ fn added(
         // One step from the fit of all rows, in place of a fit for each part.
         let x = without(&problem, &fit, &unseen);
         let part = comparison.only(&unseen);
-        let there = problem.at(&x).map_or_else(|| vec![None; unseen.len()], |model| part.positions(&model));
+        let there =
+            problem.at(&x).map_or_else(|| vec![None; unseen.len()], |model| part.positions(&model));
         for (sighting, at) in part.sightings.iter().zip(there) {
-            // A position that has no solution without its block, or whose numbers are out of range there, counts as far away
-            // as the robot is long.
-            let error_m = at.map_or(model.robot.backbone.length_m, |at| distance_m(&at, &sighting.at_m));
+            // A position that has no solution without its block, or whose numbers are out of range
+            // there, counts as far away as the robot is long.
+            let error_m =
+                at.map_or(model.robot.backbone.length_m, |at| distance_m(&at, &sighting.at_m));
             squares = (squares.0 + error_m * error_m, squares.1 + 1);
         }
     }
@@ -160,7 +198,8 @@ fn added(
 
 fn rms_m(comparison: &Comparison, positions: &[Option<[f64; 3]>]) -> f64 {
     let pairs = comparison.sightings.iter().zip(positions);
-    let squares: Vec<f64> =
-        pairs.filter_map(|(sighting, at)| Some(distance_m(&(*at)?, &sighting.at_m).powi(2))).collect();
+    let squares: Vec<f64> = pairs
+        .filter_map(|(sighting, at)| Some(distance_m(&(*at)?, &sighting.at_m).powi(2)))
+        .collect();
     (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
 }

@@ -1,4 +1,5 @@
-//! The commands. Exit status 0: done; 1: ran, and the answer is no; 2: bad input or usage, nothing written.
+//! The commands. Exit status 0: done; 1: ran, and the answer is no; 2: bad input or usage, nothing
+//! written.
 
 /// Ends a command with bad input, in words as of `format!`.
 macro_rules! refuse {

@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 use super::DataError;
 use super::file::{create, temporary_path};
 
-/// Writes a file atomically: the bytes go to a temporary file that is then renamed. A failure leaves the old file.
-/// Missing folders are created.
+/// Writes a file atomically: the bytes go to a temporary file that is then renamed. A failure
+/// leaves the old file. Missing folders are created.
 ///
 /// # Errors
 /// [`DataError::Write`] when the folder cannot be made or the file not written.
@@ -17,12 +17,15 @@ pub fn write_atomic(path: &Path, bytes: &[u8]) -> Result<(), DataError> {
     write_atomic_batch(std::iter::once((path.to_owned(), bytes)))
 }
 
-/// Writes a set of files atomically: all are on disk under temporary names before the first is renamed, so that a full
-/// disk leaves the old files unchanged. Temporary files of writers that were killed are removed.
+/// Writes a set of files atomically: all are on disk under temporary names before the first is
+/// renamed, so that a full disk leaves the old files unchanged. Temporary files of writers that
+/// were killed are removed.
 ///
 /// # Errors
 /// [`DataError::Write`] for the first file that cannot be written.
-pub fn write_atomic_batch<'a>(files: impl Iterator<Item = (PathBuf, &'a [u8])>) -> Result<(), DataError> {
+pub fn write_atomic_batch<'a>(
+    files: impl Iterator<Item = (PathBuf, &'a [u8])>,
+) -> Result<(), DataError> {
     let mut staged = StagedFiles::default();
     for (path, bytes) in files {
         staged.add(path, bytes)?;
@@ -56,7 +59,8 @@ impl StagedFiles {
         match written {
             Ok(file) => self.files.push(StagedFile { path, temporary, _file: file }),
             Err(error) => {
-                let _ = fs::remove_file(&temporary); // it may not exist; what matters is the first error
+                // It may not exist; what matters is the first error.
+                let _ = fs::remove_file(&temporary);
                 return Err(refused(&path, &error));
             }
         }
@@ -67,7 +71,8 @@ impl StagedFiles {
         for file in &self.files {
             fs::rename(&file.temporary, &file.path).map_err(|error| refused(&file.path, &error))?;
         }
-        let folders: BTreeSet<&Path> = self.files.iter().filter_map(|file| file.path.parent()).collect();
+        let folders: BTreeSet<&Path> =
+            self.files.iter().filter_map(|file| file.path.parent()).collect();
         let names: BTreeSet<&Path> = self.files.iter().map(|file| file.path.as_path()).collect();
         folders.into_iter().for_each(|folder| remove_stale(folder, &names));
         Ok(())
@@ -115,8 +120,12 @@ mod tests {
         assert_eq!(fs::read(&path).unwrap(), b"a\n1\n");
         // A folder stands where the file should go: the rename fails.
         fs::create_dir(folder.path().join("taken")).unwrap();
-        assert!(matches!(write_atomic(&folder.path().join("taken"), b"x"), Err(DataError::Write { .. })));
-        let mut names: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
+        assert!(matches!(
+            write_atomic(&folder.path().join("taken"), b"x"),
+            Err(DataError::Write { .. })
+        ));
+        let mut names: Vec<_> =
+            fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
         names.sort();
         assert_eq!(names, ["new", "taken"]);
     }
@@ -129,8 +138,13 @@ mod tests {
         // The second's folder cannot be made: a file stands in its place.
         let bad = folder.path().join("one/three");
         let files = [(two.clone(), &b"9"[..]), (bad.clone(), b"3")];
-        let Err(DataError::Write { file, .. }) = write_atomic_batch(files.into_iter()) else { panic!("written") };
-        assert_eq!((file, fs::read(&one).unwrap(), fs::read(&two).unwrap()), (bad, b"1".to_vec(), b"2".to_vec()));
+        let Err(DataError::Write { file, .. }) = write_atomic_batch(files.into_iter()) else {
+            panic!("written")
+        };
+        assert_eq!(
+            (file, fs::read(&one).unwrap(), fs::read(&two).unwrap()),
+            (bad, b"1".to_vec(), b"2".to_vec())
+        );
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
     }
 
@@ -138,11 +152,15 @@ mod tests {
     fn what_the_dead_left_goes_and_what_the_living_write_stays() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("rows.csv");
-        let [dead, living, other] = ["7", "8", "x"].map(|who| folder.path().join(format!(".rows.csv.{who}.tmp")));
+        let [dead, living, other] =
+            ["7", "8", "x"].map(|who| folder.path().join(format!(".rows.csv.{who}.tmp")));
         [&dead, &other].iter().for_each(|file| fs::write(file, "half").unwrap());
         let held = File::create(&living).unwrap();
         held.lock().unwrap();
         write_atomic_batch([(path.clone(), &b"1"[..])].into_iter()).unwrap();
-        assert_eq!([&path, &dead, &living, &other].map(|file| file.exists()), [true, false, true, true]);
+        assert_eq!(
+            [&path, &dead, &living, &other].map(|file| file.exists()),
+            [true, false, true, true]
+        );
     }
 }

@@ -1,5 +1,5 @@
-//! Checks of a CSV before parsing: text, one header line, the same number of cells in every line. A parser that
-//! repairs such faults silently would hide a damaged recording.
+//! Checks of a CSV before parsing: text, one header line, the same number of cells in every line. A
+//! parser that repairs such faults silently would hide a damaged recording.
 
 use std::borrow::Cow;
 use std::path::Path;
@@ -17,7 +17,11 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Table, DataError> {
     let mut lines = text.lines();
     let header = lines.next().filter(|header| !header.trim().is_empty());
     let Some(header) = header else {
-        return Err(DataError::Empty { file: path.to_owned(), found: "no header", expected: EXPECTED_ROWS });
+        return Err(DataError::Empty {
+            file: path.to_owned(),
+            found: "no header",
+            expected: EXPECTED_ROWS,
+        });
     };
     let width = check_header(path, header)?;
     let mut rows = 0;
@@ -26,11 +30,19 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Table, DataError> {
         rows += 1;
     }
     if rows == 0 {
-        return Err(DataError::Empty { file: path.to_owned(), found: "a header and no rows", expected: EXPECTED_ROWS });
+        return Err(DataError::Empty {
+            file: path.to_owned(),
+            found: "a header and no rows",
+            expected: EXPECTED_ROWS,
+        });
     }
     let parsed: Table = parse_csv(path, text)?;
     if parsed.rows != rows || parsed.columns.len() != width {
-        let reason = format!("{rows} lines of {width} cells came out as {} of {}", parsed.rows, parsed.columns.len());
+        let reason = format!(
+            "{rows} lines of {width} cells came out as {} of {}",
+            parsed.rows,
+            parsed.columns.len()
+        );
         return Err(DataError::Read { file: path.to_owned(), reason });
     }
     Ok(parsed)
@@ -38,7 +50,8 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Table, DataError> {
 
 /// The bytes as text, without a byte-order mark.
 pub(super) fn decode<'a>(path: &Path, bytes: &'a [u8]) -> Result<Cow<'a, str>, DataError> {
-    decode_text(bytes).map_err(|(line, expected)| line_error(path, line, "bytes that are not text", expected))
+    decode_text(bytes)
+        .map_err(|(line, expected)| line_error(path, line, "bytes that are not text", expected))
 }
 
 /// Number of columns; each must have a name of its own.
@@ -70,7 +83,12 @@ fn check_line(path: &Path, number: usize, line: &str, width: usize) -> Result<()
     }
     let cells = split(line).ok_or_else(|| unclosed(path, number))?.len();
     if cells != width {
-        return Err(line_error(path, number, format!("{cells} cells"), format!("{width} as in the header")));
+        return Err(line_error(
+            path,
+            number,
+            format!("{cells} cells"),
+            format!("{width} as in the header"),
+        ));
     }
     Ok(())
 }

@@ -136,7 +136,8 @@ pub struct Proposal {
     pub what: String,
     /// Duration including set-up, minutes.
     pub minutes: f64,
-    /// Smallest distance between predictions of two rivals after refitting, in standard deviations of the noise.
+    /// Smallest distance between predictions of two rivals after refitting, in standard deviations
+    /// of the noise.
     pub separation: f64,
     /// File with the commands.
     pub file: String,
@@ -151,8 +152,8 @@ pub struct Findings {
     pub effects: Vec<FoundEffect>,
     /// Rms distance of the measured from the true tip by noise alone, metres.
     pub noise_floor_m: f64,
-    /// Share of the held-out squares, beyond what the model leaves on this robot anyway, that the named effects
-    /// explain; none where nothing is named.
+    /// Share of the held-out squares, beyond what the model leaves on this robot anyway, that the
+    /// named effects explain; none where nothing is named.
     pub explained_share: Option<f64>,
     /// Its 95 % interval.
     pub explained_share_interval_95: Option<[f64; 2]>,
@@ -185,8 +186,8 @@ pub struct Findings {
     /// Rows that were left out of fit, noise and held-out error, in the order of the recording.
     #[serde(default)]
     pub excluded_rows: Vec<ExcludedRow>,
-    /// Offset of the tracker's clock from that of the commands, seconds, positive when it is ahead; none where none was
-    /// found.
+    /// Offset of the tracker's clock from that of the commands, seconds, positive when it is ahead;
+    /// none where none was found.
     #[serde(default)]
     pub clock_offset_s: Option<f64>,
     /// Its 95 % interval, seconds.
@@ -203,7 +204,8 @@ impl Findings {
     /// [`DataError::Write`] if the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), DataError> {
         let refused = |reason: String| DataError::Write { file: path.to_owned(), reason };
-        let mut text = serde_json::to_string_pretty(self).map_err(|error| refused(error.to_string()))?;
+        let mut text =
+            serde_json::to_string_pretty(self).map_err(|error| refused(error.to_string()))?;
         text.push('\n');
         write_atomic(path, text.as_bytes())
     }
@@ -256,7 +258,8 @@ impl ResidualRow {
 /// One group of samples of the residual map along one axis (`disagreement.csv`).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PlaceRow {
-    /// Grouping: `workspace`, `time in trial`, `direction of motion`, `largest pull`, `history`, `all`.
+    /// Grouping: `workspace`, `time in trial`, `direction of motion`, `largest pull`, `history`,
+    /// `all`.
     pub by: String,
     /// The group, such as `x above 50 mm` or `first third`.
     pub place: String,
@@ -289,8 +292,8 @@ table_rows! {
     pub struct CaseRow {
         /// Number of the case.
         pub case: u64,
-        /// What was hidden: `nothing`, `single`, `pair`, `outside` (unknown, outside the span of the catalogue) or
-        /// `inside` it.
+        /// What was hidden: `nothing`, `single`, `pair`, `outside` (unknown, outside the span of
+        /// the catalogue) or `inside` it.
         pub group: String,
         /// Hidden effects joined by ` + `; empty for nothing.
         pub truth: String,
@@ -306,17 +309,18 @@ table_rows! {
         pub verdict: String,
         /// Effects named, or for `ambiguous` the group, joined by ` + `.
         pub answer: String,
-        /// Named exactly right (for nothing: consistent; for outside: unexplained; for inside: ambiguous or unexplained).
+        /// Named exactly right (for nothing: consistent; for outside: unexplained; for inside:
+        /// ambiguous or unexplained).
         pub right: bool,
-        /// The truth is the answer, or the answer is a group that holds it (inside: a group, as the truth is not on
-        /// offer).
+        /// The truth is the answer, or the answer is a group that holds it (inside: a group, as the
+        /// truth is not on offer).
         pub in_group: bool,
-        /// Inside the span: the smallest sets of others that imitate what is hidden equally well, by the oracle,
-        /// joined by ` or `; empty in older tables.
+        /// Inside the span: the smallest sets of others that imitate what is hidden equally well,
+        /// by the oracle, joined by ` or `; empty in older tables.
         #[serde(default)]
         pub imitations: String,
-        /// Of right answers: length of the difference over length of the size, of the size parameters; the median
-        /// over a pair.
+        /// Of right answers: length of the difference over length of the size, of the size
+        /// parameters; the median over a pair.
         pub strength_error: f64,
         /// Parameters with an interval.
         pub intervals: u64,
@@ -335,7 +339,8 @@ table_rows! {
     }
 
     "intervals.csv", key [case, effect, parameter]:
-    /// A 95 % interval of a rightly named effect beside the truth (`intervals.csv` of the benchmark).
+    /// A 95 % interval of a rightly named effect beside the truth (`intervals.csv` of the
+    /// benchmark).
     pub struct IntervalRow {
         /// Number of the case.
         pub case: u64,

@@ -1,5 +1,5 @@
-//! Published tables as Parquet, a fifth of the size. A table is `x.csv` or `x.parquet`; where both lie there, a run has just
-//! written the CSV.
+//! Published tables as Parquet, a fifth of the size. A table is `x.csv` or `x.parquet`; where both
+//! lie there, a run has just written the CSV.
 
 use std::path::{Path, PathBuf};
 
@@ -27,7 +27,8 @@ pub fn csv_of(path: &Path) -> Result<Vec<u8>, DataError> {
     csv_bytes(table.columns).map_err(|reason| DataError::Read { file: path, reason })
 }
 
-/// Writes `x.parquet` beside `x.csv`, from which the same bytes come back. One that already gives them stays as it is.
+/// Writes `x.parquet` beside `x.csv`, from which the same bytes come back. One that already gives
+/// them stays as it is.
 ///
 /// # Errors
 /// [`DataError`] for a file that is no table, or one whose bytes would not come back.

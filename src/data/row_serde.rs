@@ -1,4 +1,5 @@
-//! Conversion between plain structs and table rows through serde: field names are column names, in declaration order.
+//! Conversion between plain structs and table rows through serde: field names are column names, in
+//! declaration order.
 
 use std::cell::RefCell;
 
@@ -47,7 +48,8 @@ impl de::Error for RowError {
     }
 }
 
-/// Beginning of the serde name of a field whose own fields stand among the columns: a struct of several columns.
+/// Beginning of the serde name of a field whose own fields stand among the columns: a struct of
+/// several columns.
 pub(crate) const FLAT: &str = "+";
 
 /// A row's cells, name and value, in declaration order.
@@ -69,7 +71,11 @@ struct FieldSerializer {
 
 impl FieldSerializer {
     fn cell(self, value: FieldValue) -> Result<Fields, RowError> {
-        if self.name.starts_with(FLAT) { not_flat("a value without a column") } else { Ok(vec![(self.name, value)]) }
+        if self.name.starts_with(FLAT) {
+            not_flat("a value without a column")
+        } else {
+            Ok(vec![(self.name, value)])
+        }
     }
 }
 
@@ -80,7 +86,11 @@ impl ser::SerializeStruct for StructFields {
     type Ok = Fields;
     type Error = RowError;
 
-    fn serialize_field<T: Serialize + ?Sized>(&mut self, key: &'static str, value: &T) -> Result<(), RowError> {
+    fn serialize_field<T: Serialize + ?Sized>(
+        &mut self,
+        key: &'static str,
+        value: &T,
+    ) -> Result<(), RowError> {
         self.0.extend(value.serialize(FieldSerializer { name: key })?);
         Ok(())
     }
@@ -138,10 +148,19 @@ impl Serializer for FieldSerializer {
     fn serialize_some<T: Serialize + ?Sized>(self, value: &T) -> Result<Fields, RowError> {
         value.serialize(self)
     }
-    fn serialize_unit_variant(self, _: &'static str, _: u32, variant: &'static str) -> Result<Fields, RowError> {
+    fn serialize_unit_variant(
+        self,
+        _: &'static str,
+        _: u32,
+        variant: &'static str,
+    ) -> Result<Fields, RowError> {
         self.cell(FieldValue::Text(variant.to_owned()))
     }
-    fn serialize_newtype_struct<T: Serialize + ?Sized>(self, _: &'static str, value: &T) -> Result<Fields, RowError> {
+    fn serialize_newtype_struct<T: Serialize + ?Sized>(
+        self,
+        _: &'static str,
+        value: &T,
+    ) -> Result<Fields, RowError> {
         value.serialize(self)
     }
     fn serialize_newtype_variant<T: Serialize + ?Sized>(
@@ -179,7 +198,8 @@ impl TextRow<'_> {
     }
 }
 
-/// Reads the field of this name from its cell, or one that starts with [`FLAT`] from the columns that are its fields.
+/// Reads the field of this name from its cell, or one that starts with [`FLAT`] from the columns
+/// that are its fields.
 #[derive(Clone, Copy)]
 struct FieldReader<'a> {
     row: TextRow<'a>,
@@ -191,7 +211,8 @@ struct FieldReader<'a> {
 
 impl FieldReader<'_> {
     fn parse<T: std::str::FromStr>(&self, expected: &str) -> Result<T, RowError> {
-        let wrong = |_| RowError::Value { column: self.name.to_owned(), expected: expected.to_owned() };
+        let wrong =
+            |_| RowError::Value { column: self.name.to_owned(), expected: expected.to_owned() };
         self.text.parse().map_err(wrong)
     }
 }
@@ -233,7 +254,11 @@ impl<'de> Deserializer<'de> for FieldReader<'_> {
 
     fn deserialize_f64<V: de::Visitor<'de>>(self, visitor: V) -> Result<V::Value, RowError> {
         // A missing number is published as an empty cell.
-        if self.text.is_empty() { visitor.visit_f64(f64::NAN) } else { visitor.visit_f64(self.parse("a number")?) }
+        if self.text.is_empty() {
+            visitor.visit_f64(f64::NAN)
+        } else {
+            visitor.visit_f64(self.parse("a number")?)
+        }
     }
 
     fn deserialize_option<V: de::Visitor<'de>>(self, visitor: V) -> Result<V::Value, RowError> {
@@ -267,10 +292,13 @@ impl<'de> Deserializer<'de> for FieldReader<'_> {
             return not_flat("a field of several columns");
         }
         self.fields.borrow_mut().extend(fields);
-        let cells = self.row.names.iter().zip(self.row.cells).filter(|(name, _)| fields.contains(name));
+        let cells =
+            self.row.names.iter().zip(self.row.cells).filter(|(name, _)| fields.contains(name));
         let cells = cells.map(|(&name, &text)| (name, FieldReader { name, text, ..self }));
         let flat = fields.iter().filter(|field| field.starts_with(FLAT));
-        visitor.visit_map(MapDeserializer::new(cells.chain(flat.map(|&name| (name, FieldReader { name, ..self })))))
+        visitor.visit_map(MapDeserializer::new(
+            cells.chain(flat.map(|&name| (name, FieldReader { name, ..self }))),
+        ))
     }
 
     forward_to_deserialize_any! {

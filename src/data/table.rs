@@ -5,8 +5,8 @@ use std::io::{Cursor, Read as _};
 use std::path::{Path, PathBuf};
 
 use polars::prelude::{
-    Column as Series, CsvReadOptions, CsvWriter, DataFrame, DataType, ParquetReader, ParquetWriter, PolarsError,
-    SerReader, SerWriter,
+    Column as Series, CsvReadOptions, CsvWriter, DataFrame, DataType, ParquetReader, ParquetWriter,
+    PolarsError, SerReader, SerWriter,
 };
 
 use super::DataError;
@@ -42,7 +42,8 @@ impl Cells {
             Cells::Integers(cells) => Series::new(name.into(), cells),
             Cells::Unsigned(cells) => Series::new(name.into(), cells),
             Cells::Numbers(cells) => {
-                let cells: Vec<Option<f64>> = cells.into_iter().map(|x| (!x.is_nan()).then_some(x)).collect();
+                let cells: Vec<Option<f64>> =
+                    cells.into_iter().map(|x| (!x.is_nan()).then_some(x)).collect();
                 Series::new(name.into(), cells)
             }
             Cells::Flags(cells) => Series::new(name.into(), cells),
@@ -62,7 +63,8 @@ pub(super) const PARQUET: &[u8] = b"PAR1";
 pub(crate) fn has_lines(path: &Path) -> bool {
     let mut first = Vec::new();
     // A file that was removed since is treated as text.
-    let _ = File::open(path).and_then(|file| file.take(PARQUET.len() as u64).read_to_end(&mut first));
+    let _ =
+        File::open(path).and_then(|file| file.take(PARQUET.len() as u64).read_to_end(&mut first));
     first != PARQUET
 }
 
@@ -111,22 +113,39 @@ impl Table {
     /// The error for a column of the header.
     pub(crate) fn header_error(&self, column: &str, found: String, expected: &str) -> DataError {
         let (column, expected) = (column.to_owned(), expected.to_owned());
-        DataError::Column { file: self.file.clone(), place: self.header_place(), column, found, expected }
+        DataError::Column {
+            file: self.file.clone(),
+            place: self.header_place(),
+            column,
+            found,
+            expected,
+        }
     }
 
     /// The error for one cell.
-    pub(crate) fn cell_error(&self, row: usize, column: &str, expected: impl Into<String>) -> DataError {
-        let found = self.column(column).map_or_else(|| "no such column".to_owned(), |cells| cells.show(row));
+    pub(crate) fn cell_error(
+        &self,
+        row: usize,
+        column: &str,
+        expected: impl Into<String>,
+    ) -> DataError {
+        let found = self
+            .column(column)
+            .map_or_else(|| "no such column".to_owned(), |cells| cells.show(row));
         let (column, place) = (column.to_owned(), self.place(row));
         DataError::Cell { file: self.file.clone(), place, column, found, expected: expected.into() }
     }
 }
 
-/// Encodes columns as CSV with the shortest digits that read back unchanged; NaN becomes an empty cell.
+/// Encodes columns as CSV with the shortest digits that read back unchanged; NaN becomes an empty
+/// cell.
 pub(crate) fn csv_bytes(columns: Vec<(String, Cells)>) -> Result<Vec<u8>, String> {
     let mut frame = frame(columns)?;
     let mut bytes = Vec::new();
-    CsvWriter::new(&mut bytes).n_threads(1).finish(&mut frame).map_err(|error| error.to_string())?;
+    CsvWriter::new(&mut bytes)
+        .n_threads(1)
+        .finish(&mut frame)
+        .map_err(|error| error.to_string())?;
     Ok(bytes)
 }
 
@@ -134,7 +153,10 @@ pub(crate) fn csv_bytes(columns: Vec<(String, Cells)>) -> Result<Vec<u8>, String
 pub(crate) fn parquet_bytes(columns: Vec<(String, Cells)>) -> Result<Vec<u8>, String> {
     let mut frame = frame(columns)?;
     let mut bytes = Vec::new();
-    ParquetWriter::new(&mut bytes).set_parallel(false).finish(&mut frame).map_err(|error| error.to_string())?;
+    ParquetWriter::new(&mut bytes)
+        .set_parallel(false)
+        .finish(&mut frame)
+        .map_err(|error| error.to_string())?;
     Ok(bytes)
 }
 
@@ -143,15 +165,19 @@ fn frame(columns: Vec<(String, Cells)>) -> Result<DataFrame, String> {
     DataFrame::new_infer_height(series).map_err(|error| error.to_string())
 }
 
-/// Parses checked CSV text (see [`super::csv`]), every column as text; the reader of a format checks the cells.
+/// Parses checked CSV text (see [`super::csv`]), every column as text; the reader of a format
+/// checks the cells.
 pub(crate) fn parse_csv(path: &Path, text: &str) -> Result<Table, DataError> {
-    let options = CsvReadOptions::default().with_infer_schema_length(Some(0)).with_n_threads(Some(1));
+    let options =
+        CsvReadOptions::default().with_infer_schema_length(Some(0)).with_n_threads(Some(1));
     let frame = options.into_reader_with_file_handle(Cursor::new(text.as_bytes())).finish();
     table(path, true, &frame.map_err(|error| unreadable(path, &error))?)
 }
 
 pub(super) fn read_parquet(path: &Path, bytes: Vec<u8>) -> Result<Table, DataError> {
-    let frame = ParquetReader::new(Cursor::new(bytes)).finish().map_err(|error| unreadable(path, &error))?;
+    let frame = ParquetReader::new(Cursor::new(bytes))
+        .finish()
+        .map_err(|error| unreadable(path, &error))?;
     table(path, false, &frame)
 }
 
@@ -172,10 +198,14 @@ fn cells(series: &Series) -> Result<Cells, PolarsError> {
     }
     if kind.is_primitive_numeric() {
         let cast = series.cast(&DataType::Float64)?;
-        return Ok(Cells::Numbers(cast.f64()?.iter().map(|cell| cell.unwrap_or(f64::NAN)).collect()));
+        return Ok(Cells::Numbers(
+            cast.f64()?.iter().map(|cell| cell.unwrap_or(f64::NAN)).collect(),
+        ));
     }
     if kind.is_bool() && series.null_count() == 0 {
-        return Ok(Cells::Flags(series.bool()?.iter().map(|cell| cell.unwrap_or_default()).collect()));
+        return Ok(Cells::Flags(
+            series.bool()?.iter().map(|cell| cell.unwrap_or_default()).collect(),
+        ));
     }
     let cast = series.cast(&DataType::String)?;
     Ok(Cells::Text(cast.str()?.iter().map(|cell| cell.unwrap_or_default().to_owned()).collect()))

@@ -1,4 +1,5 @@
-//! One description of each result table, from which reading, writing and the documentation of its columns follow.
+//! One description of each result table, from which reading, writing and the documentation of its
+//! columns follow.
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -19,7 +20,8 @@ const UNITS: [(&str, &str); 6] =
 impl TableColumn {
     /// Its unit, which its name ends in; `–` for a plain number or text.
     pub fn unit(&self) -> &'static str {
-        let ends = |(end, _): &&(&str, &str)| self.name.ends_with(end) && !self.name.ends_with("_per_s");
+        let ends =
+            |(end, _): &&(&str, &str)| self.name.ends_with(end) && !self.name.ends_with("_per_s");
         UNITS.iter().find(ends).map_or("–", |(_, unit)| unit)
     }
 }
@@ -56,7 +58,12 @@ impl TableDescription {
         for column in self.columns() {
             let words: Vec<&str> = column.documentation.split_whitespace().collect();
             let words = words.join(" ");
-            text.push_str(&format!("| `{}` | {} | {} |\n", column.name, column.unit(), words.trim_end_matches('.')));
+            text.push_str(&format!(
+                "| `{}` | {} | {} |\n",
+                column.name,
+                column.unit(),
+                words.trim_end_matches('.')
+            ));
         }
         text
     }
@@ -79,7 +86,8 @@ pub trait TableColumns {
     const COLUMNS: &'static [&'static [TableColumn]];
 }
 
-/// Declares structs whose fields are columns. The columns of a `flat` field, a struct itself, stand in its place.
+/// Declares structs whose fields are columns. The columns of a `flat` field, a struct itself, stand
+/// in its place.
 macro_rules! columns {
     ($(
         $(#[doc = $about:literal])+
@@ -120,7 +128,8 @@ macro_rules! columns {
 }
 pub(crate) use columns;
 
-/// Declares row types with their tables, and the list of these tables; `failed` tells the rows that stand for a failure.
+/// Declares row types with their tables, and the list of these tables; `failed` tells the rows that
+/// stand for a failure.
 macro_rules! table_rows {
     ($(
         $file:literal, key [$($key:ident),*] $(, failed [$($failed:tt)+])?:

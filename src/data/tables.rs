@@ -1,7 +1,7 @@
-//! Published tables: rows of plain structs (see [`crate::rows`]) to CSV and back. The fields are the columns, in the
-//! order of their declaration. Numbers are rounded to a stated number of significant digits, so that a difference
-//! between two published files is a difference in the science and not in the last bit; a number that is not there
-//! (NaN) is an empty cell.
+//! Published tables: rows of plain structs (see [`crate::rows`]) to CSV and back. The fields are
+//! the columns, in the order of their declaration. Numbers are rounded to a stated number of
+//! significant digits, so that a difference between two published files is a difference in the
+//! science and not in the last bit; a number that is not there (NaN) is an empty cell.
 
 use std::path::Path;
 
@@ -29,7 +29,8 @@ pub fn round_significant(value: f64, digits: usize) -> f64 {
 /// The bytes of a CSV of these rows.
 ///
 /// # Errors
-/// [`DataError::Write`] (with `name` for the file) when there is no row or a field is not a number, text or flag.
+/// [`DataError::Write`] (with `name` for the file) when there is no row or a field is not a number,
+/// text or flag.
 pub fn to_csv<R: Serialize>(name: &Path, rows: &[R]) -> Result<Vec<u8>, DataError> {
     to_csv_beside(name, &[], rows)
 }
@@ -41,7 +42,11 @@ pub type Beside = (String, Vec<String>);
 ///
 /// # Errors
 /// As [`to_csv`], and when a column does not have one cell a row.
-pub fn to_csv_beside<R: Serialize>(name: &Path, beside: &[Beside], rows: &[R]) -> Result<Vec<u8>, DataError> {
+pub fn to_csv_beside<R: Serialize>(
+    name: &Path,
+    beside: &[Beside],
+    rows: &[R],
+) -> Result<Vec<u8>, DataError> {
     let refused = |reason: String| DataError::Write { file: name.to_owned(), reason };
     if rows.is_empty() {
         return Err(refused("no rows to write".to_owned()));
@@ -50,13 +55,18 @@ pub fn to_csv_beside<R: Serialize>(name: &Path, beside: &[Beside], rows: &[R]) -
     let fields = fields.map_err(|error| refused(error.to_string()))?;
     // What only some robots have is no column of the others' tables. Stored rows keep every field.
     let is_published = |index: &usize| {
-        let empty = |cell: &FieldValue| *cell == FieldValue::Missing || *cell == FieldValue::Text(String::new());
-        !(fields[0][*index].0.starts_with(FURTHER) && fields.iter().all(|row| empty(&row[*index].1)))
+        let empty = |cell: &FieldValue| {
+            *cell == FieldValue::Missing || *cell == FieldValue::Text(String::new())
+        };
+        !(fields[0][*index].0.starts_with(FURTHER)
+            && fields.iter().all(|row| empty(&row[*index].1)))
     };
     let columns = (0..fields[0].len()).filter(is_published).map(|index| {
         let name = fields[0][index].0;
         let cells = fields.iter().map(|row| &row[index].1);
-        column(cells).map(|cells| (name.to_owned(), cells)).ok_or_else(|| format!("column `{name}` mixes kinds"))
+        column(cells)
+            .map(|cells| (name.to_owned(), cells))
+            .ok_or_else(|| format!("column `{name}` mixes kinds"))
     });
     let columns = columns.collect::<Result<Vec<_>, _>>().map_err(refused)?;
     let beside = beside.iter().map(|(name, cells)| (name.clone(), Cells::Text(cells.clone())));
@@ -75,7 +85,10 @@ pub fn write_csv<R: Serialize>(path: &Path, rows: &[R]) -> Result<(), DataError>
 ///
 /// # Errors
 /// [`DataError::Write`] (with `name` for the file) when a field is not a number, text or flag.
-pub fn as_published<R: Serialize + DeserializeOwned>(name: &Path, rows: &[R]) -> Result<Vec<R>, DataError> {
+pub fn as_published<R: Serialize + DeserializeOwned>(
+    name: &Path,
+    rows: &[R],
+) -> Result<Vec<R>, DataError> {
     let read_back = |row: &R| {
         let fields = fields_of(row)?;
         let names: Vec<&str> = fields.iter().map(|(name, _)| *name).collect();
@@ -87,7 +100,8 @@ pub fn as_published<R: Serialize + DeserializeOwned>(name: &Path, rows: &[R]) ->
     rows.map_err(|error| DataError::Write { file: name.to_owned(), reason: error.to_string() })
 }
 
-/// Reads rows back; the header must be exactly the fields of `R`, less those that have a default: earlier builds knew less.
+/// Reads rows back; the header must be exactly the fields of `R`, less those that have a default:
+/// earlier builds knew less.
 ///
 /// # Errors
 /// [`DataError`] names file, line, column, what was found and what was expected.
@@ -125,7 +139,9 @@ fn place(table: &Table, row: usize, error: RowError) -> DataError {
         RowError::MissingColumn(column) => {
             table.header_error(&column, format!("only {}", table.header()), "this column")
         }
-        RowError::UnknownColumn(column) => table.header_error(&column, "it".to_owned(), "no such column"),
+        RowError::UnknownColumn(column) => {
+            table.header_error(&column, "it".to_owned(), "no such column")
+        }
         RowError::NotFlat(reason) => DataError::Read { file: table.file.clone(), reason },
     }
 }
@@ -139,7 +155,11 @@ fn column<'a>(cells: impl Iterator<Item = &'a FieldValue> + Clone) -> Option<Cel
         return None;
     }
     let numeric = kind.is_none() || kind == Some(std::mem::discriminant(&FieldValue::Number(0.0)));
-    Some(if numeric { Cells::Numbers(cells.map(number).collect()) } else { Cells::Text(cells.map(text).collect()) })
+    Some(if numeric {
+        Cells::Numbers(cells.map(number).collect())
+    } else {
+        Cells::Text(cells.map(text).collect())
+    })
 }
 
 /// A published number; none where the cell has none.

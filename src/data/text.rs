@@ -1,4 +1,5 @@
-//! Text files as editors of all systems write them: UTF-8 with or without a byte-order mark, and UTF-16 with one.
+//! Text files as editors of all systems write them: UTF-8 with or without a byte-order mark, and
+//! UTF-16 with one.
 
 use std::borrow::Cow;
 use std::io::{Error, ErrorKind};
@@ -12,20 +13,31 @@ pub(crate) fn decode_text(bytes: &[u8]) -> Result<Cow<'_, str>, (usize, &'static
     match bytes {
         [0xFF, 0xFE, units @ ..] => decode_utf16(units, u16::from_le_bytes),
         [0xFE, 0xFF, units @ ..] => decode_utf16(units, u16::from_be_bytes),
-        [0xEF, 0xBB, 0xBF, text @ ..] | text => std::str::from_utf8(text).map(Cow::Borrowed).map_err(|error| {
-            let line = 1 + text[..error.valid_up_to()].iter().filter(|&&byte| byte == b'\n').count();
-            (line, "UTF-8")
-        }),
+        [0xEF, 0xBB, 0xBF, text @ ..] | text => {
+            std::str::from_utf8(text).map(Cow::Borrowed).map_err(|error| {
+                let line =
+                    1 + text[..error.valid_up_to()].iter().filter(|&&byte| byte == b'\n').count();
+                (line, "UTF-8")
+            })
+        }
     }
 }
 
-fn decode_utf16(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> Result<Cow<'_, str>, (usize, &'static str)> {
+fn decode_utf16(
+    bytes: &[u8],
+    unit: fn([u8; 2]) -> u16,
+) -> Result<Cow<'_, str>, (usize, &'static str)> {
     let pairs = bytes.chunks(2).map(|pair| unit([pair[0], pair.get(1).copied().unwrap_or(0)]));
     let mut text = String::with_capacity(bytes.len() / 2);
     for letter in char::decode_utf16(pairs) {
         match letter {
             Ok(letter) => text.push(letter),
-            Err(_) => return Err((1 + text.matches('\n').count(), "UTF-16, as its byte-order mark says")),
+            Err(_) => {
+                return Err((
+                    1 + text.matches('\n').count(),
+                    "UTF-16, as its byte-order mark says",
+                ));
+            }
         }
     }
     Ok(Cow::Owned(text))
@@ -38,7 +50,10 @@ fn decode_utf16(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> Result<Cow<'_, str>, 
 pub fn read_text(path: &Path) -> std::io::Result<String> {
     let bytes = std::fs::read(path)?;
     decode_text(&bytes).map(Cow::into_owned).map_err(|(line, expected)| {
-        Error::new(ErrorKind::InvalidData, format!("line {line}: found bytes that are not text, expected {expected}"))
+        Error::new(
+            ErrorKind::InvalidData,
+            format!("line {line}: found bytes that are not text, expected {expected}"),
+        )
     })
 }
 

@@ -29,8 +29,8 @@ pub enum DiscoveryError {
     },
     /// The model cannot be simulated with the commands of this trial.
     #[error(
-        "the model cannot be simulated with the commands of trial {0}: expected commands within the robot's \
-         reach"
+        "the model cannot be simulated with the commands of trial {0}: expected commands within \
+         the robot's reach"
     )]
     CannotFollow(u64),
     /// The same for the baseline.

@@ -1,14 +1,16 @@
-//! Discovery: find the effect of the catalogue that a model lacks, fit it, and test whether anything else is missing
-//! (docs/discovery.md).
+//! Discovery: find the effect of the catalogue that a model lacks, fit it, and test whether
+//! anything else is missing (docs/discovery.md).
 //!
-//! The way of a measured tip: `recording` (samples and held-out trials), `fit` (one candidate set), `mistakes` (faults
-//! of the recording), `noise_floor`, `problem`, `search` (over candidate sets), `goodness_of_fit` (are the residuals
-//! noise), `next_experiment`, `answer`. Each is a sub-folder that imports only those before it. `stages` calls them in
-//! this order and collects their evidence; `answer/verdict.rs` decides the verdict from it and `answer/findings.rs`
-//! makes the findings. `rounds` asks again with the recording that an ambiguous answer proposes.
+//! The way of a measured tip: `recording` (samples and held-out trials), `fit` (one candidate set),
+//! `mistakes` (faults of the recording), `noise_floor`, `problem`, `search` (over candidate sets),
+//! `goodness_of_fit` (are the residuals noise), `next_experiment`, `answer`. Each is a sub-folder
+//! that imports only those before it. `stages` calls them in this order and collects their
+//! evidence; `answer/verdict.rs` decides the verdict from it and `answer/findings.rs` makes the
+//! findings. `rounds` asks again with the recording that an ambiguous answer proposes.
 //!
-//! Every candidate is fitted with the full physics. Parameters that a laboratory would recalibrate are nuisance
-//! parameters of every candidate. Candidates pay for their parameters. Held-out trials are used in none of this.
+//! Every candidate is fitted with the full physics. Parameters that a laboratory would recalibrate
+//! are nuisance parameters of every candidate. Candidates pay for their parameters. Held-out trials
+//! are used in none of this.
 
 mod answer;
 mod error;
@@ -41,10 +43,11 @@ pub use options::{Options, Uncertainty};
 pub use rounds::{Question, Round, Rounds, RoundsError, discover_until_named};
 pub use steps::with_step_listener;
 
-/// Finds the effect that `model` lacks to explain `measured`. With a `baseline`, a recording of the robot as built,
-/// the model is first calibrated on it, and errors that both recordings share are not attributed to an effect. Every
-/// trial starts at rest under the weight of its first row ([`Recording::check_loads`]); if the first tip positions
-/// scatter too much for that, the first second of each trial is excluded.
+/// Finds the effect that `model` lacks to explain `measured`. With a `baseline`, a recording of the
+/// robot as built, the model is first calibrated on it, and errors that both recordings share are
+/// not attributed to an effect. Every trial starts at rest under the weight of its first row
+/// ([`Recording::check_loads`]); if the first tip positions scatter too much for that, the first
+/// second of each trial is excluded.
 ///
 /// # Errors
 /// [`DiscoveryError`] if the data allow no answer.
@@ -57,7 +60,8 @@ pub fn discover(
     options.check()?;
     step("checking the recording");
     let measured = &PreparedRecording::new(model, measured, options);
-    let baseline = baseline.map(|baseline| PreparedRecording::new(model, baseline, options).in_step(model, options));
+    let baseline = baseline
+        .map(|baseline| PreparedRecording::new(model, baseline, options).in_step(model, options));
     let stages = DiscoveryStages { model, measured, baseline: baseline.as_ref(), options };
     let evidence = match mislabelled::find(model, measured, options) {
         None => stages.search()?,

@@ -32,8 +32,8 @@ pub struct Options {
     pub least_score: f64,
     /// Minimum tip displacement of an effect, as a multiple of the noise floor.
     pub least_size: f64,
-    /// Minimum tip displacement of an additional effect, as a share of that of the effects found before: their laws
-    /// are not more accurate than this.
+    /// Minimum tip displacement of an additional effect, as a share of that of the effects found
+    /// before: their laws are not more accurate than this.
     pub least_share: f64,
     /// Sets whose scores differ by less are rivals.
     pub rival_score: f64,
@@ -45,23 +45,24 @@ pub struct Options {
     pub left_out: Vec<String>,
     /// Uncertain parameters: free within their uncertainty in every candidate.
     pub uncertain: Vec<Uncertainty>,
-    /// Time-stepping tolerance of simulations, metres. Larger errors would separate candidates that the data cannot
-    /// separate.
+    /// Time-stepping tolerance of simulations, metres. Larger errors would separate candidates that
+    /// the data cannot separate.
     pub motion_tolerance_m: f64,
-    /// Largest grid cell of simulations, metres; the model's own value if that is larger. Cells may span material
-    /// jumps.
+    /// Largest grid cell of simulations, metres; the model's own value if that is larger. Cells may
+    /// span material jumps.
     pub cell_m: f64,
-    /// Tip displacements below this share of the backbone's length are neither named nor reported as missing, whatever
-    /// the noise: no model is more accurate.
+    /// Tip displacements below this share of the backbone's length are neither named nor reported
+    /// as missing, whatever the noise: no model is more accurate.
     pub least_of_length: f64,
-    /// Model-form error, metres: what a model leaves on a robot on which nothing has changed, beyond noise. A baseline
-    /// measures it; without one, this value counts. Zero suits simulated robots; for a real robot take the held-out
-    /// error of its calibration.
+    /// Model-form error, metres: what a model leaves on a robot on which nothing has changed,
+    /// beyond noise. A baseline measures it; without one, this value counts. Zero suits simulated
+    /// robots; for a real robot take the held-out error of its calibration.
     pub model_form_m: f64,
-    /// Residuals below this multiple of the model-form error are not attributed to a missing effect.
+    /// Residuals below this multiple of the model-form error are not attributed to a missing
+    /// effect.
     pub form_margin: f64,
-    /// Where the model does not describe the robot exactly: one effect that explains at least this share of the gap is
-    /// named although something remains.
+    /// Where the model does not describe the robot exactly: one effect that explains at least this
+    /// share of the gap is named although something remains.
     pub least_explained: f64,
     /// Every row is a pose at rest under its own command, whatever the times say.
     pub at_rest: bool,
@@ -69,8 +70,9 @@ pub struct Options {
     pub seed: u64,
 }
 
-/// Uncertainty that a calibration on 400 samples leaves: two to three times the value for each parameter alone (0.5 mm
-/// over the tip's sensitivity and √400), because the parameters are fitted together (docs/discovery.md).
+/// Uncertainty that a calibration on 400 samples leaves: two to three times the value for each
+/// parameter alone (0.5 mm over the tip's sensitivity and √400), because the parameters are fitted
+/// together (docs/discovery.md).
 const UNCERTAIN: &[(&str, &str, f64)] = &[
     ("bending_stiffness", "scale", 0.003),
     ("spine_compressibility", "scale", 0.005),
@@ -126,7 +128,11 @@ impl Options {
         ];
         for (key, value) in shares {
             if !(value > 0.0 && value < 1.0) {
-                return Err(BadOption { key, found: value.to_string(), expected: "a number between 0 and 1" });
+                return Err(BadOption {
+                    key,
+                    found: value.to_string(),
+                    expected: "a number between 0 and 1",
+                });
             }
         }
         BadOption::unless_counted("most_effects", self.most_effects)?;
@@ -151,10 +157,16 @@ impl Options {
         ];
         for (key, value) in sizes {
             if !(value.is_finite() && value >= 0.0) {
-                return Err(BadOption { key, found: value.to_string(), expected: "a finite number of at least 0" });
+                return Err(BadOption {
+                    key,
+                    found: value.to_string(),
+                    expected: "a finite number of at least 0",
+                });
             }
         }
-        self.uncertain.iter().try_for_each(|one| BadOption::unless_positive("deviation", one.deviation))
+        self.uncertain
+            .iter()
+            .try_for_each(|one| BadOption::unless_positive("deviation", one.deviation))
     }
 
     /// How the rows of a recording of this robot follow each other.
@@ -205,21 +217,24 @@ pub(super) struct SearchLimits {
     pub(super) least_score: f64,
     /// Minimum tip displacement of an effect, as a multiple of the noise floor.
     pub(super) least_size: f64,
-    /// Minimum tip displacement of an additional effect, as a share of that of the effects before it.
+    /// Minimum tip displacement of an additional effect, as a share of that of the effects before
+    /// it.
     pub(super) least_share: f64,
     /// Minimum tip displacement, metres, whatever the noise.
     pub(super) least_m: f64,
-    /// Minimum fall of the rms residual by an added effect, metres (squares subtract): less may be what the model
-    /// leaves on this robot anyway.
+    /// Minimum fall of the rms residual by an added effect, metres (squares subtract): less may be
+    /// what the model leaves on this robot anyway.
     pub(super) least_gain_m: f64,
     /// Sets whose scores differ by less are rivals.
     pub(super) rival_score: f64,
-    /// Sets with fewer effects than this are extended by every candidate, whatever the screening predicts.
+    /// Sets with fewer effects than this are extended by every candidate, whatever the screening
+    /// predicts.
     pub(super) exhaustive_below: usize,
 }
 
 impl SearchLimits {
-    /// Minimum tip displacement, metres, of an effect added to a set whose residual noise has this rms.
+    /// Minimum tip displacement, metres, of an effect added to a set whose residual noise has this
+    /// rms.
     pub(super) fn least_m(&self, noise_rms_m: f64) -> f64 {
         self.least_m.max(self.least_size * noise_rms_m)
     }
@@ -232,7 +247,9 @@ mod tests {
     #[test]
     fn a_precision_that_hides_the_gap_is_refused() {
         let check = |motion_tolerance_m: f64, cell_m: f64| {
-            Options { motion_tolerance_m, cell_m, ..Options::default() }.check().map_err(|error| error.key)
+            Options { motion_tolerance_m, cell_m, ..Options::default() }
+                .check()
+                .map_err(|error| error.key)
         };
         assert_eq!(Options::default().check(), Ok(()));
         assert_eq!(check(1.0, 0.03), Err("motion_tolerance_m"));

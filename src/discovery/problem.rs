@@ -68,11 +68,15 @@ impl<'a> Problem<'a> {
         let coarse = simulate::coarse(&model);
         // No small amount of contact leads to an obstacle, so the residual must point to one.
         let rows = simulate::body_rows(&coarse, &training, &training.residual(&simulated_m));
-        if let Some(hint) = rows.and_then(|rows| obstacle_hint(&rows, model.robot.backbone.length_m)) {
+        if let Some(hint) =
+            rows.and_then(|rows| obstacle_hint(&rows, model.robot.backbone.length_m))
+        {
             candidates.iter_mut().for_each(|candidate| candidate.start_at(&hint));
         }
-        let sensitivities = sensitivities::sensitivities(&coarse, &candidates, &[], &|_| true, &training);
-        let columns = uncertain(options, &candidates, &[], base.as_ref()).columns(&model, &[], &training);
+        let sensitivities =
+            sensitivities::sensitivities(&coarse, &candidates, &[], &|_| true, &training);
+        let columns =
+            uncertain(options, &candidates, &[], base.as_ref()).columns(&model, &[], &training);
         let nuisances = nuisances(base.as_ref(), &training, &simulated_m, &columns);
         let model_form_m = base.as_ref().map_or(options.model_form_m, |base| base.form.worst_m);
         Ok(Problem {
@@ -95,7 +99,8 @@ impl<'a> Problem<'a> {
     }
 
     pub(crate) fn fit_problem(&self) -> FitProblem<'_> {
-        // Candidates that the user excludes, that cannot be seen here, or that nothing leads to are closed.
+        // Candidates that the user excludes, that cannot be seen here, or that nothing leads to are
+        // closed.
         let open = |candidate: &CandidateEffect| {
             let name = candidate.card.name;
             let contradicted = self.base_matches_model && name == "base_tilt";
@@ -115,9 +120,14 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Nuisance parameters in `samples` given the `members`; `simulated_m` is the tip without them. A strong effect
-    /// changes the sensitivities of the others.
-    pub(crate) fn nuisances_with(&self, members: &[SetMember], samples: &Samples, simulated_m: &[f64]) -> Nuisances {
+    /// Nuisance parameters in `samples` given the `members`; `simulated_m` is the tip without them.
+    /// A strong effect changes the sensitivities of the others.
+    pub(crate) fn nuisances_with(
+        &self,
+        members: &[SetMember],
+        samples: &Samples,
+        simulated_m: &[f64],
+    ) -> Nuisances {
         let columns = self.uncertain(members).columns(&self.model, members, samples);
         nuisances(self.base.as_ref(), samples, simulated_m, &columns)
     }
@@ -132,8 +142,8 @@ impl<'a> Problem<'a> {
         self.options.limits(&self.model, self.model_form_m)
     }
 
-    /// Residual, metres, below which nothing is missing whatever the noise: a share of the robot's length, or what the
-    /// model leaves on this robot anyway.
+    /// Residual, metres, below which nothing is missing whatever the noise: a share of the robot's
+    /// length, or what the model leaves on this robot anyway.
     pub(crate) fn model_error_m(&self) -> f64 {
         self.options.least_m(&self.model).max(self.options.form_margin * self.model_form_m)
     }
@@ -143,12 +153,14 @@ impl<'a> Problem<'a> {
         self.model_error_m().max(self.options.least_foretold * floor_m)
     }
 
-    /// Model error that is expected of the laws of the effects that move the tip to `simulated_m`, metres.
+    /// Model error that is expected of the laws of the effects that move the tip to `simulated_m`,
+    /// metres.
     pub(crate) fn law_error_m(&self, simulated_m: &[f64]) -> f64 {
         self.options.least_share * rms_m(&self.displacement_m(simulated_m))
     }
 
-    /// Tip displacement by effects that move the tip to `simulated_m`, three values a sample, metres.
+    /// Tip displacement by effects that move the tip to `simulated_m`, three values a sample,
+    /// metres.
     pub(crate) fn displacement_m(&self, simulated_m: &[f64]) -> Vec<f64> {
         simulated_m.iter().zip(&self.simulated_m).map(|(with, without)| with - without).collect()
     }
@@ -171,7 +183,8 @@ pub(crate) struct Baseline {
     pub(crate) factors: Option<baseline::CalibrationFactors>,
 }
 
-/// Uncertainty before calibration over that after it (docs/discovery.md, "What is uncertain of any robot").
+/// Uncertainty before calibration over that after it (docs/discovery.md, "What is uncertain of any
+/// robot").
 const BEFORE_CALIBRATION: f64 = 10.0;
 
 /// A model beside the baseline, calibrated or not.
@@ -195,7 +208,8 @@ impl Baseline {
         options: &Options,
         clock_deviation_s: Option<f64>,
     ) -> Result<Baseline, DiscoveryError> {
-        // Both recordings have the same uncertain numbers; the baseline does not tell the clock of the other.
+        // Both recordings have the same uncertain numbers; the baseline does not tell the clock of
+        // the other.
         let whole = Samples { clock_deviation_s, ..recording.samples.clone() };
         validate::check(&recording.kept, &whole)?;
         // Trials that do not start settled at home lose their first second, if enough remains.
@@ -212,7 +226,9 @@ impl Baseline {
         let mut simulated = simulate(model)?;
         let mut factors = None;
         let nuisances = Nuisances::independent(simulated.simulated_m.len(), &simulated.columns);
-        if let Some((calibrated, new_factors)) = baseline::calibrate(model, candidates, &samples, &nuisances) {
+        if let Some((calibrated, new_factors)) =
+            baseline::calibrate(model, candidates, &samples, &nuisances)
+        {
             // A calibration that does not make the baseline likelier is dropped.
             let there = simulate(&calibrated)?;
             if there.deviance(&samples) < simulated.deviance(&samples) {
@@ -231,15 +247,20 @@ impl Baseline {
     }
 }
 
-/// Uncertain parameters given the `members`. With a baseline they have the uncertainty before calibration, which the
-/// baseline then reduces.
+/// Uncertain parameters given the `members`. With a baseline they have the uncertainty before
+/// calibration, which the baseline then reduces.
 fn uncertain<'a>(
     options: &Options,
     candidates: &'a [CandidateEffect],
     members: &[SetMember],
     base: Option<&Baseline>,
 ) -> UncertainParameters<'a> {
-    UncertainParameters::new(options, candidates, members, if base.is_some() { BEFORE_CALIBRATION } else { 1.0 })
+    UncertainParameters::new(
+        options,
+        candidates,
+        members,
+        if base.is_some() { BEFORE_CALIBRATION } else { 1.0 },
+    )
 }
 
 /// Nuisance parameters in `samples`; `simulated_m` is the simulated tip.
@@ -252,7 +273,11 @@ fn nuisances(
     match base {
         None => Nuisances::independent(simulated_m.len(), uncertain),
         Some(base) => baseline::calibrated_nuisances(
-            SimulatedRecording { samples: &base.samples, simulated_m: &base.simulated_m, columns: &base.columns },
+            SimulatedRecording {
+                samples: &base.samples,
+                simulated_m: &base.simulated_m,
+                columns: &base.columns,
+            },
             SimulatedRecording { samples, simulated_m, columns: uncertain },
         ),
     }

@@ -1,4 +1,5 @@
-//! The loop of an ambiguous answer: record the experiment that it proposes, and ask again with both recordings.
+//! The loop of an ambiguous answer: record the experiment that it proposes, and ask again with both
+//! recordings.
 
 use super::{Discovery, DiscoveryError, NextExperiment, Options, discover};
 use crate::data::Recording;
@@ -67,13 +68,15 @@ pub enum RoundsError<E: std::error::Error> {
     Record(E),
 }
 
-/// Asks `question` of `measured`, and while the answer is ambiguous, records the experiment that tells the rivals apart
-/// and asks again of all recordings together.
+/// Asks `question` of `measured`, and while the answer is ambiguous, records the experiment that
+/// tells the rivals apart and asks again of all recordings together.
 ///
-/// `record` returns a recording of one of the proposals; none ends the loop. It is called `max_rounds` times at most.
+/// `record` returns a recording of one of the proposals; none ends the loop. It is called
+/// `max_rounds` times at most.
 ///
 /// # Errors
-/// [`RoundsError`] if the data of a round allow no answer, a recording does not fit, or `record` fails.
+/// [`RoundsError`] if the data of a round allow no answer, a recording does not fit, or `record`
+/// fails.
 pub fn discover_until_named<E: std::error::Error>(
     question: Question,
     measured: Recording,
@@ -85,15 +88,20 @@ pub fn discover_until_named<E: std::error::Error>(
     loop {
         let answer = match discover(model, &measured, baseline, options) {
             Ok(answer) => answer,
-            Err(error) => return Err(RoundsError::Discovery { error, measured: Box::new(measured) }),
+            Err(error) => {
+                return Err(RoundsError::Discovery { error, measured: Box::new(measured) });
+            }
         };
         let is_open = answer.findings.verdict == Verdict::Ambiguous
             && !answer.next_experiments.is_empty()
             && recorded.len() < max_rounds;
         let round = Round { number: recorded.len() + 1, answer: &answer, measured: &measured };
         let recording = if is_open { record(&round).map_err(RoundsError::Record)? } else { None };
-        let Some(recording) = recording else { return Ok(Rounds { answer, earlier, recorded, measured }) };
-        measured = Recording::joined(&[recording.clone(), measured]).map_err(RoundsError::Mismatch)?;
+        let Some(recording) = recording else {
+            return Ok(Rounds { answer, earlier, recorded, measured });
+        };
+        measured =
+            Recording::joined(&[recording.clone(), measured]).map_err(RoundsError::Mismatch)?;
         earlier.push(answer);
         recorded.push(recording);
     }

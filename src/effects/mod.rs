@@ -1,6 +1,7 @@
-//! The catalogue of physical effects that a model may lack. The same effect opens a gap in a simulated "real" robot
-//! and closes it in a model. Names and parameters are those of the outside interface; each effect is one file of `catalogue/`
-//! and one line in `catalogue!` there, which declares its module.
+//! The catalogue of physical effects that a model may lack. The same effect opens a gap in a
+//! simulated "real" robot and closes it in a model. Names and parameters are those of the outside
+//! interface; each effect is one file of `catalogue/` and one line in `catalogue!` there, which
+//! declares its module.
 
 mod catalogue;
 mod driven;
@@ -23,8 +24,8 @@ pub use model::robot_model::{Model, check_effect_units, check_effects};
 pub use model::tendon_drive::{DriveGains, TendonDrive, check_drives, drive_gains};
 pub use model::tracking::{BodyPoint, Starts, Tracking};
 pub use robot::{
-    Backbone, Disks, Frame, Load, OffsetPoint, OnePlace, PerTendon, Piece, RadiusPoint, Robot, Sections, Spread,
-    Tendons,
+    Backbone, Disks, Frame, Load, OffsetPoint, OnePlace, PerTendon, Piece, RadiusPoint, Robot,
+    Sections, Spread, Tendons,
 };
 
 /// A physical effect. Every hook does nothing unless an effect fills it in.
@@ -43,19 +44,20 @@ pub trait Effect: CloneEffect + Send + Sync + Debug {
     fn check(&self) -> Result<(), BadOption>;
     /// Changes the parameters of the rod.
     fn modify_rod(&self, _rod: &mut RodParams) {}
-    /// Whether it adds a payload, which effects on the robot's own parameters must not change. Payloads are applied
-    /// last, so that the order of a list does not matter.
+    /// Whether it adds a payload, which effects on the robot's own parameters must not change.
+    /// Payloads are applied last, so that the order of a list does not matter.
     fn is_payload(&self) -> bool {
         false
     }
-    /// Changes the drive positions after a motion to `pulls_m` (metres) at constant speed that took `dt_s` seconds. An
-    /// infinite `dt_s` means rest.
+    /// Changes the drive positions after a motion to `pulls_m` (metres) at constant speed that took
+    /// `dt_s` seconds. An infinite `dt_s` means rest.
     fn modify_command(&mut self, _pulls_m: &mut [f64], _dt_s: f64) {}
     /// Whether drive positions change while a command is held.
     fn has_lag(&self) -> bool {
         false
     }
-    /// Whether a pose at rest depends on the commands before it, other than through a moment law of the rod.
+    /// Whether a pose at rest depends on the commands before it, other than through a moment law of
+    /// the rod.
     fn has_memory_at_rest(&self) -> bool {
         false
     }
@@ -120,7 +122,8 @@ pub enum Seek {
     Shape(&'static [f64]),
     /// Arc length along the robot, metres.
     Place,
-    /// Distance of something fixed in the world, with this first step: fitted from where residuals point to.
+    /// Distance of something fixed in the world, with this first step: fitted from where residuals
+    /// point to.
     Distance(f64),
     /// What else says where it is, with this step.
     Located(f64),

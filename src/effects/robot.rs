@@ -47,8 +47,8 @@ pub struct Robot {
     /// Bending damping over bending stiffness, s.
     #[serde(default = "damping")]
     pub damping_time_s: f64,
-    /// Time in which the drives carry out a command, at constant speed, s; a command that is held for less takes as long
-    /// as it is held.
+    /// Time in which the drives carry out a command, at constant speed, s; a command that is held
+    /// for less takes as long as it is held.
     #[serde(default = "drive_time")]
     pub drive_time_s: f64,
     /// Quadratic drag per length on each body axis, N s²/m³.
@@ -60,7 +60,8 @@ pub struct Robot {
     /// Rotation vector of the base, rad.
     #[serde(default)]
     pub base_rotation_rad: [f64; 3],
-    /// Distance of the surface that touches obstacles from the backbone's axis, metres; left out: the backbone's radius.
+    /// Distance of the surface that touches obstacles from the backbone's axis, metres; left out:
+    /// the backbone's radius.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub contact_radius_m: Option<f64>,
     /// Constant loads besides weight.
@@ -79,14 +80,15 @@ fn damping() -> f64 {
     0.03
 }
 
-/// Fast enough not to affect the tip one tick later (`docs/rod.md`). It must not be zero: with jumping tendons the time
-/// discretisation has no limit.
+/// Fast enough not to affect the tip one tick later (`docs/rod.md`). It must not be zero: with
+/// jumping tendons the time discretisation has no limit.
 fn drive_time() -> f64 {
     0.02
 }
 
 impl Default for Robot {
-    /// The paper's robot: length, sections, compliance, saturation, E and ν are the paper's, the rest is assumed.
+    /// The paper's robot: length, sections, compliance, saturation, E and ν are the paper's, the
+    /// rest is assumed.
     fn default() -> Self {
         Robot {
             backbone: Backbone {
@@ -97,7 +99,12 @@ impl Default for Robot {
                 density_kg_m3: 1200.0,
                 ..Backbone::default()
             },
-            sections: Sections { count: 11, length_m: 0.01, compliance_m_per_n: 2e-4, saturation_n: 20.0 },
+            sections: Sections {
+                count: 11,
+                length_m: 0.01,
+                compliance_m_per_n: 2e-4,
+                saturation_n: 20.0,
+            },
             disks: Disks { count: 12, mass_kg: 0.004, ..Disks::default() },
             tendons: Tendons {
                 radius_m: 0.02,
@@ -137,8 +144,9 @@ impl Robot {
         at("", BadOption::unless_all_finite("base_rotation_rad", &self.base_rotation_rad))?;
         at(
             "",
-            self.contact_radius_m
-                .map_or(Ok(()), |radius_m| BadOption::unless_not_negative("contact_radius_m", radius_m)),
+            self.contact_radius_m.map_or(Ok(()), |radius_m| {
+                BadOption::unless_not_negative("contact_radius_m", radius_m)
+            }),
         )?;
         let fits = self.contact_radius_m.is_none_or(|radius_m| radius_m < length_m);
         let (radius_m, expected) =
@@ -155,11 +163,22 @@ impl Robot {
         let at = |result| at("resolution", result);
         at(BadOption::unless_positive("cell_m", r.cell_m))?;
         let cells = self.backbone.length_m / r.cell_m;
-        at(refuse(cells <= MAX_PARTS as f64, "cell_m", &r.cell_m, "at most 10,000 cells along the backbone"))?;
+        at(refuse(
+            cells <= MAX_PARTS as f64,
+            "cell_m",
+            &r.cell_m,
+            "at most 10,000 cells along the backbone",
+        ))?;
         at(BadOption::unless_positive("time_step_s", r.time_step_s))?;
         let positive = r.static_tolerance_m > 0.0;
-        at(refuse(positive, "static_tolerance_m", &r.static_tolerance_m, "a number above 0, or infinity"))?;
-        let (tolerance_m, expected) = (r.motion_tolerance_m, "a positive number, or .inf for equal steps");
+        at(refuse(
+            positive,
+            "static_tolerance_m",
+            &r.static_tolerance_m,
+            "a number above 0, or infinity",
+        ))?;
+        let (tolerance_m, expected) =
+            (r.motion_tolerance_m, "a positive number, or .inf for equal steps");
         at(refuse(tolerance_m > 0.0, "motion_tolerance_m", &tolerance_m, expected))?;
         let counts = [
             ("bending_modes", r.bending_modes),
@@ -211,10 +230,21 @@ fn at(path: &str, result: Result<(), BadOption>) -> Checked {
     result.map_err(|error| (path.to_owned(), error))
 }
 
-fn within(key: &'static str, value: f64, above: f64, up_to: f64, expected: &'static str) -> Result<(), BadOption> {
+fn within(
+    key: &'static str,
+    value: f64,
+    above: f64,
+    up_to: f64,
+    expected: &'static str,
+) -> Result<(), BadOption> {
     refuse(value > above && value <= up_to, key, &value, expected)
 }
 
-fn refuse(good: bool, key: &'static str, found: &dyn std::fmt::Debug, expected: &'static str) -> Result<(), BadOption> {
+fn refuse(
+    good: bool,
+    key: &'static str,
+    found: &dyn std::fmt::Debug,
+    expected: &'static str,
+) -> Result<(), BadOption> {
     BadOption::unless(good, key, format!("{found:?}"), expected)
 }

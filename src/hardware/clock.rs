@@ -8,8 +8,8 @@ pub trait Clock: Send + Sync {
     fn now_s(&self) -> f64;
     /// Returns once `now_s` is at least `time_s`.
     fn sleep_until(&self, time_s: f64);
-    /// Registers the calling thread as one that waits on this clock. A clock that makes its own time does not advance
-    /// while a registered thread runs.
+    /// Registers the calling thread as one that waits on this clock. A clock that makes its own
+    /// time does not advance while a registered thread runs.
     fn join(&self) {}
     /// The opposite of [`Clock::join`].
     fn leave(&self) {}

@@ -1,4 +1,5 @@
-//! Requests to end the program (signals): the robot is held, or started work is finished, before it exits.
+//! Requests to end the program (signals): the robot is held, or started work is finished, before it
+//! exits.
 
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};

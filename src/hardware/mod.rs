@@ -2,8 +2,8 @@
 //!
 //! - [`grbl`]: the motor controller.
 //! - [`tracking`]: the motion capture system.
-//! - [`safety`]: limits of commands; the state machine that holds and stops the robot, also when tracking is lost; the
-//!   latch.
+//! - [`safety`]: limits of commands; the state machine that holds and stops the robot, also when
+//!   tracking is lost; the latch.
 //! - [`rig`]: all three together. Every command to the robot passes through it.
 
 pub mod axes;

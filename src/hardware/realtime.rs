@@ -1,8 +1,8 @@
 //! Real-time priority of the threads that the robot depends on.
 
 use thread_priority::unix::{
-    NormalThreadSchedulePolicy, RealtimeThreadSchedulePolicy, ThreadSchedulePolicy, set_thread_priority_and_policy,
-    thread_native_id, thread_schedule_policy,
+    NormalThreadSchedulePolicy, RealtimeThreadSchedulePolicy, ThreadSchedulePolicy,
+    set_thread_priority_and_policy, thread_native_id, thread_schedule_policy,
 };
 use thread_priority::{ThreadPriority, ThreadPriorityValue};
 
@@ -17,8 +17,9 @@ pub enum Priority {
     Supervisor,
 }
 
-/// Gives the calling thread real-time priority (`SCHED_FIFO`) until dropped, if the system permits it: the user needs
-/// `rtprio` in `/etc/security/limits.conf`. The thread must not compute for long.
+/// Gives the calling thread real-time priority (`SCHED_FIFO`) until dropped, if the system permits
+/// it: the user needs `rtprio` in `/etc/security/limits.conf`. The thread must not compute for
+/// long.
 #[derive(Debug)]
 pub struct RealTime {
     /// The nice value to restore; none if nothing was changed.
@@ -40,8 +41,9 @@ impl RealTime {
         };
         let nice = nice();
         let fifo = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
-        let granted = priority(value)
-            .is_some_and(|priority| set_thread_priority_and_policy(thread_native_id(), priority, fifo).is_ok());
+        let granted = priority(value).is_some_and(|priority| {
+            set_thread_priority_and_policy(thread_native_id(), priority, fifo).is_ok()
+        });
         RealTime { before: granted.then_some(nice) }
     }
 
@@ -54,7 +56,8 @@ impl RealTime {
 impl Drop for RealTime {
     fn drop(&mut self) {
         let Some(nice) = self.before else { return };
-        // A granted priority can be given back; at worst the nice value is refused and stays as it was.
+        // A granted priority can be given back; at worst the nice value is refused and stays as it
+        // was.
         set_nice(nice);
     }
 }
@@ -72,7 +75,8 @@ fn priority(value: u8) -> Option<ThreadPriority> {
 
 /// Nice value of the calling thread; 0 if the system does not provide it.
 fn nice() -> i32 {
-    // The name in parentheses may contain any character; nice is the seventeenth field after it (proc(5): 19).
+    // The name in parentheses may contain any character; nice is the seventeenth field after it
+    // (proc(5): 19).
     let text = std::fs::read_to_string("/proc/thread-self/stat").unwrap_or_default();
     let fields = text.rsplit_once(')').map_or("", |(_, fields)| fields);
     fields.split_whitespace().nth(16).and_then(|field| field.parse().ok()).unwrap_or(0)
@@ -95,7 +99,10 @@ mod tests {
             let real_time = RealTime::new(Priority::Supervisor);
             let granted = real_time.is_granted();
             assert_eq!(thread_schedule_policy().unwrap() != before.0, granted);
-            assert!(!RealTime::new(Priority::ControlLoop).is_granted() || !granted, "nothing to give back twice");
+            assert!(
+                !RealTime::new(Priority::ControlLoop).is_granted() || !granted,
+                "nothing to give back twice"
+            );
             drop(real_time);
             assert_eq!((thread_schedule_policy().unwrap(), nice()), before);
         })

@@ -31,7 +31,8 @@ pub struct TtyLine {
 }
 
 impl TtyLine {
-    /// Opens `path` exclusively at `baud`, eight data bits, no parity, one stop bit, no flow control.
+    /// Opens `path` exclusively at `baud`, eight data bits, no parity, one stop bit, no flow
+    /// control.
     ///
     /// # Errors
     /// When there is no such port or another program uses it.
@@ -40,14 +41,17 @@ impl TtyLine {
         Ok(TtyLine { port })
     }
 
-    /// One end of a pseudo-terminal, and the name of the other end, which programs open as a serial port.
+    /// One end of a pseudo-terminal, and the name of the other end, which programs open as a serial
+    /// port.
     ///
     /// # Errors
     /// When the system has none left.
     pub fn served() -> io::Result<(TtyLine, String)> {
         let (first, second) = TTYPort::pair()?;
-        // Only one program may have a port open: this process closes its own handle of the other end.
-        let name = second.name().ok_or_else(|| io::Error::other("the pseudo-terminal has no name"))?;
+        // Only one program may have a port open: this process closes its own handle of the other
+        // end.
+        let name =
+            second.name().ok_or_else(|| io::Error::other("the pseudo-terminal has no name"))?;
         Ok((TtyLine { port: first }, name))
     }
 
@@ -62,7 +66,8 @@ impl TtyLine {
 }
 
 impl SerialLine for TtyLine {
-    /// Avoids the port's own reader, which discards data that arrived before the other end was closed.
+    /// Avoids the port's own reader, which discards data that arrived before the other end was
+    /// closed.
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let waiting = self.port.bytes_to_read()? as usize;
         if waiting == 0 {
@@ -76,8 +81,8 @@ impl SerialLine for TtyLine {
         }
     }
 
-    /// Avoids the port's own writer: it asks the kernel for room first, which waits until all received data has been
-    /// passed on, tens of milliseconds on a busy computer.
+    /// Avoids the port's own writer: it asks the kernel for room first, which waits until all
+    /// received data has been passed on, tens of milliseconds on a busy computer.
     fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
         if self.port.bytes_to_write()? as usize + bytes.len() > MAX_UNSENT_BYTES {
             return Err(io::Error::new(io::ErrorKind::TimedOut, "output buffer full"));

@@ -46,7 +46,10 @@ pub enum LearnError {
         expected: &'static str,
     },
     /// The start rows of the sequences are not strictly increasing row numbers.
-    #[error("sequences: start row {found} at place {place}, expected increasing row numbers below {rows}")]
+    #[error(
+        "sequences: start row {found} at place {place}, expected increasing row numbers below \
+         {rows}"
+    )]
     Sequences {
         /// Place in the list.
         place: usize,
@@ -71,15 +74,25 @@ pub enum LearnError {
 
 impl LearnError {
     /// Error unless as many as expected were counted.
-    pub fn unless_shape(what: &'static str, found: usize, expected: usize) -> Result<(), LearnError> {
+    pub fn unless_shape(
+        what: &'static str,
+        found: usize,
+        expected: usize,
+    ) -> Result<(), LearnError> {
         if found == expected { Ok(()) } else { Err(LearnError::Shape { what, found, expected }) }
     }
 
     /// Error unless all `values` of a row are finite.
-    pub(crate) fn unless_finite(table: &'static str, row: usize, values: &[f64]) -> Result<(), LearnError> {
+    pub(crate) fn unless_finite(
+        table: &'static str,
+        row: usize,
+        values: &[f64],
+    ) -> Result<(), LearnError> {
         match values.iter().position(|value| !value.is_finite()) {
             None => Ok(()),
-            Some(column) => Err(LearnError::NotFinite { table, row, column, value: values[column] }),
+            Some(column) => {
+                Err(LearnError::NotFinite { table, row, column, value: values[column] })
+            }
         }
     }
 
@@ -90,6 +103,10 @@ impl LearnError {
         found: impl ToString,
         expected: &'static str,
     ) -> Result<(), LearnError> {
-        if valid { Ok(()) } else { Err(LearnError::Setting { key, found: found.to_string(), expected }) }
+        if valid {
+            Ok(())
+        } else {
+            Err(LearnError::Setting { key, found: found.to_string(), expected })
+        }
     }
 }

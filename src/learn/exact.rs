@@ -1,5 +1,5 @@
-//! Exact text form of numbers: the hexadecimal digits of their bits. Decimal readers may round the last digit, and long
-//! lists of decimals are larger.
+//! Exact text form of numbers: the hexadecimal digits of their bits. Decimal readers may round the
+//! last digit, and long lists of decimals are larger.
 
 /// One number as a text of `DIGITS` hexadecimal digits.
 trait Bits: Sized {
@@ -47,13 +47,19 @@ macro_rules! with_module {
         pub(crate) mod $name {
             use serde::{Deserialize, Deserializer, Serializer, de::Error};
 
-            pub(crate) fn serialize<S: Serializer>(values: &[$float], serializer: S) -> Result<S::Ok, S::Error> {
+            pub(crate) fn serialize<S: Serializer>(
+                values: &[$float],
+                serializer: S,
+            ) -> Result<S::Ok, S::Error> {
                 serializer.serialize_str(&super::encode(values))
             }
 
-            pub(crate) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<$float>, D::Error> {
+            pub(crate) fn deserialize<'de, D: Deserializer<'de>>(
+                deserializer: D,
+            ) -> Result<Vec<$float>, D::Error> {
                 let text = String::deserialize(deserializer)?;
-                super::decode(&text).ok_or_else(|| D::Error::custom("expected the hexadecimal bits of numbers"))
+                super::decode(&text)
+                    .ok_or_else(|| D::Error::custom("expected the hexadecimal bits of numbers"))
             }
         }
     };
@@ -61,7 +67,8 @@ macro_rules! with_module {
 with_module!(f32s, f32);
 with_module!(f64s, f64);
 
-/// For `#[serde(with = …)]` on one number: its shortest decimal, as text, which is read back exactly.
+/// For `#[serde(with = …)]` on one number: its shortest decimal, as text, which is read back
+/// exactly.
 pub(crate) mod decimal {
     use serde::{Deserialize, Deserializer, Serializer, de::Error};
 
@@ -87,7 +94,11 @@ mod tests {
         for i in 1..2000 {
             let value = (f64::from(i) * 0.7311).sin() * 10.0_f64.powi(i % 40 - 20);
             let text = serde_json::to_string(&One(value)).unwrap();
-            assert_eq!(serde_json::from_str::<One>(&text).unwrap().0.to_bits(), value.to_bits(), "{text}");
+            assert_eq!(
+                serde_json::from_str::<One>(&text).unwrap().0.to_bits(),
+                value.to_bits(),
+                "{text}"
+            );
         }
     }
 

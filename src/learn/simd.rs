@@ -1,6 +1,7 @@
 //! Number traits and functions written for vector instructions.
 //!
-//! Every function works per lane with fused multiply-adds: results do not depend on the vector width.
+//! Every function works per lane with fused multiply-adds: results do not depend on the vector
+//! width.
 
 /// A floating-point number that networks are made of.
 pub(crate) trait Real:
@@ -51,11 +52,12 @@ macro_rules! real {
 real!(f32, 9.0, exp_f32);
 real!(f64, 19.0, exp_f64);
 
-/// `e^x` for −700 ≤ x ≤ 700 (clamped), relative error below 3e-16: x = n ln 2 + r with |r| ≤ ln 2 / 2, Taylor's
-/// polynomial of degree 13 for `e^r`, and n added to the exponent bits.
+/// `e^x` for −700 ≤ x ≤ 700 (clamped), relative error below 3e-16: x = n ln 2 + r with |r| ≤ ln 2 /
+/// 2, Taylor's polynomial of degree 13 for `e^r`, and n added to the exponent bits.
 #[inline(always)]
 pub(crate) fn exp_f64(x: f64) -> f64 {
-    const SHIFT: f64 = 6_755_399_441_055_744.0; // 1.5 · 2^52: adding it leaves round(x) in the low bits
+    // 1.5 · 2^52: adding it leaves round(x) in the low bits.
+    const SHIFT: f64 = 6_755_399_441_055_744.0;
     // ln 2 in two parts, so that n ln 2 is subtracted without rounding (Cody & Waite).
     const LN_2_HIGH: f64 = 6.931_471_803_691_238e-1;
     const LN_2_LOW: f64 = 1.908_214_929_270_587_7e-10;

@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 use super::{LearnError, exact};
 use crate::base::Rows;
 
-/// Mean and population standard deviation of each column. A constant column keeps its values' offset and gets scale 1.
+/// Mean and population standard deviation of each column. A constant column keeps its values'
+/// offset and gets scale 1.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Standardiser {
     #[serde(with = "exact::f64s")]
@@ -25,7 +26,10 @@ impl Standardiser {
         let mut scale = vec![0.0; rows.width()];
         for &index in which {
             let row = rows.row(index);
-            scale.iter_mut().zip(row.iter().zip(&mean)).for_each(|(s, (v, m))| *s += (v - m) * (v - m) / count);
+            scale
+                .iter_mut()
+                .zip(row.iter().zip(&mean))
+                .for_each(|(s, (v, m))| *s += (v - m) * (v - m) / count);
         }
         for (s, m) in scale.iter_mut().zip(&mean) {
             let deviation = s.sqrt();
@@ -70,5 +74,7 @@ pub(crate) fn check_samples(inputs: &Rows, outputs: &Rows) -> Result<(), LearnEr
 
 /// Names the first number of a table that is not finite.
 pub(crate) fn check_finite(table: &'static str, rows: &Rows) -> Result<(), LearnError> {
-    rows.iter().enumerate().try_for_each(|(row, values)| LearnError::unless_finite(table, row, values))
+    rows.iter()
+        .enumerate()
+        .try_for_each(|(row, values)| LearnError::unless_finite(table, row, values))
 }

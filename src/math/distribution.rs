@@ -7,7 +7,8 @@ pub fn chi_squared_above(value: f64, freedom: f64) -> f64 {
     ChiSquared::new(freedom).map_or(1.0, |law| law.sf(value.max(0.0)))
 }
 
-/// Probability that an F variable of (`above`, `below`) degrees of freedom is above `value`; 1 where there is none.
+/// Probability that an F variable of (`above`, `below`) degrees of freedom is above `value`; 1
+/// where there is none.
 pub fn f_above(value: f64, above: f64, below: f64) -> f64 {
     FisherSnedecor::new(above, below).map_or(1.0, |law| law.sf(value.max(0.0)))
 }
@@ -17,18 +18,24 @@ pub fn normal_above(value: f64) -> f64 {
     Normal::standard().sf(value)
 }
 
-/// The value below which a standard normal variable is with this probability; not a number outside 0 to 1.
+/// The value below which a standard normal variable is with this probability; not a number outside
+/// 0 to 1.
 pub fn normal_quantile(probability: f64) -> f64 {
-    if (0.0..=1.0).contains(&probability) { Normal::standard().inverse_cdf(probability) } else { f64::NAN }
+    if (0.0..=1.0).contains(&probability) {
+        Normal::standard().inverse_cdf(probability)
+    } else {
+        f64::NAN
+    }
 }
 
-/// Half-width of a 95 % interval in standard deviations, Student's t with `freedom` degrees of freedom.
+/// Half-width of a 95 % interval in standard deviations, Student's t with `freedom` degrees of
+/// freedom.
 pub fn student_95(freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |law| law.inverse_cdf(0.975))
 }
 
-/// Probability that a Student's t variable with `freedom` degrees of freedom is farther from 0 than `value`; 1 where there is
-/// none.
+/// Probability that a Student's t variable with `freedom` degrees of freedom is farther from 0 than
+/// `value`; 1 where there is none.
 pub fn student_beyond(value: f64, freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, freedom).map_or(1.0, |law| 2.0 * law.sf(value.abs()))
 }
@@ -46,7 +53,8 @@ pub fn wilson_95(hits: u64, all: u64) -> [f64; 2] {
     [((middle - half) / scale).max(0.0), ((middle + half) / scale).min(1.0)]
 }
 
-/// p-values corrected for multiple tests, controlling the family-wise error rate (Holm, Scand. J. Stat. 6, 1979).
+/// p-values corrected for multiple tests, controlling the family-wise error rate (Holm, Scand. J.
+/// Stat. 6, 1979).
 pub fn holm(p_values: &[f64]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..p_values.len()).collect();
     order.sort_by(|&a, &b| p_values[a].total_cmp(&p_values[b]));

@@ -1,11 +1,13 @@
-//! Unrolled products of 3×3 matrices and vectors: several times faster than the general product of nalgebra.
+//! Unrolled products of 3×3 matrices and vectors: several times faster than the general product of
+//! nalgebra.
 
 use nalgebra::{Matrix3, Vector3};
 
 /// a b.
 #[inline(always)]
 pub fn product(a: &Matrix3<f64>, b: &Matrix3<f64>) -> Matrix3<f64> {
-    let entry = |i: usize, j: usize| a[(i, 0)] * b[(0, j)] + a[(i, 1)] * b[(1, j)] + a[(i, 2)] * b[(2, j)];
+    let entry =
+        |i: usize, j: usize| a[(i, 0)] * b[(0, j)] + a[(i, 1)] * b[(1, j)] + a[(i, 2)] * b[(2, j)];
     Matrix3::new(
         entry(0, 0),
         entry(0, 1),

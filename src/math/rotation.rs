@@ -7,8 +7,8 @@ pub fn skew(a: &Vector3<f64>) -> Matrix3<f64> {
     Matrix3::new(0.0, -a.z, a.y, a.z, 0.0, -a.x, -a.y, a.x, 0.0)
 }
 
-/// Rotation matrix of a rotation vector in radians (Rodrigues' formula; series below half a radian, so that no
-/// trigonometric function is needed for the small steps along a rod).
+/// Rotation matrix of a rotation vector in radians (Rodrigues' formula; series below half a radian,
+/// so that no trigonometric function is needed for the small steps along a rod).
 pub fn exp(rotation_rad: &Vector3<f64>) -> Matrix3<f64> {
     let angle2 = rotation_rad.norm_squared();
     let (a, b) = sine_coefficients(angle2);
@@ -50,10 +50,24 @@ fn sine_series(angle2: f64) -> (f64, f64) {
 }
 
 /// ±1/(2k+1)! and ±1/(2k+2)!, from k = 6 down to 0.
-const SINE: [f64; 7] =
-    [1.0 / 6_227_020_800.0, -1.0 / 39_916_800.0, 1.0 / 362_880.0, -1.0 / 5040.0, 1.0 / 120.0, -1.0 / 6.0, 1.0];
-const COSINE: [f64; 7] =
-    [1.0 / 87_178_291_200.0, -1.0 / 479_001_600.0, 1.0 / 3_628_800.0, -1.0 / 40_320.0, 1.0 / 720.0, -1.0 / 24.0, 0.5];
+const SINE: [f64; 7] = [
+    1.0 / 6_227_020_800.0,
+    -1.0 / 39_916_800.0,
+    1.0 / 362_880.0,
+    -1.0 / 5040.0,
+    1.0 / 120.0,
+    -1.0 / 6.0,
+    1.0,
+];
+const COSINE: [f64; 7] = [
+    1.0 / 87_178_291_200.0,
+    -1.0 / 479_001_600.0,
+    1.0 / 3_628_800.0,
+    -1.0 / 40_320.0,
+    1.0 / 720.0,
+    -1.0 / 24.0,
+    0.5,
+];
 
 /// A batch of rotations in structure-of-arrays form, for vector instructions.
 #[derive(Clone, Debug, Default)]
@@ -99,9 +113,12 @@ impl Turns {
             let angle2 = x * x + y * y + z * z;
             large += u64::from(angle2 > MAX_SERIES_ANGLE2);
             let (a, b) = sine_series(angle2);
-            (m11[k], m12[k], m13[k]) = (1.0 - b * (y * y + z * z), b * x * y - a * z, b * x * z + a * y);
-            (m21[k], m22[k], m23[k]) = (b * x * y + a * z, 1.0 - b * (x * x + z * z), b * y * z - a * x);
-            (m31[k], m32[k], m33[k]) = (b * x * z - a * y, b * y * z + a * x, 1.0 - b * (x * x + y * y));
+            (m11[k], m12[k], m13[k]) =
+                (1.0 - b * (y * y + z * z), b * x * y - a * z, b * x * z + a * y);
+            (m21[k], m22[k], m23[k]) =
+                (b * x * y + a * z, 1.0 - b * (x * x + z * z), b * y * z - a * x);
+            (m31[k], m32[k], m33[k]) =
+                (b * x * z - a * y, b * y * z + a * x, 1.0 - b * (x * x + y * y));
         }
         if large > 0 {
             self.redo_large();
@@ -127,12 +144,23 @@ impl Turns {
     #[inline(always)]
     pub fn matrix(&self, k: usize) -> Matrix3<f64> {
         let entry = |index: usize| self.matrices[index * self.count + k];
-        Matrix3::new(entry(0), entry(1), entry(2), entry(3), entry(4), entry(5), entry(6), entry(7), entry(8))
+        Matrix3::new(
+            entry(0),
+            entry(1),
+            entry(2),
+            entry(3),
+            entry(4),
+            entry(5),
+            entry(6),
+            entry(7),
+            entry(8),
+        )
     }
 }
 
-/// Rotation vector in radians of a rotation matrix. The angle is atan2(sin θ, cos θ), which is accurate for small
-/// rotations. Near half a turn, where the antisymmetric part vanishes, nalgebra is used.
+/// Rotation vector in radians of a rotation matrix. The angle is atan2(sin θ, cos θ), which is
+/// accurate for small rotations. Near half a turn, where the antisymmetric part vanishes, nalgebra
+/// is used.
 pub fn log(rotation: &Matrix3<f64>) -> Vector3<f64> {
     let r = rotation;
     let axis = Vector3::new(r.m32 - r.m23, r.m13 - r.m31, r.m21 - r.m12) * 0.5;
@@ -159,9 +187,13 @@ pub fn parts(turn: &UnitQuaternion<f64>) -> [f64; 4] {
     [turn.w, turn.i, turn.j, turn.k].map(|part| sign * part)
 }
 
-/// Interpolates between two rotations at constant rate along the shorter path. (The slerp of nalgebra takes the angle
-/// from a cosine, which loses half of the digits of small rotations.)
-pub fn between(from: &UnitQuaternion<f64>, to: &UnitQuaternion<f64>, share: f64) -> UnitQuaternion<f64> {
+/// Interpolates between two rotations at constant rate along the shorter path. (The slerp of
+/// nalgebra takes the angle from a cosine, which loses half of the digits of small rotations.)
+pub fn between(
+    from: &UnitQuaternion<f64>,
+    to: &UnitQuaternion<f64>,
+    share: f64,
+) -> UnitQuaternion<f64> {
     UnitQuaternion::from_scaled_axis((to * from.inverse()).scaled_axis() * share) * from
 }
 
@@ -171,7 +203,13 @@ mod tests {
 
     #[test]
     fn exponential_agrees_with_the_library_on_both_branches() {
-        for v in [[0.0, 0.0, 0.0], [1e-9, 0.0, 0.0], [0.1, -0.3, 0.2], [0.29, 0.29, 0.29], [1.0, -2.0, 0.5]] {
+        for v in [
+            [0.0, 0.0, 0.0],
+            [1e-9, 0.0, 0.0],
+            [0.1, -0.3, 0.2],
+            [0.29, 0.29, 0.29],
+            [1.0, -2.0, 0.5],
+        ] {
             let v = Vector3::from(v);
             let expected = Rotation3::new(v).into_inner();
             assert!((exp(&v) - expected).norm() < 2e-15, "{v}");
@@ -188,7 +226,10 @@ mod tests {
             // The same turn, written the other way.
             for to in [to, UnitQuaternion::new_unchecked(-to.into_inner())] {
                 let came = (between(&from, &to, 0.25) * from.inverse()).scaled_axis();
-                assert!((came - way * 0.25).norm() < 1e-15 + 1e-15 * angle_rad, "{angle_rad}: {came}");
+                assert!(
+                    (came - way * 0.25).norm() < 1e-15 + 1e-15 * angle_rad,
+                    "{angle_rad}: {came}"
+                );
             }
         }
     }
@@ -199,6 +240,8 @@ mod tests {
         let other = UnitQuaternion::new_unchecked(-turn.into_inner());
         assert_eq!(parts(&turn), [turn.w, turn.i, turn.j, turn.k]);
         assert_eq!(parts(&other), parts(&turn));
-        assert!(turn.w > 0.0 && parts(&UnitQuaternion::from_scaled_axis(Vector3::x() * 4.0))[0] > 0.0);
+        assert!(
+            turn.w > 0.0 && parts(&UnitQuaternion::from_scaled_axis(Vector3::x() * 4.0))[0] > 0.0
+        );
     }
 }

@@ -19,8 +19,8 @@ pub fn root_mean_square(values: &[f64]) -> f64 {
     (values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64).sqrt()
 }
 
-/// Quantile `share` (0 to 1) with linear interpolation between order statistics (Hyndman & Fan 1996, definition 7);
-/// not a number for no values.
+/// Quantile `share` (0 to 1) with linear interpolation between order statistics (Hyndman & Fan
+/// 1996, definition 7); not a number for no values.
 pub fn quantile(values: &[f64], share: f64) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -39,7 +39,8 @@ pub fn interval_95(values: &[f64]) -> Option<[f64; 2]> {
     half.is_finite().then_some([centre - half, centre + half])
 }
 
-/// Rank correlation (Spearman 1904), ties with their mean rank; not a number for fewer than three pairs or equal values.
+/// Rank correlation (Spearman 1904), ties with their mean rank; not a number for fewer than three
+/// pairs or equal values.
 pub fn rank_correlation(first: &[f64], second: &[f64]) -> f64 {
     if first.len() < 3 {
         return f64::NAN;
@@ -56,10 +57,11 @@ fn ranks(values: &[f64]) -> Vec<f64> {
     values.iter().map(|&value| below(value) + 0.5 * (equal(value) + 1.0)).collect()
 }
 
-/// Oscillation of a series: the median peak-to-peak over all half-overlapping windows, after subtracting a centred
-/// moving mean over `window` values. A slow drift does not count, a single jump affects few windows. A sine of
-/// amplitude a counts 2a when the window holds whole periods (within 22 % when it holds at least one and a half: the
-/// response of the moving mean, sin(πk)/πk for k periods). 0 for a series shorter than two windows.
+/// Oscillation of a series: the median peak-to-peak over all half-overlapping windows, after
+/// subtracting a centred moving mean over `window` values. A slow drift does not count, a single
+/// jump affects few windows. A sine of amplitude a counts 2a when the window holds whole periods
+/// (within 22 % when it holds at least one and a half: the response of the moving mean, sin(πk)/πk
+/// for k periods). 0 for a series shorter than two windows.
 pub fn oscillation(values: &[f64], window: usize) -> f64 {
     let half = window.max(3) / 2;
     let window = 2 * half + 1;
@@ -67,16 +69,20 @@ pub fn oscillation(values: &[f64], window: usize) -> f64 {
         return 0.0;
     }
     let centres = values.windows(window).map(mean);
-    let deviations: Vec<f64> = values[half..].iter().zip(centres).map(|(value, centre)| value - centre).collect();
-    let swings: Vec<f64> =
-        (0..=deviations.len() - window).step_by(half).map(|start| swing(&deviations[start..][..window])).collect();
+    let deviations: Vec<f64> =
+        values[half..].iter().zip(centres).map(|(value, centre)| value - centre).collect();
+    let swings: Vec<f64> = (0..=deviations.len() - window)
+        .step_by(half)
+        .map(|start| swing(&deviations[start..][..window]))
+        .collect();
     quantile(&swings, 0.5)
 }
 
 /// Peak-to-peak.
 fn swing(values: &[f64]) -> f64 {
-    let (low, high) =
-        values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| (low.min(x), high.max(x)));
+    let (low, high) = values
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| (low.min(x), high.max(x)));
     high - low
 }
 
@@ -84,11 +90,16 @@ fn swing(values: &[f64]) -> f64 {
 mod tests {
     use super::*;
 
-    /// By the formula of distinct ranks: 1 − 6 Σd²/(n(n² − 1)) with d = 0, 1, −1, 0 and n = 4 is 0.8.
+    /// By the formula of distinct ranks: 1 − 6 Σd²/(n(n² − 1)) with d = 0, 1, −1, 0 and n = 4 is
+    /// 0.8.
     #[test]
     fn rank_correlation_is_that_of_the_formula() {
-        assert!((rank_correlation(&[1.0, 2.0, 3.0, 9.0], &[0.1, 0.7, 0.3, 0.8]) - 0.8).abs() < 1e-12);
-        assert!((rank_correlation(&[1.0, 2.0, 2.0, 3.0], &[5.0, 6.0, 6.0, 7.0]) - 1.0).abs() < 1e-12);
+        assert!(
+            (rank_correlation(&[1.0, 2.0, 3.0, 9.0], &[0.1, 0.7, 0.3, 0.8]) - 0.8).abs() < 1e-12
+        );
+        assert!(
+            (rank_correlation(&[1.0, 2.0, 2.0, 3.0], &[5.0, 6.0, 6.0, 7.0]) - 1.0).abs() < 1e-12
+        );
         assert!(rank_correlation(&[1.0, 2.0], &[1.0, 2.0]).is_nan());
     }
 
@@ -96,7 +107,8 @@ mod tests {
     fn oscillation_sees_swings_and_not_drift() {
         let drift: Vec<f64> = (0..200).map(|step| 0.01 * f64::from(step)).collect();
         assert!(oscillation(&drift, 25) < 1e-12);
-        let swing: Vec<f64> = (0..200).map(|step| 0.01 * f64::from(step) + 0.5 * f64::from(step).sin()).collect();
+        let swing: Vec<f64> =
+            (0..200).map(|step| 0.01 * f64::from(step) + 0.5 * f64::from(step).sin()).collect();
         assert!((oscillation(&swing, 25) - 1.0).abs() < 0.05);
         let mut jump = vec![0.0; 200];
         jump[100..].fill(1.0);

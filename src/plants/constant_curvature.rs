@@ -1,17 +1,21 @@
-//! A cheap four-tendon robot of constant curvature, for tests and smoke runs: Webster & Jones 2010 (eq. 2 with one
-//! section), a first-order lag between command and shape, and a constant gap to open on purpose.
+//! A cheap four-tendon robot of constant curvature, for tests and smoke runs: Webster & Jones 2010
+//! (eq. 2 with one section), a first-order lag between command and shape, and a constant gap to
+//! open on purpose.
 
 use rand_distr::{Distribution, Normal};
 use serde::{Deserialize, Serialize};
 
 use super::PlantOptions;
-use crate::base::{BadOption, Generator, Observation, Plant, PlantError, Point3, Seed, TendonCommand};
+use crate::base::{
+    BadOption, Generator, Observation, Plant, PlantError, Point3, Seed, TendonCommand,
+};
 
 const TENDONS: usize = 4;
 /// Below this bending angle (rad) the series of (1 − cos θ)/θ² and sin θ/θ is exact to rounding.
 const SMALL_ANGLE_RAD: f64 = 1e-4;
 
-/// Settings of [`ConstantCurvature`]; the defaults are the paper's robot with the contract's assumed routing radius.
+/// Settings of [`ConstantCurvature`]; the defaults are the paper's robot with the contract's
+/// assumed routing radius.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ConstantCurvatureOptions {
@@ -80,7 +84,8 @@ impl ConstantCurvature {
     /// A robot with these settings.
     ///
     /// # Errors
-    /// [`BadOption`] for a length, radius, step or travel that is not positive, or a negative lag or noise.
+    /// [`BadOption`] for a length, radius, step or travel that is not positive, or a negative lag
+    /// or noise.
     pub fn new(options: ConstantCurvatureOptions) -> Result<Self, BadOption> {
         BadOption::unless_positive("length_m", options.length_m)?;
         BadOption::unless_positive("tendon_radius_m", options.tendon_radius_m)?;
@@ -100,16 +105,21 @@ impl ConstantCurvature {
         } else {
             ((1.0 - angle.cos()) / (angle * angle), angle.sin() / angle)
         };
-        [options.length_m * across * bend_x, options.length_m * across * bend_y, options.length_m * along]
+        [
+            options.length_m * across * bend_x,
+            options.length_m * across * bend_y,
+            options.length_m * along,
+        ]
     }
 
-    /// Displacements that bend the robot so that its tip lies in the direction of `tip_m`: the inverse of
-    /// [`ConstantCurvature::tip_m`] for points on the workspace, metres.
+    /// Displacements that bend the robot so that its tip lies in the direction of `tip_m`: the
+    /// inverse of [`ConstantCurvature::tip_m`] for points on the workspace, metres.
     pub fn pulls_m(options: &ConstantCurvatureOptions, tip_m: &Point3) -> Vec<f64> {
         let across = tip_m[0].hypot(tip_m[1]);
         // The chord of an arc leaves the base at half the angle by which the arc turns.
         let angle = 2.0 * across.atan2(tip_m[2]);
-        let (cos, sin) = if across > 0.0 { (tip_m[0] / across, tip_m[1] / across) } else { (1.0, 0.0) };
+        let (cos, sin) =
+            if across > 0.0 { (tip_m[0] / across, tip_m[1] / across) } else { (1.0, 0.0) };
         let pull = options.tendon_radius_m * angle;
         vec![pull * cos, pull * sin, -pull * cos, -pull * sin]
     }
@@ -132,8 +142,8 @@ impl ConstantCurvature {
         }
     }
 
-    /// Bending about one axis that an opposite pair of tendons asks for, radians. Tendons only pull, so of two
-    /// commanded ones the one pulled further decides and the other is slack.
+    /// Bending about one axis that an opposite pair of tendons asks for, radians. Tendons only
+    /// pull, so of two commanded ones the one pulled further decides and the other is slack.
     fn commanded_rad(&self, towards: TendonCommand, away: TendonCommand) -> f64 {
         let radius = self.options.tendon_radius_m;
         match (towards, away) {
@@ -146,7 +156,10 @@ impl ConstantCurvature {
 
     fn check(&self, commands: &[TendonCommand]) -> Result<(), PlantError> {
         if commands.len() != TENDONS {
-            return Err(PlantError::Refused(format!("{} tendons, expected {TENDONS}", commands.len())));
+            return Err(PlantError::Refused(format!(
+                "{} tendons, expected {TENDONS}",
+                commands.len()
+            )));
         }
         for (index, command) in commands.iter().enumerate() {
             if let TendonCommand::Pull(pull_m) = command
@@ -181,9 +194,16 @@ impl Plant for ConstantCurvature {
 
     fn drive(&mut self, commands: &[TendonCommand]) -> Result<Observation, PlantError> {
         self.check(commands)?;
-        let target_rad = [self.commanded_rad(commands[0], commands[2]), self.commanded_rad(commands[1], commands[3])];
+        let target_rad = [
+            self.commanded_rad(commands[0], commands[2]),
+            self.commanded_rad(commands[1], commands[3]),
+        ];
         // The exact solution of the lag over one step.
-        let share = if self.options.lag_s > 0.0 { -(-self.options.step_s / self.options.lag_s).exp_m1() } else { 1.0 };
+        let share = if self.options.lag_s > 0.0 {
+            -(-self.options.step_s / self.options.lag_s).exp_m1()
+        } else {
+            1.0
+        };
         for (bend, target) in self.bend_rad.iter_mut().zip(target_rad) {
             *bend += share * (target - *bend);
         }
@@ -191,7 +211,8 @@ impl Plant for ConstantCurvature {
         let radius = self.options.tendon_radius_m;
         let [bend_x, bend_y] = self.bend_rad;
         let shape = [radius * bend_x, radius * bend_y, -radius * bend_x, -radius * bend_y];
-        let pulls_m = commands.iter().zip(shape).map(|(command, followed_m)| command.pull_m_or(followed_m));
+        let pulls_m =
+            commands.iter().zip(shape).map(|(command, followed_m)| command.pull_m_or(followed_m));
         Ok(self.observe(pulls_m.collect()))
     }
 }

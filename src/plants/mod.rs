@@ -1,5 +1,5 @@
-//! Things that move. A plant is one file and one line of `plants!`: its module, its name in specs and the type of its
-//! options, which implements [`PlantOptions`].
+//! Things that move. A plant is one file and one line of `plants!`: its module, its name in specs
+//! and the type of its options, which implements [`PlantOptions`].
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -14,11 +14,16 @@ pub use simulated::{Simulated, SimulatedOptions, SimulatedSpec};
 use crate::base::{BadOption, Plant, TendonLayout};
 use crate::effects::{DriveGains, EffectSpec};
 
-/// What a kind of plant states about itself: the options that a spec gives it, and what follows from them.
-pub trait PlantOptions: Clone + PartialEq + Serialize + for<'de> Deserialize<'de> + schemars::JsonSchema {
-    /// Keys below the plant's own under which the name of a model file may stand, with dots between keys.
+/// What a kind of plant states about itself: the options that a spec gives it, and what follows
+/// from them.
+pub trait PlantOptions:
+    Clone + PartialEq + Serialize + for<'de> Deserialize<'de> + schemars::JsonSchema
+{
+    /// Keys below the plant's own under which the name of a model file may stand, with dots between
+    /// keys.
     const MODEL_KEYS: &'static [&'static str] = &[];
-    /// True for a robot behind motor controller and tracker: it cannot stand for the model of an experiment.
+    /// True for a robot behind motor controller and tracker: it cannot stand for the model of an
+    /// experiment.
     const DRIVES_HARDWARE: bool = false;
     /// True when effects can be added to it.
     const TAKES_EFFECTS: bool = false;
@@ -26,8 +31,8 @@ pub trait PlantOptions: Clone + PartialEq + Serialize + for<'de> Deserialize<'de
     /// Refuses settings out of range.
     ///
     /// # Errors
-    /// The path below the plant's key under which the key stands (empty: directly below), and the first field out of
-    /// range.
+    /// The path below the plant's key under which the key stands (empty: directly below), and the
+    /// first field out of range.
     fn check(&self) -> Result<(), (String, BadOption)>;
 
     /// Number of tendons.
@@ -44,8 +49,8 @@ pub trait PlantOptions: Clone + PartialEq + Serialize + for<'de> Deserialize<'de
     /// What is out of range or not as it should be, in words.
     fn build(&self, step_s: f64) -> Result<Box<dyn Plant>, String>;
 
-    /// What the robot depends on besides these options, such as the content of a file that they name. It is part of the
-    /// key of every stored result of this robot.
+    /// What the robot depends on besides these options, such as the content of a file that they
+    /// name. It is part of the key of every stored result of this robot.
     fn identity(&self) -> Vec<u8> {
         Vec::new()
     }
@@ -59,7 +64,8 @@ pub trait PlantOptions: Clone + PartialEq + Serialize + for<'de> Deserialize<'de
     /// Adds effects, where [`PlantOptions::TAKES_EFFECTS`].
     fn add_effects(&mut self, _effects: &[EffectSpec]) {}
 
-    /// The drives through which commands reach the tendons, by name; none where commands are those of tendons alone.
+    /// The drives through which commands reach the tendons, by name; none where commands are those
+    /// of tendons alone.
     fn drive_gains(&self) -> BTreeMap<String, DriveGains> {
         BTreeMap::new()
     }
@@ -69,12 +75,14 @@ pub trait PlantOptions: Clone + PartialEq + Serialize + for<'de> Deserialize<'de
         None
     }
 
-    /// Largest displacement of a tendon, metres, where an experiment's commands must stay within it.
+    /// Largest displacement of a tendon, metres, where an experiment's commands must stay within
+    /// it.
     fn travel_m(&self) -> Option<f64> {
         None
     }
 
-    /// A plant that does the same each time it is built and needs nothing but this program: contract tests run it.
+    /// A plant that does the same each time it is built and needs nothing but this program:
+    /// contract tests run it.
     fn example() -> Option<Self> {
         None
     }
@@ -111,7 +119,8 @@ macro_rules! plants {
                 match self { $(PlantSpec::$variant(_) => stringify!($module)),* }
             }
 
-            /// Where below a plant's own place the names of model files may stand, with dots between keys.
+            /// Where below a plant's own place the names of model files may stand, with dots
+            /// between keys.
             pub fn model_keys() -> Vec<String> {
                 let mut keys = Vec::new();
                 $(keys.extend(<$options>::MODEL_KEYS.iter().map(|key| format!("{}.{key}", stringify!($module))));)*
@@ -159,18 +168,20 @@ macro_rules! plants {
                 match self { $(PlantSpec::$variant(options) => options.noise_m()),* }
             }
 
-            /// Largest displacement of a tendon, metres, where an experiment's commands must stay within it.
+            /// Largest displacement of a tendon, metres, where an experiment's commands must stay
+            /// within it.
             pub fn travel_m(&self) -> Option<f64> {
                 match self { $(PlantSpec::$variant(options) => options.travel_m()),* }
             }
 
-            /// What the robot depends on besides its options: part of the key of its stored results.
+            /// What the robot depends on besides its options: part of the key of its stored
+            /// results.
             pub fn identity(&self) -> Vec<u8> {
                 match self { $(PlantSpec::$variant(options) => options.identity()),* }
             }
 
-            /// The robot, moving in steps of `step_s` seconds. A real robot is waited for until no other stage
-            /// uses it.
+            /// The robot, moving in steps of `step_s` seconds. A real robot is waited for until no
+            /// other stage uses it.
             ///
             /// # Errors
             /// What is out of range or not as it should be, in words.

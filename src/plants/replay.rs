@@ -1,4 +1,5 @@
-//! A recording as a plant: what a robot did when it was told the same, for trying out everything that reads a plant.
+//! A recording as a plant: what a robot did when it was told the same, for trying out everything
+//! that reads a plant.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -17,8 +18,8 @@ use crate::math::summary::quantile;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ReplayOptions {
-    /// The recording, driven by lengths. Its name counts from the folder of the plant file; in an experiment, from the folder in
-    /// which the program runs.
+    /// The recording, driven by lengths. Its name counts from the folder of the plant file; in an
+    /// experiment, from the folder in which the program runs.
     pub recording: PathBuf,
     /// By how much a command may differ from the recorded one, metres.
     #[serde(default = "tolerance_m")]
@@ -59,7 +60,8 @@ impl PlantOptions for ReplayOptions {
         Ok(Box::new(Replay::open(self, step_s).map_err(|error| error.to_string())?))
     }
 
-    /// The content of the recording, wherever it lies. One that cannot be read fails the stages that ask for it.
+    /// The content of the recording, wherever it lies. One that cannot be read fails the stages
+    /// that ask for it.
     fn identity(&self) -> Vec<u8> {
         std::fs::read(&self.recording).unwrap_or_default()
     }
@@ -69,8 +71,8 @@ impl PlantOptions for ReplayOptions {
     }
 }
 
-/// A recording as a [`Plant`]: each reset begins its next trial (after the last one the first again), each step gives
-/// the next row if it was commanded the same.
+/// A recording as a [`Plant`]: each reset begins its next trial (after the last one the first
+/// again), each step gives the next row if it was commanded the same.
 pub struct Replay {
     recording: Recording,
     tolerance_m: f64,
@@ -85,12 +87,21 @@ impl Replay {
     /// Reads the recording, whose rows are `step_s` seconds apart.
     ///
     /// # Errors
-    /// [`DataError`] where it is none, is driven by tensions, or has another number of tendons or other steps.
+    /// [`DataError`] where it is none, is driven by tensions, or has another number of tendons or
+    /// other steps.
     pub fn open(options: &ReplayOptions, step_s: f64) -> Result<Replay, DataError> {
         let mut recording = Recording::read(&options.recording)?;
-        recording.convert_drives(&options.recording, &drive_gains(&options.drives), options.tendons)?;
+        recording.convert_drives(
+            &options.recording,
+            &drive_gains(&options.drives),
+            options.tendons,
+        )?;
         if recording.actuation != Actuation::Lengths || recording.tendons() != options.tendons {
-            let driven = if recording.actuation == Actuation::Lengths { "displacements" } else { "tensions" };
+            let driven = if recording.actuation == Actuation::Lengths {
+                "displacements"
+            } else {
+                "tensions"
+            };
             return Err(DataError::Column {
                 file: options.recording.clone(),
                 place: "line 1",
@@ -127,14 +138,22 @@ impl Replay {
     }
 }
 
-/// The usual step may differ by this share: clocks and trackers jitter, and a tick whose pose was lost is longer.
+/// The usual step may differ by this share: clocks and trackers jitter, and a tick whose pose was
+/// lost is longer.
 const STEP_TOLERANCE_SHARE: f64 = 0.05;
 
 /// What was measured after another time is not what would be now.
-fn same_steps(options: &ReplayOptions, recording: &Recording, step_s: f64) -> Result<(), DataError> {
+fn same_steps(
+    options: &ReplayOptions,
+    recording: &Recording,
+    step_s: f64,
+) -> Result<(), DataError> {
     let step = |row: usize| recording.time_s[row] - recording.time_s[row - 1];
-    let steps_s: Vec<f64> =
-        recording.trials().into_iter().flat_map(|(_, rows)| (rows.start + 1..rows.end).map(step)).collect();
+    let steps_s: Vec<f64> = recording
+        .trials()
+        .into_iter()
+        .flat_map(|(_, rows)| (rows.start + 1..rows.end).map(step))
+        .collect();
     let usual_s = quantile(&steps_s, 0.5);
     if (usual_s - step_s).abs() <= STEP_TOLERANCE_SHARE * step_s || steps_s.is_empty() {
         return Ok(());
@@ -172,7 +191,11 @@ impl Plant for Replay {
 
     fn drive(&mut self, commands: &[TendonCommand]) -> Result<Observation, PlantError> {
         if commands.len() != self.tendons() {
-            return Err(PlantError::Refused(format!("{} tendons, expected {}", commands.len(), self.tendons())));
+            return Err(PlantError::Refused(format!(
+                "{} tendons, expected {}",
+                commands.len(),
+                self.tendons()
+            )));
         }
         let (line, recorded) = (self.row + 2, self.recording.commands.row(self.row));
         for (tendon, (command, recorded_m)) in commands.iter().zip(recorded).enumerate() {
@@ -181,12 +204,15 @@ impl Plant for Replay {
                 return Err(PlantError::Refused("a displacement that is not finite".into()));
             }
             if (pull_m - recorded_m).abs() > self.tolerance_m {
-                let message = format!("tendon {} at {pull_m} m; line {line} has {recorded_m} m", tendon + 1);
+                let message =
+                    format!("tendon {} at {pull_m} m; line {line} has {recorded_m} m", tendon + 1);
                 return Err(PlantError::NotRecorded(message));
             }
         }
         if self.row + 1 >= self.end {
-            return Err(PlantError::NotRecorded(format!("a step after the last row of the trial (line {line})")));
+            return Err(PlantError::NotRecorded(format!(
+                "a step after the last row of the trial (line {line})"
+            )));
         }
         self.row += 1;
         Ok(self.observation())

@@ -1,4 +1,5 @@
-//! The simulated robot: the Cosserat rod with the effects of a model on it, measured by a noisy tracker.
+//! The simulated robot: the Cosserat rod with the effects of a model on it, measured by a noisy
+//! tracker.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +7,9 @@ use rand_distr::{Distribution, Normal};
 use serde::{Deserialize, Serialize};
 
 use super::PlantOptions;
-use crate::base::{BadOption, Generator, Observation, Plant, PlantError, Seed, TendonCommand, TendonLayout};
+use crate::base::{
+    BadOption, Generator, Observation, Plant, PlantError, Seed, TendonCommand, TendonLayout,
+};
 use crate::effects::{DriveGains, DrivenModel, EffectSpec, Model, Variable, VariationError};
 use crate::rod::{PoseRates, Rod, RodParams, TipWrench};
 
@@ -74,7 +77,8 @@ impl PlantOptions for SimulatedSpec {
     fn check(&self) -> Result<(), (String, BadOption)> {
         self.options(1.0).check().map_err(|error| (String::new(), error))?;
         if self.noise_m > MAX_NOISE_M {
-            let found = format!("{} (if that is in mm, write {} m)", self.noise_m, self.noise_m * 1e-3);
+            let found =
+                format!("{} (if that is in mm, write {} m)", self.noise_m, self.noise_m * 1e-3);
             let expected = "0 to 0.05, in metres of tracking noise";
             return Err((String::new(), BadOption { key: "noise_m", found, expected }));
         }
@@ -132,13 +136,14 @@ pub struct Simulated {
 }
 
 impl Simulated {
-    /// A robot that follows a checked model, with `extra` effects (such as a load for some trials) on top.
+    /// A robot that follows a checked model, with `extra` effects (such as a load for some trials)
+    /// on top.
     pub fn new(model: &Model, extra: &[EffectSpec], options: SimulatedOptions) -> Simulated {
         Simulated::of(DrivenModel::new(model, extra), model, options)
     }
 
-    /// The same, with derivatives of the tip with respect to those of `variables` that have them, and the numbers (from
-    /// 0) of the others.
+    /// The same, with derivatives of the tip with respect to those of `variables` that have them,
+    /// and the numbers (from 0) of the others.
     ///
     /// # Errors
     /// [`VariationError`] for a variable that there is not.
@@ -170,12 +175,14 @@ impl Simulated {
         self.driven.rod()
     }
 
-    /// Derivatives of the measured tip and of the tracked points with respect to each variable, per unit of it.
+    /// Derivatives of the measured tip and of the tracked points with respect to each variable, per
+    /// unit of it.
     pub fn pose_rates(&self) -> Vec<PoseRates> {
         self.driven.pose_rates()
     }
 
-    /// Displacements of the model's drives in the next commands; see [`DrivenModel::set_drive_displacements`].
+    /// Displacements of the model's drives in the next commands; see
+    /// [`DrivenModel::set_drive_displacements`].
     pub fn set_drive_displacements(&mut self, displacements: Vec<f64>) {
         self.driven.set_drive_displacements(displacements);
     }
@@ -209,7 +216,8 @@ impl Simulated {
         self.time_s = 0.0;
     }
 
-    /// Counts the next command as the trial's first one again, after the robot has settled under it.
+    /// Counts the next command as the trial's first one again, after the robot has settled under
+    /// it.
     pub fn restart_count(&mut self) {
         self.driven.restart_count();
     }
@@ -233,7 +241,11 @@ impl Simulated {
     ///
     /// # Errors
     /// As [`Plant::drive`].
-    pub fn apply_tensions(&mut self, tensions_n: &[f64], settled: bool) -> Result<Observation, PlantError> {
+    pub fn apply_tensions(
+        &mut self,
+        tensions_n: &[f64],
+        settled: bool,
+    ) -> Result<Observation, PlantError> {
         if settled {
             self.driven.settle_under(tensions_n)?;
         } else {
@@ -257,7 +269,9 @@ impl Simulated {
                 }
                 TendonCommand::Pull(pull) if pull.abs() > self.options.travel_m => {
                     let travel = self.options.travel_m;
-                    return Err(PlantError::Refused(format!("a displacement of {pull} m, travel is ±{travel} m")));
+                    return Err(PlantError::Refused(format!(
+                        "a displacement of {pull} m, travel is ±{travel} m"
+                    )));
                 }
                 _ => {}
             }

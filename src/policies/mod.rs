@@ -1,7 +1,8 @@
 //! Controllers: from what is seen and a target to tendon displacements. They see observations only.
 //!
-//! A policy is one file of `paper/` or `further/` and one line of `policies!`: its module and, where it has options, the section
-//! of a spec's `policies` that holds them and their type. Everything else that others need to know of it is its [`PolicyEntry`].
+//! A policy is one file of `paper/` or `further/` and one line of `policies!`: its module and,
+//! where it has options, the section of a spec's `policies` that holds them and their type.
+//! Everything else that others need to know of it is its [`PolicyEntry`].
 
 mod outside;
 mod parts;
@@ -15,8 +16,8 @@ pub use further::model_integral::ModelIntegralOptions;
 pub use further::mpc::MpcOptions;
 pub use further::online_jacobian::OnlineJacobianOptions;
 pub use outside::{
-    OUTSIDE_KINDS, OnnxInput, OnnxOptions, OnnxOutput, OutsideDecider, OutsideDecision, OutsidePolicies, OutsidePolicy,
-    OutsideView, PythonOptions, provide_python,
+    OUTSIDE_KINDS, OnnxInput, OnnxOptions, OnnxOutput, OutsideDecider, OutsideDecision,
+    OutsidePolicies, OutsidePolicy, OutsideView, PythonOptions, provide_python,
 };
 pub use paper::a::AOptions;
 pub use paper::c::{AfterBoth, COptions, StartBranch, SwitchCheck};
@@ -26,8 +27,8 @@ pub use parts::inverse_network::DirectOptions;
 pub use parts::learned::{GpError, NetworkForward, NetworkInverse};
 pub use parts::model_traits::{ErrorModel, ForwardModel, InverseModel, LearningErrorModel};
 pub use parts::models::{
-    DAGGER, EarlyStopping, FORWARD, INVERSE, INVERSE_B, ModelNeed, NetworkDescription, PI_REAL, SampleColumns,
-    TrainingData,
+    DAGGER, EarlyStopping, FORWARD, INVERSE, INVERSE_B, ModelNeed, NetworkDescription, PI_REAL,
+    SampleColumns, TrainingData,
 };
 pub use parts::network::{MemoryUpdate, NetworkOptions};
 pub use parts::policy_parts::PolicyParts;
@@ -50,7 +51,8 @@ macro_rules! policies {
             $(pub(super) mod $further;)*
         }
 
-        /// Options of all policies; each default and its alternatives are argued in `docs/decisions.md`.
+        /// Options of all policies; each default and its alternatives are argued in
+        /// `docs/decisions.md`.
         #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
         #[serde(default, deny_unknown_fields)]
         pub struct PolicyOptions {
@@ -58,8 +60,8 @@ macro_rules! policies {
             pub limits: LimitOptions,
             /// How the networks are asked; the same for every policy.
             pub network: NetworkOptions,
-            /// Policies from outside by name. A spec may also write `NAME: {onnx: …}` and `NAME: {python: …}` beside the
-            /// other keys of `policies`.
+            /// Policies from outside by name. A spec may also write `NAME: {onnx: …}` and `NAME:
+            /// {python: …}` beside the other keys of `policies`.
             #[serde(skip_serializing_if = "OutsidePolicies::is_empty")]
             pub outside: OutsidePolicies,
             $($(#[doc = concat!("Options of `", stringify!($module), "`.")] pub $section: $options,)?)*
@@ -225,7 +227,11 @@ pub fn find_with(name: &str, outside: &OutsidePolicies) -> Option<&'static Polic
 ///
 /// # Errors
 /// [`BuildError`] for a missing part or an option out of range.
-pub fn build(entry: &PolicyEntry, parts: PolicyParts, options: &PolicyOptions) -> Result<Box<dyn Policy>, BuildError> {
+pub fn build(
+    entry: &PolicyEntry,
+    parts: PolicyParts,
+    options: &PolicyOptions,
+) -> Result<Box<dyn Policy>, BuildError> {
     options.check()?;
     (entry.make)(parts, options)
 }

@@ -1,4 +1,5 @@
-//! Rows of one cell together, and their errors by repetition: the one place where rows are grouped for a table.
+//! Rows of one cell together, and their errors by repetition: the one place where rows are grouped
+//! for a table.
 
 use std::collections::BTreeMap;
 

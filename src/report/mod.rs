@@ -1,8 +1,9 @@
-//! Tables and figures: pure functions from published rows to bytes. A figure is one file and one name in the
-//! `figures!` of its room.
-//! This module cannot reach the code that computed the rows, so every figure can be redrawn from `results/`.
+//! Tables and figures: pure functions from published rows to bytes. A figure is one file and one
+//! name in the `figures!` of its room. This module cannot reach the code that computed the rows, so
+//! every figure can be redrawn from `results/`.
 
-/// The figures of a room, in the order of the page that shows them; each is a module here with its `FIGURE`.
+/// The figures of a room, in the order of the page that shows them; each is a module here with its
+/// `FIGURE`.
 macro_rules! figures {
     ($($module:ident),* $(,)?) => {
         $(mod $module;)*
@@ -107,7 +108,11 @@ impl Figure {
     }
 
     /// These files, and the PNG and SVG of the drawing.
-    fn files(&self, mut files: Vec<Artifact>, canvas: &drawing::Canvas) -> Result<Vec<Artifact>, ReportError> {
+    fn files(
+        &self,
+        mut files: Vec<Artifact>,
+        canvas: &drawing::Canvas,
+    ) -> Result<Vec<Artifact>, ReportError> {
         files.extend(pictures(self.name, self.name, canvas)?);
         Ok(files)
     }
@@ -115,7 +120,9 @@ impl Figure {
 
 /// Every figure and table, those of the paper first.
 pub fn figures() -> impl Iterator<Item = &'static Figure> {
-    [paper::FIGURES, &[sweep::FIGURE], peers::FIGURES, &[benchmark::FIGURE], control::FIGURES].into_iter().flatten()
+    [paper::FIGURES, &[sweep::FIGURE], peers::FIGURES, &[benchmark::FIGURE], control::FIGURES]
+        .into_iter()
+        .flatten()
 }
 
 /// The figure called `name`.
@@ -139,10 +146,22 @@ pub fn write(artifacts: &[Artifact], results: &Path, plots: &Path) -> Result<(),
 }
 
 /// PNG and SVG of a drawing.
-fn pictures(figure: &'static str, stem: &str, canvas: &drawing::Canvas) -> Result<[Artifact; 2], ReportError> {
-    let failed = |error: drawing::PaintError| ReportError::Draw { figure, reason: error.to_string() };
-    let file = |end: &str, bytes| Artifact { name: format!("{stem}.{end}"), folder: OutputFolder::Plots, bytes };
-    Ok([file("png", drawing::png(canvas).map_err(failed)?), file("svg", drawing::svg(canvas).map_err(failed)?)])
+fn pictures(
+    figure: &'static str,
+    stem: &str,
+    canvas: &drawing::Canvas,
+) -> Result<[Artifact; 2], ReportError> {
+    let failed =
+        |error: drawing::PaintError| ReportError::Draw { figure, reason: error.to_string() };
+    let file = |end: &str, bytes| Artifact {
+        name: format!("{stem}.{end}"),
+        folder: OutputFolder::Plots,
+        bytes,
+    };
+    Ok([
+        file("png", drawing::png(canvas).map_err(failed)?),
+        file("svg", drawing::svg(canvas).map_err(failed)?),
+    ])
 }
 
 /// A CSV for `results/<experiment>/`.

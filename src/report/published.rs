@@ -1,4 +1,5 @@
-//! The rows that an experiment publishes, each kind in a file of its own under `results/<experiment>/`.
+//! The rows that an experiment publishes, each kind in a file of its own under
+//! `results/<experiment>/`.
 
 use std::path::Path;
 
@@ -7,8 +8,8 @@ use crate::data::findings::{CaseRow, IntervalRow};
 use crate::data::tables::{Beside, as_published, to_csv_beside};
 use crate::data::{DataError, TableRow, packed, tables, write_atomic};
 use crate::rows::experiment::{
-    ClaimRow, GapRow, GpCoverageRow, GpLeaveOneOutRow, GpRow, NetworkRow, PeerRow, ScalingRow, SweepRow, TrackRow,
-    TrialRow, WaypointRow, WorkspaceRow,
+    ClaimRow, GapRow, GpCoverageRow, GpLeaveOneOutRow, GpRow, NetworkRow, PeerRow, ScalingRow,
+    SweepRow, TrackRow, TrialRow, WaypointRow, WorkspaceRow,
 };
 use crate::rows::learning_peers::LearningPeerRow;
 use crate::rows::population::{RobotClaimRow, RobotRow};
@@ -51,8 +52,9 @@ macro_rules! published {
                 $(self.$field.extend(other.$field);)*
             }
 
-            /// The bytes of every table that has rows, by file name: the rows of `parts` one below the other, and beside
-            /// them the columns that `beside` gives for so many rows of each part.
+            /// The bytes of every table that has rows, by file name: the rows of `parts` one below
+            /// the other, and beside them the columns that `beside` gives for so many rows of each
+            /// part.
             ///
             /// # Errors
             /// [`DataError::Write`] for rows that make no table.
@@ -134,8 +136,9 @@ impl Published {
         Published::read_tables(folder)
     }
 
-    /// Writes every kind that has rows into a folder of results and gives the rows back as they stand there, rounded:
-    /// a figure drawn from them can be drawn again from the files, byte for byte.
+    /// Writes every kind that has rows into a folder of results and gives the rows back as they
+    /// stand there, rounded: a figure drawn from them can be drawn again from the files, byte for
+    /// byte.
     ///
     /// # Errors
     /// [`DataError`] for the first file that cannot be written.

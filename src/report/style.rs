@@ -1,8 +1,9 @@
 //! The house style: one set of colours, markers, dashes and sizes for every figure.
 //!
-//! Colours are those of Okabe & Ito (2008), told apart with every common colour vision; each series also has a marker
-//! and a dash of its own, so that a grey print can be read. Lengths are in hundredths of an inch: a figure of
-//! [`PAGE_WIDTH`] fills the two columns of a paper, and text of [`TEXT`] is 8 pt there.
+//! Colours are those of Okabe & Ito (2008), told apart with every common colour vision; each series
+//! also has a marker and a dash of its own, so that a grey print can be read. Lengths are in
+//! hundredths of an inch: a figure of [`PAGE_WIDTH`] fills the two columns of a paper, and text of
+//! [`TEXT`] is 8 pt there.
 /// Height of a canvas while it is drawn on; the final one is set afterwards.
 pub(crate) const TALL: f64 = 1e6;
 
@@ -52,12 +53,22 @@ pub const MARKER: f64 = 3.4;
 pub const BAND: f64 = 0.18;
 
 /// Looks in the order in which series take them.
-pub const LOOKS: [Look; 6] =
-    [Look::assigned(0), Look::assigned(1), Look::assigned(2), Look::assigned(3), Look::assigned(4), Look::assigned(5)];
+pub const LOOKS: [Look; 6] = [
+    Look::assigned(0),
+    Look::assigned(1),
+    Look::assigned(2),
+    Look::assigned(3),
+    Look::assigned(4),
+    Look::assigned(5),
+];
 
-/// Position of a policy in tables and figures; policies that are not in the registry follow the last.
+/// Position of a policy in tables and figures; policies that are not in the registry follow the
+/// last.
 pub fn policy_rank(policy: &str) -> usize {
-    policies::REGISTRY.iter().position(|entry| entry.name == policy).unwrap_or(policies::REGISTRY.len())
+    policies::REGISTRY
+        .iter()
+        .position(|entry| entry.name == policy)
+        .unwrap_or(policies::REGISTRY.len())
 }
 
 /// The policies among these, each once, in the order of the registry; others follow by name.
@@ -86,7 +97,8 @@ pub fn policy_markdown(policy: &str) -> &str {
 
 /// The name of a policy in LaTeX.
 pub fn policy_latex(policy: &str) -> String {
-    policies::find(policy).map_or_else(|| super::page::markup::latex(policy), |entry| entry.label.latex.to_owned())
+    policies::find(policy)
+        .map_or_else(|| super::page::markup::latex(policy), |entry| entry.label.latex.to_owned())
 }
 
 /// A way of training in two words.

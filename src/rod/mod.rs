@@ -1,7 +1,8 @@
-//! The dynamic tendon-driven Cosserat rod with a compressible spine and tendon-length control (paper, section III).
+//! The dynamic tendon-driven Cosserat rod with a compressible spine and tendon-length control
+//! (paper, section III).
 //!
-//! The unknowns are the internal moments and forces along the rod, as polynomials, and the tendon tensions; the
-//! derivation is in `docs/rod.md`.
+//! The unknowns are the internal moments and forces along the rod, as polynomials, and the tendon
+//! tensions; the derivation is in `docs/rod.md`.
 
 mod discretisation;
 mod dynamics;

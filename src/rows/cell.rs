@@ -28,7 +28,8 @@ columns! {
 pub struct CellRow<T> {
     /// Repetition of the whole experiment, data and training included.
     pub seed: u64,
-    /// `paper`: networks stopped at the paper's validation errors; `converged`: trained to convergence.
+    /// `paper`: networks stopped at the paper's validation errors; `converged`: trained to
+    /// convergence.
     pub training: String,
     /// Policy, mode and data sizes.
     #[serde(rename = "+cell")]
@@ -40,15 +41,21 @@ pub struct CellRow<T> {
 
 /// The first columns of [`CellRow`].
 const REPETITION: &[TableColumn] = &[
-    TableColumn { name: "seed", documentation: "Repetition of the whole experiment, data and training included." },
+    TableColumn {
+        name: "seed",
+        documentation: "Repetition of the whole experiment, data and training included.",
+    },
     TableColumn {
         name: "training",
-        documentation: "`paper`: networks stopped at the paper's validation errors; `converged`: trained to convergence.",
+        documentation: "`paper`: networks stopped at the paper's validation errors; `converged`: \
+                        trained to convergence.",
     },
 ];
 
 /// What is measured in a cell, and the table of it.
-pub trait CellValue: TableColumns + Serialize + DeserializeOwned + Clone + PartialEq + 'static {
+pub trait CellValue:
+    TableColumns + Serialize + DeserializeOwned + Clone + PartialEq + 'static
+{
     /// Name of the row type.
     const ROW: &'static str;
     /// Name of the table's file.

@@ -1,4 +1,5 @@
-//! The rows that experiments publish; each becomes a line of a CSV under `results/`, with these field names as columns.
+//! The rows that experiments publish; each becomes a line of a CSV under `results/`, with these
+//! field names as columns.
 
 use super::cell::{CellLabel, CellRow, CellValue, Outcome};
 use crate::base::Point3;
@@ -15,20 +16,22 @@ columns! {
         pub target_y_m: f64,
         /// Target, metres.
         pub target_z_m: f64,
-        /// Tip as it was last measured, tracking noise included, metres; not a number when it never was.
+        /// Tip as it was last measured, tracking noise included, metres; not a number when it never
+        /// was.
         pub tip_x_m: f64,
         /// Tip, metres.
         pub tip_y_m: f64,
         /// Tip, metres.
         pub tip_z_m: f64,
-        /// Its distance from the target; with `reach.averaged_samples` above 1 the mean distance over so many last
-        /// measurements, metres.
+        /// Its distance from the target; with `reach.averaged_samples` above 1 the mean distance
+        /// over so many last measurements, metres.
         pub error_m: f64,
         /// Control steps taken.
         pub steps: u64,
         /// Whether the policy settled before the step limit.
         pub settled: bool,
-        /// Times that the command's source changed between A and B (0 for policies of one controller).
+        /// Times that the command's source changed between A and B (0 for policies of one
+        /// controller).
         pub switches: u64,
         /// `ok` or the named failure; a failed trial is counted and left out of the means.
         pub status: Outcome,
@@ -74,8 +77,8 @@ columns! {
         pub tendon_3_m: f64,
         /// Displacement, metres.
         pub tendon_4_m: f64,
-        /// Displacements of further tendons, separated by spaces, metres; the column stands there only for robots with more
-        /// than four.
+        /// Displacements of further tendons, separated by spaces, metres; the column stands there
+        /// only for robots with more than four.
         #[serde(default)]
         pub further_tendons_m: String,
         /// Simulated tip, metres.
@@ -242,11 +245,12 @@ table_rows! {
         pub seed: u64,
         /// `paper` or `converged`.
         pub training: String,
-        /// `forward` (command to tip), `inverse` (tip to command, for `a`), `inverse_b` (the same from generated
-        /// data, for `b`), `pi_real` (from real data) or `dagger` (from robots that differ).
+        /// `forward` (command to tip), `inverse` (tip to command, for `a`), `inverse_b` (the same
+        /// from generated data, for `b`), `pi_real` (from real data) or `dagger` (from robots that
+        /// differ).
         pub network: String,
-        /// Points behind it: real ones for `pi_real`, those of the Gaussian process for `inverse_b`, else simulated
-        /// ones.
+        /// Points behind it: real ones for `pi_real`, those of the Gaussian process for
+        /// `inverse_b`, else simulated ones.
         pub points: u64,
         /// Epochs until it stopped.
         pub epochs: u64,
@@ -261,14 +265,15 @@ table_rows! {
     pub struct GpRow {
         /// Repetition of the whole experiment.
         pub seed: u64,
-        /// Kind of training of the forward network that the simulated tip comes from; `any` when it comes from the
-        /// rod.
+        /// Kind of training of the forward network that the simulated tip comes from; `any` when it
+        /// comes from the rod.
         pub training: String,
         flat score: GpScore,
     }
 
     "gp_coverage.csv", key [seed, training, points, axis, promised]:
-    /// How often the interval of a Gaussian process covers what was measured, over predefined points that it was not fitted to.
+    /// How often the interval of a Gaussian process covers what was measured, over predefined
+    /// points that it was not fitted to.
     pub struct GpCoverageRow {
         /// Repetition of the whole experiment.
         pub seed: u64,
@@ -341,11 +346,13 @@ table_rows! {
     }
 
     "sweep.csv", key [task, training, policy, mode, gp_points, real_points]:
-    /// An error at one point of a sweep, over seeds; the swept fields stand in columns before these (`sweep.csv`).
+    /// An error at one point of a sweep, over seeds; the swept fields stand in columns before these
+    /// (`sweep.csv`).
     pub struct SweepRow {
-        /// What the error is of: `reach` (distance to the target at the end of a trial), `response` (the same of the true tip
-        /// at the end of a trial of fixed duration), `track` (mean distance to the target over a run) or `gp` (cross-validated
-        /// error of the Gaussian process).
+        /// What the error is of: `reach` (distance to the target at the end of a trial), `response`
+        /// (the same of the true tip at the end of a trial of fixed duration), `track` (mean
+        /// distance to the target over a run) or `gp` (cross-validated error of the Gaussian
+        /// process).
         pub task: String,
         /// `paper`, `converged`, or `any` where no network takes part.
         pub training: String,
@@ -367,8 +374,9 @@ table_rows! {
     }
 
     "comparisons.csv", key [field, task, training, policy, mode, gp_points, real_points]:
-    /// Whether a value of a swept field differs from the field's first value, all else alike: paired by repetition, corrected
-    /// for the number of comparisons; the swept fields stand in columns before these (`comparisons.csv`).
+    /// Whether a value of a swept field differs from the field's first value, all else alike:
+    /// paired by repetition, corrected for the number of comparisons; the swept fields stand in
+    /// columns before these (`comparisons.csv`).
     pub struct ComparisonRow {
         /// The field whose values are compared.
         pub field: String,
@@ -379,7 +387,8 @@ table_rows! {
         /// As in `sweep.csv`.
         pub training: String,
         flat cell: CellLabel,
-        /// Mean over repetitions of error minus error with the first value, metres; below zero is better than the first value.
+        /// Mean over repetitions of error minus error with the first value, metres; below zero is
+        /// better than the first value.
         pub difference_m: f64,
         /// 95 % interval of that mean (Student's t), metres; not corrected.
         pub low_95_m: f64,
@@ -389,22 +398,25 @@ table_rows! {
         pub seeds: u64,
         /// Two-sided p-value of Student's paired t-test.
         pub p: f64,
-        /// p-value after Holm's correction for all comparisons of this field and task that show any difference.
+        /// p-value after Holm's correction for all comparisons of this field and task that show any
+        /// difference.
         pub p_holm: f64,
     }
 
     "summary.csv", key [training, policy, mode, gp_points, real_points]:
-    /// Goal-reaching error over the trials of one policy, mode and data size: a cell of Table I or a point of Fig. 6.
+    /// Goal-reaching error over the trials of one policy, mode and data size: a cell of Table I or
+    /// a point of Fig. 6.
     pub struct ReachSummaryRow {
         /// `paper` or `converged`.
         pub training: String,
         flat cell: CellLabel,
         /// Mean over seeds of the mean error over targets, metres.
         pub mean_m: f64,
-        /// Standard deviation over the targets of one experiment (root mean square over seeds), metres: what the paper
-        /// prints in brackets.
+        /// Standard deviation over the targets of one experiment (root mean square over seeds),
+        /// metres: what the paper prints in brackets.
         pub sd_m: f64,
-        /// 95 % interval for the mean over seeds (Student's t over per-seed means), metres; none for one seed.
+        /// 95 % interval for the mean over seeds (Student's t over per-seed means), metres; none
+        /// for one seed.
         pub low_95_m: f64,
         /// 95 % interval, metres.
         pub high_95_m: f64,
@@ -437,12 +449,13 @@ table_rows! {
         pub mean_error_m: f64,
         /// Standard deviation of that distance, metres.
         pub sd_error_m: f64,
-        /// Distance to the target when the first path point is left, to which the robot comes from home, metres.
+        /// Distance to the target when the first path point is left, to which the robot comes from
+        /// home, metres.
         pub start_error_m: f64,
         /// Time of the last row, seconds.
         pub completion_time_s: f64,
-        /// The error less its centred moving mean over 5 s; median of its peak-to-peak over windows of 5 s. Drift
-        /// counts nothing, ±a counts 2a, metres.
+        /// The error less its centred moving mean over 5 s; median of its peak-to-peak over windows
+        /// of 5 s. Drift counts nothing, ±a counts 2a, metres.
         pub oscillation_m: f64,
         /// Times that the command's source changed between A and B.
         pub switches: u64,
@@ -474,7 +487,8 @@ table_rows! {
     "work_precision.csv", key [robot, peer, setting, segments_or_nodes, dt_s, rms_error_m], failed [|row| !row.status.is_ok()]:
     /// One setting of one simulator on one robot: work against precision (`docs/peers.md`).
     pub struct PeerRow {
-        /// Robot and drive: `till`, `paper`, `paper_tension`; `paper_statics` for single equilibria.
+        /// Robot and drive: `till`, `paper`, `paper_tension`; `paper_statics` for single
+        /// equilibria.
         pub robot: String,
         /// Simulator.
         pub peer: String,
@@ -499,13 +513,15 @@ table_rows! {
     }
 
     "stages.csv", key [stage, label, key]:
-    /// One stage behind an experiment's results: what it was filed under, what came out and what it took.
+    /// One stage behind an experiment's results: what it was filed under, what came out and what it
+    /// took.
     pub struct StageRow {
         /// Kind of stage.
         pub stage: String,
         /// Which of its kind.
         pub label: String,
-        /// Digest of all that it depends on, its code included; the first 12 digits, as `cache list` shows them.
+        /// Digest of all that it depends on, its code included; the first 12 digits, as `cache
+        /// list` shows them.
         pub key: String,
         /// Digest of its result, the first 12 digits; empty where it failed or could not be kept.
         pub result: String,
@@ -518,7 +534,8 @@ table_rows! {
     "scaling.csv", key [system, workers]:
     /// How long a campaign takes on so many workers.
     pub struct ScalingRow {
-        /// `threads`, `two processes apart` and `everything stored` (measured), `ideal cluster` and `workers` (replayed).
+        /// `threads`, `two processes apart` and `everything stored` (measured), `ideal cluster` and
+        /// `workers` (replayed).
         pub system: String,
         /// Threads, or nodes of one processor each.
         pub workers: u64,
@@ -534,7 +551,8 @@ table_rows! {
         pub store_mb_s: f64,
         /// What most of the lost time goes into.
         pub bound: String,
-        /// Operations of the store: entries looked up, locked, unlocked, opened and filed; 0 where they are not counted.
+        /// Operations of the store: entries looked up, locked, unlocked, opened and filed; 0 where
+        /// they are not counted.
         pub store_operations: u64,
         /// Stages whose lock another worker held.
         pub locks_lost: u64,

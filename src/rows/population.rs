@@ -1,4 +1,5 @@
-//! The rows of a population: robots that differ from repetition to repetition, and what holds on how many of them.
+//! The rows of a population: robots that differ from repetition to repetition, and what holds on
+//! how many of them.
 
 use super::cell::CellLabel;
 use crate::data::table_rows;
@@ -69,7 +70,8 @@ table_rows! {
     }
 
     "attribution.csv", key [training, policy, mode, gp_points, real_points, effect]:
-    /// What an effect adds to the error of a policy: robots that have the effect against robots that do not.
+    /// What an effect adds to the error of a policy: robots that have the effect against robots
+    /// that do not.
     pub struct AttributionRow {
         /// `paper` or `converged`.
         pub training: String,

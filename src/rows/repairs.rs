@@ -32,7 +32,8 @@ table_rows! {
         pub verdict: String,
         /// The lines that the model got; empty for none.
         pub named: String,
-        /// Mean distance of the targets from the nearest place where the tip of this robot comes to rest, by bending, metres.
+        /// Mean distance of the targets from the nearest place where the tip of this robot comes to
+        /// rest, by bending, metres.
         pub nearest_m: f64,
         /// Rms tip error of held-out trials without these lines, metres.
         pub gap_before_m: f64,
@@ -55,7 +56,8 @@ table_rows! {
         pub change: String,
         /// What changed: the effects that the robot got.
         pub truth: String,
-        /// Time of work from the change to the alarm, seconds; empty where the monitor stayed silent.
+        /// Time of work from the change to the alarm, seconds; empty where the monitor stayed
+        /// silent.
         pub alarm_s: f64,
         /// Rows that were recorded then.
         pub samples: u64,
@@ -63,7 +65,8 @@ table_rows! {
         pub verdict: String,
         /// The lines that the model got; empty for none.
         pub named: String,
-        /// Mean distance of the targets from the nearest place where the tip of this robot comes to rest, by bending, metres.
+        /// Mean distance of the targets from the nearest place where the tip of this robot comes to
+        /// rest, by bending, metres.
         pub nearest_m: f64,
         /// Rms tip error of held-out trials without these lines, metres.
         pub gap_before_m: f64,
@@ -84,10 +87,11 @@ table_rows! {
         pub training: String,
         /// Name of the change.
         pub change: String,
-        /// `before`: the unchanged robot; `changed`: the changed robot, the controller as it was; `repaired`: networks trained on
-        /// with the model that got the named lines; `moved_points`: the networks as they were, the real points of the error model
-        /// moved by what the named lines do in the model; `new_points`: an error model of new real points of the changed robot;
-        /// `new_real`: a network of new real data of the changed robot.
+        /// `before`: the unchanged robot; `changed`: the changed robot, the controller as it was;
+        /// `repaired`: networks trained on with the model that got the named lines; `moved_points`:
+        /// the networks as they were, the real points of the error model moved by what the named
+        /// lines do in the model; `new_points`: an error model of new real points of the changed
+        /// robot; `new_real`: a network of new real data of the changed robot.
         pub variant: String,
         flat cell: CellLabel,
         /// Number of the target in its draw; the same for every policy of a seed.

@@ -1,20 +1,23 @@
-//! The rows of what tells controllers apart beside the error at the end: how fast, how directly, and along a path in time.
+//! The rows of what tells controllers apart beside the error at the end: how fast, how directly,
+//! and along a path in time.
 
 use super::cell::{CellLabel, CellRow, CellValue, Outcome};
 use crate::data::{TableDescription, TableRow, columns, table_rows};
 
 columns! {
-    /// One trial of fixed duration from rest at home to a target. Errors are those of the tip without tracking noise, where
-    /// the robot is simulated; of a robot on a bench those of the measured tip.
+    /// One trial of fixed duration from rest at home to a target. Errors are those of the tip
+    /// without tracking noise, where the robot is simulated; of a robot on a bench those of the
+    /// measured tip.
     pub struct ResponseTrial {
         /// Number of the target in its draw; the same for every policy of a seed.
         pub target: u64,
         /// Distance of the target from the tip at home, metres.
         pub distance_m: f64,
-        /// Time that the limit of the drive asks for to bring the tendons from home to the last command, seconds; empty
-        /// without a limit.
+        /// Time that the limit of the drive asks for to bring the tendons from home to the last
+        /// command, seconds; empty without a limit.
         pub limit_s: f64,
-        /// Time from which on the error stays within 5 mm, seconds; empty where it does not until the end.
+        /// Time from which on the error stays within 5 mm, seconds; empty where it does not until
+        /// the end.
         pub within_5mm_s: f64,
         /// The same for 3 mm, seconds.
         pub within_3mm_s: f64,
@@ -38,14 +41,15 @@ columns! {
         pub status: Outcome,
     }
 
-    /// One lap of the path in a given time: the target moves on with the clock and waits for nobody.
+    /// One lap of the path in a given time: the target moves on with the clock and waits for
+    /// nobody.
     pub struct PaceLap {
         /// Speed, as a multiple of that at which the lap takes `runs.pace.lap_s`.
         pub speed: f64,
         /// Duration of the lap, seconds.
         pub lap_s: f64,
-        /// Root mean square of the distance from the moving target, without tracking noise where the robot is simulated,
-        /// metres.
+        /// Root mean square of the distance from the moving target, without tracking noise where
+        /// the robot is simulated, metres.
         pub rms_m: f64,
         /// Largest distance, metres.
         pub largest_m: f64,
@@ -116,7 +120,15 @@ impl PaceLap {
     /// The same of a lap.
     pub fn unmeasured(speed: f64, lap_s: f64, status: Outcome) -> PaceLap {
         let none = f64::NAN;
-        PaceLap { speed, lap_s, rms_m: none, largest_m: none, tracked_rms_m: none, tendon_travel_m: none, status }
+        PaceLap {
+            speed,
+            lap_s,
+            rms_m: none,
+            largest_m: none,
+            tracked_rms_m: none,
+            tendon_travel_m: none,
+            status,
+        }
     }
 }
 
@@ -137,8 +149,8 @@ table_rows! {
         pub error_end_p95_m: f64,
         /// Mean error at the end as it was measured, metres.
         pub tracked_end_m: f64,
-        /// Median time to within 5 mm, trials that never get there counted as the longest, seconds; empty where that is half
-        /// of them.
+        /// Median time to within 5 mm, trials that never get there counted as the longest, seconds;
+        /// empty where that is half of them.
         pub within_5mm_s: f64,
         /// The same for 3 mm, seconds.
         pub within_3mm_s: f64,
@@ -146,8 +158,8 @@ table_rows! {
         pub within_2mm_s: f64,
         /// Share of trials that come to within 3 mm and stay.
         pub within_3mm_share: f64,
-        /// Median of the time to within 3 mm over the time that the limit of the drive asks for, trials that never get there
-        /// counted as the longest; empty where that is half of them.
+        /// Median of the time to within 3 mm over the time that the limit of the drive asks for,
+        /// trials that never get there counted as the longest; empty where that is half of them.
         pub within_3mm_per_limit: f64,
         /// Mean error after 1 s, metres.
         pub error_1s_m: f64,
@@ -168,8 +180,8 @@ table_rows! {
     }
 
     "points_needed.csv", key [training, policy, mode, wanted_m]:
-    /// How many real points a policy needs for an error: from so many on, the mean error of the true tip at the end stays within
-    /// it.
+    /// How many real points a policy needs for an error: from so many on, the mean error of the
+    /// true tip at the end stays within it.
     pub struct PointsNeededRow {
         /// `paper` or `converged`.
         pub training: String,
@@ -179,7 +191,8 @@ table_rows! {
         pub mode: String,
         /// The error, metres.
         pub wanted_m: f64,
-        /// Fewest points of those that were run; empty where the error is larger with the most points.
+        /// Fewest points of those that were run; empty where the error is larger with the most
+        /// points.
         pub points: f64,
         /// The most points that were run.
         pub most_points: u64,

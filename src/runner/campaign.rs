@@ -11,8 +11,8 @@ use crate::rows::cell::CellLabel;
 use crate::rows::experiment::{GapSample, GpCoverage, GpLeftOut, GpScore, ReachTrial, TrackSample};
 use crate::rows::responses::{PaceLap, ResponseTrial};
 use crate::specs::{
-    Experiment, ExperimentSet, SweepPoint, SweptField, Training, gp_sizes, pace_cells, reach_cells, response_cells,
-    track_cells, trial_cells,
+    Experiment, ExperimentSet, SweepPoint, SweptField, Training, gp_sizes, pace_cells, reach_cells,
+    response_cells, track_cells, trial_cells,
 };
 use crate::tasks::SimulatedBy;
 use std::collections::BTreeSet;
@@ -93,16 +93,21 @@ impl Campaign {
     ///
     /// # Errors
     /// [`Failure`] for settings that cannot be written into a key.
-    pub fn expand<S: Into<ExperimentSet>>(studies: impl IntoIterator<Item = S>) -> Result<Campaign, Failure> {
+    pub fn expand<S: Into<ExperimentSet>>(
+        studies: impl IntoIterator<Item = S>,
+    ) -> Result<Campaign, Failure> {
         let mut graph = Graph::default();
-        let entries =
-            studies.into_iter().map(|study| expand_entry(&mut graph, study.into())).collect::<Result<_, Failure>>()?;
+        let entries = studies
+            .into_iter()
+            .map(|study| expand_entry(&mut graph, study.into()))
+            .collect::<Result<_, Failure>>()?;
         Ok(Campaign { graph, entries })
     }
 
     /// The stages whose results are published.
     pub fn wanted(&self) -> Vec<usize> {
-        let numbers: BTreeSet<usize> = self.entries.iter().flat_map(CampaignEntry::wanted).collect();
+        let numbers: BTreeSet<usize> =
+            self.entries.iter().flat_map(CampaignEntry::wanted).collect();
         numbers.into_iter().collect()
     }
 }
@@ -130,7 +135,8 @@ impl CampaignEntry {
         numbers
     }
 
-    /// The runs: products of swept values, seeds, trainings, policies, modes and sizes, in the order of their expansion.
+    /// The runs: products of swept values, seeds, trainings, policies, modes and sizes, in the
+    /// order of their expansion.
     pub fn cells(&self) -> Vec<PlannedRun> {
         let mut runs = Vec::new();
         for point in &self.points {
@@ -143,30 +149,48 @@ impl CampaignEntry {
 
     /// The values of a point's swept fields, in words.
     pub(super) fn label(&self, point: &PointStages) -> String {
-        SweepPoint { values: point.values.clone(), experiment: point.experiment.clone() }.label(&self.sweep)
+        SweepPoint { values: point.values.clone(), experiment: point.experiment.clone() }
+            .label(&self.sweep)
     }
 }
 
 impl Repetition {
     fn cells(&self, swept: &str, runs: &mut Vec<PlannedRun>) {
-        let blind = |case: &BlindStages| PlannedRun { label: case.label(self.seed) + swept, stage: case.last() };
+        let blind = |case: &BlindStages| PlannedRun {
+            label: case.label(self.seed) + swept,
+            stage: case.last(),
+        };
         runs.extend(self.blind.iter().map(blind));
         for trained in &self.trained {
             let head = format!("seed {} {}", self.seed, trained.training);
             let run = |task: &str, cell: &CellLabel, stage: usize| {
-                let (policy, mode, gp, real) = (&cell.policy, &cell.mode, cell.gp_points, cell.real_points);
+                let (policy, mode, gp, real) =
+                    (&cell.policy, &cell.mode, cell.gp_points, cell.real_points);
                 let gp = if gp > 0 { format!(" gp_points {gp}") } else { String::new() };
                 let real = if real > 0 { format!(" real_points {real}") } else { String::new() };
-                PlannedRun { label: format!("{task} {head} {policy} {mode}{gp}{real}{swept}"), stage }
+                PlannedRun {
+                    label: format!("{task} {head} {policy} {mode}{gp}{real}{swept}"),
+                    stage,
+                }
             };
-            runs.extend(trained.reach.iter().map(|(cell, stage)| run("reach", cell, stage.number())));
-            runs.extend(trained.track.iter().map(|(cell, stage)| run("track", cell, stage.number())));
-            runs.extend(trained.response.iter().map(|(cell, stage)| run("response", cell, stage.number())));
+            runs.extend(
+                trained.reach.iter().map(|(cell, stage)| run("reach", cell, stage.number())),
+            );
+            runs.extend(
+                trained.track.iter().map(|(cell, stage)| run("track", cell, stage.number())),
+            );
+            runs.extend(
+                trained.response.iter().map(|(cell, stage)| run("response", cell, stage.number())),
+            );
             runs.extend(trained.pace.iter().map(|(cell, stage)| run("pace", cell, stage.number())));
             for change in trained.repair.iter().flat_map(|repair| &repair.changes) {
-                let task = |variant: &RepairVariant| format!("repair {} {}", change.change, variant.name());
+                let task = |variant: &RepairVariant| {
+                    format!("repair {} {}", change.change, variant.name())
+                };
                 let trials = change.trials.iter();
-                runs.extend(trials.map(|(variant, cell, stage)| run(&task(variant), cell, stage.number())));
+                runs.extend(
+                    trials.map(|(variant, cell, stage)| run(&task(variant), cell, stage.number())),
+                );
             }
         }
     }
@@ -200,7 +224,8 @@ fn expand_repetitions(
 ) -> Result<Vec<Repetition>, Failure> {
     let parts = SharedParts::new(experiment, previous.as_ref())?;
     let seeds = experiment.repetitions();
-    let repetitions = seeds.map(|seed| expand_repetition(graph, experiment, &parts, seed)).collect();
+    let repetitions =
+        seeds.map(|seed| expand_repetition(graph, experiment, &parts, seed)).collect();
     *previous = Some(parts);
     repetitions
 }
@@ -214,8 +239,10 @@ fn expand_population(
     let mut repetitions = Vec::new();
     for seed in experiment.repetitions() {
         let robot_effects = experiment.drawn_effects(seed);
-        let effects: Vec<EffectSpec> = robot_effects.iter().map(|effect| effect.spec.clone()).collect();
-        let on_robot = Experiment { plant: experiment.plant.with_effects(&effects), ..experiment.clone() };
+        let effects: Vec<EffectSpec> =
+            robot_effects.iter().map(|effect| effect.spec.clone()).collect();
+        let on_robot =
+            Experiment { plant: experiment.plant.with_effects(&effects), ..experiment.clone() };
         let parts = SharedParts::new(&on_robot, previous.as_ref())?;
         let repetition = expand_repetition(graph, &on_robot, &parts, seed)?;
         repetitions.push(Repetition { robot_effects, ..repetition });
@@ -242,7 +269,9 @@ fn expand_repetition(
             repetition.gp_coverages.push((name.clone(), stages.gp_coverage(training, *points)?));
         }
         if !experiment.runs.gp_leave_one_out.is_empty() {
-            repetition.gp_left_out.push((name.clone(), stages.gp_leave_one_out(training, *points)?));
+            repetition
+                .gp_left_out
+                .push((name.clone(), stages.gp_leave_one_out(training, *points)?));
         }
     }
     repetition.blind = stages.blind()?;
@@ -258,11 +287,15 @@ fn expand_repetition(
         for cell in &track {
             cells.track.push((cell.clone(), stages.track(cell, training)?));
         }
-        for (cell, run) in response_cells(experiment).into_iter().zip(experiment.runs.response.iter().cycle()) {
+        for (cell, run) in
+            response_cells(experiment).into_iter().zip(experiment.runs.response.iter().cycle())
+        {
             let stage = stages.response(&cell, training, run.duration_s)?;
             cells.response.push((cell, stage));
         }
-        for (cell, run) in pace_cells(experiment).into_iter().zip(experiment.runs.pace.iter().cycle()) {
+        for (cell, run) in
+            pace_cells(experiment).into_iter().zip(experiment.runs.pace.iter().cycle())
+        {
             let stage = stages.pace(&cell, training, run)?;
             cells.pace.push((cell, stage));
         }
@@ -272,8 +305,8 @@ fn expand_repetition(
     Ok(repetition)
 }
 
-/// The experiment's Gaussian processes: kind of training, where its networks stop, and size. There is one a size, or where p_sim
-/// comes from the forward network, one a size and training.
+/// The experiment's Gaussian processes: kind of training, where its networks stop, and size. There
+/// is one a size, or where p_sim comes from the forward network, one a size and training.
 fn gaussian_processes(experiment: &Experiment) -> Vec<(String, Training, usize)> {
     let rod = experiment.gp_points.p_sim == SimulatedBy::Rod;
     let trainings = if rod {
@@ -282,20 +315,24 @@ fn gaussian_processes(experiment: &Experiment) -> Vec<(String, Training, usize)>
         experiment.training.iter().map(|(name, training)| (name.clone(), *training)).collect()
     };
     let sizes = gp_sizes(experiment);
-    let of_size =
-        |(name, training): (String, Training)| sizes.iter().map(move |&points| (name.clone(), training, points));
+    let of_size = |(name, training): (String, Training)| {
+        sizes.iter().map(move |&points| (name.clone(), training, points))
+    };
     trainings.into_iter().flat_map(of_size).collect()
 }
 
-/// The networks that the cells are built from with the points of their data, and the forward model where it is asked for
-/// or stands for the rod; in the order of [`networks`].
+/// The networks that the cells are built from with the points of their data, and the forward model
+/// where it is asked for or stands for the rod; in the order of [`networks`].
 fn networks_of(
     experiment: &Experiment,
     cells: impl Iterator<Item = CellLabel>,
 ) -> Vec<(&'static NetworkDescription, usize)> {
     let all_networks = networks();
-    let rank = |network: &NetworkDescription| all_networks.iter().position(|other| other.name == network.name);
-    let simulates = experiment.gp_points.p_sim == SimulatedBy::Network && !gp_sizes(experiment).is_empty();
+    let rank = |network: &NetworkDescription| {
+        all_networks.iter().position(|other| other.name == network.name)
+    };
+    let simulates =
+        experiment.gp_points.p_sim == SimulatedBy::Network && !gp_sizes(experiment).is_empty();
     let mut used = BTreeSet::new();
     used.extend((experiment.runs.forward || simulates).then_some((rank(&FORWARD), 0)));
     for cell in cells {

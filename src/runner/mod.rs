@@ -11,8 +11,8 @@ mod store;
 
 pub use campaign::{Campaign, CampaignEntry, PlannedRun};
 pub use execute::executor::{
-    EXCHANGE_INTERVAL, MAX_PAUSE, MAX_RESULTS_IN_MEMORY, MAX_RESUMED_STAGES, MAX_UNWRITTEN_RESULTS, MIN_PAUSE,
-    RunOptions, RunRecord, WorkerShare, execute, execute_share,
+    EXCHANGE_INTERVAL, MAX_PAUSE, MAX_RESULTS_IN_MEMORY, MAX_RESUMED_STAGES, MAX_UNWRITTEN_RESULTS,
+    MIN_PAUSE, RunOptions, RunRecord, WorkerShare, execute, execute_share,
 };
 pub use execute::outcomes::{Outcomes, SharingCost};
 pub use execute::plan::{Need, plan};

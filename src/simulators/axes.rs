@@ -8,9 +8,11 @@ const STEP_S: f64 = 1e-3;
 const END_TOLERANCE_MM: f64 = 5e-4;
 /// Junction deviation, which sets the speed at corners, mm (`$11`).
 const JUNCTION_MM: f64 = 0.01;
-/// Motion that is computed ahead and that a hold no longer changes, s: grblHAL's ten segments of 10 ms.
+/// Motion that is computed ahead and that a hold no longer changes, s: grblHAL's ten segments of 10
+/// ms.
 const COMPUTED_AHEAD_S: f64 = 0.1;
-/// A hold that ends a last move within this time of its end discards the move, s: half of the segments.
+/// A hold that ends a last move within this time of its end discards the move, s: half of the
+/// segments.
 const DISCARDED_S: f64 = 0.05;
 
 /// Speed and acceleration limits of a move.
@@ -72,10 +74,13 @@ impl SimulatedAxes {
         self.speed_mm_s * 60.0
     }
 
-    /// Positions that the controller counted `earlier_s` ago, mm, if it has moved as it does now since then.
+    /// Positions that the controller counted `earlier_s` ago, mm, if it has moved as it does now
+    /// since then.
     pub(crate) fn counted_before_mm(&self, earlier_s: f64) -> [f64; 4] {
         let direction = self.blocks.front().map_or([0.0; 4], |block| block.direction);
-        std::array::from_fn(|axis| self.counted_mm[axis] - direction[axis] * self.speed_mm_s * earlier_s)
+        std::array::from_fn(|axis| {
+            self.counted_mm[axis] - direction[axis] * self.speed_mm_s * earlier_s
+        })
     }
 
     /// End of the last move, mm.
@@ -88,8 +93,8 @@ impl SimulatedAxes {
         SimulatedAxes { screws_mm, ..SimulatedAxes::default() }
     }
 
-    /// Decelerates to a standstill. A feed hold first executes the motion that is computed already, as grblHAL does; a
-    /// cancelled jog does not.
+    /// Decelerates to a standstill. A feed hold first executes the motion that is computed already,
+    /// as grblHAL does; a cancelled jog does not.
     pub(crate) fn hold(&mut self, after_computed_motion: bool) {
         if !self.holding {
             self.ahead_s = if after_computed_motion { COMPUTED_AHEAD_S } else { 0.0 };
@@ -144,7 +149,9 @@ impl SimulatedAxes {
         let speed_mm_s = limits.feed_mm_min.min(along(limits.max_speed_mm_min)) / 60.0;
         let acceleration_mm_s2 = along(limits.acceleration_mm_s2);
         let corner_mm_s = self.blocks.back().map_or(0.0, |before| {
-            corner_mm_s(&before.direction, &direction, acceleration_mm_s2).min(speed_mm_s).min(before.speed_mm_s)
+            corner_mm_s(&before.direction, &direction, acceleration_mm_s2)
+                .min(speed_mm_s)
+                .min(before.speed_mm_s)
         });
         self.planned_mm = target_mm;
         self.blocks.push_back(PlannedMove {
@@ -165,7 +172,9 @@ impl SimulatedAxes {
         for block in self.blocks.iter_mut().rev() {
             block.exit_mm_s = next_mm_s;
             // v² = v_exit² + 2 a s.
-            let stoppable_mm_s = (next_mm_s * next_mm_s + 2.0 * block.acceleration_mm_s2 * block.remaining_mm).sqrt();
+            let stoppable_mm_s = (next_mm_s * next_mm_s
+                + 2.0 * block.acceleration_mm_s2 * block.remaining_mm)
+                .sqrt();
             next_mm_s = block.corner_mm_s.min(stoppable_mm_s);
         }
     }
@@ -190,7 +199,9 @@ impl SimulatedAxes {
         self.speed_mm_s = if stops {
             (self.speed_mm_s - change_mm_s).max(0.0)
         } else {
-            let stoppable_mm_s = (block.exit_mm_s.powi(2) + 2.0 * block.acceleration_mm_s2 * block.remaining_mm).sqrt();
+            let stoppable_mm_s = (block.exit_mm_s.powi(2)
+                + 2.0 * block.acceleration_mm_s2 * block.remaining_mm)
+                .sqrt();
             (self.speed_mm_s + change_mm_s).min(block.speed_mm_s).min(stoppable_mm_s)
         };
         let mut way_mm = (self.speed_mm_s * STEP_S).min(block.remaining_mm);
@@ -210,16 +221,17 @@ impl SimulatedAxes {
         }
     }
 
-    /// Late in its last move, a grblHAL that is held removes the move from its queue (`Bf` is then that of an empty one,
-    /// and a resume ends in `Idle`), although its segments remain. They are executed with the next move that has at
-    /// least one step.
+    /// Late in its last move, a grblHAL that is held removes the move from its queue (`Bf` is then
+    /// that of an empty one, and a resume ends in `Idle`), although its segments remain. They are
+    /// executed with the next move that has at least one step.
     fn discard_remainder(&mut self) {
         let last = self.blocks.len() == 1;
         if last
             && self.blocks[0].remaining_mm > 0.0
             && self.blocks[0].remaining_mm <= DISCARDED_S * self.blocks[0].speed_mm_s
         {
-            self.remainder = self.blocks.pop_front().map(|block| PlannedMove { exit_mm_s: 0.0, ..block });
+            self.remainder =
+                self.blocks.pop_front().map(|block| PlannedMove { exit_mm_s: 0.0, ..block });
             self.halt();
         }
     }
@@ -265,8 +277,11 @@ fn corner_mm_s(before: &[f64; 4], after: &[f64; 4], acceleration_mm_s2: f64) -> 
 mod tests {
     use super::*;
 
-    const PACE: MotionLimits =
-        MotionLimits { feed_mm_min: 600.0, max_speed_mm_min: [600.0; 4], acceleration_mm_s2: [50.0; 4] };
+    const PACE: MotionLimits = MotionLimits {
+        feed_mm_min: 600.0,
+        max_speed_mm_min: [600.0; 4],
+        acceleration_mm_s2: [50.0; 4],
+    };
 
     #[test]
     fn a_move_takes_the_time_of_its_trapezium() {
@@ -297,7 +312,11 @@ mod tests {
     /// As measured with grblHAL's simulator: F1125, 500 mm/s², a move of 3 mm held after 50 ms.
     #[test]
     fn a_short_move_that_is_held_late_ends_short_and_its_rest_runs_with_the_next_move() {
-        let fast = MotionLimits { feed_mm_min: 1125.0, max_speed_mm_min: [3000.0; 4], acceleration_mm_s2: [500.0; 4] };
+        let fast = MotionLimits {
+            feed_mm_min: 1125.0,
+            max_speed_mm_min: [3000.0; 4],
+            acceleration_mm_s2: [500.0; 4],
+        };
         let mut axes = SimulatedAxes::default();
         axes.push([3.0, 0.0, 0.0, 0.0], &fast);
         axes.advance(0.05);
@@ -313,6 +332,8 @@ mod tests {
         assert_eq!(axes.counted_mm[0], held_mm, "the target of the last move is no move");
         axes.push([3.0, 0.0025, 0.0, 0.0], &fast);
         axes.advance(0.5);
-        assert!((axes.counted_mm[0] - 3.0).abs() < 1e-9 && (axes.counted_mm[1] - 0.0025).abs() < 1e-9);
+        assert!(
+            (axes.counted_mm[0] - 3.0).abs() < 1e-9 && (axes.counted_mm[1] - 0.0025).abs() < 1e-9
+        );
     }
 }

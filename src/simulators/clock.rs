@@ -1,5 +1,5 @@
-//! Clock of a rehearsal: it advances when every registered thread waits for it, so its speed does not depend on the
-//! computer.
+//! Clock of a rehearsal: it advances when every registered thread waits for it, so its speed does
+//! not depend on the computer.
 
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 

@@ -1,4 +1,5 @@
-//! A simulated robot between a simulated controller and a simulated tracker, in a thread of its own.
+//! A simulated robot between a simulated controller and a simulated tracker, in a thread of its
+//! own.
 
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -17,8 +18,8 @@ const STEP_S: f64 = 0.005;
 
 /// The robot between the motors and the tracker.
 pub trait SimulatedRobot: Send {
-    /// Moves the tendons to `pulls_m` within `duration_s` (both since the last call); returns the pose of the tip in
-    /// the base frame.
+    /// Moves the tendons to `pulls_m` within `duration_s` (both since the last call); returns the
+    /// pose of the tip in the base frame.
     fn advance(&mut self, pulls_m: &[f64; AXES], duration_s: f64) -> RigidPose;
     /// Replaces whatever hangs on the tip by a weight of `load_kg`.
     fn hang_weight(&mut self, _load_kg: f64) {}
@@ -43,16 +44,16 @@ pub struct Simulator {
     interventions: Vec<(f64, Intervention)>,
 }
 
-/// Pose of the tip's body in the tracker's frame, given the pose of the base's body there and the tip in the base
-/// frame.
+/// Pose of the tip's body in the tracker's frame, given the pose of the base's body there and the
+/// tip in the base frame.
 pub type TrackerView = Box<dyn Fn(&RigidPose, &RigidPose) -> RigidPose + Send>;
 
 /// A scheduled change of a simulator, such as a fault.
 pub type Intervention = Box<dyn FnOnce(&mut Simulator) + Send>;
 
 impl Simulator {
-    /// A simulator at rest; `view` computes the pose of the tip's body in the tracker's frame, given the pose of the
-    /// base's body there and the tip in the base frame.
+    /// A simulator at rest; `view` computes the pose of the tip's body in the tracker's frame,
+    /// given the pose of the base's body there and the tip in the base frame.
     pub fn new(
         controller: SimulatedController,
         tracker: SimulatedTracker,
@@ -137,7 +138,8 @@ impl RunningSimulator {
                     let now_s = clock.now_s();
                     lock(&simulator).step(now_s);
                     clock.sleep_until(now_s + STEP_S);
-                    // Alone on its clock this thread would never wait, and would occupy a processor.
+                    // Alone on its clock this thread would never wait, and would occupy a
+                    // processor.
                     std::thread::yield_now();
                 }
                 clock.leave();

@@ -14,14 +14,15 @@ pub use document::locate::{PathEnd, locate};
 pub use document::merged::Document;
 pub use document::path::{KeyPath, Step};
 pub use experiment::cells::{
-    gp_sizes, pace_cells, reach_cells, repair_cells, repair_worker, response_cells, track_cells, trial_cells,
+    gp_sizes, pace_cells, reach_cells, repair_cells, repair_worker, response_cells, track_cells,
+    trial_cells,
 };
 pub use experiment::claims::{ClaimMetric, FrameAxis, PaperClaim, ReachCell, Relation, Size};
 pub use experiment::repair::{RepairRecordings, RepairRun};
 pub use experiment::slurm::SlurmOptions;
 pub use experiment::spec::{
-    DiscoveryRun, Experiment, GapRun, GeneratedStart, PaceRun, ReachSweep, ResponseRun, Runs, TrackRun, Training,
-    TrialMode,
+    DiscoveryRun, Experiment, GapRun, GeneratedStart, PaceRun, ReachSweep, ResponseRun, Runs,
+    TrackRun, Training, TrialMode,
 };
 pub use read::{files_behind, read_map, read_model, read_options, read_plant};
 pub use schema::{SchemaOf, schema};

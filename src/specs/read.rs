@@ -25,8 +25,9 @@ pub fn read_model(file: &Path) -> Result<Model, SpecError> {
     Ok(model)
 }
 
-/// Reads and checks a plant file: a robot as in an experiment's `plant`, whose model may be the name of a model file. Names
-/// of models and recordings are relative to the folder of the plant file.
+/// Reads and checks a plant file: a robot as in an experiment's `plant`, whose model may be the
+/// name of a model file. Names of models and recordings are relative to the folder of the plant
+/// file.
 ///
 /// # Errors
 /// As [`read_model`].
@@ -40,8 +41,8 @@ pub fn read_plant(file: &Path) -> Result<PlantSpec, SpecError> {
     Ok(plant)
 }
 
-/// The files that a model, a plant or discovery options are read from: `file`, the files that it extends, and the models
-/// that it names. Only `file` when it cannot be read.
+/// The files that a model, a plant or discovery options are read from: `file`, the files that it
+/// extends, and the models that it names. Only `file` when it cannot be read.
 pub fn files_behind(file: &Path) -> Vec<PathBuf> {
     let document = Document::read(file, &[], &model_paths(&KeyPath::default()));
     document.map_or_else(|_| vec![file.to_owned()], |document| document.files())

@@ -1,5 +1,5 @@
-//! JSON Schema of specs, for editors: derived from the types of specs, extended by what is resolved before a spec is read
-//! (`extends`, names of files in place of mappings, `sweep`).
+//! JSON Schema of specs, for editors: derived from the types of specs, extended by what is resolved
+//! before a spec is read (`extends`, names of files in place of mappings, `sweep`).
 
 use super::experiment::spec::Experiment;
 use super::sweep::series::SeriesForm;
@@ -42,20 +42,24 @@ fn of_type<T: JsonSchema>(title: &str) -> Value {
 fn experiment() -> Value {
     let mut schema = with_files(of_type::<Experiment>("an experiment of spinebench"));
     // A policy from outside may stand beside the other keys of `policies`.
-    schema["$defs"]["PolicyOptions"]["additionalProperties"] = json!({ "$ref": "#/$defs/OutsidePolicy" });
+    schema["$defs"]["PolicyOptions"]["additionalProperties"] =
+        json!({ "$ref": "#/$defs/OutsidePolicy" });
     let required = schema["required"].take();
     merging(&mut schema);
     let extends = json!({
         "type": "string",
-        "description": "File in the same folder that this file extends: mappings are merged key by key, everything else is replaced.",
+        "description": "File in the same folder that this file extends: mappings are merged key by \
+                        key, everything else is replaced.",
     });
     let sweep = json!({
         "type": ["object", "null"],
-        "description": "Swept fields by their dotted paths, and the values of each; see docs/sweeps.md.",
+        "description": "Swept fields by their dotted paths, and the values of each; see \
+                        docs/sweeps.md.",
         "additionalProperties": { "anyOf": [
             { "type": "array", "minItems": 1, "description": "The values." },
             of_form(),
-            { "type": "null", "description": "Do not sweep this field, although the extended file does." },
+            { "type": "null", "description": "Do not sweep this field, although the extended file \
+                                              does." },
         ]},
     });
     schema["properties"]["extends"] = extends;
@@ -70,7 +74,8 @@ fn experiment() -> Value {
 
 /// The forms of swept values other than a list, without the head of their schema.
 fn of_form() -> Value {
-    let mut form = SchemaSettings::draft2020_12().with(|settings| settings.inline_subschemas = true);
+    let mut form =
+        SchemaSettings::draft2020_12().with(|settings| settings.inline_subschemas = true);
     form.meta_schema = None;
     form.into_generator().into_root_schema_for::<SeriesForm>().to_value()
 }
@@ -94,8 +99,9 @@ fn with_files(mut schema: Value) -> Value {
     schema
 }
 
-/// Drops `required` in everything that the root reaches through mappings alone: it is merged with the extended spec, so no
-/// key is required. Items of lists must be complete, as lists are replaced as a whole.
+/// Drops `required` in everything that the root reaches through mappings alone: it is merged with
+/// the extended spec, so no key is required. Items of lists must be complete, as lists are replaced
+/// as a whole.
 fn merging(schema: &mut Value) {
     let mut names = Vec::new();
     let mut root = schema.clone();
@@ -110,13 +116,15 @@ fn merging(schema: &mut Value) {
     *schema = root;
 }
 
-/// Drops `required` where mappings merge, and collects the referenced definitions; an alternative keeps its name.
+/// Drops `required` where mappings merge, and collects the referenced definitions; an alternative
+/// keeps its name.
 fn loosen(schema: &mut Value, alternative: bool, names: &mut Vec<String>) {
     let Value::Object(object) = schema else { return };
     if !alternative {
         object.remove("required");
     }
-    if let Some(name) = object.get("$ref").and_then(Value::as_str).and_then(|to| to.strip_prefix("#/$defs/"))
+    if let Some(name) =
+        object.get("$ref").and_then(Value::as_str).and_then(|to| to.strip_prefix("#/$defs/"))
         && !names.iter().any(|other| other == name)
     {
         names.push(name.to_owned());

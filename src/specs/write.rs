@@ -15,7 +15,10 @@ pub fn to_yaml<T: Serialize>(value: &T) -> Result<String, String> {
 
 fn yaml_text<T: Serialize>(value: &T) -> Result<String, serde_yaml::Error> {
     let mut text = Vec::new();
-    serde_yaml::with::singleton_map_recursive::serialize(value, &mut serde_yaml::Serializer::new(&mut text))?;
+    serde_yaml::with::singleton_map_recursive::serialize(
+        value,
+        &mut serde_yaml::Serializer::new(&mut text),
+    )?;
     Ok(String::from_utf8_lossy(&text).into_owned())
 }
 
@@ -27,24 +30,31 @@ pub fn model_text(model: &Model) -> Result<String, serde_yaml::Error> {
     yaml_text(model)
 }
 
-/// The text of `file` with the last `added` effects of `model` appended to its own, which keeps comments and layout. When
-/// that does not read back as `model`, the whole model written anew.
+/// The text of `file` with the last `added` effects of `model` appended to its own, which keeps
+/// comments and layout. When that does not read back as `model`, the whole model written anew.
 ///
 /// # Errors
 /// As [`model_text`]. A file that cannot be read counts as empty.
-pub fn extended_text(file: &Path, model: &Model, added: usize) -> Result<String, serde_yaml::Error> {
+pub fn extended_text(
+    file: &Path,
+    model: &Model,
+    added: usize,
+) -> Result<String, serde_yaml::Error> {
     let written = read_text(file).unwrap_or_default();
     let line = |effect: &EffectSpec| -> Result<String, serde_yaml::Error> {
         let name = effect.card().name;
-        let value = serde_json::to_value(effect).map_err(<serde_yaml::Error as serde::ser::Error>::custom)?;
+        let value = serde_json::to_value(effect)
+            .map_err(<serde_yaml::Error as serde::ser::Error>::custom)?;
         let fields = value[name].to_string().replace('"', "").replace(':', ": ").replace(',', ", ");
         Ok(format!("  - {name}: {fields}\n"))
     };
-    let lines: String = model.effects[model.effects.len() - added..].iter().map(line).collect::<Result<_, _>>()?;
+    let lines: String =
+        model.effects[model.effects.len() - added..].iter().map(line).collect::<Result<_, _>>()?;
     let extended = with_effects(&written, &lines);
     let reads_back = |text: &String| {
-        let read: Result<Model, _> =
-            serde_yaml::with::singleton_map_recursive::deserialize(serde_yaml::Deserializer::from_str(text));
+        let read: Result<Model, _> = serde_yaml::with::singleton_map_recursive::deserialize(
+            serde_yaml::Deserializer::from_str(text),
+        );
         read.is_ok_and(|read| read == *model)
     };
     extended.filter(reads_back).map_or_else(|| model_text(model), Ok)
@@ -60,18 +70,28 @@ fn with_effects(written: &str, lines: &str) -> Option<String> {
         return Some(format!("{text}effects:\n{lines}"));
     };
     let head: String = text.lines().take(start).map(|line| format!("{line}\n")).collect();
-    let (effects_line, below) =
-        text.lines().skip(start).collect::<Vec<_>>().split_first().map(|(a, b)| (*a, b.to_vec()))?;
-    let comment =
-        effects_line.split_once('#').map_or_else(String::new, |(_, comment)| format!("  # {}", comment.trim()));
+    let (effects_line, below) = text
+        .lines()
+        .skip(start)
+        .collect::<Vec<_>>()
+        .split_first()
+        .map(|(a, b)| (*a, b.to_vec()))?;
+    let comment = effects_line
+        .split_once('#')
+        .map_or_else(String::new, |(_, comment)| format!("  # {}", comment.trim()));
     if effects_line["effects:".len()..].trim_start().starts_with("[]") {
         let below: String = below.iter().map(|line| format!("{line}\n")).collect();
         return Some(format!("{head}effects:{comment}\n{lines}{below}"));
     }
     // The list ends where the next key of the model begins.
-    let next = below.iter().position(|line| line.starts_with(char::is_alphabetic)).unwrap_or(below.len());
+    let next =
+        below.iter().position(|line| line.starts_with(char::is_alphabetic)).unwrap_or(below.len());
     let joined = |lines: &[&str]| lines.iter().map(|line| format!("{line}\n")).collect::<String>();
-    Some(format!("{head}{effects_line}\n{}{lines}{}", joined(&below[..next]), joined(&below[next..])))
+    Some(format!(
+        "{head}{effects_line}\n{}{lines}{}",
+        joined(&below[..next]),
+        joined(&below[next..])
+    ))
 }
 
 #[cfg(test)]
@@ -83,10 +103,14 @@ mod tests {
         let lines = "  - tip_load: {mass_kg: 0.02}\n";
         for (written, expected) in [
             ("robot: {}\n", "robot: {}\neffects:\n  - tip_load: {mass_kg: 0.02}\n"),
-            ("effects: []  # none\nrobot: {}\n", "effects:  # none\n  - tip_load: {mass_kg: 0.02}\nrobot: {}\n"),
+            (
+                "effects: []  # none\nrobot: {}\n",
+                "effects:  # none\n  - tip_load: {mass_kg: 0.02}\nrobot: {}\n",
+            ),
             (
                 "effects:\n  - delay: {time_s: 0.1}\n# points\ntracking: {}\n",
-                "effects:\n  - delay: {time_s: 0.1}\n# points\n  - tip_load: {mass_kg: 0.02}\ntracking: {}\n",
+                "effects:\n  - delay: {time_s: 0.1}\n# points\n  - tip_load: {mass_kg: \
+                 0.02}\ntracking: {}\n",
             ),
         ] {
             assert_eq!(with_effects(written, lines).as_deref(), Some(expected));

@@ -20,7 +20,9 @@ pub use loops::work::Work;
 pub use monitor::{Monitor, MonitorOptions, MonitorState};
 pub use record::actuation::{BendMap, GridOptions};
 pub use record::explore::{ExploreOptions, explore, explore_trajectory, replay, replay_trajectory};
-pub use record::gp_points::{GpPoints, GpPointsOptions, GpPool, PointLayout, SimulatedBy, gp_points};
+pub use record::gp_points::{
+    GpPoints, GpPointsOptions, GpPool, PointLayout, SimulatedBy, gp_points,
+};
 pub use record::path::{PathOptions, interpolate, waypoints};
 pub use record::record_trial::{UnevenSteps, record_trial, step_s};
 pub use record::static_poses::{StaticPoseOptions, plan_static_poses, record_static_poses, star_m};
@@ -29,7 +31,9 @@ pub use simulate::body_lines::body_lines_m;
 pub use simulate::robot_recordings::{
     check_one_gravity, of_tendons, read_commands, read_to_calibrate, read_to_explain,
 };
-pub use simulate::simulate_recording::{RecordingWithRates, simulate_recording, simulate_with_rates};
+pub use simulate::simulate_recording::{
+    RecordingWithRates, simulate_recording, simulate_with_rates,
+};
 pub use simulate::simulated_columns::TOUCHES_ITSELF;
 pub use simulate::simulated_trial::SimulationOptions;
 pub use tip_model::{has_tip_model, tip_model};

@@ -1,5 +1,6 @@
-//! A monitor inside the loop: does the model still hold? A cumulative sum of the log-likelihood ratio (Page 1954) between
-//! innovations as they were when it was calibrated and innovations of [`INFLATION`] times that covariance.
+//! A monitor inside the loop: does the model still hold? A cumulative sum of the log-likelihood
+//! ratio (Page 1954) between innovations as they were when it was calibrated and innovations of
+//! [`INFLATION`] times that covariance.
 
 use nalgebra::{Matrix3, Vector3};
 use rand::RngExt;
@@ -10,9 +11,9 @@ use crate::base::{BadOption, Point3, Seed};
 
 /// Innovations of a model that no longer holds: twice as large, four times the covariance.
 const INFLATION: f64 = 4.0;
-/// The threshold is this multiple of the largest sum in so many stretches of `false_alarm_s` of work that is drawn from the
-/// calibration's: work to come has trials that the calibration has not seen. Without the multiple, one monitor of two
-/// raised false alarms (docs/repair.md).
+/// The threshold is this multiple of the largest sum in so many stretches of `false_alarm_s` of
+/// work that is drawn from the calibration's: work to come has trials that the calibration has not
+/// seen. Without the multiple, one monitor of two raised false alarms (docs/repair.md).
 const THRESHOLD_MARGIN: f64 = 1.5;
 const STRETCHES: usize = 30;
 /// Trials with innovations that a calibration needs.
@@ -64,8 +65,11 @@ impl MonitorOptions {
             ("watched_s", self.watched_s, [0.0, 3.6e5], "0 to 360000 s"),
             ("patience_s", self.patience_s, [1.0, 36_000.0], "1 to 36000 s"),
         ];
-        let wrong = ranges.into_iter().find(|(_, value, [low, high], _)| !(*low..=*high).contains(value));
-        wrong.map_or(Ok(()), |(key, value, _, expected)| Err(BadOption { key, found: value.to_string(), expected }))
+        let wrong =
+            ranges.into_iter().find(|(_, value, [low, high], _)| !(*low..=*high).contains(value));
+        wrong.map_or(Ok(()), |(key, value, _, expected)| {
+            Err(BadOption { key, found: value.to_string(), expected })
+        })
     }
 }
 
@@ -87,8 +91,9 @@ pub struct MonitorState<'a> {
 }
 
 impl Monitor {
-    /// Calibrates a monitor from the innovations of trials of the unchanged robot, metres, in steps of `step_s` seconds.
-    /// Consecutive innovations are correlated, so the threshold is found by drawing whole trials (Künsch 1989).
+    /// Calibrates a monitor from the innovations of trials of the unchanged robot, metres, in steps
+    /// of `step_s` seconds. Consecutive innovations are correlated, so the threshold is found by
+    /// drawing whole trials (Künsch 1989).
     ///
     /// # Errors
     /// [`TaskError::TooFew`] for fewer than 20 trials with innovations.
@@ -106,17 +111,26 @@ impl Monitor {
         let all: Vec<Vector3<f64>> =
             trials.iter().copied().flatten().map(|innovation| Vector3::from(*innovation)).collect();
         let mean = all.iter().sum::<Vector3<f64>>() / all.len() as f64;
-        let scatter: Matrix3<f64> =
-            all.iter().map(|innovation| (innovation - mean) * (innovation - mean).transpose()).sum();
+        let scatter: Matrix3<f64> = all
+            .iter()
+            .map(|innovation| (innovation - mean) * (innovation - mean).transpose())
+            .sum();
         // A direction without scatter would make the covariance singular.
         let noise_floor = Matrix3::identity() * MIN_DEVIATION_M * MIN_DEVIATION_M;
         let covariance = scatter / (all.len() - 1) as f64 + noise_floor;
-        let information = covariance.try_inverse().ok_or(TaskError::NotFinite("covariance of the innovations"))?;
-        let mut monitor =
-            Monitor { mean_m: mean.into(), information: information.transpose().into(), threshold: f64::INFINITY };
+        let information = covariance
+            .try_inverse()
+            .ok_or(TaskError::NotFinite("covariance of the innovations"))?;
+        let mut monitor = Monitor {
+            mean_m: mean.into(),
+            information: information.transpose().into(),
+            threshold: f64::INFINITY,
+        };
         // Each ratio is computed once, for trials are drawn many times.
-        let ratios: Vec<Vec<f64>> =
-            trials.iter().map(|trial| trial.iter().map(|innovation| monitor.log_ratio(innovation)).collect()).collect();
+        let ratios: Vec<Vec<f64>> = trials
+            .iter()
+            .map(|trial| trial.iter().map(|innovation| monitor.log_ratio(innovation)).collect())
+            .collect();
         let steps = (options.false_alarm_s / step_s).ceil() as usize * STRETCHES;
         monitor.threshold = THRESHOLD_MARGIN * largest_sum(&ratios, steps, seed);
         Ok(monitor)
@@ -142,9 +156,11 @@ impl Monitor {
 }
 
 impl MonitorState<'_> {
-    /// Takes the innovation of a step, metres. True when the model no longer holds; the sum then begins anew.
+    /// Takes the innovation of a step, metres. True when the model no longer holds; the sum then
+    /// begins anew.
     pub fn alarms(&mut self, innovation_m: &Point3) -> bool {
-        // Page's sum: it never falls below zero, so that work before a change does not delay the alarm.
+        // Page's sum: it never falls below zero, so that work before a change does not delay the
+        // alarm.
         self.sum = (self.sum + self.monitor.log_ratio(innovation_m)).max(0.0);
         let alarm = self.sum > self.monitor.threshold;
         if alarm {
@@ -184,7 +200,9 @@ mod tests {
         };
         let mut trial = || {
             let common: Point3 = std::array::from_fn(|_| normal(8e-4));
-            (0..20).map(|_| std::array::from_fn(|axis| common[axis] + shift_m + normal(5e-4))).collect()
+            (0..20)
+                .map(|_| std::array::from_fn(|axis| common[axis] + shift_m + normal(5e-4)))
+                .collect()
         };
         (0..count).map(|_| trial()).collect()
     }
@@ -194,11 +212,18 @@ mod tests {
         let options = MonitorOptions::default();
         let monitor = Monitor::calibrate(&trials(300, 0.0, 1), &options, 0.2, Seed(1)).unwrap();
         let mut state = monitor.watch();
-        let false_alarms =
-            trials(9000, 0.0, 2).iter().flatten().filter(|innovation_m| state.alarms(innovation_m)).count();
+        let false_alarms = trials(9000, 0.0, 2)
+            .iter()
+            .flatten()
+            .filter(|innovation_m| state.alarms(innovation_m))
+            .count();
         assert_eq!(false_alarms, 0, "in ten hours");
         let mut state = monitor.watch();
-        let steps = trials(10, 0.004, 3).iter().flatten().position(|innovation_m| state.alarms(innovation_m)).unwrap();
+        let steps = trials(10, 0.004, 3)
+            .iter()
+            .flatten()
+            .position(|innovation_m| state.alarms(innovation_m))
+            .unwrap();
         assert!(steps < 15, "{steps} steps");
     }
 

@@ -1,8 +1,11 @@
 //! The model of an experiment as controllers may ask it: where the tip comes to rest.
 
-use crate::base::{Displacements, NoRestPose, PlantError, Point3, RestPose, Seed, TendonLayout, TipModel};
+use crate::base::{
+    Displacements, NoRestPose, PlantError, Point3, RestPose, Seed, TendonLayout, TipModel,
+};
 use crate::plants::{
-    ConstantCurvature, ConstantCurvatureOptions, PlantSpec, Simulated, SimulatedOptions, SimulatedSpec,
+    ConstantCurvature, ConstantCurvatureOptions, PlantSpec, Simulated, SimulatedOptions,
+    SimulatedSpec,
 };
 use crate::rod::Direction;
 
@@ -20,10 +23,11 @@ pub fn tip_model(model: &PlantSpec) -> Option<Box<dyn TipModel>> {
     }
 }
 
-/// Change of a tension by which the stiffness at home is measured, newtons; the rod is solved to far less.
+/// Change of a tension by which the stiffness at home is measured, newtons; the rod is solved to
+/// far less.
 const PROBE_N: f64 = 0.01;
-/// Allowed tip error of the model's grid, metres: far below what any model of a robot is good for, and the rod need not refine
-/// its grid, which would take most of the tick.
+/// Allowed tip error of the model's grid, metres: far below what any model of a robot is good for,
+/// and the rod need not refine its grid, which would take most of the tick.
 const STATIC_TOLERANCE_M: f64 = 1e-4;
 /// Change of a bend for the derivative of constant curvature, metres.
 const PROBE_M: f64 = 1e-6;
@@ -31,8 +35,8 @@ const PROBE_M: f64 = 1e-6;
 /// A tendon whose share of a bend is no more than this lies across it, metres.
 const ACROSS_M: f64 = 1e-9;
 
-/// The rod with the effects of its model, loaded by tensions: under them the tip moves smoothly, while a displacement has no
-/// effect as long as its tendon is slack.
+/// The rod with the effects of its model, loaded by tensions: under them the tip moves smoothly,
+/// while a displacement has no effect as long as its tendon is slack.
 struct RodTip {
     plant: Simulated,
     layout: TendonLayout,
@@ -40,7 +44,8 @@ struct RodTip {
     stiffness_n_per_m: Option<f64>,
 }
 
-/// A load of the rod: the tension of each tendon, and its derivative with respect to each component of the bend.
+/// A load of the rod: the tension of each tendon, and its derivative with respect to each component
+/// of the bend.
 struct BendTensions {
     tensions_n: Vec<f64>,
     per_bend: Vec<Vec<f64>>,
@@ -58,14 +63,21 @@ impl RodTip {
 
     fn load(&self, bend_m: &[f64], stiffness_n_per_m: f64) -> BendTensions {
         let tendons = self.layout.segments.iter().map(Vec::len).sum();
-        let mut load =
-            BendTensions { tensions_n: vec![0.0; tendons], per_bend: vec![vec![0.0; tendons]; bend_m.len()] };
+        let mut load = BendTensions {
+            tensions_n: vec![0.0; tendons],
+            per_bend: vec![vec![0.0; tendons]; bend_m.len()],
+        };
         for (segment, tendons) in self.layout.segments.iter().enumerate() {
             for placed in tendons {
                 let (sin, cos) = placed.angle_deg.to_radians().sin_cos();
                 let along_m = cos * bend_m[2 * segment] + sin * bend_m[2 * segment + 1];
-                // Across the bend a tendon is loaded on one side of zero: the derivative is the mean of both sides.
-                let share = if along_m.abs() <= ACROSS_M { 0.5 } else { f64::from(u8::from(along_m > 0.0)) };
+                // Across the bend a tendon is loaded on one side of zero: the derivative is the
+                // mean of both sides.
+                let share = if along_m.abs() <= ACROSS_M {
+                    0.5
+                } else {
+                    f64::from(u8::from(along_m > 0.0))
+                };
                 load.tensions_n[placed.tendon] += stiffness_n_per_m * along_m.max(0.0);
                 load.per_bend[2 * segment][placed.tendon] = share * stiffness_n_per_m * cos;
                 load.per_bend[2 * segment + 1][placed.tendon] = share * stiffness_n_per_m * sin;
@@ -112,7 +124,8 @@ impl RodTip {
         let directions: Vec<Direction> = (0..tensions_n.len()).map(Direction::Tension).collect();
         // The derivative is taken on a copy: the plant hands its rod out to be read.
         let rates = self.plant.rod().clone().tip_jacobian(&directions);
-        let rates = rates.ok_or_else(|| PlantError::Solver("the tangent at rest is singular".to_owned()))?;
+        let rates = rates
+            .ok_or_else(|| PlantError::Solver("the tangent at rest is singular".to_owned()))?;
         let tip_rate = |per_bend: &Vec<f64>| {
             let parts = rates.iter().zip(per_bend).map(|(rate, share)| rate.position_m * *share);
             // Chain rule: tip per tension times tension per bend.
@@ -155,7 +168,8 @@ struct ConstantCurvatureTip(ConstantCurvatureOptions);
 
 impl ConstantCurvatureTip {
     fn tip_m(&self, bend_m: [f64; 2]) -> Point3 {
-        let tip_m = ConstantCurvature::tip_m(&self.0, bend_m.map(|pull_m| pull_m / self.0.tendon_radius_m));
+        let tip_m =
+            ConstantCurvature::tip_m(&self.0, bend_m.map(|pull_m| pull_m / self.0.tendon_radius_m));
         std::array::from_fn(|axis| tip_m[axis] + self.0.shift_m[axis])
     }
 }
@@ -181,7 +195,9 @@ impl TipModel for ConstantCurvatureTip {
 }
 
 fn two(bend_m: &[f64]) -> Result<[f64; 2], NoRestPose> {
-    bend_m.try_into().map_err(|_| NoRestPose(format!("a bend of {} components, expected 2", bend_m.len())))
+    bend_m
+        .try_into()
+        .map_err(|_| NoRestPose(format!("a bend of {} components, expected 2", bend_m.len())))
 }
 
 #[cfg(test)]
@@ -204,14 +220,19 @@ mod tests {
             let mut ahead_m = bend_m;
             ahead_m[component] += change_m;
             let ahead = model.at_rest(&ahead_m).unwrap();
-            let tip: Point3 = std::array::from_fn(|axis| (ahead.tip_m[axis] - pose.tip_m[axis]) / change_m);
-            assert!(distance_m(&rates[component], &tip) < 0.1, "{bend_m:?} {component}: {rates:?}, {tip:?}");
+            let tip: Point3 =
+                std::array::from_fn(|axis| (ahead.tip_m[axis] - pose.tip_m[axis]) / change_m);
+            assert!(
+                distance_m(&rates[component], &tip) < 0.1,
+                "{bend_m:?} {component}: {rates:?}, {tip:?}"
+            );
         }
     }
 
     #[test]
     fn derivatives_are_those_of_the_poses() {
-        for model in [PlantSpec::Simulated(example()), PlantSpec::ConstantCurvature(Box::default())] {
+        for model in [PlantSpec::Simulated(example()), PlantSpec::ConstantCurvature(Box::default())]
+        {
             let mut model = tip_model(&model).unwrap();
             for bend_m in [[0.01, 0.005], [-0.02, 0.001], [0.001, -0.015], [-0.005, -0.02]] {
                 assert_rates(model.as_mut(), bend_m);
@@ -227,7 +248,8 @@ mod tests {
         for bend_m in [[0.012, -0.004], [-0.01, 0.0], [0.003, 0.015]] {
             let pose = model.at_rest(&bend_m).unwrap();
             robot.reset(Seed(1)).unwrap();
-            let pulls: Vec<TendonCommand> = pose.pulls_m.iter().map(|&pull_m| TendonCommand::Pull(pull_m)).collect();
+            let pulls: Vec<TendonCommand> =
+                pose.pulls_m.iter().map(|&pull_m| TendonCommand::Pull(pull_m)).collect();
             let seen = robot.settle(&pulls).unwrap();
             assert!(distance_m(&seen.tip_m, &pose.tip_m) < 1e-5, "{bend_m:?}: {seen:?}, {pose:?}");
         }

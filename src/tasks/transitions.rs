@@ -4,7 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::base::{Displacements, Observation, Point3, Rows};
 
-/// Transitions (x_i, u_i) → x_{i+1} of one or more trajectories; each trajectory starts at rest at home.
+/// Transitions (x_i, u_i) → x_{i+1} of one or more trajectories; each trajectory starts at rest at
+/// home.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Transitions {
     /// Measured tip before each step, metres, three columns.
@@ -20,7 +21,12 @@ pub struct Transitions {
 impl Transitions {
     /// An empty trajectory of a robot with this number of tendons.
     pub(super) fn begin(tendons: usize) -> Self {
-        Transitions { from_m: Rows::new(3), pulls_m: Rows::new(tendons), to_m: Rows::new(3), starts: vec![0] }
+        Transitions {
+            from_m: Rows::new(3),
+            pulls_m: Rows::new(tendons),
+            to_m: Rows::new(3),
+            starts: vec![0],
+        }
     }
 
     /// Appends the step from one observation to the next.

@@ -1,4 +1,5 @@
-//! The rooms of `docs/architecture.md`: what each folder of `src/` may import, and the cuts that carry the science.
+//! The rooms of `docs/architecture.md`: what each folder of `src/` may import, and the cuts that
+//! carry the science.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -40,7 +41,8 @@ fn table() -> BTreeMap<String, BTreeSet<String>> {
     rows().into_iter().map(|(name, room)| (name, room.imports)).collect()
 }
 
-/// What each room imports, with the file that does: by the import graph, tests included only where they are files of their own.
+/// What each room imports, with the file that does: by the import graph, tests included only where
+/// they are files of their own.
 fn imports() -> Vec<(String, String, PathBuf)> {
     let files = crate::store_keys::sources();
     let graph = crate::store_keys::graph(&files);
@@ -62,7 +64,9 @@ fn every_room_imports_only_rooms_above_it() {
     let mut wrong = Vec::new();
     for (room, named, file) in imports() {
         // `cli` is the binary's: it reaches the library from outside.
-        let Some(allowed) = table.get(&room).or_else(|| (room != "cli").then(|| panic!("{room} is not in the table")))
+        let Some(allowed) = table
+            .get(&room)
+            .or_else(|| (room != "cli").then(|| panic!("{room} is not in the table")))
         else {
             continue;
         };
@@ -111,7 +115,9 @@ fn a_package_is_opened_by_its_room() {
     let mut opened = BTreeSet::new();
     let mut wrong = Vec::new();
     for file in files.keys() {
-        let Some(room) = file.split_once('/').and_then(|(room, _)| rows.get(room)) else { continue };
+        let Some(room) = file.split_once('/').and_then(|(room, _)| rows.get(room)) else {
+            continue;
+        };
         for package in graph.crates(file).iter().filter(|package| listed.contains(package)) {
             opened.insert(package.clone());
             if !room.packages.contains(package) {
@@ -120,10 +126,14 @@ fn a_package_is_opened_by_its_room() {
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
-    assert!(listed.iter().all(|package| opened.contains(*package)), "nobody opens one of {listed:?}: {opened:?}");
+    assert!(
+        listed.iter().all(|package| opened.contains(*package)),
+        "nobody opens one of {listed:?}: {opened:?}"
+    );
 }
 
-/// Inside a room whatever the table puts in order imports only what stands left of it, and every folder has its place there.
+/// Inside a room whatever the table puts in order imports only what stands left of it, and every
+/// folder has its place there.
 #[test]
 fn folders_of_a_room_import_one_way() {
     let files = crate::store_keys::sources();
@@ -154,7 +164,9 @@ fn folders_of_a_room_import_one_way() {
         assert!(
             room.order.iter().all(|unit| {
                 let below = format!("{name}/{unit}");
-                files.keys().any(|file| *file == format!("{below}.rs") || file.starts_with(&format!("{below}/")))
+                files.keys().any(|file| {
+                    *file == format!("{below}.rs") || file.starts_with(&format!("{below}/"))
+                })
             }),
             "{name}: the order names what is not there"
         );

@@ -1,4 +1,5 @@
-//! Effects on the drives of a simulated robot: they act at their time, and remember what the drive did while it followed.
+//! Effects on the drives of a simulated robot: they act at their time, and remember what the drive
+//! did while it followed.
 
 use spinebench::base::{Plant, Seed, TendonCommand, distance_m};
 use spinebench::effects::{EffectSpec, Model};
@@ -8,7 +9,8 @@ fn plant(effect: &str) -> Simulated {
     let parse = serde_yaml::Deserializer::from_str;
     let text = include_str!("../../models/nominal.yaml");
     let model: Model = serde_yaml::with::singleton_map_recursive::deserialize(parse(text)).unwrap();
-    let effects: Vec<EffectSpec> = serde_yaml::with::singleton_map_recursive::deserialize(parse(effect)).unwrap();
+    let effects: Vec<EffectSpec> =
+        serde_yaml::with::singleton_map_recursive::deserialize(parse(effect)).unwrap();
     Simulated::new(&model, &effects, SimulatedOptions::default())
 }
 
@@ -27,7 +29,8 @@ fn a_delay_does_not_depend_on_how_long_commands_are_held() {
     }
     late.set_step_s(5.0);
     prompt.set_step_s(5.0);
-    let (long, at_once, short) = (late.step(&BENT).unwrap(), prompt.step(&BENT).unwrap(), ticks.step(&BENT).unwrap());
+    let (long, at_once, short) =
+        (late.step(&BENT).unwrap(), prompt.step(&BENT).unwrap(), ticks.step(&BENT).unwrap());
     assert!(distance_m(&long.tip_m, &at_once.tip_m) < 1e-6, "{long:?} {at_once:?}");
     assert!(distance_m(&long.tip_m, &short.tip_m) < 1e-6, "{long:?} {short:?}");
     // Within a tick the command acts from its delay on: as when it is held back for half of it.
@@ -53,13 +56,19 @@ fn at_rest_a_delay_is_over() {
     assert!(distance_m(&held.tip_m, &prompt.step(&BENT).unwrap().tip_m) < 1e-7, "{held:?}");
 }
 
-/// A drive that followed the shape for a while and is then told to stay where it stands does not jump back to zero.
+/// A drive that followed the shape for a while and is then told to stay where it stands does not
+/// jump back to zero.
 #[test]
 fn a_drive_that_followed_goes_on_from_where_it_stands() {
     // A stiff spine, so that the opposite tendon has to be let out.
     let mut robot = plant("[{delay: {time_s: 0.2}}, {spine_compressibility: {scale: 0.01}}]");
     robot.reset(Seed(0)).unwrap();
-    let half = [TendonCommand::Pull(0.012), TendonCommand::Pull(0.0), TendonCommand::Follow, TendonCommand::Follow];
+    let half = [
+        TendonCommand::Pull(0.012),
+        TendonCommand::Pull(0.0),
+        TendonCommand::Follow,
+        TendonCommand::Follow,
+    ];
     let mut seen = robot.drive(&half).unwrap();
     for _ in 0..20 {
         seen = robot.drive(&half).unwrap();

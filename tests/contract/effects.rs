@@ -15,7 +15,8 @@ fn nominal() -> Model {
 
 /// The effect with the given value for each of its parameters.
 fn spec(card: &Card, value: &dyn Fn(&str, f64) -> f64) -> EffectSpec {
-    let values: Vec<f64> = card.parameters.iter().map(|parameter| value(parameter.name, parameter.null)).collect();
+    let values: Vec<f64> =
+        card.parameters.iter().map(|parameter| value(parameter.name, parameter.null)).collect();
     EffectSpec::from_card(card, &values).unwrap_or_else(|| panic!("{}: {values:?}", card.name))
 }
 
@@ -42,7 +43,10 @@ fn strong(name: &str, null: f64) -> f64 {
         // A parameter of an effect that is added: ten times the change with which a search begins.
         _ => {
             let parameters = CATALOGUE.iter().flat_map(|card| card.parameters);
-            let seek = parameters.filter(|parameter| parameter.name == name).map(|parameter| parameter.seek).next();
+            let seek = parameters
+                .filter(|parameter| parameter.name == name)
+                .map(|parameter| parameter.seek)
+                .next();
             match seek {
                 Some(Seek::Size(first) | Seek::Scanned(first, _)) => null + 10.0 * first,
                 Some(Seek::Shape(values)) => values[0],
@@ -156,8 +160,12 @@ fn the_order_of_effects_means_nothing() {
     };
     for (k, one) in own.iter().enumerate() {
         for other in &own[..k] {
-            let (here, there) = (tips(&[effect(one), effect(other)]), tips(&[effect(other), effect(one)]));
-            let apart = here.iter().zip(&there).flat_map(|(a, b)| (0..3).map(move |axis| (a[axis] - b[axis]).abs()));
+            let (here, there) =
+                (tips(&[effect(one), effect(other)]), tips(&[effect(other), effect(one)]));
+            let apart = here
+                .iter()
+                .zip(&there)
+                .flat_map(|(a, b)| (0..3).map(move |axis| (a[axis] - b[axis]).abs()));
             let most_m = apart.fold(0.0, f64::max);
             assert!(most_m < 1e-6, "{one} and {other}: {most_m} m");
         }

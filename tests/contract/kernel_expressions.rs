@@ -1,4 +1,5 @@
-//! Kernel expressions: values of a peer, fits of what only a sum or a product describes, and refusals.
+//! Kernel expressions: values of a peer, fits of what only a sum or a product describes, and
+//! refusals.
 
 use spinebench::base::Rows;
 use spinebench::learn::LearnError;
@@ -42,7 +43,8 @@ fn parameters(expression: &KernelExpression) -> Vec<f64> {
 fn values_are_those_of_a_peer() {
     let (x, _) = samples();
     let cells = read_cells("tests/reference/kernels/gram.csv");
-    for [text, row, column, value] in cells.iter().map(|row| [0, 1, 2, 3].map(|k| row[k].as_str())) {
+    for [text, row, column, value] in cells.iter().map(|row| [0, 1, 2, 3].map(|k| row[k].as_str()))
+    {
         let expression = KernelExpression::parse(text).unwrap();
         let gram = expression.gram(&x, &parameters(&expression)).unwrap();
         let (row, column, value): (usize, usize, f64) =
@@ -50,12 +52,18 @@ fn values_are_those_of_a_peer() {
         for found in [gram.row(row)[column], gram.row(column)[row]] {
             // arccos loses half of the digits where a point meets itself.
             let tolerance = if text == "arc_cosine" { 1e-7 } else { 1e-12 };
-            assert!((found - value).abs() < tolerance, "{text} at {row}, {column}: {found} {value}");
+            assert!(
+                (found - value).abs() < tolerance,
+                "{text} at {row}, {column}: {found} {value}"
+            );
         }
     }
     // A kernel that is added may have values of its own beside these.
     let known = |name: &&str| cells.iter().any(|row| row[0].split('[').next() == Some(name));
-    assert!(kernels::names().filter(known).count() >= 13, "every shipped kernel has values of a peer");
+    assert!(
+        kernels::names().filter(known).count() >= 13,
+        "every shipped kernel has values of a peer"
+    );
 }
 
 #[test]
@@ -85,12 +93,14 @@ fn trend(from: f64, count: usize) -> (Rows, Rows) {
 
 fn error_beyond(kernel: &str) -> f64 {
     let ((x, y), (far, truth)) = (trend(0.0, 60), trend(7.0, 20));
-    let config = GpConfig { kernel: KernelExpression::parse(kernel).unwrap(), ..GpConfig::default() };
+    let config =
+        GpConfig { kernel: KernelExpression::parse(kernel).unwrap(), ..GpConfig::default() };
     let gp = Gp::fit(&x, &y, &config).unwrap();
     let predicted = gp.predict_rows(&far).unwrap();
     let one = gp.predict(far.row(3)).unwrap();
     assert!(
-        (predicted.mean.row(3)[0] - one.0[0]).abs() < 1e-9 && (predicted.variance.row(3)[0] - one.1[0]).abs() < 1e-9
+        (predicted.mean.row(3)[0] - one.0[0]).abs() < 1e-9
+            && (predicted.variance.row(3)[0] - one.1[0]).abs() < 1e-9
     );
     let square = |(found, truth): (&[f64], &[f64])| (found[0] - truth[0]).powi(2);
     (predicted.mean.iter().zip(truth.iter()).map(square).sum::<f64>() / 20.0).sqrt()
@@ -119,7 +129,8 @@ fn a_fit_is_written_and_read_back_to_the_bit() {
 fn inputs_that_are_not_there_are_refused() {
     let (x, y) = trend(0.0, 10);
     for kernel in ["linear[3]", "se_ard + linear[place]"] {
-        let config = GpConfig { kernel: KernelExpression::parse(kernel).unwrap(), ..GpConfig::default() };
+        let config =
+            GpConfig { kernel: KernelExpression::parse(kernel).unwrap(), ..GpConfig::default() };
         let refused = Gp::fit(&x, &y, &config).unwrap_err();
         assert!(matches!(refused, LearnError::Setting { key: "kernel", .. }), "{refused}");
     }

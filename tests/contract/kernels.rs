@@ -4,8 +4,10 @@ use spinebench::learn::gp::kernels::{KERNELS, Kernel, find};
 
 /// Twelve points in three dimensions, two of them equal.
 fn points() -> Vec<[f64; 3]> {
-    let mut points: Vec<[f64; 3]> =
-        (0..11).map(f64::from).map(|i| [(1.7 * i).sin(), (0.9 * i + 1.0).cos(), (i * i * 0.37).sin()]).collect();
+    let mut points: Vec<[f64; 3]> = (0..11)
+        .map(f64::from)
+        .map(|i| [(1.7 * i).sin(), (0.9 * i + 1.0).cos(), (i * i * 0.37).sin()])
+        .collect();
     points.push(points[3]);
     points
 }
@@ -55,9 +57,12 @@ fn gram_matrices_are_symmetric_and_positive_definite() {
     for kernel in KERNELS {
         let (shape, points) = (shapes(*kernel), points());
         let n = points.len();
-        let at = |i: usize, j: usize| correlation(*kernel, &shape, squared_distance(&points[i], &points[j]));
+        let at = |i: usize, j: usize| {
+            correlation(*kernel, &shape, squared_distance(&points[i], &points[j]))
+        };
         let mut l: Vec<Vec<f64>> = (0..n).map(|i| (0..n).map(|j| at(i, j)).collect()).collect();
-        let transposed: Vec<Vec<f64>> = (0..n).map(|i| (0..n).map(|j| at(j, i)).collect()).collect();
+        let transposed: Vec<Vec<f64>> =
+            (0..n).map(|i| (0..n).map(|j| at(j, i)).collect()).collect();
         assert_eq!(l, transposed, "{} is not symmetric", kernel.name());
         // Cholesky by definition; the point that occurs twice leaves a zero, which the noise lifts.
         for j in 0..n {
@@ -65,7 +70,11 @@ fn gram_matrices_are_symmetric_and_positive_definite() {
             for i in j..n {
                 let dot: f64 = (0..j).map(|k| l[i][k] * l[j][k]).sum();
                 let value = l[i][j] - dot;
-                assert!(i != j || value > 0.0, "{} is not positive definite (pivot {j}: {value})", kernel.name());
+                assert!(
+                    i != j || value > 0.0,
+                    "{} is not positive definite (pivot {j}: {value})",
+                    kernel.name()
+                );
                 l[i][j] = if i == j { value.sqrt() } else { value / l[j][j] };
             }
         }
@@ -82,8 +91,15 @@ fn slopes_are_finite_differences() {
             kernel.slopes(&shape, &mut at, &mut slope);
             assert_eq!(at[0], correlation(*kernel, &shape, s), "{}", kernel.name());
             let e = 1e-5 * s;
-            let expected = (correlation(*kernel, &shape, s + e) - correlation(*kernel, &shape, s - e)) / (2.0 * e);
-            assert!((slope[0] - expected).abs() < 1e-8, "{} at {s}: {} {expected}", kernel.name(), slope[0]);
+            let expected = (correlation(*kernel, &shape, s + e)
+                - correlation(*kernel, &shape, s - e))
+                / (2.0 * e);
+            assert!(
+                (slope[0] - expected).abs() < 1e-8,
+                "{} at {s}: {} {expected}",
+                kernel.name(),
+                slope[0]
+            );
         }
         let (mut at, mut slope) = ([0.0], [f64::NAN]);
         kernel.slopes(&shape, &mut at, &mut slope);

@@ -13,7 +13,8 @@ fn rows(width: usize, values: &[f64]) -> Rows {
     rows
 }
 
-/// A smooth residual over four inputs of very different units, the last without influence; two outputs with noise.
+/// A smooth residual over four inputs of very different units, the last without influence; two
+/// outputs with noise.
 fn samples(count: usize, noise: f64) -> (Rows, Rows) {
     let mut rng = Seed(11).child("samples").rng();
     let (mut inputs, mut outputs) = (Rows::new(4), Rows::new(2));
@@ -31,7 +32,8 @@ fn samples(count: usize, noise: f64) -> (Rows, Rows) {
 /// Solves `A x = b` by Gaussian elimination; returns x and ln |det A|.
 fn dense_solve(a: &[Vec<f64>], b: &[f64]) -> (Vec<f64>, f64) {
     let n = b.len();
-    let mut a: Vec<Vec<f64>> = a.iter().zip(b).map(|(row, b)| [row.as_slice(), &[*b]].concat()).collect();
+    let mut a: Vec<Vec<f64>> =
+        a.iter().zip(b).map(|(row, b)| [row.as_slice(), &[*b]].concat()).collect();
     let mut log_determinant = 0.0;
     for j in 0..n {
         let pivot = (j..n).max_by(|&p, &q| a[p][j].abs().total_cmp(&a[q][j].abs())).unwrap();
@@ -55,7 +57,8 @@ fn three_points_by_hand() {
     let (inputs, outputs) = (rows(1, &[-1.0, 0.0, 1.0]), rows(1, &[-1.0, 0.0, 1.0]));
     let theta = vec![vec![0.0, 0.0, 0.1_f64.ln()]];
     let gp = Gp::condition(&inputs, &outputs, &config, theta, 0).unwrap();
-    // By symmetry α = (−a, 0, a) with a (1.1 − exp(−½ 6)) = √1.5; distance of the outer points is 2√1.5.
+    // By symmetry α = (−a, 0, a) with a (1.1 − exp(−½ 6)) = √1.5; distance of the outer points is
+    // 2√1.5.
     let a = 1.5_f64.sqrt() / (1.1 - (-3.0_f64).exp());
     let correlation = |x: f64, y: f64| (-0.75 * (x - y) * (x - y)).exp();
     let (mean, variance) = gp.predict(&[0.4]).unwrap();
@@ -63,7 +66,9 @@ fn three_points_by_hand() {
     assert!((mean[0] - expected).abs() < 1e-14, "{} {expected}", mean[0]);
     let k: Vec<f64> = [-1.0, 0.0, 1.0].map(|x| correlation(0.4, x)).to_vec();
     let gram: Vec<Vec<f64>> = [-1.0, 0.0, 1.0]
-        .map(|x: f64| [-1.0, 0.0, 1.0].map(|y| correlation(x, y) + if x == y { 0.1 } else { 0.0 }).to_vec())
+        .map(|x: f64| {
+            [-1.0, 0.0, 1.0].map(|y| correlation(x, y) + if x == y { 0.1 } else { 0.0 }).to_vec()
+        })
         .to_vec();
     let solved = dense_solve(&gram, &k).0;
     let expected = (1.0 - k.iter().zip(&solved).map(|(a, b)| a * b).sum::<f64>()) * 2.0 / 3.0;
@@ -75,10 +80,15 @@ fn likelihood_and_prediction_match_the_dense_formula_for_every_kernel() {
     let (inputs, outputs) = samples(37, 0.0003);
     for kernel in KERNELS {
         let config = GpConfig { kernel: KernelExpression::of(*kernel), ..GpConfig::default() };
-        let lengths = if kernel.lengths() == Lengths::PerInput { vec![0.3, -0.2, 0.8, 1.5] } else { vec![0.4] };
+        let lengths = if kernel.lengths() == Lengths::PerInput {
+            vec![0.3, -0.2, 0.8, 1.5]
+        } else {
+            vec![0.4]
+        };
         let shapes: Vec<f64> = kernel.shapes().iter().map(|shape| shape.start.ln()).collect();
         let theta = [vec![0.7], lengths.clone(), shapes, vec![-3.0]].concat();
-        let gp = Gp::condition(&inputs, &outputs, &config, vec![theta.clone(), theta.clone()], 0).unwrap();
+        let gp = Gp::condition(&inputs, &outputs, &config, vec![theta.clone(), theta.clone()], 0)
+            .unwrap();
         let n = inputs.len();
         let moments = |rows: &Rows, c: usize| {
             let mean = rows.iter().map(|row| row[c]).sum::<f64>() / n as f64;
@@ -86,15 +96,21 @@ fn likelihood_and_prediction_match_the_dense_formula_for_every_kernel() {
         };
         let standard: Vec<(f64, f64)> = (0..4).map(|c| moments(&inputs, c)).collect();
         let covariance = |x: &[f64], y: &[f64]| {
-            let s = (0..4).map(|d| ((x[d] - y[d]) / standard[d].1 / lengths[d.min(lengths.len() - 1)].exp()).powi(2));
+            let s = (0..4).map(|d| {
+                ((x[d] - y[d]) / standard[d].1 / lengths[d.min(lengths.len() - 1)].exp()).powi(2)
+            });
             let mut row = [s.sum::<f64>()];
-            kernel.correlations(&kernel.shapes().iter().map(|shape| shape.start).collect::<Vec<_>>(), &mut row);
+            kernel.correlations(
+                &kernel.shapes().iter().map(|shape| shape.start).collect::<Vec<_>>(),
+                &mut row,
+            );
             0.7_f64.exp() * row[0]
         };
         let noise = (-3.0_f64).exp();
         let gram: Vec<Vec<f64>> = (0..n)
             .map(|i| {
-                let entry = |j| covariance(inputs.row(i), inputs.row(j)) + if i == j { noise } else { 0.0 };
+                let entry =
+                    |j| covariance(inputs.row(i), inputs.row(j)) + if i == j { noise } else { 0.0 };
                 (0..n).map(entry).collect()
             })
             .collect();
@@ -111,10 +127,20 @@ fn likelihood_and_prediction_match_the_dense_formula_for_every_kernel() {
             let found = gp.log_marginal_likelihood()[c];
             assert!((found - expected).abs() < 1e-8, "{}: {found} {expected}", kernel.name());
             let expected = dot(&k, &alpha) * y_scale + y_mean;
-            assert!((mean[c] - expected).abs() < 1e-12, "{}: {} {expected}", kernel.name(), mean[c]);
+            assert!(
+                (mean[c] - expected).abs() < 1e-12,
+                "{}: {} {expected}",
+                kernel.name(),
+                mean[c]
+            );
             let explained = dot(&k, &dense_solve(&gram, &k).0);
             let expected = (0.7_f64.exp() - explained) * y_scale * y_scale;
-            assert!((variance[c] - expected).abs() < 1e-12, "{}: {} {expected}", kernel.name(), variance[c]);
+            assert!(
+                (variance[c] - expected).abs() < 1e-12,
+                "{}: {} {expected}",
+                kernel.name(),
+                variance[c]
+            );
         }
     }
 }
@@ -141,7 +167,12 @@ fn batches_answer_as_single_queries() {
 fn the_optimum_is_found_from_every_start_and_beats_the_truth() {
     let noise = 0.0003;
     let (inputs, outputs) = samples(240, noise);
-    let one = Gp::fit(&inputs, &outputs, &GpConfig { starts: 1, start_rows: 1000, ..GpConfig::default() }).unwrap();
+    let one = Gp::fit(
+        &inputs,
+        &outputs,
+        &GpConfig { starts: 1, start_rows: 1000, ..GpConfig::default() },
+    )
+    .unwrap();
     let many = Gp::fit(&inputs, &outputs, &GpConfig::default()).unwrap();
     let total = |gp: &Gp| gp.log_marginal_likelihood().iter().sum::<f64>();
     // The subset route loses nothing against a search on all rows.
@@ -162,7 +193,8 @@ fn the_optimum_is_found_from_every_start_and_beats_the_truth() {
                     continue; // beyond the bound on length-scales
                 }
                 let moved = Gp::condition(&inputs, &outputs, many.config(), theta, 0).unwrap();
-                let gain = moved.log_marginal_likelihood()[output] - many.log_marginal_likelihood()[output];
+                let gain = moved.log_marginal_likelihood()[output]
+                    - many.log_marginal_likelihood()[output];
                 assert!(gain < 1e-3, "output {output}, parameter {k}: {gain}");
             }
         }
@@ -171,8 +203,8 @@ fn the_optimum_is_found_from_every_start_and_beats_the_truth() {
 
 #[test]
 fn the_optimum_is_the_one_that_another_implementation_finds() {
-    // scikit-learn 1.9's GaussianProcessRegressor, ConstantKernel · RBF + WhiteKernel within the same bounds, best of
-    // 21 starts, on these 60 samples: 26.862524 and −7.848438.
+    // scikit-learn 1.9's GaussianProcessRegressor, ConstantKernel · RBF + WhiteKernel within the
+    // same bounds, best of 21 starts, on these 60 samples: 26.862524 and −7.848438.
     let (inputs, outputs) = samples(60, 0.0003);
     for starts in [1, 8] {
         let gp = Gp::fit(&inputs, &outputs, &GpConfig { starts, ..GpConfig::default() }).unwrap();
@@ -188,12 +220,14 @@ fn cross_validation_is_conditioning_without_the_fold() {
     for fold_order in [FoldOrder::Blocks, FoldOrder::Interleaved] {
         let config = GpConfig { starts: 1, folds: 5, fold_order, ..GpConfig::default() };
         let gp = Gp::fit(&inputs, &outputs, &config).unwrap();
-        // By definition, on the standardised scale of all rows: pass standardised data whose moments do not change.
+        // By definition, on the standardised scale of all rows: pass standardised data whose
+        // moments do not change.
         let theta = gp.theta().to_vec();
         let n = inputs.len();
         let standard = |rows: &Rows, c: usize| -> Vec<f64> {
             let mean = rows.iter().map(|row| row[c]).sum::<f64>() / n as f64;
-            let scale = (rows.iter().map(|row| (row[c] - mean).powi(2)).sum::<f64>() / n as f64).sqrt();
+            let scale =
+                (rows.iter().map(|row| (row[c] - mean).powi(2)).sum::<f64>() / n as f64).sqrt();
             rows.iter().map(|row| (row[c] - mean) / scale).collect()
         };
         let x: Vec<Vec<f64>> = (0..4).map(|c| standard(&inputs, c)).collect();
@@ -210,11 +244,17 @@ fn cross_validation_is_conditioning_without_the_fold() {
                     FoldOrder::Interleaved => i % 5 == fold,
                 };
                 let kept: Vec<usize> = (0..n).filter(|&i| !inside(i)).collect();
-                let gram: Vec<Vec<f64>> =
-                    kept.iter().map(|&i| kept.iter().map(|&j| covariance(i, j, &theta[c])).collect()).collect();
+                let gram: Vec<Vec<f64>> = kept
+                    .iter()
+                    .map(|&i| kept.iter().map(|&j| covariance(i, j, &theta[c])).collect())
+                    .collect();
                 let alpha = dense_solve(&gram, &kept.iter().map(|&i| y[i]).collect::<Vec<_>>()).0;
                 for i in (0..n).filter(|&i| inside(i)) {
-                    let mean: f64 = kept.iter().zip(&alpha).map(|(&j, a)| covariance(i, j, &theta[c]) * a).sum();
+                    let mean: f64 = kept
+                        .iter()
+                        .zip(&alpha)
+                        .map(|(&j, a)| covariance(i, j, &theta[c]) * a)
+                        .sum();
                     sum += (mean - y[i]).abs();
                 }
             }
@@ -233,7 +273,8 @@ fn the_printed_lambda_is_the_same_process_by_other_numbers() {
     let (inputs, outputs) = samples(40, 0.0003);
     let config = GpConfig { starts: 1, ..GpConfig::default() };
     let textbook = Gp::fit(&inputs, &outputs, &config).unwrap();
-    let printed = Gp::fit(&inputs, &outputs, &GpConfig { lambda: Lambda::AsPrinted, ..config }).unwrap();
+    let printed =
+        Gp::fit(&inputs, &outputs, &GpConfig { lambda: Lambda::AsPrinted, ..config }).unwrap();
     assert_eq!(textbook.predict(inputs.row(3)).unwrap(), printed.predict(inputs.row(3)).unwrap());
     let (textbook, printed) = (textbook.length_scales().unwrap(), printed.length_scales().unwrap());
     for (l, inverse) in textbook.values().iter().zip(printed.values()) {
@@ -259,9 +300,14 @@ fn what_is_written_is_read_back_to_the_bit() {
 
 #[test]
 fn settings_are_strict() {
-    let config: GpConfig = serde_yaml::from_str("kernel: matern52_ard\nlambda: as_printed\nstarts: 3\n").unwrap();
-    assert_eq!((config.kernel.name(), config.lambda, config.starts), ("matern52_ard", Lambda::AsPrinted, 3));
-    let unknown = serde_yaml::from_str::<GpConfig>("kernel: se_ard + perodic").unwrap_err().to_string();
+    let config: GpConfig =
+        serde_yaml::from_str("kernel: matern52_ard\nlambda: as_printed\nstarts: 3\n").unwrap();
+    assert_eq!(
+        (config.kernel.name(), config.lambda, config.starts),
+        ("matern52_ard", Lambda::AsPrinted, 3)
+    );
+    let unknown =
+        serde_yaml::from_str::<GpConfig>("kernel: se_ard + perodic").unwrap_err().to_string();
     assert!(unknown.contains("`perodic`") && unknown.contains("matern12_ard"), "{unknown}");
     let typo = serde_yaml::from_str::<GpConfig>("kernels: se_ard").unwrap_err().to_string();
     assert!(typo.contains("kernels"), "{typo}");
@@ -274,7 +320,10 @@ fn settings_are_strict() {
         ("folds", GpConfig { folds: 1, ..GpConfig::default() }),
     ] {
         let refused = Gp::fit(&inputs, &outputs, &config).unwrap_err();
-        assert!(matches!(refused, LearnError::Setting { key: found, .. } if found == key), "{refused}");
+        assert!(
+            matches!(refused, LearnError::Setting { key: found, .. } if found == key),
+            "{refused}"
+        );
     }
 }
 
@@ -285,7 +334,10 @@ fn bad_samples_are_named() {
     let mut values = inputs.values().to_vec();
     values[4 * 6 + 2] = f64::NAN;
     let refused = Gp::fit(&rows(4, &values), &outputs, &config).unwrap_err();
-    assert!(matches!(refused, LearnError::NotFinite { table: "inputs", row: 6, column: 2, .. }), "{refused}");
+    assert!(
+        matches!(refused, LearnError::NotFinite { table: "inputs", row: 6, column: 2, .. }),
+        "{refused}"
+    );
     let refused = Gp::fit(&inputs, &outputs.select(&[0, 1]), &config).unwrap_err();
     assert!(matches!(refused, LearnError::Shape { found: 2, expected: 10, .. }), "{refused}");
     let refused = Gp::fit(&inputs.select(&[0]), &outputs.select(&[0]), &config).unwrap_err();

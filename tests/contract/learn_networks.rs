@@ -5,7 +5,8 @@ use spinebench::base::{Rows, Seed};
 use spinebench::learn::LearnError;
 use spinebench::learn::networks::{Loss, Network, NetworkConfig, NetworkKind, Optimiser, Stopped};
 
-/// `y_t` follows a saturating state that remembers about five inputs: s ← 0.8 s + 0.3 tanh(2 u), y = (s, s u).
+/// `y_t` follows a saturating state that remembers about five inputs: s ← 0.8 s + 0.3 tanh(2 u), y
+/// = (s, s u).
 fn remembering_system(count: usize) -> (Rows, Rows) {
     let mut rng = Seed(5).child("system").rng();
     let (mut inputs, mut outputs, mut state) = (Rows::new(1), Rows::new(2), 0.0);
@@ -51,16 +52,17 @@ fn memory_is_learnt_and_a_memoryless_network_cannot() {
 fn every_kind_learns_what_its_memory_reaches() {
     let (inputs, outputs) = remembering_system(2500);
     let scale = spread(&outputs);
-    let error =
-        |config: NetworkConfig| Network::train(&inputs, &outputs, &[], &config, Seed(1)).unwrap().validation_mae;
+    let error = |config: NetworkConfig| {
+        Network::train(&inputs, &outputs, &[], &config, Seed(1)).unwrap().validation_mae
+    };
     let of = |kind| NetworkConfig { kind, window: 25, max_epochs: 300, ..quick() };
     for kind in [NetworkKind::Gru, NetworkKind::Lstm] {
         let found = error(of(kind));
         assert!(found < 0.06 * scale, "{kind:?}: {found} of {scale}");
     }
     // What a network without memory knows of the past is the history that it is shown.
-    let [short, long] =
-        [1, 20].map(|rows| error(NetworkConfig { history: Some(rows), ..of(NetworkKind::FeedForward) }));
+    let [short, long] = [1, 20]
+        .map(|rows| error(NetworkConfig { history: Some(rows), ..of(NetworkKind::FeedForward) }));
     assert!(short > 0.3 * scale && long < 0.5 * short, "{short}, {long} of {scale}");
 }
 
@@ -89,10 +91,24 @@ fn members_are_trained_apart_and_answer_with_their_mean() {
     let five = NetworkConfig { members: 5, ..config.clone() };
     let together = Network::train(&inputs, &outputs, &[], &five, Seed(1)).unwrap();
     assert_eq!(together.network.members(), 5);
-    assert_eq!(together.history[..alone.history.len()], alone.history, "the first member has the network's own seed");
+    assert_eq!(
+        together.history[..alone.history.len()],
+        alone.history,
+        "the first member has the network's own seed"
+    );
     let best_alone = |member: usize| {
-        let from = together.history.iter().enumerate().filter(|(_, one)| one.epoch == 1).nth(member).unwrap().0;
-        let own = together.history[from..].iter().enumerate().take_while(|(k, one)| *k == 0 || one.epoch > 1);
+        let from = together
+            .history
+            .iter()
+            .enumerate()
+            .filter(|(_, one)| one.epoch == 1)
+            .nth(member)
+            .unwrap()
+            .0;
+        let own = together.history[from..]
+            .iter()
+            .enumerate()
+            .take_while(|(k, one)| *k == 0 || one.epoch > 1);
         own.map(|(_, one)| one.validation_mae).fold(f64::INFINITY, f64::min)
     };
     let mean = (0..5).map(best_alone).sum::<f64>() / 5.0;
@@ -106,12 +122,22 @@ fn members_are_trained_apart_and_answer_with_their_mean() {
 #[test]
 fn an_optimiser_of_second_order_needs_fewer_steps() {
     let (inputs, outputs) = remembering_system(800);
-    let config = NetworkConfig { window: 20, optimiser: Optimiser::Lbfgs, max_epochs: 150, ..quick() };
+    let config =
+        NetworkConfig { window: 20, optimiser: Optimiser::Lbfgs, max_epochs: 150, ..quick() };
     let found = Network::train(&inputs, &outputs, &[], &config, Seed(1)).unwrap();
-    let adam = NetworkConfig { optimiser: Optimiser::Adam, max_epochs: found.updates.div_ceil(2), ..config };
+    let adam = NetworkConfig {
+        optimiser: Optimiser::Adam,
+        max_epochs: found.updates.div_ceil(2),
+        ..config
+    };
     let adam = Network::train(&inputs, &outputs, &[], &adam, Seed(1)).unwrap();
     assert!(adam.updates >= found.updates, "{} {}", adam.updates, found.updates);
-    assert!(found.validation_mae < adam.validation_mae, "{} {}", found.validation_mae, adam.validation_mae);
+    assert!(
+        found.validation_mae < adam.validation_mae,
+        "{} {}",
+        found.validation_mae,
+        adam.validation_mae
+    );
     assert!(found.history.windows(2).all(|pair| pair[1].training_loss < pair[0].training_loss));
 }
 
@@ -155,7 +181,10 @@ fn the_best_weights_are_kept_and_their_error_is_what_is_reported() {
     let last = trained.history.last().unwrap();
     assert_eq!(trained.validation_mae, best);
     assert!(last.validation_mae > best);
-    assert_eq!(trained.epochs - trained.history.iter().find(|e| e.validation_mae == best).unwrap().epoch, 12);
+    assert_eq!(
+        trained.epochs - trained.history.iter().find(|e| e.validation_mae == best).unwrap().epoch,
+        12
+    );
     // The last 30 % of the rows, run through from a reset.
     let held: Vec<usize> = (420..600).collect();
     let answers = trained.network.predict_rows(&inputs.select(&held), &[]).unwrap();
@@ -172,17 +201,27 @@ fn training_stops_at_the_error_that_is_asked_for() {
     let config = NetworkConfig { stop_at_validation_mae_m: Some(target), ..quick() };
     let trained = Network::train(&inputs, &outputs, &[], &config, Seed(3)).unwrap();
     assert_eq!(trained.stopped, Stopped::Reached);
-    assert!(trained.validation_mae <= target && trained.validation_mae > 0.5 * target, "{}", trained.validation_mae);
+    assert!(
+        trained.validation_mae <= target && trained.validation_mae > 0.5 * target,
+        "{}",
+        trained.validation_mae
+    );
     assert!(trained.updates < free.updates);
     let never = NetworkConfig { stop_at_validation_mae_m: Some(1e-9), max_epochs: 3, ..quick() };
-    assert_eq!(Network::train(&inputs, &outputs, &[], &never, Seed(3)).unwrap().stopped, Stopped::Epochs);
+    assert_eq!(
+        Network::train(&inputs, &outputs, &[], &never, Seed(3)).unwrap().stopped,
+        Stopped::Epochs
+    );
 }
 
 #[test]
 fn the_same_seed_gives_the_same_bits_and_another_does_not() {
     let (inputs, outputs) = remembering_system(400);
     let config = NetworkConfig { max_epochs: 5, ..quick() };
-    let text = |seed| serde_json::to_string(&Network::train(&inputs, &outputs, &[], &config, seed).unwrap()).unwrap();
+    let text = |seed| {
+        serde_json::to_string(&Network::train(&inputs, &outputs, &[], &config, seed).unwrap())
+            .unwrap()
+    };
     assert_eq!(text(Seed(1)), text(Seed(1)));
     assert_ne!(text(Seed(1)), text(Seed(2)));
 }
@@ -197,9 +236,17 @@ fn what_is_written_is_read_back_to_the_bit() {
     let text = serde_json::to_string(&network).unwrap();
     let back: Network = serde_json::from_str(&text).unwrap();
     assert_eq!(network, back);
-    assert_eq!(network.predict_rows(&inputs, &[]).unwrap(), back.predict_rows(&inputs, &[]).unwrap());
+    assert_eq!(
+        network.predict_rows(&inputs, &[]).unwrap(),
+        back.predict_rows(&inputs, &[]).unwrap()
+    );
     let broken = text.replacen("\"hidden\":12", "\"hidden\":13", 1);
-    assert!(serde_json::from_str::<Network>(&broken).unwrap_err().to_string().contains("stored weights"));
+    assert!(
+        serde_json::from_str::<Network>(&broken)
+            .unwrap_err()
+            .to_string()
+            .contains("stored weights")
+    );
 }
 
 #[test]
@@ -216,7 +263,11 @@ fn rows_and_steps_agree_and_a_reset_forgets() {
         network.step(&mut state, row, &mut out).unwrap();
         assert_eq!(rows.row(index), out);
     }
-    assert_ne!(rows.row(100), network.predict_rows(&inputs, &[]).unwrap().row(100), "the state must matter");
+    assert_ne!(
+        rows.row(100),
+        network.predict_rows(&inputs, &[]).unwrap().row(100),
+        "the state must matter"
+    );
 }
 
 #[test]
@@ -240,18 +291,31 @@ fn retraining_starts_from_the_weights() {
     let short = NetworkConfig { max_epochs: 8, ..quick() };
     let warm = first.network.retrain(&inputs, &shifted, &[], &short, Seed(4)).unwrap();
     let cold = Network::train(&inputs, &shifted, &[], &short, Seed(4)).unwrap();
-    assert!(warm.validation_mae < 0.7 * cold.validation_mae, "{} {}", warm.validation_mae, cold.validation_mae);
+    assert!(
+        warm.validation_mae < 0.7 * cold.validation_mae,
+        "{} {}",
+        warm.validation_mae,
+        cold.validation_mae
+    );
     assert!(first.network.retrain(&outputs, &shifted, &[], &short, Seed(4)).is_err());
 }
 
 #[test]
 fn bad_input_is_named() {
     let (inputs, outputs) = remembering_system(100);
-    let train = |x: &Rows, y: &Rows, c: &NetworkConfig| Network::train(x, y, &[], c, Seed(1)).map(|_| ()).unwrap_err();
+    let train = |x: &Rows, y: &Rows, c: &NetworkConfig| {
+        Network::train(x, y, &[], c, Seed(1)).map(|_| ()).unwrap_err()
+    };
     let mut bad = Rows::new(2);
-    outputs.iter().enumerate().for_each(|(i, y)| bad.push(&[y[0], if i == 9 { f64::INFINITY } else { y[1] }]));
+    outputs
+        .iter()
+        .enumerate()
+        .for_each(|(i, y)| bad.push(&[y[0], if i == 9 { f64::INFINITY } else { y[1] }]));
     let refused = train(&inputs, &bad, &quick());
-    assert!(matches!(refused, LearnError::NotFinite { table: "outputs", row: 9, column: 1, .. }), "{refused}");
+    assert!(
+        matches!(refused, LearnError::NotFinite { table: "outputs", row: 9, column: 1, .. }),
+        "{refused}"
+    );
     let refused = train(&inputs.select(&[0, 1, 2]), &outputs.select(&[0, 1, 2]), &quick());
     assert!(matches!(refused, LearnError::TooFewRows { found: 3, .. }), "{refused}");
     let refused = train(&inputs, &outputs.select(&[0]), &quick());
@@ -263,22 +327,41 @@ fn bad_input_is_named() {
         ("window", NetworkConfig { window: 0, ..quick() }),
         ("train_share", NetworkConfig { train_share: 1.5, ..quick() }),
         ("learning_rate", NetworkConfig { learning_rate: f64::NAN, ..quick() }),
-        ("stop_at_validation_mae_m", NetworkConfig { stop_at_validation_mae_m: Some(-1.0), ..quick() }),
+        (
+            "stop_at_validation_mae_m",
+            NetworkConfig { stop_at_validation_mae_m: Some(-1.0), ..quick() },
+        ),
     ] {
         let refused = train(&inputs, &outputs, &config);
-        assert!(matches!(refused, LearnError::Setting { key: found, .. } if found == key), "{refused}");
+        assert!(
+            matches!(refused, LearnError::Setting { key: found, .. } if found == key),
+            "{refused}"
+        );
     }
     assert!(matches!(
         Network::train(&inputs, &outputs, &[0, 0], &quick(), Seed(1)).unwrap_err(),
         LearnError::Sequences { place: 1, .. }
     ));
-    let network = Network::train(&inputs, &outputs, &[], &NetworkConfig { max_epochs: 1, ..quick() }, Seed(1));
+    let network = Network::train(
+        &inputs,
+        &outputs,
+        &[],
+        &NetworkConfig { max_epochs: 1, ..quick() },
+        Seed(1),
+    );
     let network = network.unwrap().network;
     let mut state = network.state();
-    assert!(matches!(network.step(&mut state, &[f64::NAN], &mut [0.0; 2]), Err(LearnError::NotFinite { .. })));
-    assert!(matches!(network.step(&mut state, &[0.0; 2], &mut [0.0; 2]), Err(LearnError::Shape { .. })));
+    assert!(matches!(
+        network.step(&mut state, &[f64::NAN], &mut [0.0; 2]),
+        Err(LearnError::NotFinite { .. })
+    ));
+    assert!(matches!(
+        network.step(&mut state, &[0.0; 2], &mut [0.0; 2]),
+        Err(LearnError::Shape { .. })
+    ));
     let typo = serde_yaml::from_str::<NetworkConfig>("windows: 10").unwrap_err().to_string();
     assert!(typo.contains("windows"), "{typo}");
-    let read: NetworkConfig = serde_yaml::from_str("{window: 1, stride: 1, loss: last_row}").unwrap();
+    let read: NetworkConfig =
+        serde_yaml::from_str("{window: 1, stride: 1, loss: last_row}").unwrap();
     assert_eq!((read.window, read.loss, read.hidden), (1, Loss::LastRow, 30));
 }

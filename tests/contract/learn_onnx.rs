@@ -1,4 +1,5 @@
-//! Networks of ONNX files: one that PyTorch 2.15 exported, with the output that ONNX Runtime 1.32 computes, and damage.
+//! Networks of ONNX files: one that PyTorch 2.15 exported, with the output that ONNX Runtime 1.32
+//! computes, and damage.
 
 use spinebench::learn::onnx::{OnnxError, OnnxNetwork};
 
@@ -27,7 +28,8 @@ fn a_network_of_pytorch_computes_what_onnx_runtime_computes() {
 #[test]
 fn an_unknown_operator_is_named() {
     let mut bytes = TORCH.to_vec();
-    let places: Vec<usize> = (0..bytes.len() - 4).filter(|&place| &bytes[place..place + 4] == b"Tanh").collect();
+    let places: Vec<usize> =
+        (0..bytes.len() - 4).filter(|&place| &bytes[place..place + 4] == b"Tanh").collect();
     for place in places {
         bytes[place..place + 4].copy_from_slice(b"Tahn");
     }

@@ -11,7 +11,8 @@ struct Declared(Vec<String>);
 impl<'ast> Visit<'ast> for Declared {
     fn visit_item_mod(&mut self, module: &'ast syn::ItemMod) {
         let is_test = |attribute: &syn::Attribute| {
-            attribute.path().is_ident("cfg") && attribute.parse_args::<syn::Ident>().is_ok_and(|what| what == "test")
+            attribute.path().is_ident("cfg")
+                && attribute.parse_args::<syn::Ident>().is_ok_and(|what| what == "test")
         };
         if !module.attrs.iter().any(is_test) {
             visit::visit_item_mod(self, module);
@@ -53,12 +54,19 @@ fn a_type_name_stands_for_one_type() {
     }
     assert!(homes.len() > 500, "{} types were found", homes.len());
     homes.retain(|_, homes| homes.len() > 1);
-    let twice: Vec<String> = homes.iter().map(|(name, homes)| format!("{name}: {}", homes.join(", "))).collect();
-    assert!(twice.is_empty(), "{} names stand for several types:\n{}", twice.len(), twice.join("\n"));
+    let twice: Vec<String> =
+        homes.iter().map(|(name, homes)| format!("{name}: {}", homes.join(", "))).collect();
+    assert!(
+        twice.is_empty(),
+        "{} names stand for several types:\n{}",
+        twice.len(),
+        twice.join("\n")
+    );
 }
 
 #[test]
 fn types_are_found_and_those_of_tests_are_not() {
-    let text = "pub(crate) struct A { b: u8 }\nenum C {}\ntype D = A;\npub trait E { type F; }\n#[cfg(test)]\nmod tests { struct A; }";
+    let text = "pub(crate) struct A { b: u8 }\nenum C {}\ntype D = A;\npub trait E { type F; \
+                }\n#[cfg(test)]\nmod tests { struct A; }";
     assert_eq!(declared(text), ["A", "C", "D", "E"]);
 }

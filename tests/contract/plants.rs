@@ -17,7 +17,11 @@ fn examples() -> Vec<(&'static str, PlantSpec)> {
 #[test]
 fn names_are_those_of_specs_and_options_are_in_range() {
     for (index, entry) in REGISTRY.iter().enumerate() {
-        assert!(REGISTRY[..index].iter().all(|other| other.name != entry.name), "{} twice", entry.name);
+        assert!(
+            REGISTRY[..index].iter().all(|other| other.name != entry.name),
+            "{} twice",
+            entry.name
+        );
     }
     for (name, spec) in examples() {
         assert_eq!(spec.kind(), name);

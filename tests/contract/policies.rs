@@ -1,7 +1,8 @@
 //! What every policy of the registry keeps.
 
 use crate::support::policies::{
-    AnalyticInverse, BrokenInverse, ConstantError, exact_parts, inverse_mappings, policy, seen, told_of_model,
+    AnalyticInverse, BrokenInverse, ConstantError, exact_parts, inverse_mappings, policy, seen,
+    told_of_model,
 };
 use proptest::prelude::*;
 use spinebench::base::{Action, Point3, Policy, PolicyError};
@@ -12,19 +13,31 @@ use std::sync::Arc;
 
 /// Parts whose memory shows in the command.
 fn remembering_parts() -> PolicyParts {
-    let parts = told_of_model(PolicyParts::default().with_error(Arc::new(ConstantError([0.01, 0.0, 0.002]))));
+    let parts = told_of_model(
+        PolicyParts::default().with_error(Arc::new(ConstantError([0.01, 0.0, 0.002]))),
+    );
     let model = || Box::new(AnalyticInverse { drift_m: 1e-4, ..AnalyticInverse::default() });
-    inverse_mappings().into_iter().fold(parts, |parts, network| parts.with_inverse(network, model()))
+    inverse_mappings()
+        .into_iter()
+        .fold(parts, |parts, network| parts.with_inverse(network, model()))
 }
 
 fn play(policy: &mut dyn Policy, tips_m: &[Point3], target_m: &Point3) -> Vec<Action> {
-    tips_m.iter().enumerate().map(|(step, tip_m)| policy.act(&seen(step, *tip_m), target_m).unwrap()).collect()
+    tips_m
+        .iter()
+        .enumerate()
+        .map(|(step, tip_m)| policy.act(&seen(step, *tip_m), target_m).unwrap())
+        .collect()
 }
 
 #[test]
 fn names_are_unique() {
     for (index, entry) in REGISTRY.iter().enumerate() {
-        assert!(REGISTRY[..index].iter().all(|other| other.name != entry.name), "{} twice", entry.name);
+        assert!(
+            REGISTRY[..index].iter().all(|other| other.name != entry.name),
+            "{} twice",
+            entry.name
+        );
     }
 }
 
@@ -70,13 +83,19 @@ fn an_observation_that_is_not_finite_is_an_error() {
 #[test]
 fn a_network_that_goes_wrong_is_an_error() {
     for entry in REGISTRY {
-        let parts = told_of_model(PolicyParts::default().with_error(Arc::new(ConstantError([0.0; 3]))));
-        let broken = |parts: PolicyParts, network| parts.with_inverse(network, Box::new(BrokenInverse));
+        let parts =
+            told_of_model(PolicyParts::default().with_error(Arc::new(ConstantError([0.0; 3]))));
+        let broken =
+            |parts: PolicyParts, network| parts.with_inverse(network, Box::new(BrokenInverse));
         let parts = inverse_mappings().into_iter().fold(parts, broken);
         let networks = entry.networks().count() > 0;
         let mut policy = policy(entry.name, parts, &PolicyOptions::default());
         let result = policy.act(&seen(0, [0.0, 0.0, 0.22]), &[0.05, 0.0, 0.2]);
-        assert!(!networks || matches!(result, Err(PolicyError::NotFinite(_))), "{}: {result:?}", entry.name);
+        assert!(
+            !networks || matches!(result, Err(PolicyError::NotFinite(_))),
+            "{}: {result:?}",
+            entry.name
+        );
     }
 }
 

@@ -7,7 +7,9 @@ use crate::support::policies::{
 };
 use spinebench::base::{Plant, Point3, Seed, distance_m};
 use spinebench::policies::{INVERSE, MemoryUpdate, PolicyOptions, PolicyParts};
-use spinebench::tasks::{LoopMode, PathOptions, ReachOptions, TrackOptions, interpolate, reach, track, waypoints};
+use spinebench::tasks::{
+    LoopMode, PathOptions, ReachOptions, TrackOptions, interpolate, reach, track, waypoints,
+};
 
 const SHIFT_M: Point3 = [-0.012, 0.004, 0.0];
 
@@ -16,8 +18,15 @@ fn a_known_constant_gap_is_closed_in_both_modes() {
     let target_m = reachable(0.015, -0.01, SHIFT_M);
     for mode in [LoopMode::Open, LoopMode::Closed] {
         let mut a = policy("a", exact_parts(SHIFT_M), &PolicyOptions::default());
-        let outcome =
-            reach(&mut robot(SHIFT_M), a.as_mut(), &target_m, mode, &ReachOptions::default(), Seed(1)).unwrap();
+        let outcome = reach(
+            &mut robot(SHIFT_M),
+            a.as_mut(),
+            &target_m,
+            mode,
+            &ReachOptions::default(),
+            Seed(1),
+        )
+        .unwrap();
         assert!(outcome.status.is_ok(), "{}", outcome.status);
         assert!(outcome.settled);
         assert!(outcome.error_m < 1e-4, "{mode:?}: {} m", outcome.error_m);
@@ -30,13 +39,16 @@ fn without_the_error_model_the_gap_stays() {
     let parts = exact_parts(SHIFT_M).with_error(Arc::new(ConstantError([0.0; 3])));
     let mut a = policy("a", parts, &PolicyOptions::default());
     let options = ReachOptions::default();
-    let outcome = reach(&mut robot(SHIFT_M), a.as_mut(), &target_m, LoopMode::Closed, &options, Seed(1)).unwrap();
-    // The inverse aims at a point off the workspace and hits the one in its direction: the gap, to a projection.
+    let outcome =
+        reach(&mut robot(SHIFT_M), a.as_mut(), &target_m, LoopMode::Closed, &options, Seed(1))
+            .unwrap();
+    // The inverse aims at a point off the workspace and hits the one in its direction: the gap, to
+    // a projection.
     assert!((0.005..0.02).contains(&outcome.error_m), "{} m", outcome.error_m);
 }
 
-/// x_s = x_real + g x_s has the fixed point x_real / (1 − g), approached by the factor g in an iteration; the loop
-/// ends when a correction g^i · g·x falls to 1 mm.
+/// x_s = x_real + g x_s has the fixed point x_real / (1 − g), approached by the factor g in an
+/// iteration; the loop ends when a correction g^i · g·x falls to 1 mm.
 #[test]
 fn the_fixed_point_is_found_in_as_many_iterations_as_the_contraction_says() {
     let gain = 0.5;
@@ -49,12 +61,15 @@ fn the_fixed_point_is_found_in_as_many_iterations_as_the_contraction_says() {
     let target_m = [0.02, 0.0, 0.2];
     let tip_m = [0.0, 0.0, 0.22];
     // Corrections: 10, 5, 2.5, 1.25, 0.625 mm.
-    let settled: Vec<bool> = (0..6).map(|step| a.act(&seen(step, tip_m), &target_m).unwrap().settled).collect();
+    let settled: Vec<bool> =
+        (0..6).map(|step| a.act(&seen(step, tip_m), &target_m).unwrap().settled).collect();
     assert_eq!(settled, [false, false, false, false, true, true]);
     let last = (6..60).map(|step| a.act(&seen(step, tip_m), &target_m).unwrap()).last().unwrap();
     let fixed_point_m = [target_m[0] / (1.0 - gain), 0.0, target_m[2]];
     let expected = AnalyticInverse::default();
-    let expected = spinebench::policies::InverseModel::pulls(&mut expected.clone(), &tip_m, &fixed_point_m).unwrap();
+    let expected =
+        spinebench::policies::InverseModel::pulls(&mut expected.clone(), &tip_m, &fixed_point_m)
+            .unwrap();
     for (found, expected) in last.pulls_m.iter().zip(expected) {
         assert!((found - expected).abs() < 1e-9);
     }
@@ -96,22 +111,33 @@ fn a_new_target_starts_from_itself_unless_warm() {
         action.pulls_m[0]
     };
     let inverse = |to_m: Point3| {
-        spinebench::policies::InverseModel::pulls(&mut AnalyticInverse::default(), &[0.0; 3], &to_m).unwrap()[0]
+        spinebench::policies::InverseModel::pulls(&mut AnalyticInverse::default(), &[0.0; 3], &to_m)
+            .unwrap()[0]
     };
     assert_eq!(next_pull_m(false), inverse(second_m));
-    assert_eq!(next_pull_m(true), inverse([second_m[0] - SHIFT_M[0], second_m[1] - SHIFT_M[1], second_m[2]]));
+    assert_eq!(
+        next_pull_m(true),
+        inverse([second_m[0] - SHIFT_M[0], second_m[1] - SHIFT_M[1], second_m[2]])
+    );
 }
 
 #[test]
 fn along_a_path_the_printed_guess_kicks_the_robot_at_every_point() {
     let path_options = PathOptions::default();
-    let path = interpolate(&waypoints(&mut robot(SHIFT_M), &path_options, Seed(1)).unwrap(), &path_options).unwrap();
+    let path = interpolate(
+        &waypoints(&mut robot(SHIFT_M), &path_options, Seed(1)).unwrap(),
+        &path_options,
+    )
+    .unwrap();
     let mean_error_m = |warm_start| {
         let mut options = PolicyOptions::default();
         options.a.warm_start = warm_start;
         let mut a = policy("a", exact_parts(SHIFT_M), &options);
-        let steps = track(&mut robot(SHIFT_M), a.as_mut(), &path, &TrackOptions::default(), Seed(1)).unwrap();
-        let on_path: Vec<f64> = steps.iter().filter(|step| step.path_point > 0).map(|step| step.error_m).collect();
+        let steps =
+            track(&mut robot(SHIFT_M), a.as_mut(), &path, &TrackOptions::default(), Seed(1))
+                .unwrap();
+        let on_path: Vec<f64> =
+            steps.iter().filter(|step| step.path_point > 0).map(|step| step.error_m).collect();
         on_path.iter().sum::<f64>() / on_path.len() as f64
     };
     let (printed_m, warm_m) = (mean_error_m(false), mean_error_m(true));
@@ -123,7 +149,11 @@ fn along_a_path_the_printed_guess_kicks_the_robot_at_every_point() {
 struct Position;
 impl spinebench::policies::InverseModel for Position {
     fn reset(&mut self) {}
-    fn pulls(&mut self, from_m: &Point3, _to_m: &Point3) -> Result<Vec<f64>, spinebench::base::PolicyError> {
+    fn pulls(
+        &mut self,
+        from_m: &Point3,
+        _to_m: &Point3,
+    ) -> Result<Vec<f64>, spinebench::base::PolicyError> {
         Ok(vec![from_m[0], from_m[1], 0.0, 0.0])
     }
 }
@@ -155,11 +185,17 @@ fn memory_moves_when_it_is_told_to() {
         options.network.memory = memory;
         options.limits.max_step_m = None;
         let parts = PolicyParts::default()
-            .with_inverse(&INVERSE, Box::new(AnalyticInverse { drift_m, ..AnalyticInverse::default() }))
+            .with_inverse(
+                &INVERSE,
+                Box::new(AnalyticInverse { drift_m, ..AnalyticInverse::default() }),
+            )
             .with_error(Arc::new(ConstantError([0.0; 3])));
         let mut a = policy("a", parts, &options);
         let pull_m: Vec<f64> = (0..3)
-            .map(|step| a.act(&seen(if frozen { 0 } else { step }, [0.0, 0.0, 0.22]), &[0.0, 0.0, 0.22]).unwrap())
+            .map(|step| {
+                a.act(&seen(if frozen { 0 } else { step }, [0.0, 0.0, 0.22]), &[0.0, 0.0, 0.22])
+                    .unwrap()
+            })
             .map(|action| action.pulls_m[0])
             .collect();
         (pull_m[2] / drift_m).round()
@@ -177,8 +213,18 @@ fn a_limited_lookahead_reaches_the_same_place() {
     options.network.lookahead_m = Some(0.01);
     let mut a = policy("a", exact_parts(SHIFT_M), &options);
     let mut plant = robot(SHIFT_M);
-    let outcome =
-        reach(&mut plant, a.as_mut(), &target_m, LoopMode::Closed, &ReachOptions::default(), Seed(1)).unwrap();
+    let outcome = reach(
+        &mut plant,
+        a.as_mut(),
+        &target_m,
+        LoopMode::Closed,
+        &ReachOptions::default(),
+        Seed(1),
+    )
+    .unwrap();
     assert!(outcome.error_m < 1e-3, "{} m", outcome.error_m);
-    assert!(distance_m(&plant.reset(Seed(1)).unwrap().tip_m, &target_m) > 0.05, "the target is far");
+    assert!(
+        distance_m(&plant.reset(Seed(1)).unwrap().tip_m, &target_m) > 0.05,
+        "the target is far"
+    );
 }

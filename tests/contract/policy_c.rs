@@ -2,19 +2,27 @@
 
 use std::sync::Arc;
 
-use crate::support::policies::{AnalyticInverse, ConstantError, exact_parts, negative, policy, reachable, robot, seen};
+use crate::support::policies::{
+    AnalyticInverse, ConstantError, exact_parts, negative, policy, reachable, robot, seen,
+};
 use spinebench::base::{Point3, Seed};
-use spinebench::policies::{AfterBoth, INVERSE, INVERSE_B, PolicyOptions, PolicyParts, StartBranch, SwitchCheck};
+use spinebench::policies::{
+    AfterBoth, INVERSE, INVERSE_B, PolicyOptions, PolicyParts, StartBranch, SwitchCheck,
+};
 use spinebench::tasks::{LoopMode, ReachOptions, ReachOutcome, reach};
 
 const SHIFT_M: Point3 = [-0.012, 0.004, 0.0];
 const TARGET_PULLS_M: (f64, f64) = (0.012, -0.008);
 
-/// A hybrid whose A errs by about `a_m` and whose B by about `b_m` in y, on a robot shifted by `SHIFT_M`.
+/// A hybrid whose A errs by about `a_m` and whose B by about `b_m` in y, on a robot shifted by
+/// `SHIFT_M`.
 fn parts(a_m: f64, b_m: f64) -> PolicyParts {
     let [x, y, z] = negative(SHIFT_M);
     let [shift_x, shift_y, shift_z] = SHIFT_M;
-    let generated = AnalyticInverse { shift_m: [shift_x, shift_y - b_m, shift_z], ..AnalyticInverse::default() };
+    let generated = AnalyticInverse {
+        shift_m: [shift_x, shift_y - b_m, shift_z],
+        ..AnalyticInverse::default()
+    };
     PolicyParts::default()
         .with_inverse(&INVERSE, Box::new(AnalyticInverse::default()))
         .with_inverse(&INVERSE_B, Box::new(generated))
@@ -25,7 +33,9 @@ fn run(parts: PolicyParts, options: &PolicyOptions) -> ReachOutcome {
     let target_m = reachable(TARGET_PULLS_M.0, TARGET_PULLS_M.1, SHIFT_M);
     let mut c = policy("c", parts, options);
     let options = ReachOptions::default();
-    let outcome = reach(&mut robot(SHIFT_M), c.as_mut(), &target_m, LoopMode::Closed, &options, Seed(1)).unwrap();
+    let outcome =
+        reach(&mut robot(SHIFT_M), c.as_mut(), &target_m, LoopMode::Closed, &options, Seed(1))
+            .unwrap();
     assert!(outcome.status.is_ok(), "{}", outcome.status);
     outcome
 }
@@ -35,7 +45,9 @@ fn where_a_is_good_c_is_a() {
     let target_m = reachable(TARGET_PULLS_M.0, TARGET_PULLS_M.1, SHIFT_M);
     let mut a = policy("a", parts(0.005, 0.0), &PolicyOptions::default());
     let options = ReachOptions::default();
-    let by_a = reach(&mut robot(SHIFT_M), a.as_mut(), &target_m, LoopMode::Closed, &options, Seed(1)).unwrap();
+    let by_a =
+        reach(&mut robot(SHIFT_M), a.as_mut(), &target_m, LoopMode::Closed, &options, Seed(1))
+            .unwrap();
     let by_c = run(parts(0.005, 0.0), &PolicyOptions::default());
     assert_eq!(by_c.switches, 0);
     assert_eq!(by_c, by_a);
@@ -141,13 +153,15 @@ fn a_new_target_starts_as_told() {
         options.limits.max_step_m = None;
         let mut c = policy("c", exact_parts(SHIFT_M), &options);
         let stuck_m = [0.0, 0.0, 0.22];
-        let branches: Vec<&str> =
-            (0..6).map(|step| c.act(&seen(step, stuck_m), &[0.05, 0.0, 0.21]).unwrap().branch).collect();
+        let branches: Vec<&str> = (0..6)
+            .map(|step| c.act(&seen(step, stuck_m), &[0.05, 0.0, 0.21]).unwrap().branch)
+            .collect();
         // L_A and L_B agree for a constant gap, so the change has to be forced by another B.
         assert!(branches.iter().all(|name| *name == "a"));
         let mut c = policy("c", parts(0.0, 0.03), &options);
-        let branches: Vec<&str> =
-            (0..6).map(|step| c.act(&seen(step, stuck_m), &[0.05, 0.0, 0.21]).unwrap().branch).collect();
+        let branches: Vec<&str> = (0..6)
+            .map(|step| c.act(&seen(step, stuck_m), &[0.05, 0.0, 0.21]).unwrap().branch)
+            .collect();
         assert_eq!(*branches.last().unwrap(), "b");
         assert_eq!(c.act(&seen(6, stuck_m), &[0.0, 0.05, 0.21]).unwrap().branch, branch);
     }
@@ -160,7 +174,11 @@ fn checking_at_every_tick_follows_the_error() {
     options.c.max_switches = 10;
     let mut c = policy("c", parts(0.0, 0.03), &options);
     let target_m = [0.05, 0.0, 0.21];
-    let mut branch =
-        |step: usize, away_m: f64| c.act(&seen(step, [target_m[0] - away_m, 0.0, 0.21]), &target_m).unwrap().branch;
-    assert_eq!([branch(0, 0.02), branch(1, 0.01), branch(2, 0.0151), branch(3, 0.0149)], ["b", "a", "b", "a"]);
+    let mut branch = |step: usize, away_m: f64| {
+        c.act(&seen(step, [target_m[0] - away_m, 0.0, 0.21]), &target_m).unwrap().branch
+    };
+    assert_eq!(
+        [branch(0, 0.02), branch(1, 0.01), branch(2, 0.0151), branch(3, 0.0149)],
+        ["b", "a", "b", "a"]
+    );
 }

@@ -9,12 +9,12 @@ use spinebench::learn::gp::{Gp, GpConfig};
 use spinebench::learn::networks::{Network, NetworkConfig};
 use spinebench::learn::selection::Selection;
 use spinebench::policies::{
-    ErrorModel, ForwardModel, GpError, INVERSE, INVERSE_B, InverseModel, NetworkForward, NetworkInverse, PolicyOptions,
-    PolicyParts,
+    ErrorModel, ForwardModel, GpError, INVERSE, INVERSE_B, InverseModel, NetworkForward,
+    NetworkInverse, PolicyOptions, PolicyParts,
 };
 use spinebench::tasks::{
-    ExploreOptions, GpPointsOptions, LoopMode, ReachOptions, Transitions, correct_samples, explore, gp_points, reach,
-    rollout,
+    ExploreOptions, GpPointsOptions, LoopMode, ReachOptions, Transitions, correct_samples, explore,
+    gp_points, reach, rollout,
 };
 
 const SHIFT_M: Point3 = [-0.012, 0.004, 0.0];
@@ -29,19 +29,25 @@ fn pairs(samples: &Transitions) -> Rows {
 
 fn train(samples: &Transitions) -> Arc<Network> {
     let config = NetworkConfig { max_epochs: 40, ..NetworkConfig::default() };
-    let trained = Network::train(&pairs(samples), &samples.pulls_m, &samples.starts, &config, Seed(2)).unwrap();
+    let trained =
+        Network::train(&pairs(samples), &samples.pulls_m, &samples.starts, &config, Seed(2))
+            .unwrap();
     Arc::new(trained.network)
 }
 
 fn exploration(points: usize) -> Transitions {
-    explore(&mut robot([0.0; 3]), &ExploreOptions { points, ..ExploreOptions::default() }, Seed(1)).unwrap()
+    explore(&mut robot([0.0; 3]), &ExploreOptions { points, ..ExploreOptions::default() }, Seed(1))
+        .unwrap()
 }
 
 fn error_model() -> GpError {
     let points =
-        gp_points(&mut robot([0.0; 3]), &mut robot(SHIFT_M), &GpPointsOptions::default(), Seed(1)).unwrap().points();
+        gp_points(&mut robot([0.0; 3]), &mut robot(SHIFT_M), &GpPointsOptions::default(), Seed(1))
+            .unwrap()
+            .points();
     let sparse = points.select(&Selection::Clusters.choose(&points.inputs, 100, Seed(1)).unwrap());
-    GpError::new(Gp::fit(&sparse.inputs, &sparse.errors_m, &GpConfig::default()).unwrap(), 4).unwrap()
+    GpError::new(Gp::fit(&sparse.inputs, &sparse.errors_m, &GpConfig::default()).unwrap(), 4)
+        .unwrap()
 }
 
 #[test]
@@ -70,14 +76,19 @@ fn forward_network(samples: &Transitions) -> Arc<Network> {
     for (pulls_m, from_m) in samples.pulls_m.iter().zip(samples.from_m.iter()) {
         inputs.push(&[pulls_m, from_m].concat());
     }
-    Arc::new(Network::train(&inputs, &samples.to_m, &samples.starts, &config, Seed(3)).unwrap().network)
+    Arc::new(
+        Network::train(&inputs, &samples.to_m, &samples.starts, &config, Seed(3)).unwrap().network,
+    )
 }
 
 #[test]
 fn a_forward_network_stands_for_the_rod_in_the_points_of_the_error_model() {
     let network = forward_network(&exploration(6_000));
-    let pool = gp_points(&mut robot([0.0; 3]), &mut robot(SHIFT_M), &GpPointsOptions::default(), Seed(1)).unwrap();
-    let imagined = rollout(&pool.steps, &mut NetworkForward::new(network.clone(), 4).unwrap()).unwrap();
+    let pool =
+        gp_points(&mut robot([0.0; 3]), &mut robot(SHIFT_M), &GpPointsOptions::default(), Seed(1))
+            .unwrap();
+    let imagined =
+        rollout(&pool.steps, &mut NetworkForward::new(network.clone(), 4).unwrap()).unwrap();
 
     // It starts at the recorded home and is then fed with what it predicted itself.
     let mut model = NetworkForward::new(network, 4).unwrap();
@@ -86,7 +97,8 @@ fn a_forward_network_stands_for_the_rod_in_the_points_of_the_error_model() {
     model.reset(&[home[0], home[1], home[2]]);
     for index in 0..imagined.len() {
         assert_eq!(imagined.to_m.row(index), model.next_m(pool.steps.pulls_m.row(index)).unwrap());
-        let follows = index + 1 == imagined.len() || imagined.from_m.row(index + 1) == imagined.to_m.row(index);
+        let follows = index + 1 == imagined.len()
+            || imagined.from_m.row(index + 1) == imagined.to_m.row(index);
         assert!(follows, "step {index}");
     }
 
@@ -98,23 +110,37 @@ fn a_forward_network_stands_for_the_rod_in_the_points_of_the_error_model() {
         assert_eq!(rod.inputs.row(index)[..4], network.inputs.row(index)[..4]);
         for axis in 0..3 {
             let p_sim_m = network.inputs.row(index)[4 + axis];
-            assert_eq!(network.errors_m.row(index)[axis], p_sim_m - network.real_m.row(index)[axis]);
+            assert_eq!(
+                network.errors_m.row(index)[axis],
+                p_sim_m - network.real_m.row(index)[axis]
+            );
             apart_m = apart_m.max((p_sim_m - rod.inputs.row(index)[4 + axis]).abs());
         }
     }
-    assert!(apart_m > 0.0 && apart_m < 0.03, "the network follows the rod, not exactly: {apart_m} m");
+    assert!(
+        apart_m > 0.0 && apart_m < 0.03,
+        "the network follows the rod, not exactly: {apart_m} m"
+    );
 }
 
 #[test]
 fn models_of_the_wrong_width_are_refused() {
     let samples = exploration(400);
     let config = NetworkConfig { max_epochs: 1, ..NetworkConfig::default() };
-    let forward = Network::train(&samples.pulls_m, &samples.to_m, &[], &config, Seed(2)).unwrap().network;
+    let forward =
+        Network::train(&samples.pulls_m, &samples.to_m, &[], &config, Seed(2)).unwrap().network;
     let forward = Arc::new(forward);
-    assert!(matches!(NetworkForward::new(forward.clone(), 4), Err(LearnError::Shape { found: 4, expected: 7, .. })));
-    assert!(matches!(NetworkInverse::new(forward), Err(LearnError::Shape { found: 4, expected: 6, .. })));
+    assert!(matches!(
+        NetworkForward::new(forward.clone(), 4),
+        Err(LearnError::Shape { found: 4, expected: 7, .. })
+    ));
+    assert!(matches!(
+        NetworkInverse::new(forward),
+        Err(LearnError::Shape { found: 4, expected: 6, .. })
+    ));
     let few = samples.first(30);
-    let gp = Gp::fit(&few.pulls_m, &few.to_m, &GpConfig { starts: 1, ..GpConfig::default() }).unwrap();
+    let gp =
+        Gp::fit(&few.pulls_m, &few.to_m, &GpConfig { starts: 1, ..GpConfig::default() }).unwrap();
     assert!(matches!(GpError::new(gp, 4), Err(LearnError::Shape { found: 4, expected: 7, .. })));
 }
 
@@ -145,7 +171,15 @@ fn learned_policies_come_close_and_repeat_to_the_bit() {
         [(0.012, 0.0), (-0.01, 0.01), (0.005, -0.014)].map(|(x_m, y_m)| {
             let target_m = reachable(x_m, y_m, SHIFT_M);
             let options = ReachOptions::default();
-            reach(&mut robot(SHIFT_M), policy.as_mut(), &target_m, LoopMode::Closed, &options, Seed(1)).unwrap()
+            reach(
+                &mut robot(SHIFT_M),
+                policy.as_mut(),
+                &target_m,
+                LoopMode::Closed,
+                &options,
+                Seed(1),
+            )
+            .unwrap()
         })
     };
     for name in ["a", "b", "c"] {

@@ -1,4 +1,5 @@
-//! The recording format: what goes out comes back, and what is wrong is said with file, place, column and expectation.
+//! The recording format: what goes out comes back, and what is wrong is said with file, place,
+//! column and expectation.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -20,7 +21,8 @@ fn read(text: &str) -> Result<Recording, String> {
     let path = folder.path().join("rec.csv");
     fs::write(&path, text).unwrap();
     // The folder's name is chance; the message is compared without it.
-    let shorten = |error: DataError| error.to_string().replace(&format!("{}/", folder.path().display()), "");
+    let shorten =
+        |error: DataError| error.to_string().replace(&format!("{}/", folder.path().display()), "");
     Recording::read(&path).map_err(shorten)
 }
 
@@ -48,7 +50,8 @@ fn full(rows: usize) -> Recording {
         quaternion: turned.then(|| each(part).map(|x| [0.0, x.cos(), x.sin(), 0.0]).collect()),
     };
     recording.points = vec![track("disk_1", 6, true), track("x_m", 7, false)];
-    recording.pattern = Some((0..rows).map(|row| ["one tendon", "all"][row % 2].to_owned()).collect());
+    recording.pattern =
+        Some((0..rows).map(|row| ["one tendon", "all"][row % 2].to_owned()).collect());
     let words = (0..rows).map(|row| format!("said \"{row}\", then left")).collect();
     recording.extra = vec![("note".to_owned(), Extra::Text(words))];
     recording
@@ -57,7 +60,10 @@ fn full(rows: usize) -> Recording {
 #[test]
 fn the_contracts_sample_is_read() {
     let recording = read(GOOD).unwrap();
-    assert_eq!((recording.len(), recording.tendons(), recording.actuation), (3, 4, Actuation::Lengths));
+    assert_eq!(
+        (recording.len(), recording.tendons(), recording.actuation),
+        (3, 4, Actuation::Lengths)
+    );
     assert_eq!(recording.trials(), [(0, 0..2), (1, 2..3)]);
     assert_eq!(recording.commands.row(1), [0.00121, -0.001931, -0.00121, 0.001931]);
     assert_eq!(recording.tip_m.as_ref().unwrap()[1], [-0.01229, -0.000481, 0.218833]);
@@ -122,27 +128,45 @@ fn faults_are_named_with_line_column_found_and_expected() {
         (cell("0.001210", "two"), "line 3, column `tendon_1_m`: found `two`, expected metres"),
         (cell("0.001210", "inf"), "line 3, column `tendon_1_m`: found `inf`, expected metres"),
         (cell("0,0.200", "0,-0.1"), "line 3, column `time_s`: found `-0.1`, expected more than 0"),
-        (cell("0,0.200", "0,0.000"), "line 3, column `time_s`: found `0.000`, expected more than 0"),
-        (cell("1,0.000", "1,0.200"), "line 4, column `time_s`: found `0.200`, expected 0 at the start of trial 1"),
-        (cell("0,0.200", "-1,0.200"), "line 3, column `trial`: found `-1`, expected a trial number"),
+        (
+            cell("0,0.200", "0,0.000"),
+            "line 3, column `time_s`: found `0.000`, expected more than 0",
+        ),
+        (
+            cell("1,0.000", "1,0.200"),
+            "line 4, column `time_s`: found `0.200`, expected 0 at the start of trial 1",
+        ),
+        (
+            cell("0,0.200", "-1,0.200"),
+            "line 3, column `trial`: found `-1`, expected a trial number",
+        ),
         (cell("0,0.200", "2.5,0"), "line 3, column `trial`: found `2.5`, expected a trial number"),
         (cell(",0.218833", ""), "line 3: found 8 cells, expected 9"),
         (cell("0.218833", "0.218833,7"), "line 3: found 10 cells, expected 9"),
         (cell("0.218833", "\"0.218833"), "line 3: found a quotation mark that is not closed"),
         (cell("\n0,0.2", "\n\n0,0.2"), "line 3: found an empty line"),
-        (cell("time_s", "time"), "rec.csv, line 1, column `time_s`: found only trial, time, tendon_1_m"),
+        (
+            cell("time_s", "time"),
+            "rec.csv, line 1, column `time_s`: found only trial, time, tendon_1_m",
+        ),
         (cell("tip_y_m", "tip_y_mm"), "expected a column `tip_y_m`"),
         (cell("tendon_2_m", "tendon_5_m"), "expected a column `tendon_2_m`"),
         (cell("tendon_2_m", "tendon_1_m"), "column `tendon_1_m`: found the name twice"),
         (cell("tendon_2_m", "tendon_2_n"), "found commands as lengths and as tensions"),
         (cell("tip_y_m", ""), "found no name for column 8"),
-        (format!("{GOOD}0,0.4,0,0,0,0,0,0,0.2\n"), "line 5, column `trial`: found `0`, expected a new trial"),
+        (
+            format!("{GOOD}0,0.4,0,0,0,0,0,0,0.2\n"),
+            "line 5, column `trial`: found `0`, expected a new trial",
+        ),
         (String::new(), "rec.csv: empty: found no header"),
         (GOOD.lines().next().unwrap().to_owned(), "rec.csv: empty: found a header and no rows"),
     ];
     for (text, expected) in cases {
         let error = read(&text).expect_err(expected);
-        assert!(error.starts_with("rec.csv") && error.contains(expected), "{error}\n  does not say: {expected}");
+        assert!(
+            error.starts_with("rec.csv") && error.contains(expected),
+            "{error}\n  does not say: {expected}"
+        );
     }
 }
 
@@ -160,7 +184,10 @@ fn optional_groups_come_whole_and_plausible() {
         (with("tip_qw,tip_qx,tip_qy,tip_qz", "1,1,0,0"), "expected a unit quaternion"),
         (with("base_x_m,base_y_m,base_z_m", "0,0,0"), "expected a column `base_qw`"),
         (with("base_qw,base_qx,base_qy,base_qz", "1,0,0,0"), "expected a column `base_x_m`"),
-        (with("known_load_kg", "-0.02"), "line 2, column `known_load_kg`: found `-0.02`, expected kilograms"),
+        (
+            with("known_load_kg", "-0.02"),
+            "line 2, column `known_load_kg`: found `-0.02`, expected kilograms",
+        ),
         (with("valid", "yes"), "line 2, column `valid`: found `yes`, expected 1, or 0"),
         (with("tip_force_x_n", "1"), "expected a column `tip_force_y_n`"),
     ];
@@ -187,7 +214,12 @@ fn files_that_are_not_tables() {
     let path = folder.path().join("rec.csv");
     assert!(matches!(Recording::read(&path), Err(DataError::Read { .. })));
     fs::write(&path, b"trial,time_s\n0,\xff\n").unwrap();
-    assert!(Recording::read(&path).unwrap_err().to_string().contains("line 2: found bytes that are not text"));
+    assert!(
+        Recording::read(&path)
+            .unwrap_err()
+            .to_string()
+            .contains("line 2: found bytes that are not text")
+    );
     fs::write(&path, b"PAR1 and then nothing of the kind").unwrap();
     assert!(matches!(Recording::read(&path), Err(DataError::Read { .. })));
 }
@@ -196,11 +228,17 @@ fn files_that_are_not_tables() {
 fn millimetres_are_noticed() {
     let recording = read(&GOOD.replace("0.218833", "218.833")).unwrap();
     assert_eq!(read(GOOD).unwrap().check_reach(Path::new("rec.csv"), [0.0; 3], 0.22), Ok(()));
-    let error = recording.check_reach(Path::new("rec.csv"), [0.0; 3], 0.22).unwrap_err().to_string();
+    let error =
+        recording.check_reach(Path::new("rec.csv"), [0.0; 3], 0.22).unwrap_err().to_string();
     assert!(error.contains("line 3, column `tip_z_m`: found 218.833"), "{error}");
-    let bench = read(&GOOD.replace("0.218833", "1.218833").replace("0.218688", "1.218688")).unwrap();
+    let bench =
+        read(&GOOD.replace("0.218833", "1.218833").replace("0.218688", "1.218688")).unwrap();
     assert!(bench.check_reach(Path::new("rec.csv"), [0.0; 3], 0.22).is_err());
-    assert_eq!(bench.check_reach(Path::new("rec.csv"), [0.0, 0.0, 1.0], 0.22), Ok(()), "a real robot");
+    assert_eq!(
+        bench.check_reach(Path::new("rec.csv"), [0.0, 0.0, 1.0], 0.22),
+        Ok(()),
+        "a real robot"
+    );
 }
 
 /// What a file begins with tells where its rows stand; its name need not.
@@ -258,7 +296,10 @@ trial,time_s,tendon_1_m,point_a_x_m,point_a_y_m,point_a_z_m,point_b_x_m,point_b_
 fn points_are_enough_and_may_be_unseen() {
     let recording = read(POINTS).unwrap();
     assert_eq!(recording.tip_m, None);
-    assert_eq!(recording.points.iter().map(|point| point.name.as_str()).collect::<Vec<_>>(), ["a", "b"]);
+    assert_eq!(
+        recording.points.iter().map(|point| point.name.as_str()).collect::<Vec<_>>(),
+        ["a", "b"]
+    );
     let a = recording.point("a").unwrap();
     assert!(a.is_seen(0) && !a.is_seen(1) && recording.point("b").unwrap().is_seen(1));
     assert!(recording.extra.is_empty(), "{:?}", recording.extra);
@@ -267,7 +308,11 @@ fn points_are_enough_and_may_be_unseen() {
         let path = folder.path().join(name);
         recording.write(&path).unwrap();
         let again = Recording::read(&path).unwrap();
-        assert_eq!((&again.points[1], again.point("a").unwrap().is_seen(1)), (&recording.points[1], false), "{name}");
+        assert_eq!(
+            (&again.points[1], again.point("a").unwrap().is_seen(1)),
+            (&recording.points[1], false),
+            "{name}"
+        );
     }
 }
 
@@ -275,7 +320,10 @@ fn points_are_enough_and_may_be_unseen() {
 fn points_are_refused_by_column() {
     let cases = [
         (POINTS.replace("point_a_y_m", "point_a_y"), "column `point_a_y_m`"),
-        (POINTS.replace("0.01,0.2", "0.01,far"), "line 3, column `point_b_z_m`: found `far`, expected a number"),
+        (
+            POINTS.replace("0.01,0.2", "0.01,far"),
+            "line 3, column `point_b_z_m`: found `far`, expected a number",
+        ),
         (POINTS.replace("point_b_z_m", "point_b_qw"), "expected a column `point_b_z_m`"),
     ];
     for (text, expected) in cases {
@@ -284,9 +332,10 @@ fn points_are_refused_by_column() {
     }
     let (recording, path) = (read(POINTS).unwrap(), Path::new("rec.csv"));
     assert_eq!(recording.check_points(path, &["a".to_owned(), "b".to_owned()]), Ok(()));
-    let error = recording.check_points(path, &["a".to_owned(), "c".to_owned()]).unwrap_err().to_string();
-    let words = "rec.csv, line 1, column `point_b_x_m`: found the point `b`, expected a point of the model's \
-                 `tracking.points`: a, c";
+    let error =
+        recording.check_points(path, &["a".to_owned(), "c".to_owned()]).unwrap_err().to_string();
+    let words = "rec.csv, line 1, column `point_b_x_m`: found the point `b`, expected a point of \
+                 the model's `tracking.points`: a, c";
     assert_eq!(error, words);
     let far = read(&POINTS.replace("0.01,0,0.1", "10,0,100")).unwrap();
     let error = far.check_reach(path, [0.0; 3], 0.22).unwrap_err().to_string();
@@ -298,7 +347,8 @@ fn joined_recordings_keep_the_points_of_all() {
     let mut other = read(&POINTS.replace("point_a", "point_c")).unwrap();
     other.pattern = Some(vec!["bend".to_owned(); 2]);
     let all = Recording::joined(&[read(POINTS).unwrap(), other]).unwrap();
-    let seen = |name: &str| (0..4).map(|row| all.point(name).unwrap().is_seen(row)).collect::<Vec<_>>();
+    let seen =
+        |name: &str| (0..4).map(|row| all.point(name).unwrap().is_seen(row)).collect::<Vec<_>>();
     assert_eq!(
         [seen("a"), seen("b"), seen("c")].concat(),
         [true, false, false, false, true, true, true, true, false, false, true, false]
@@ -333,25 +383,44 @@ fn drives_are_converted_to_tendons_and_written_as_they_came() {
         assert_eq!(again, recording, "{name}");
     }
     let joined = Recording::joined(&[recording.clone(), recording.clone()]).unwrap();
-    assert_eq!((joined.len(), joined.drives[1].displacement.as_slice()), (4, &[0.0, 0.5, 0.0, 0.5][..]));
+    assert_eq!(
+        (joined.len(), joined.drives[1].displacement.as_slice()),
+        (4, &[0.0, 0.5, 0.0, 0.5][..])
+    );
     let other = read(GOOD).unwrap();
-    assert!(Recording::joined(&[recording, other]).unwrap_err().to_string().contains("commands of drives"));
+    assert!(
+        Recording::joined(&[recording, other])
+            .unwrap_err()
+            .to_string()
+            .contains("commands of drives")
+    );
 
     let mut lacking = gains.clone();
     lacking.remove("pan");
-    let error = |gains| read(DRIVES).unwrap().convert_drives(path, gains, 3).unwrap_err().to_string();
-    let words = "rec.csv, line 1, column `drive_pan_rad`: found the drive `pan`, expected a drive of the model: lift";
+    let error =
+        |gains| read(DRIVES).unwrap().convert_drives(path, gains, 3).unwrap_err().to_string();
+    let words = "rec.csv, line 1, column `drive_pan_rad`: found the drive `pan`, expected a drive \
+                 of the model: lift";
     assert_eq!(error(&lacking), words);
     let mut more = gains;
     more.insert("tilt".to_owned(), vec![(0, 1.0)]);
-    assert!(error(&more).contains("found no commands of the drive `tilt`, expected a column `drive_tilt_rad`"));
+    assert!(
+        error(&more)
+            .contains("found no commands of the drive `tilt`, expected a column `drive_tilt_rad`")
+    );
     let cases = [
-        (DRIVES.replace("drive_lift_m", "drive_pan_m"), "found the drive `pan` in radians and in metres"),
+        (
+            DRIVES.replace("drive_lift_m", "drive_pan_m"),
+            "found the drive `pan` in radians and in metres",
+        ),
         (
             DRIVES.replace("drive_lift_m", "tendon_1_m"),
             "found commands of drives and of tendons, expected one of the two",
         ),
-        (DRIVES.replace("0.5,0.01", "half,0.01"), "line 3, column `drive_pan_rad`: found `half`, expected radians"),
+        (
+            DRIVES.replace("0.5,0.01", "half,0.01"),
+            "line 3, column `drive_pan_rad`: found `half`, expected radians",
+        ),
     ];
     for (text, expected) in cases {
         let error = read(&text).expect_err(expected);
@@ -369,18 +438,28 @@ fn poses_have_any_times_and_gravity_stays_in_a_trial() {
     assert_eq!(poses.time_s, [1700000003.5, 1700000003.5, 0.0]);
     assert!(Recording::read(&path).unwrap_err().to_string().contains("line 2, column `time_s`"));
     fs::write(&path, times.replace("1,0.000", "1,later")).unwrap();
-    assert!(Recording::read_poses(&path).unwrap_err().to_string().contains("line 4, column `time_s`: found `later`"));
+    assert!(
+        Recording::read_poses(&path)
+            .unwrap_err()
+            .to_string()
+            .contains("line 4, column `time_s`: found `later`")
+    );
     let turned = |last: &str| {
         let mut lines = GOOD.lines();
-        let header = format!("{},gravity_x_m_s2,gravity_y_m_s2,gravity_z_m_s2", lines.next().unwrap());
-        let rows: Vec<String> =
-            lines.zip(["0,-9.81,0", last, "0,0,9.81"]).map(|(line, gravity)| format!("{line},{gravity}")).collect();
+        let header =
+            format!("{},gravity_x_m_s2,gravity_y_m_s2,gravity_z_m_s2", lines.next().unwrap());
+        let rows: Vec<String> = lines
+            .zip(["0,-9.81,0", last, "0,0,9.81"])
+            .map(|(line, gravity)| format!("{line},{gravity}"))
+            .collect();
         read(&format!("{header}\n{}\n", rows.join("\n")))
     };
     assert_eq!(turned("0,-9.81,0").unwrap().gravity_m_s2.unwrap()[2], [0.0, 0.0, 9.81]);
     let error = turned("0,-9.8,0").unwrap_err();
     assert!(
-        error.contains("line 3, column `gravity_y_m_s2`: found `-9.8`, expected -9.81 as in the row before"),
+        error.contains(
+            "line 3, column `gravity_y_m_s2`: found `-9.8`, expected -9.81 as in the row before"
+        ),
         "{error}"
     );
 }

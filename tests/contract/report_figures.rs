@@ -10,7 +10,10 @@ use spinebench::rows::table_descriptions;
 fn no_rows_are_an_error() {
     for figure in figures() {
         let error = (figure.render)(&Published::default()).unwrap_err();
-        assert!(matches!(error, ReportError::NoRows { figure: name, .. } if name == figure.name), "{error}");
+        assert!(
+            matches!(error, ReportError::NoRows { figure: name, .. } if name == figure.name),
+            "{error}"
+        );
     }
 }
 
@@ -43,7 +46,8 @@ fn figures_are_drawn_again_from_what_is_published() {
     }
 }
 
-/// The first rows of every table that the figure has, with `hole` in place of numbers with decimals.
+/// The first rows of every table that the figure has, with `hole` in place of numbers with
+/// decimals.
 fn poor_rows(figure: &str, keep: usize, hole: Option<&str>) -> Published {
     let folder = tempfile::tempdir().unwrap();
     published(figure, 1).write(folder.path()).unwrap();
@@ -103,34 +107,51 @@ fn sweeps_of_two_and_three_fields_are_heat_maps_and_of_more_are_left_to_the_tabl
     };
     let thresholds = ("policies.c.switch_threshold_m", ["0.005", "0.01", "0.02"].as_slice());
     let kernels = ("gp.kernel", ["se_ard", "matern32", "matern52"].as_slice());
-    let models = ("plant.simulated.model", ["../models/nominal.yaml", "../models/real.yaml"].as_slice());
+    let models =
+        ("plant.simulated.model", ["../models/nominal.yaml", "../models/real.yaml"].as_slice());
     let files = render(&[kernels, thresholds]).unwrap();
     let svg = String::from_utf8_lossy(&files[1].bytes).into_owned();
     // Every cell has its number: A, B and pi_real in two modes, C in one.
-    let numbers = svg.lines().filter(|line| line.trim().parse::<f64>().is_ok_and(|mm| mm > 1.0)).count();
+    let numbers =
+        svg.lines().filter(|line| line.trim().parse::<f64>().is_ok_and(|mm| mm > 1.0)).count();
     assert!(numbers >= 9 * 7, "{numbers}");
     assert!(svg.contains("matern52") && svg.contains("switch_threshold (mm)"), "{svg}");
     let triple = [models, kernels, thresholds];
-    for (name, fields) in [("pair", &[kernels, thresholds][..]), ("files", &[models, kernels]), ("triple", &triple)] {
+    for (name, fields) in
+        [("pair", &[kernels, thresholds][..]), ("files", &[models, kernels]), ("triple", &triple)]
+    {
         for file in render(fields).unwrap() {
             std::fs::write(folder.join(format!("{name}_{}", file.name)), file.bytes).unwrap();
         }
     }
     let svg = String::from_utf8_lossy(&render(&triple).unwrap()[1].bytes).into_owned();
-    assert_eq!(svg.matches("plant.simulated.model = ").count(), 2, "a block for each value of the first field");
+    assert_eq!(
+        svg.matches("plant.simulated.model = ").count(),
+        2,
+        "a block for each value of the first field"
+    );
     let error = render(&[kernels, thresholds, models, ("gp.folds", &["5", "10"])]).unwrap_err();
-    assert_eq!(error.to_string(), "sweep: found rows of 4 swept fields, expected one to three of them");
+    assert_eq!(
+        error.to_string(),
+        "sweep: found rows of 4 swept fields, expected one to three of them"
+    );
 }
 
 #[test]
 fn sweeps_of_any_size_and_kind_of_value_are_drawn() {
-    let numbers =
-        |count: i32, value: &dyn Fn(i32) -> f64| (0..count).map(|k| format!("{:e}", value(k))).collect::<Vec<_>>();
+    let numbers = |count: i32, value: &dyn Fn(i32) -> f64| {
+        (0..count).map(|k| format!("{:e}", value(k))).collect::<Vec<_>>()
+    };
     let cases: [Vec<String>; 5] = [
         numbers(1500, &f64::from),
         numbers(40, &|k| 10f64.powf(f64::from(k) / 8.0 - 4.0)),
         numbers(1, &f64::from),
-        vec!["true".into(), "null".into(), "[{\"tip_load\":{\"mass_kg\":0.02}}]".into(), "<&>".into()],
+        vec![
+            "true".into(),
+            "null".into(),
+            "[{\"tip_load\":{\"mass_kg\":0.02}}]".into(),
+            "<&>".into(),
+        ],
         (0..30).map(|k| format!("a rather long name of a value, number {k}")).collect(),
     ];
     for values in &cases {

@@ -1,5 +1,5 @@
-//! Three figures and a page as they are kept in `tests/reference/golden`. A change of what people see is a change of
-//! these files, which `GOLDEN=accept` writes.
+//! Three figures and a page as they are kept in `tests/reference/golden`. A change of what people
+//! see is a change of these files, which `GOLDEN=accept` writes.
 
 use std::path::Path;
 
@@ -19,12 +19,18 @@ fn compare(kept: &str, now: &str) {
     if before == now {
         return;
     }
-    let same_lines = before.lines().zip(now.lines()).take_while(|(before, now)| before == now).count();
-    let [before, now] = [before.as_str(), now].map(|text| text.lines().nth(same_lines).unwrap_or("(the end)"));
-    let same_letters = before.chars().zip(now.chars()).take_while(|(before, now)| before == now).count();
-    let shown = |line: &str| line.chars().skip(same_letters.saturating_sub(60)).take(200).collect::<String>();
+    let same_lines =
+        before.lines().zip(now.lines()).take_while(|(before, now)| before == now).count();
+    let [before, now] =
+        [before.as_str(), now].map(|text| text.lines().nth(same_lines).unwrap_or("(the end)"));
+    let same_letters =
+        before.chars().zip(now.chars()).take_while(|(before, now)| before == now).count();
+    let shown = |line: &str| {
+        line.chars().skip(same_letters.saturating_sub(60)).take(200).collect::<String>()
+    };
     panic!(
-        "{kept}, line {}:\n- {}\n+ {}\nIf it is right: GOLDEN=accept cargo test --release --test contract golden",
+        "{kept}, line {}:\n- {}\n+ {}\nIf it is right: GOLDEN=accept cargo test --release --test \
+         contract golden",
         same_lines + 1,
         shown(before),
         shown(now)

@@ -14,7 +14,10 @@ fn file(figure_name: &str, rows: &Published, name: &str) -> String {
 
 /// Trials of policy A in closed loop with these errors: (seed, error).
 fn trials(errors_m: &[(u64, f64)]) -> Vec<TrialRow> {
-    let pattern = table(1).into_iter().find(|row| row.cell.policy == "a" && row.cell.mode == "closed").unwrap();
+    let pattern = table(1)
+        .into_iter()
+        .find(|row| row.cell.policy == "a" && row.cell.mode == "closed")
+        .unwrap();
     errors_m
         .iter()
         .map(|&(seed, error_m)| TrialRow {
@@ -31,7 +34,8 @@ fn means_and_spreads_are_over_targets_within_seeds_and_intervals_over_seeds() {
     assert!((row.mean_m - 0.03).abs() < 1e-15, "mean of 0.02 and 0.04");
     // Variances 2e-4 and 8e-4 within the seeds; their mean is 5e-4.
     assert!((row.sd_m - 5e-4f64.sqrt()).abs() < 1e-15);
-    // Two means 0.02 apart: half of it is the standard error 0.01; t at 1 degree of freedom is 12.7062.
+    // Two means 0.02 apart: half of it is the standard error 0.01; t at 1 degree of freedom is
+    // 12.7062.
     assert!((row.high_95_m - row.mean_m - 12.706_204_7 * 0.01).abs() < 1e-8);
     assert_eq!((row.seeds, row.trials, row.failed), (2, 4, 0));
     assert_eq!((row.paper_mean_m, row.paper_sd_m), (0.0151, 0.00859));
@@ -54,7 +58,9 @@ fn failed_trials_are_counted_and_left_out() {
 fn a_cell_never_mixes_sizes_of_data() {
     let mut rows = trials(&[(0, 0.01), (0, 0.03)]);
     rows[1].cell.gp_points = 200;
-    let error = (figure("table1").unwrap().render)(&Published { trials: rows, ..Published::default() }).unwrap_err();
+    let error =
+        (figure("table1").unwrap().render)(&Published { trials: rows, ..Published::default() })
+            .unwrap_err();
     assert!(matches!(error, ReportError::Mixed { .. }), "{error}");
 }
 
@@ -63,11 +69,20 @@ fn the_table_prints_as_the_paper_does() {
     let rows = Published { trials: table(2), ..Published::default() };
     let markdown = file("table1", &rows, "table1.md");
     let lines: Vec<&str> = markdown.lines().collect();
-    assert_eq!(lines[0], "| Controller |  | Open-loop (m) | Closed-loop (m) | Closed-loop with load (m) |");
-    assert_eq!(lines[2], "| **A** | paper | 0.02640(0.01247) | 0.01510(0.00859) | 0.02962(0.01185) |");
+    assert_eq!(
+        lines[0],
+        "| Controller |  | Open-loop (m) | Closed-loop (m) | Closed-loop with load (m) |"
+    );
+    assert_eq!(
+        lines[2],
+        "| **A** | paper | 0.02640(0.01247) | 0.01510(0.00859) | 0.02962(0.01185) |"
+    );
     assert_eq!(lines[8], "| **C** | paper | N/A | 0.01091(0.00461) | 0.02807(0.00961) |");
     assert!(lines[9].starts_with("|  | ours, networks stopped at the paper’s errors | N/A | 0.0"));
-    assert_eq!(lines[11], "| **π<sub>real</sub>** | paper | 0.03186(0.01314) | 0.014987(0.00837) | 0.03279(0.01277) |");
+    assert_eq!(
+        lines[11],
+        "| **π<sub>real</sub>** | paper | 0.03186(0.01314) | 0.014987(0.00837) | 0.03279(0.01277) |"
+    );
     let tex = file("table1", &rows, "table1.tex");
     assert!(tex.contains("C & N/A & 0.01091(0.00461) & 0.02807(0.00961) \\\\"), "{tex}");
     assert!(tex.is_ascii(), "LaTeX of any age reads it");
@@ -88,7 +103,19 @@ fn sweeps_have_the_papers_numbers_at_its_sizes_only() {
         .filter(|row| row.paper_mean_m.is_finite())
         .map(|row| (row.cell.gp_points, row.cell.real_points))
         .collect();
-    assert_eq!(with, [(100, 0), (100, 0), (0, 10_000), (0, 10_000), (100, 0), (100, 0), (0, 10_000), (0, 10_000)]);
+    assert_eq!(
+        with,
+        [
+            (100, 0),
+            (100, 0),
+            (0, 10_000),
+            (0, 10_000),
+            (100, 0),
+            (100, 0),
+            (0, 10_000),
+            (0, 10_000)
+        ]
+    );
     let sizes: Vec<u64> = summary[..7].iter().map(|row| row.cell.gp_points).collect();
     assert_eq!(sizes, [50, 100, 200, 400, 600, 800, 1000]);
 }
@@ -111,16 +138,21 @@ fn the_gap_is_simulated_minus_real_along_each_axis() {
     near(summary[0].max_m, 0.003);
     near(summary[2].mean_m, -0.004);
     near(summary[3].max_m, 0.005);
-    assert_eq!(summary.iter().map(|row| row.axis.as_str()).collect::<Vec<_>>(), ["x", "y", "z", "distance"]);
+    assert_eq!(
+        summary.iter().map(|row| row.axis.as_str()).collect::<Vec<_>>(),
+        ["x", "y", "z", "distance"]
+    );
 }
 
 #[test]
 fn tracking_is_summarised_run_by_run() {
-    let mut rows: Vec<_> = tracks(1).into_iter().filter(|row| row.policy == "c" && row.training == "paper").collect();
+    let mut rows: Vec<_> =
+        tracks(1).into_iter().filter(|row| row.policy == "c" && row.training == "paper").collect();
     for row in &mut rows {
         // A swing of ±2 mm about a slow drift, 1.25 s a period.
-        row.sample.error_m =
-            0.01 + 1e-5 * row.sample.step as f64 + 0.002 * (0.8 * std::f64::consts::TAU * row.sample.time_s).sin();
+        row.sample.error_m = 0.01
+            + 1e-5 * row.sample.step as f64
+            + 0.002 * (0.8 * std::f64::consts::TAU * row.sample.time_s).sin();
         row.sample.branch = if row.sample.step < 100 { "a" } else { "b" }.to_owned();
     }
     for (index, row) in rows.iter_mut().enumerate() {
@@ -131,14 +163,23 @@ fn tracking_is_summarised_run_by_run() {
     rows.reverse();
     let summary = track_summary(&rows);
     assert_eq!(summary.len(), 1);
-    assert_eq!((summary[0].switches, summary[0].steps, summary[0].status.as_str()), (1, 980, "lost"));
-    assert_eq!((summary[0].start_error_m, summary[0].completion_time_s), (start_m, rows[0].sample.time_s));
+    assert_eq!(
+        (summary[0].switches, summary[0].steps, summary[0].status.as_str()),
+        (1, 980, "lost")
+    );
+    assert_eq!(
+        (summary[0].start_error_m, summary[0].completion_time_s),
+        (start_m, rows[0].sample.time_s)
+    );
     assert!((summary[0].oscillation_m - 0.004).abs() < 1e-4, "{}", summary[0].oscillation_m);
 }
 
 #[test]
 fn claims_are_told_in_words() {
     let text = file("claims", &Published { claims: claims(), ..Published::default() }, "claims.md");
-    assert!(text.contains("| −4.10 | −3.28 | [−4.72, −1.85] | mm | 10 | **reproduced** |"), "{text}");
+    assert!(
+        text.contains("| −4.10 | −3.28 | [−4.72, −1.85] | mm | 10 | **reproduced** |"),
+        "{text}"
+    );
     assert!(text.ends_with("6 reproduced, 6 not reproduced, 6 undecided.\n"), "{text}");
 }

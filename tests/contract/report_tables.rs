@@ -37,7 +37,8 @@ fn row(zeta: u64, alpha: f64) -> Row {
 
 #[test]
 fn columns_stand_in_the_order_of_the_struct_and_numbers_are_rounded() {
-    let bytes = tables::to_csv(Path::new("t.csv"), &[row(u64::MAX, 0.1 + 0.2), row(2, 1.0 / 3.0)]).unwrap();
+    let bytes =
+        tables::to_csv(Path::new("t.csv"), &[row(u64::MAX, 0.1 + 0.2), row(2, 1.0 / 3.0)]).unwrap();
     let text = String::from_utf8(bytes).unwrap();
     let lines: Vec<&str> = text.lines().collect();
     assert_eq!(lines[0], "zeta,alpha,name,settled,shift,note,since");
@@ -77,7 +78,10 @@ fn faults_are_named() {
     };
     let header = "zeta,alpha,name,settled,shift,note\n";
     let found = error(&format!("{header}1,2,x,true,0,\n-1,2,x,true,0,\n"));
-    assert!(found.contains("line 3, column `zeta`: found `-1`, expected 0 or a positive whole number"), "{found}");
+    assert!(
+        found.contains("line 3, column `zeta`: found `-1`, expected 0 or a positive whole number"),
+        "{found}"
+    );
     let found = error(&format!("{header}1,2 mm,x,true,0,\n"));
     assert!(found.contains("line 2, column `alpha`: found `2 mm`, expected a number"), "{found}");
     let found = error("zeta,alpha,settled,shift,note\n1,2,true,0,\n");
@@ -123,8 +127,16 @@ fn columns_are_documented_as_their_fields_are() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let page = fs::read_to_string(root.join("docs/outputs.md")).unwrap();
     for table in table_descriptions() {
-        assert!(table.columns().all(|column| !column.documentation.trim().is_empty()), "{}", table.name);
-        assert!(table.key().all(|key| table.columns().any(|column| column.name == key)), "{}", table.name);
+        assert!(
+            table.columns().all(|column| !column.documentation.trim().is_empty()),
+            "{}",
+            table.name
+        );
+        assert!(
+            table.key().all(|key| table.columns().any(|column| column.name == key)),
+            "{}",
+            table.name
+        );
         assert!(page.contains(table.file), "{} is not in docs/outputs.md", table.file);
         let marker = format!("columns:{}", table.name);
         if page.contains(&format!("begin:{marker}")) {
@@ -147,9 +159,14 @@ fn published_tables_have_these_columns_and_their_keys_tell_rows_apart() {
             let text = String::from_utf8(bytes).unwrap();
             let header: Vec<&str> = text.lines().next().unwrap().split(',').collect();
             let columns: Vec<&str> = table.columns().map(|column| column.name).collect();
-            // Older files lack columns that have a default by now; those of a sweep have the swept fields before them.
+            // Older files lack columns that have a default by now; those of a sweep have the swept
+            // fields before them.
             let swept = header.iter().filter(|name| name.contains('.')).count();
-            assert!(header[swept..].iter().all(|name| columns.contains(name)), "{:?}: {header:?}", folder.path());
+            assert!(
+                header[swept..].iter().all(|name| columns.contains(name)),
+                "{:?}: {header:?}",
+                folder.path()
+            );
             let own = table.key().filter_map(|key| header.iter().position(|name| *name == key));
             let key: Vec<usize> = (0..swept).chain(own).collect();
             assert_eq!(key.len(), swept + table.key().count(), "{:?}: {header:?}", folder.path());
@@ -169,11 +186,17 @@ fn published_tables_have_these_columns_and_their_keys_tell_rows_apart() {
 
 #[test]
 fn published_results_stay_light() {
-    let git = Command::new("git").args(["ls-files", "-z", "results"]).current_dir(env!("CARGO_MANIFEST_DIR")).output();
+    let git = Command::new("git")
+        .args(["ls-files", "-z", "results"])
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .output();
     // Elsewhere than in a repository nobody commits.
     let Some(files) = git.ok().filter(|output| output.status.success()) else { return };
     let files = String::from_utf8(files.stdout).unwrap();
-    let sizes = files.split_terminator('\0').filter_map(|file| fs::symlink_metadata(file).ok()).map(|file| file.len());
+    let sizes = files
+        .split_terminator('\0')
+        .filter_map(|file| fs::symlink_metadata(file).ok())
+        .map(|file| file.len());
     let bytes: u64 = sizes.sum();
     assert!(bytes <= 20_000_000, "{bytes} bytes of results; `make pack`");
 }

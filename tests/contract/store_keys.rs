@@ -13,14 +13,19 @@ pub(crate) fn sources() -> BTreeMap<String, String> {
 
 /// The import graph of these files.
 pub(crate) fn graph(files: &BTreeMap<String, String>) -> ImportGraph {
-    let manifest = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml")).unwrap();
+    let manifest =
+        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml")).unwrap();
     let direct = direct_dependencies(&manifest);
     ImportGraph::new("spinebench", files, direct.keys().map(String::as_str)).unwrap()
 }
 
 /// The kinds of stage that depend on `file`, by what the program was built with.
 fn stages_of(file: &str) -> BTreeSet<&'static str> {
-    stage_dependencies().into_iter().filter(|stage| stage.sources.contains(&file)).map(|stage| stage.name).collect()
+    stage_dependencies()
+        .into_iter()
+        .filter(|stage| stage.sources.contains(&file))
+        .map(|stage| stage.name)
+        .collect()
 }
 
 const LEARNING: [&str; 6] =
@@ -35,8 +40,11 @@ const ROWS: [&str; 13] = [
 
 #[test]
 fn telling_files_change_the_keys_of_exactly_these_stages() {
-    let all: BTreeSet<&str> =
-        stage_dependencies().iter().map(|stage| stage.name).filter(|name| *name != "bench").collect();
+    let all: BTreeSet<&str> = stage_dependencies()
+        .iter()
+        .map(|stage| stage.name)
+        .filter(|name| *name != "bench")
+        .collect();
     assert_eq!(all.len(), 38);
     let only = |names: &[&'static str]| names.iter().copied().collect::<BTreeSet<_>>();
     // How results lie in the store.
@@ -44,7 +52,16 @@ fn telling_files_change_the_keys_of_exactly_these_stages() {
     assert_eq!(stages_of("rows/experiment.rs"), only(&ROWS));
     // The rod moves in all that build a robot; what is only trained has seen it through its inputs.
     let rod = &stages_of("rod/solver/newton.rs") - &only(&["bench"]);
-    for kind in ["collect_sim", "collect_real", "gp_pool", "target_pool", "waypoints", "reach", "track", "discover"] {
+    for kind in [
+        "collect_sim",
+        "collect_real",
+        "gp_pool",
+        "target_pool",
+        "waypoints",
+        "reach",
+        "track",
+        "discover",
+    ] {
         assert!(rod.contains(kind), "{kind}");
     }
     for kind in LEARNING.into_iter().chain(["gap"]) {
@@ -107,10 +124,12 @@ fn a_line_in_any_file_changes_the_keys_of_exactly_the_stages_that_import_it() {
     let modules = sources_of_modules(&graph(&files), &files);
     // The program was built with the same.
     for stage in stage_dependencies() {
-        let built: BTreeSet<String> = stage.sources.iter().map(|&source| source.to_owned()).collect();
+        let built: BTreeSet<String> =
+            stage.sources.iter().map(|&source| source.to_owned()).collect();
         assert_eq!(built, modules[stage.module], "{}", stage.name);
     }
-    let before: BTreeMap<&String, String> = files.iter().map(|(file, text)| (file, counted(file, text))).collect();
+    let before: BTreeMap<&String, String> =
+        files.iter().map(|(file, text)| (file, counted(file, text))).collect();
     for (file, text) in &files {
         let line = if file.ends_with(".rs") { "\nconst ONE_MORE_LINE: u8 = 1;\n" } else { "\n" };
         let changed = counted(file, &format!("{text}{line}"));
@@ -125,8 +144,10 @@ fn a_line_in_any_file_changes_the_keys_of_exactly_the_stages_that_import_it() {
             .filter(|stage| stage.sources.contains(&file.as_str()))
             .map(|one| one.module)
             .collect();
-        let has_jobs = |module: &String| stage_dependencies().iter().any(|stage| stage.module == module);
-        let of_graph = modules.iter().filter(|(module, sources)| has_jobs(module) && sources.contains(file));
+        let has_jobs =
+            |module: &String| stage_dependencies().iter().any(|stage| stage.module == module);
+        let of_graph =
+            modules.iter().filter(|(module, sources)| has_jobs(module) && sources.contains(file));
         let of_graph = of_graph.map(|(module, _)| module.as_str());
         assert_eq!(of_program, of_graph.collect(), "{file}");
     }
@@ -136,8 +157,8 @@ fn counted(file: &str, text: &str) -> String {
     if file.ends_with(".rs") { code(text).unwrap() } else { text.to_owned() }
 }
 
-/// A second, naive route to the same closure: a file that names, anywhere in its text, a type that a file of the closure
-/// alone defines must find that file in the closure.
+/// A second, naive route to the same closure: a file that names, anywhere in its text, a type that
+/// a file of the closure alone defines must find that file in the closure.
 #[test]
 fn types_named_in_the_text_of_a_closure_are_defined_in_it() {
     let files = sources();
@@ -145,14 +166,19 @@ fn types_named_in_the_text_of_a_closure_are_defined_in_it() {
     for (module, closure) in sources_of_modules(&graph(&files), &files) {
         for file in &closure {
             let text = code(&files[file]).unwrap_or_default();
-            let own: BTreeSet<&str> = text.split(|c: char| !c.is_alphanumeric() && c != '_').collect();
-            // Names in a file that only passes them on, or that a facade re-exports, are not used by it.
+            let own: BTreeSet<&str> =
+                text.split(|c: char| !c.is_alphanumeric() && c != '_').collect();
+            // Names in a file that only passes them on, or that a facade re-exports, are not used
+            // by it.
             if file.ends_with("/mod.rs") {
                 continue;
             }
             for (name, definer) in defined.iter().filter(|(name, _)| own.contains(name.as_str())) {
                 let bench = definer.starts_with("plants/hardware/") && module != "bench";
-                assert!(bench || closure.contains(definer), "{module}: {file} names {name} of {definer}");
+                assert!(
+                    bench || closure.contains(definer),
+                    "{module}: {file} names {name} of {definer}"
+                );
             }
         }
     }
@@ -194,26 +220,39 @@ fn packages_come_from_the_lock_file() {
     assert!(packages("gp_fit").contains("faer") && packages("train_inverse").contains("serde"));
     for package in ["plotters", "clap", "indicatif", "maud"] {
         assert!(
-            stages.iter().all(|stage| stage.name == "bench" || !packages(stage.name).contains(package)),
+            stages
+                .iter()
+                .all(|stage| stage.name == "bench" || !packages(stage.name).contains(package)),
             "{package}"
         );
     }
     let exact = |package: &&&str| package.split(' ').count() == 3;
-    assert!(stages.iter().all(|stage| stage.packages.iter().all(|package| exact(&package))), "name, version, checksum");
+    assert!(
+        stages.iter().all(|stage| stage.packages.iter().all(|package| exact(&package))),
+        "name, version, checksum"
+    );
 }
 
 #[test]
 fn re_exports_attributes_macros_and_impls_are_followed() {
     let files: BTreeMap<String, String> = [
         ("lib.rs", "pub mod a; pub mod b; mod c; mod d; mod e; mod f; mod tests_only;"),
-        ("a.rs", "use crate::b::Name; use crate::b as short; fn f() { short::inner::call!(); } struct S { #[serde(with = \"crate::e\")] x: u8 }"),
+        (
+            "a.rs",
+            "use crate::b::Name; use crate::b as short; fn f() { short::inner::call!(); } \
+                  struct S { #[serde(with = \"crate::e\")] x: u8 }",
+        ),
         ("b/mod.rs", "mod inner; mod other; pub use inner::Name; pub use other::Unused;"),
         ("b/inner.rs", "pub struct Name; fn g() { format!(\"{}\", crate::f::value()); }"),
         ("b/other.rs", "pub struct Unused;"),
         ("c.rs", "impl Clone for crate::b::Name {}"),
         ("d.rs", "impl crate::b::Unused { fn h() {} }"),
         ("e.rs", "pub fn serialize() {}"),
-        ("f.rs", "pub fn value() -> u8 { rand::random() } #[cfg(test)] mod tests { use crate::d; }"),
+        (
+            "f.rs",
+            "pub fn value() -> u8 { rand::random() } #[cfg(test)] mod tests { use crate::d; \
+                  }",
+        ),
         ("tests_only.rs", ""),
     ]
     .map(|(file, text)| (file.to_owned(), text.to_owned()))

@@ -2,24 +2,34 @@
 
 use crate::support::policies::{ConstantError, negative, robot};
 use proptest::prelude::*;
-use spinebench::base::{Observation, Plant, PlantError, Point3, Rows, Seed, TendonCommand, distance_m};
+use spinebench::base::{
+    Observation, Plant, PlantError, Point3, Rows, Seed, TendonCommand, distance_m,
+};
 use spinebench::learn::selection::Selection;
 use spinebench::plants::{ConstantCurvature, ConstantCurvatureOptions};
 use spinebench::tasks::{
-    ExploreOptions, GpPointsOptions, GridOptions, PathOptions, PointLayout, TargetOptions, TaskError, Transitions,
-    correct_samples, draw_targets, explore, explore_trajectory, gp_points, interpolate, replay, spread_targets,
-    target_pool, waypoints,
+    ExploreOptions, GpPointsOptions, GridOptions, PathOptions, PointLayout, TargetOptions,
+    TaskError, Transitions, correct_samples, draw_targets, explore, explore_trajectory, gp_points,
+    interpolate, replay, spread_targets, target_pool, waypoints,
 };
 
 const SHIFT_M: Point3 = [-0.012, 0.004, 0.001];
 
 fn noisy() -> ConstantCurvature {
-    ConstantCurvature::new(ConstantCurvatureOptions { noise_m: 0.0005, ..ConstantCurvatureOptions::default() }).unwrap()
+    ConstantCurvature::new(ConstantCurvatureOptions {
+        noise_m: 0.0005,
+        ..ConstantCurvatureOptions::default()
+    })
+    .unwrap()
 }
 
 fn at_once(shift_m: Point3) -> ConstantCurvature {
-    ConstantCurvature::new(ConstantCurvatureOptions { lag_s: 0.0, shift_m, ..ConstantCurvatureOptions::default() })
-        .unwrap()
+    ConstantCurvature::new(ConstantCurvatureOptions {
+        lag_s: 0.0,
+        shift_m,
+        ..ConstantCurvatureOptions::default()
+    })
+    .unwrap()
 }
 
 #[test]
@@ -32,7 +42,10 @@ fn exploration_pulls_two_neighbours_in_small_steps_and_the_others_follow() {
     for pulls_m in samples.pulls_m.iter() {
         let pulled = pulls_m.iter().filter(|pull| **pull > 0.0).count();
         assert_eq!(pulled, 2);
-        assert!(pulls_m[0].min(pulls_m[2]) <= 0.0 && pulls_m[1].min(pulls_m[3]) <= 0.0, "opposite ones never both");
+        assert!(
+            pulls_m[0].min(pulls_m[2]) <= 0.0 && pulls_m[1].min(pulls_m[3]) <= 0.0,
+            "opposite ones never both"
+        );
         // This robot follows at once: what an opposite tendon let out is what its partner pulled.
         assert!((pulls_m[0] + pulls_m[2]).abs() < 1e-12 && (pulls_m[1] + pulls_m[3]).abs() < 1e-12);
         for (now, before) in pulls_m.iter().zip(&last) {
@@ -54,7 +67,11 @@ fn points_move_as_the_model_does() {
     let pool = gp_points(&mut at_once([0.0; 3]), &mut at_once(SHIFT_M), &options, Seed(7)).unwrap();
     let changed = replay(&mut at_once([0.001, 0.0, -0.002]), &pool.steps, Seed(0)).unwrap();
     let mut moved = pool.moved(&changed);
-    assert_eq!(moved.inputs, pool.points().inputs, "the model that controllers have stays as it is");
+    assert_eq!(
+        moved.inputs,
+        pool.points().inputs,
+        "the model that controllers have stays as it is"
+    );
     for error_m in moved.errors_m.iter() {
         for (found_m, expected_m) in error_m.iter().zip([0.011, -0.004, 0.001]) {
             assert!((found_m - expected_m).abs() < 1e-12, "{error_m:?}");
@@ -107,7 +124,8 @@ fn a_replay_has_the_same_inputs_and_the_other_robots_tips() {
     }
 }
 
-/// A robot that follows at once, whose tracker sees nothing at some of its looks (the one at home is number 0).
+/// A robot that follows at once, whose tracker sees nothing at some of its looks (the one at home
+/// is number 0).
 struct Blinking {
     robot: ConstantCurvature,
     looks: usize,
@@ -122,7 +140,11 @@ impl Blinking {
     fn look(&mut self, there: Observation) -> Observation {
         let valid = (self.sees)(self.looks);
         self.looks += 1;
-        if valid { there } else { Observation { valid, tip_m: [f64::NAN; 3], tip_quaternion: None, ..there } }
+        if valid {
+            there
+        } else {
+            Observation { valid, tip_m: [f64::NAN; 3], tip_quaternion: None, ..there }
+        }
     }
 }
 
@@ -143,7 +165,8 @@ impl Plant for Blinking {
     }
 }
 
-/// On a robot that follows at once a command that is held ends where it did: nothing is missing and nothing else moves.
+/// On a robot that follows at once a command that is held ends where it did: nothing is missing and
+/// nothing else moves.
 #[test]
 fn where_the_tip_is_not_seen_the_tick_is_repeated() {
     let walk = ExploreOptions { points: 200, trajectories: 2, ..ExploreOptions::default() };
@@ -160,16 +183,22 @@ fn where_the_tip_is_not_seen_the_tick_is_repeated() {
         let mut tips = target_pool(robot, &targets, Seed(7)).unwrap();
         tips.extend(waypoints(robot, &path, Seed(7)).unwrap());
         let recorded = [samples, played, pool.steps, simulated.steps];
-        let rows = recorded.iter().flat_map(|samples| [&samples.from_m, &samples.pulls_m, &samples.to_m]);
-        let numbers = rows.chain([&pool.real_m, &simulated.real_m]).flat_map(|rows| rows.values().to_vec());
+        let rows =
+            recorded.iter().flat_map(|samples| [&samples.from_m, &samples.pulls_m, &samples.to_m]);
+        let numbers =
+            rows.chain([&pool.real_m, &simulated.real_m]).flat_map(|rows| rows.values().to_vec());
         numbers.chain(tips.into_iter().flatten()).collect::<Vec<f64>>()
     };
     let whole = record(&mut at_once(SHIFT_M));
-    let sees: [fn(usize) -> bool; 3] = [|look| look % 5 != 0, |look| look % 11 == 10, |look| look % 2 == 1];
+    let sees: [fn(usize) -> bool; 3] =
+        [|look| look % 5 != 0, |look| look % 11 == 10, |look| look % 2 == 1];
     for sees in sees {
         let blinked = record(&mut Blinking::new(sees));
         assert_eq!(blinked.len(), whole.len());
-        assert!(blinked.iter().zip(&whole).all(|(a, b)| (a - b).abs() < 1e-12), "not the same recordings");
+        assert!(
+            blinked.iter().zip(&whole).all(|(a, b)| (a - b).abs() < 1e-12),
+            "not the same recordings"
+        );
     }
     let mut gone = Blinking::new(|look| look < 30);
     let error = explore(&mut gone, &walk, Seed(7)).unwrap_err();
@@ -189,7 +218,10 @@ fn generated_samples_are_the_real_ones_where_the_error_model_is_exact() {
         assert_eq!(found.len(), expected.len());
         assert!(found.values().iter().zip(expected.values()).all(|(a, b)| (a - b).abs() < 1e-12));
     }
-    assert_eq!(correct_samples(&model, &ConstantError([f64::NAN; 3])), Err(TaskError::NotFinite("error model")));
+    assert_eq!(
+        correct_samples(&model, &ConstantError([f64::NAN; 3])),
+        Err(TaskError::NotFinite("error model"))
+    );
 }
 
 #[test]
@@ -206,11 +238,19 @@ fn gp_points_hold_the_gap_and_their_inputs() {
         PointLayout::Walk { points: 1_000, every: 3, max_step_m: 0.003, max_pull_m: 0.03 },
     ] {
         let options = GpPointsOptions { layout, ..GpPointsOptions::default() };
-        let points = gp_points(&mut at_once([0.0; 3]), &mut at_once(SHIFT_M), &options, Seed(9)).unwrap().points();
-        assert_eq!((points.inputs.len(), points.inputs.width(), points.errors_m.len()), (1_000, 7, 1_000));
+        let points = gp_points(&mut at_once([0.0; 3]), &mut at_once(SHIFT_M), &options, Seed(9))
+            .unwrap()
+            .points();
+        assert_eq!(
+            (points.inputs.len(), points.inputs.width(), points.errors_m.len()),
+            (1_000, 7, 1_000)
+        );
         for index in 0..points.inputs.len() {
             for (axis, shift_m) in SHIFT_M.into_iter().enumerate() {
-                assert!((points.errors_m.row(index)[axis] + shift_m).abs() < 1e-12, "e = p_sim - p_exp");
+                assert!(
+                    (points.errors_m.row(index)[axis] + shift_m).abs() < 1e-12,
+                    "e = p_sim - p_exp"
+                );
                 let simulated_m = points.inputs.row(index)[4 + axis];
                 assert!((simulated_m - points.real_m.row(index)[axis] + shift_m).abs() < 1e-12);
             }
@@ -221,13 +261,17 @@ fn gp_points_hold_the_gap_and_their_inputs() {
 #[test]
 fn consecutive_grid_points_are_neighbours_and_cover_the_square() {
     let options = GpPointsOptions::default();
-    let points = gp_points(&mut at_once([0.0; 3]), &mut at_once([0.0; 3]), &options, Seed(9)).unwrap().points();
+    let points = gp_points(&mut at_once([0.0; 3]), &mut at_once([0.0; 3]), &options, Seed(9))
+        .unwrap()
+        .points();
     let bends: Vec<[f64; 2]> = points.inputs.iter().map(|row| [row[0], row[1]]).collect();
     for pair in bends.windows(2) {
         assert!((0..2).all(|axis| (pair[1][axis] - pair[0][axis]).abs() <= 0.003 + 1e-12));
     }
     for corner in [[-0.03, -0.03], [-0.03, 0.03], [0.03, -0.03], [0.03, 0.03]] {
-        assert!(bends.iter().any(|bend| (0..2).all(|axis| (bend[axis] - corner[axis]).abs() < 1e-12)));
+        assert!(
+            bends.iter().any(|bend| (0..2).all(|axis| (bend[axis] - corner[axis]).abs() < 1e-12))
+        );
     }
 }
 
@@ -258,15 +302,23 @@ fn targets_are_unique_equally_spaced_and_reachable() {
                 .fold(f64::INFINITY, f64::min)
         })
         .collect();
-    let (least_m, most_m) = nearest_m.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), x| (a.min(*x), b.max(*x)));
-    assert!(least_m > 0.002 && most_m < 2.0 * least_m, "nearest neighbours {least_m} to {most_m} m apart");
+    let (least_m, most_m) =
+        nearest_m.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), x| (a.min(*x), b.max(*x)));
+    assert!(
+        least_m > 0.002 && most_m < 2.0 * least_m,
+        "nearest neighbours {least_m} to {most_m} m apart"
+    );
     for target_m in &pool {
         let unshifted_m = std::array::from_fn(|axis| target_m[axis] - SHIFT_M[axis]);
         let options = ConstantCurvatureOptions::default();
         let pulls_m = ConstantCurvature::pulls_m(&options, &unshifted_m);
         let radius_m = options.tendon_radius_m;
-        let again_m = ConstantCurvature::tip_m(&options, [pulls_m[0] / radius_m, pulls_m[1] / radius_m]);
-        assert!(distance_m(&again_m, &unshifted_m) < 1e-9 && pulls_m.iter().all(|pull| pull.abs() <= 0.03 + 1e-12));
+        let again_m =
+            ConstantCurvature::tip_m(&options, [pulls_m[0] / radius_m, pulls_m[1] / radius_m]);
+        assert!(
+            distance_m(&again_m, &unshifted_m) < 1e-9
+                && pulls_m.iter().all(|pull| pull.abs() <= 0.03 + 1e-12)
+        );
     }
 }
 
@@ -286,7 +338,9 @@ fn targets_are_drawn_by_the_experiment_and_are_not_training_points() {
     assert_eq!(numbers.len(), 50);
     let walk = explore(&mut robot([0.0; 3]), &ExploreOptions::default(), Seed(11)).unwrap();
     let real = replay(&mut plant, &walk, Seed(11)).unwrap();
-    let gp = gp_points(&mut robot([0.0; 3]), &mut plant, &GpPointsOptions::default(), Seed(11)).unwrap().points();
+    let gp = gp_points(&mut robot([0.0; 3]), &mut plant, &GpPointsOptions::default(), Seed(11))
+        .unwrap()
+        .points();
     for (_, target_m) in &drawn {
         assert!(real.to_m.iter().chain(gp.real_m.iter()).all(|tip_m| tip_m != target_m));
     }
@@ -312,7 +366,10 @@ fn sizes_larger_than_the_data_are_errors_that_name_the_key() {
         draw_targets(&[[0.0; 3]; 4], 5, Seed(1)),
         Err(TaskError::TooFew { required: 5, available: 4, .. })
     ));
-    assert!(matches!(spread_targets(&[[0.0; 3]; 4], 2), Err(TaskError::TooFew { required: 2, available: 1, .. })));
+    assert!(matches!(
+        spread_targets(&[[0.0; 3]; 4], 2),
+        Err(TaskError::TooFew { required: 2, available: 1, .. })
+    ));
 }
 
 #[test]
@@ -321,7 +378,9 @@ fn the_path_passes_through_33_tips_and_closes() {
     let points = waypoints(&mut robot(SHIFT_M), &options, Seed(1)).unwrap();
     assert_eq!(points.len(), 33);
     let path = interpolate(&points, &options).unwrap();
-    assert!(path.windows(2).all(|pair| distance_m(&pair[0], &pair[1]) <= options.spacing_m + 1e-12));
+    assert!(
+        path.windows(2).all(|pair| distance_m(&pair[0], &pair[1]) <= options.spacing_m + 1e-12)
+    );
     assert!(points.iter().all(|point| path.contains(point)));
     assert_eq!(path.first(), path.last());
     let open = interpolate(&points, &PathOptions { closed: false, ..options }).unwrap();

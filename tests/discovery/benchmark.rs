@@ -1,10 +1,11 @@
-//! Blind cases of discovery: the same seed gives the same case, what is hidden is as strong as asked, the oracle knows
-//! inside from outside, and the label stays sealed.
+//! Blind cases of discovery: the same seed gives the same case, what is hidden is as strong as
+//! asked, the oracle knows inside from outside, and the label stays sealed.
 
 use spinebench::base::Seed;
 use spinebench::benchmark::{
-    AnsweredEffect, CaseAnswer, CaseBatch, CaseDesign, CaseGroup, CaseSetting, CatalogueSpan, Commands, DISTURBANCES,
-    Imitated, OracleOptions, Prior, Truth, TruthOptions, draw, drawn_catalogue, explore_commands, measure_case, score,
+    AnsweredEffect, CaseAnswer, CaseBatch, CaseDesign, CaseGroup, CaseSetting, CatalogueSpan,
+    Commands, DISTURBANCES, Imitated, OracleOptions, Prior, Truth, TruthOptions, draw,
+    drawn_catalogue, explore_commands, measure_case, score,
 };
 use spinebench::data::findings::Verdict;
 use spinebench::effects::{CATALOGUE, Model};
@@ -16,7 +17,8 @@ use std::path::Path;
 
 /// The paper's robot on a grid on which a test takes no time.
 fn model() -> Model {
-    let mut model = read_model(&Path::new(env!("CARGO_MANIFEST_DIR")).join("models/nominal.yaml")).unwrap();
+    let mut model =
+        read_model(&Path::new(env!("CARGO_MANIFEST_DIR")).join("models/nominal.yaml")).unwrap();
     let resolution = &mut model.robot.resolution;
     (resolution.cell_m, resolution.bending_modes, resolution.motion_tolerance_m) = (0.05, 4, 5e-4);
     (resolution.static_tolerance_m, resolution.time_step_s) = (f64::INFINITY, 0.2);
@@ -24,7 +26,12 @@ fn model() -> Model {
 }
 
 fn walk(samples: usize, seed: u64) -> Commands {
-    let explore = ExploreOptions { points: samples, trajectories: 3, max_step_m: 0.006, ..ExploreOptions::default() };
+    let explore = ExploreOptions {
+        points: samples,
+        trajectories: 3,
+        max_step_m: 0.006,
+        ..ExploreOptions::default()
+    };
     explore_commands(&model(), &explore, 0.2, Seed(seed)).unwrap()
 }
 
@@ -48,7 +55,17 @@ fn robot(group: CaseGroup, number: usize, shift_m: f64) -> CaseDesign {
     };
     let oracle = OracleOptions { most_effects: 2, ..OracleOptions::default() };
     let seed = Seed(11).index(number as u64).0;
-    CaseDesign { model: model(), group, number, shift_m, noise_m: 5e-4, priors: priors(), truth, oracle, seed }
+    CaseDesign {
+        model: model(),
+        group,
+        number,
+        shift_m,
+        noise_m: 5e-4,
+        priors: priors(),
+        truth,
+        oracle,
+        seed,
+    }
 }
 
 #[test]
@@ -64,7 +81,11 @@ fn a_seed_gives_one_case_and_another_seed_another() {
     assert_eq!(shown, measure_case(&one, &truth, &commands, 0.6).unwrap());
     let other = CaseDesign { seed: one.seed + 1, ..one.clone() };
     assert_ne!(truth, draw(&other, &commands, None).unwrap());
-    assert_ne!(shown.tips_m, measure_case(&other, &truth, &commands, 0.6).unwrap().tips_m, "the same noise");
+    assert_ne!(
+        shown.tips_m,
+        measure_case(&other, &truth, &commands, 0.6).unwrap().tips_m,
+        "the same noise"
+    );
     let recording = shown.recording();
     assert_eq!((recording.len(), recording.trials().len()), (36, 3));
     assert!(recording.time_s.iter().all(|time| *time <= 11.0 * 0.2 + 1e-9));
@@ -91,12 +112,16 @@ fn pairs_are_two_effects_and_nothing_is_nothing() {
     let commands = walk(36, 5);
     for number in 0..3 {
         let truth = draw(&robot(CaseGroup::Pair, number, 0.003), &commands, None).unwrap();
-        let names: BTreeSet<&str> = truth.hidden.iter().map(|hidden| hidden.name.as_str()).collect();
+        let names: BTreeSet<&str> =
+            truth.hidden.iter().map(|hidden| hidden.name.as_str()).collect();
         assert_eq!(names.len(), 2, "{truth:?}");
         let nothing = draw(&robot(CaseGroup::Nothing, number, 0.003), &commands, None).unwrap();
         assert!(nothing.hidden.is_empty() && nothing.unknown.is_none() && nothing.shift_m == 0.0);
         assert_eq!(nothing.uncertain.len(), 2, "no robot is the model to the last digit");
-        assert!(nothing.uncertain[0].values[0] != 1.0 && (nothing.uncertain[0].values[0] - 1.0).abs() < 0.02);
+        assert!(
+            nothing.uncertain[0].values[0] != 1.0
+                && (nothing.uncertain[0].values[0] - 1.0).abs() < 0.02
+        );
     }
 }
 
@@ -107,10 +132,14 @@ fn the_oracle_knows_inside_from_outside() {
     let span = CatalogueSpan::new(&model(), &commands, &priors(), 5e-4).unwrap();
     let mut outside = BTreeSet::new();
     for number in 0..4 {
-        let truth = draw(&robot(CaseGroup::Outside, number, 0.004), &commands, Some(&span)).unwrap();
+        let truth =
+            draw(&robot(CaseGroup::Outside, number, 0.004), &commands, Some(&span)).unwrap();
         assert!(truth.left > OracleOptions::default().outside_above, "{truth:?}");
         let names: Vec<String> = truth.hidden.iter().map(|hidden| hidden.name.clone()).collect();
-        assert_eq!(truth.left_out, names, "an effect of the catalogue is only unknown when it is taken out");
+        assert_eq!(
+            truth.left_out, names,
+            "an effect of the catalogue is only unknown when it is taken out"
+        );
         outside.insert(truth.name());
     }
     assert!(outside.len() >= 3, "{outside:?}");
@@ -119,7 +148,8 @@ fn the_oracle_knows_inside_from_outside() {
     assert_eq!(inside.left_out.len(), 1);
     let (out, imitations) = (&inside.left_out[0], &inside.imitations);
     assert!(
-        !imitations.is_empty() && imitations.iter().all(|set| set.split(" + ").all(|name| name != out)),
+        !imitations.is_empty()
+            && imitations.iter().all(|set| set.split(" + ").all(|name| name != out)),
         "{inside:?}"
     );
     // What is in the catalogue is imitated by itself.
@@ -131,29 +161,51 @@ fn the_oracle_knows_inside_from_outside() {
         0.0,
     );
     let nothing = Truth { hidden: vec![], ..load.clone() };
-    let without =
-        measure_case(&CaseDesign { noise_m: 1e-12, ..robot(CaseGroup::Single, 0, 0.004) }, &nothing, &commands, 0.0)
-            .unwrap();
+    let without = measure_case(
+        &CaseDesign { noise_m: 1e-12, ..robot(CaseGroup::Single, 0, 0.004) },
+        &nothing,
+        &commands,
+        0.0,
+    )
+    .unwrap();
     let each = with.unwrap().tips_m.into_iter().zip(without.tips_m);
     let moved: Vec<f64> = each.flat_map(|(a, b)| [a[0] - b[0], a[1] - b[1], a[2] - b[2]]).collect();
     let (model, options) = (model(), OracleOptions::default());
-    let imitated =
-        Imitated { model: &model, commands: &commands, displacement_m: &moved, left_out: &[], options: &options };
+    let imitated = Imitated {
+        model: &model,
+        commands: &commands,
+        displacement_m: &moved,
+        left_out: &[],
+        options: &options,
+    };
     let residual = span.residual(&imitated, true);
-    // The truth is played more finely than the model: their difference is a fifth of the noise by itself.
+    // The truth is played more finely than the model: their difference is a fifth of the noise by
+    // itself.
     assert!(residual < 0.3, "{residual} {load:?}");
     let oracle = OracleOptions { inside_below: 0.3, most_effects: 2, ..OracleOptions::default() };
-    let imitations = |out: &[String]| span.imitations(&Imitated { left_out: out, options: &oracle, ..imitated });
+    let imitations =
+        |out: &[String]| span.imitations(&Imitated { left_out: out, options: &oracle, ..imitated });
     assert_eq!(imitations(&[]), ["tip_load"]);
-    assert!(imitations(&["tip_load".to_owned()]).iter().all(|set| set.contains(" + ")), "nothing alone is like a load");
-    assert!(span.linear_residual(&moved, &[], 0) > 3.0, "4 mm over 0.87 mm, less what the uncertain numbers do");
+    assert!(
+        imitations(&["tip_load".to_owned()]).iter().all(|set| set.contains(" + ")),
+        "nothing alone is like a load"
+    );
+    assert!(
+        span.linear_residual(&moved, &[], 0) > 3.0,
+        "4 mm over 0.87 mm, less what the uncertain numbers do"
+    );
 }
 
 #[test]
 fn every_disturbance_can_be_hidden() {
     let commands = walk(60, 7);
     let span = CatalogueSpan::new(&model(), &commands, &priors(), 5e-4).unwrap();
-    let oracle = OracleOptions { outside_above: 1e-6, inside_below: 1e-6, most_effects: 1, cases_per_commands: 1 };
+    let oracle = OracleOptions {
+        outside_above: 1e-6,
+        inside_below: 1e-6,
+        most_effects: 1,
+        cases_per_commands: 1,
+    };
     let mut seen = BTreeSet::new();
     for number in 0..2 * DISTURBANCES.len() {
         let robot = CaseDesign { oracle, ..robot(CaseGroup::Outside, number, 0.004) };
@@ -165,7 +217,9 @@ fn every_disturbance_can_be_hidden() {
     }
     assert_eq!(seen.len(), DISTURBANCES.len(), "{seen:?}");
     assert!(DISTURBANCES.len() >= 5);
-    assert!(DISTURBANCES.iter().all(|unknown| CATALOGUE.iter().all(|card| card.name != unknown.name)));
+    assert!(
+        DISTURBANCES.iter().all(|unknown| CATALOGUE.iter().all(|card| card.name != unknown.name))
+    );
 }
 
 /// Name and parameters with their intervals of an effect in an answer.
@@ -175,7 +229,10 @@ fn answer(verdict: Verdict, effects: &[Told]) -> CaseAnswer {
     let one = |(name, values): &Told| AnsweredEffect {
         name: (*name).to_owned(),
         values: values.iter().map(|(name, value, _)| ((*name).to_owned(), *value)).collect(),
-        intervals: values.iter().map(|(name, _, ends)| ((*name).to_owned(), *ends)).collect::<BTreeMap<_, _>>(),
+        intervals: values
+            .iter()
+            .map(|(name, _, ends)| ((*name).to_owned(), *ends))
+            .collect::<BTreeMap<_, _>>(),
     };
     let effects = effects.iter().map(one).collect();
     CaseAnswer {
@@ -192,8 +249,9 @@ fn answer(verdict: Verdict, effects: &[Told]) -> CaseAnswer {
 #[test]
 fn answers_are_scored_by_name_tendon_size_and_interval() {
     let commands = walk(36, 8);
-    let batch =
-        |group: &str| -> CaseBatch { serde_json::from_str(&format!("{{\"group\":\"{group}\",\"cases\":1}}")).unwrap() };
+    let batch = |group: &str| -> CaseBatch {
+        serde_json::from_str(&format!("{{\"group\":\"{group}\",\"cases\":1}}")).unwrap()
+    };
     let number = CATALOGUE.iter().position(|card| card.name == "actuator_gain").unwrap();
     let truth = draw(&robot(CaseGroup::Single, number, 0.004), &commands, None).unwrap();
     let [tendon, scale] = truth.hidden[0].values[..] else { panic!("{truth:?}") };
@@ -202,14 +260,25 @@ fn answers_are_scored_by_name_tendon_size_and_interval() {
     let scored = |answer: &CaseAnswer| score(setting, &model(), &truth, answer).row;
     let near = 1.0 + 1.1 * (scale - 1.0);
     let ends = [scale.min(near) - 1e-3, scale.max(near) + 1e-3];
-    let good = answer(Verdict::Named, &[("actuator_gain", &[("tendon", tendon, [0.0; 2]), ("scale", near, ends)])]);
+    let good = answer(
+        Verdict::Named,
+        &[("actuator_gain", &[("tendon", tendon, [0.0; 2]), ("scale", near, ends)])],
+    );
     let row = scored(&good);
     assert!(row.right && row.in_group && (row.strength_error - 0.1).abs() < 1e-9, "{row:?}");
-    assert_eq!((row.intervals, row.covered, row.case), (2, 1, 7), "an interval [0, 0] holds no tendon");
+    assert_eq!(
+        (row.intervals, row.covered, row.case),
+        (2, 1, 7),
+        "an interval [0, 0] holds no tendon"
+    );
     let intervals = score(setting, &model(), &truth, &good).intervals;
-    let told: Vec<(&str, f64, bool)> = intervals.iter().map(|i| (i.parameter.as_str(), i.truth, i.covered)).collect();
+    let told: Vec<(&str, f64, bool)> =
+        intervals.iter().map(|i| (i.parameter.as_str(), i.truth, i.covered)).collect();
     assert_eq!(told, [("tendon", tendon, false), ("scale", scale, true)]);
-    assert_eq!((intervals[1].value, [intervals[1].low, intervals[1].high], intervals[1].case), (near, ends, 7));
+    assert_eq!(
+        (intervals[1].value, [intervals[1].low, intervals[1].high], intervals[1].case),
+        (near, ends, 7)
+    );
     let wrong_tendon = answer(
         Verdict::Named,
         &[("actuator_gain", &[("tendon", tendon % 4.0 + 1.0, [0.0; 2]), ("scale", near, ends)])],
@@ -225,7 +294,10 @@ fn answers_are_scored_by_name_tendon_size_and_interval() {
     assert!(!scored(&two).right && scored(&two).in_group && scored(&two).strength_error.is_nan());
     assert!(!scored(&group(&wrong_tendon)).in_group, "a group of another tendon");
     let more = [good.effects.clone(), radius].concat();
-    assert!(!scored(&CaseAnswer { effects: more, ..good.clone() }).in_group, "an effect too many is no group");
+    assert!(
+        !scored(&CaseAnswer { effects: more, ..good.clone() }).in_group,
+        "an effect too many is no group"
+    );
     let other = answer(Verdict::Named, &[("tendon_radius", &[])]);
     assert!(!scored(&other).right && !scored(&other).in_group);
     for (group, verdict, right, in_group) in [
@@ -237,7 +309,8 @@ fn answers_are_scored_by_name_tendon_size_and_interval() {
         ("inside", Verdict::Unexplained, true, false),
         ("inside", Verdict::Named, false, false),
     ] {
-        let truth = Truth { imitations: vec!["creep".to_owned(), "delay".to_owned()], ..truth.clone() };
+        let truth =
+            Truth { imitations: vec!["creep".to_owned(), "delay".to_owned()], ..truth.clone() };
         let batch = batch(group);
         let setting = CaseSetting { number: 0, batch: &batch, correlation: 0.0 };
         let row = score(setting, &model(), &truth, &answer(verdict, &[])).row;
@@ -246,7 +319,8 @@ fn answers_are_scored_by_name_tendon_size_and_interval() {
     }
 }
 
-/// The stage that looks into a recording has that recording and nothing else; beside it only the score reads the label.
+/// The stage that looks into a recording has that recording and nothing else; beside it only the
+/// score reads the label.
 #[test]
 fn the_label_is_sealed() {
     let spec = Path::new(env!("CARGO_MANIFEST_DIR")).join("experiments/discovery.yaml");
@@ -260,7 +334,11 @@ fn the_label_is_sealed() {
             looks += 1;
             assert_eq!(inputs, ["blind_recording"]);
             let label = graph.describe(node).1;
-            assert!(["nothing", "single", "pair", "outside", "inside"].iter().all(|group| !label.contains(group)));
+            assert!(
+                ["nothing", "single", "pair", "outside", "inside"]
+                    .iter()
+                    .all(|group| !label.contains(group))
+            );
         }
         if inputs.contains(&"blind_truth") {
             readers.insert(kind(node));
@@ -268,12 +346,13 @@ fn the_label_is_sealed() {
     }
     assert_eq!(looks, 57);
     assert_eq!(readers, BTreeSet::from(["blind_recording", "blind_score"]));
-    // What a recording shows besides commands and tips is what is taken out of the catalogue: nothing, for the groups in
-    // which the catalogue is whole.
+    // What a recording shows besides commands and tips is what is taken out of the catalogue:
+    // nothing, for the groups in which the catalogue is whole.
     let commands = walk(36, 9);
     for group in [CaseGroup::Nothing, CaseGroup::Single, CaseGroup::Pair] {
         let robot = robot(group, 1, 0.003);
-        let shown = measure_case(&robot, &draw(&robot, &commands, None).unwrap(), &commands, 0.0).unwrap();
+        let shown =
+            measure_case(&robot, &draw(&robot, &commands, None).unwrap(), &commands, 0.0).unwrap();
         assert!(shown.left_out.is_empty());
         assert!(shown.recording().extra.is_empty() && shown.recording().known_load_kg.is_none());
     }

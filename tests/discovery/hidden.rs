@@ -16,23 +16,27 @@ pub(super) fn nominal() -> Model {
 }
 
 pub(super) fn twin(name: &str) -> Recording {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/reference/twin/{name}.csv"));
+    let file =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/reference/twin/{name}.csv"));
     Recording::read(&file).unwrap()
 }
 
 /// A recording of the project's own chain in another simulator (docs/twin.md).
 pub(super) fn chain(file: &str) -> Recording {
-    Recording::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/twin").join(file)).unwrap()
+    Recording::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/twin").join(file))
+        .unwrap()
 }
 
 /// A recording of a blind benchmark, as the benchmark presents it.
 pub(super) fn from_benchmark(file: &str) -> Recording {
-    Recording::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/blind").join(file)).unwrap()
+    Recording::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/blind").join(file))
+        .unwrap()
 }
 
 /// The trials of `recording` from number `first` on, so many of them.
 pub(super) fn trials(recording: &Recording, first: usize, count: usize) -> Recording {
-    let rows: Vec<usize> = recording.trials().into_iter().skip(first).take(count).flat_map(|(_, rows)| rows).collect();
+    let rows: Vec<usize> =
+        recording.trials().into_iter().skip(first).take(count).flat_map(|(_, rows)| rows).collect();
     part(recording, &rows)
 }
 
@@ -46,8 +50,8 @@ pub(super) fn part(recording: &Recording, rows: &[usize]) -> Recording {
     part
 }
 
-/// A recording of a robot with `effects` under the twin's commands, on a finer grid and with finer steps than the
-/// model's, and with noise of a correlation.
+/// A recording of a robot with `effects` under the twin's commands, on a finer grid and with finer
+/// steps than the model's, and with noise of a correlation.
 pub(super) fn recorded(effects: &str, count: usize, seed: u64, correlation: f64) -> Recording {
     let mut truth = nominal();
     truth.effects = crate::support::rods::effects(effects);
@@ -73,7 +77,11 @@ pub(super) fn explored(effects: &str, trials: usize, seed: u64) -> Recording {
 
 /// The same in trials of so many steps.
 pub(super) fn explored_in(effects: &str, trials: usize, steps: usize, seed: u64) -> Recording {
-    let options = ExploreOptions { points: steps * trials, trajectories: trials, ..ExploreOptions::default() };
+    let options = ExploreOptions {
+        points: steps * trials,
+        trajectories: trials,
+        ..ExploreOptions::default()
+    };
     let commands = benchmark::explore_commands(&nominal(), &options, 0.2, Seed(seed)).unwrap();
     let presented = benchmark::PublicCase {
         tips_m: commands.tips_m(&nominal(), &crate::support::rods::effects(effects)).unwrap(),

@@ -19,7 +19,8 @@ fn jumps_and_repeated_poses_are_left_out_and_the_load_is_found() {
     let found = found(&measured, &Options::default());
     assert_eq!(found.findings.verdict, Verdict::Named, "{}", found.findings.summary);
     assert_eq!(names(&found), ["tip_load"]);
-    let rows: Vec<(u64, f64)> = found.findings.excluded_rows.iter().map(|row| (row.trial, row.time_s)).collect();
+    let rows: Vec<(u64, f64)> =
+        found.findings.excluded_rows.iter().map(|row| (row.trial, row.time_s)).collect();
     let expected: Vec<(u64, f64)> =
         (20..28).chain([70, 120]).map(|row| (measured.trial[row], measured.time_s[row])).collect();
     assert_eq!(rows, expected);
@@ -39,22 +40,35 @@ fn a_clock_that_is_ahead_is_told_and_the_load_beside_it_is_found() {
     let mut truth = nominal();
     truth.effects = crate::support::rods::effects(LOAD);
     // The noise of the recording on the tips of a later time.
-    let exact =
-        |commands: &Recording| simulate_recording(&truth, commands, &SimulationOptions::default()).tip_m.unwrap();
+    let exact = |commands: &Recording| {
+        simulate_recording(&truth, commands, &SimulationOptions::default()).tip_m.unwrap()
+    };
     let later = measured.with_tips_later(offset_s);
-    let seen: Vec<[f64; 3]> =
-        exact(&later).into_iter().enumerate().filter(|(row, _)| later.is_valid(*row)).map(|(_, tip)| tip).collect();
+    let seen: Vec<[f64; 3]> = exact(&later)
+        .into_iter()
+        .enumerate()
+        .filter(|(row, _)| later.is_valid(*row))
+        .map(|(_, tip)| tip)
+        .collect();
     let now = exact(&trials(&twin("nothing"), 0, 4));
-    for (tip, (seen, now)) in measured.tip_m.as_mut().unwrap().iter_mut().zip(seen.iter().zip(&now)) {
+    for (tip, (seen, now)) in measured.tip_m.as_mut().unwrap().iter_mut().zip(seen.iter().zip(&now))
+    {
         *tip = std::array::from_fn(|axis| tip[axis] + seen[axis] - now[axis]);
     }
     let found = found(&measured, &Options::default());
     assert_eq!(found.findings.verdict, Verdict::Named, "{}", found.findings.summary);
     assert_eq!(names(&found), ["tip_load"]);
-    assert!(found.findings.summary.starts_with("The tracker's clock is about"), "{}", found.findings.summary);
+    assert!(
+        found.findings.summary.starts_with("The tracker's clock is about"),
+        "{}",
+        found.findings.summary
+    );
     let ([low, high], told) =
         (found.findings.clock_offset_interval_95.unwrap(), found.findings.clock_offset_s.unwrap());
-    assert!(low < offset_s && offset_s < high && low < told && told < high, "{told}: {low} to {high}");
+    assert!(
+        low < offset_s && offset_s < high && low < told && told < high,
+        "{told}: {low} to {high}"
+    );
 }
 
 #[test]
@@ -63,24 +77,34 @@ fn a_mirrored_axis_is_told_before_any_effect_is_sought() {
     measured.tip_m.as_mut().unwrap().iter_mut().for_each(|tip| tip[1] = -tip[1]);
     let found = found(&measured, &Options::default());
     assert_eq!(found.findings.verdict, Verdict::Unexplained);
-    assert!(found.findings.summary.contains("the tip's y has the other sign"), "{}", found.findings.summary);
+    assert!(
+        found.findings.summary.contains("the tip's y has the other sign"),
+        "{}",
+        found.findings.summary
+    );
     assert!(found.findings.next_measurement.contains("the tip's y has the other sign"));
     assert!(found.findings.effects.is_empty() && found.model == nominal());
     assert_eq!(found.findings.gap.before_m, found.findings.gap.after_m);
 }
 
-/// A force pushes a curved robot to the other side, where a mirrored axis would show it: 4 of 13 mm are left. The baseline, from
-/// the same set-up, fits to the noise, so that effects are sought as well.
+/// A force pushes a curved robot to the other side, where a mirrored axis would show it: 4 of 13 mm
+/// are left. The baseline, from the same set-up, fits to the noise, so that effects are sought as
+/// well.
 #[test]
 fn a_mirrored_axis_that_the_baseline_does_not_have_is_no_mistake() {
     let curved = "- precurvature: {kappa_x_rad_m: 0.5, kappa_y_rad_m: 0}";
     let baseline = explored_in(curved, 5, 20, 1);
-    let measured = explored_in(&format!("{curved}\n- tip_force: {{force_n: [0, 0.15, 0]}}"), 5, 20, 2);
+    let measured =
+        explored_in(&format!("{curved}\n- tip_force: {{force_n: [0, 0.15, 0]}}"), 5, 20, 2);
     let mut model = nominal();
     model.effects = crate::support::rods::effects(curved);
-    let [alone, beside] =
-        [None, Some(&baseline)].map(|baseline| discover(&model, &measured, baseline, &Options::default()).unwrap());
-    assert!(alone.findings.summary.contains("the tip's y has the other sign"), "{}", alone.findings.summary);
+    let [alone, beside] = [None, Some(&baseline)]
+        .map(|baseline| discover(&model, &measured, baseline, &Options::default()).unwrap());
+    assert!(
+        alone.findings.summary.contains("the tip's y has the other sign"),
+        "{}",
+        alone.findings.summary
+    );
     assert_eq!(beside.findings.verdict, Verdict::Named, "{}", beside.findings.summary);
     assert_eq!(names(&beside), ["tip_force"]);
 }

@@ -32,7 +32,8 @@ fn ambiguous() {
 #[test]
 fn unexplained() {
     let options = Options { left_out: vec!["actuator_offset".to_owned()], ..Options::default() };
-    let found = found(&recorded("- actuator_offset: {tendon: 3, offset_m: 0.003}", 4, 3, 0.0), &options);
+    let found =
+        found(&recorded("- actuator_offset: {tendon: 3, offset_m: 0.003}", 4, 3, 0.0), &options);
     assert_eq!(found.findings.verdict, Verdict::Unexplained, "{}", found.findings.summary);
     assert!(found.findings.effects.is_empty() && found.model.effects.is_empty());
     assert!(!found.findings.pattern.is_empty());

@@ -15,7 +15,8 @@ fn move_held_out(measured: &mut Recording, first: &Discovery, by_m: impl Fn(usiz
     }
 }
 
-/// Held-out trials take no part in naming or fitting: other data there change nothing but the proof.
+/// Held-out trials take no part in naming or fitting: other data there change nothing but the
+/// proof.
 #[test]
 #[ignore = "make campaign"]
 fn the_proof_is_kept_apart() {
@@ -45,21 +46,30 @@ fn trials_without_tracking_prove_nothing() {
     assert!(gap.before_m > gap.after_m && gap.after_m > NOISE_M, "{gap:?}");
 }
 
-/// A tilt of 15 standard deviations, less than a tenth of what the load does, is told as uncertain parameters; with a smaller
-/// `least_share` it is named.
+/// A tilt of 15 standard deviations, less than a tenth of what the load does, is told as uncertain
+/// parameters; with a smaller `least_share` it is named.
 #[test]
 fn uncertain_parameters_that_stand_for_an_effect_are_told() {
     let effects = "- tip_load: {mass_kg: 0.02}\n- base_tilt: {tilt_x_rad: 0.0045, tilt_y_rad: 0}";
     let measured = recorded(effects, 4, 5, 0.0);
-    let [few, many] = [0.1, 0.01].map(|least_share| found(&measured, &Options { least_share, ..Options::default() }));
-    let strained = |found: &Discovery| found.findings.limitations.join(" ").contains("standard deviations off");
+    let [few, many] = [0.1, 0.01]
+        .map(|least_share| found(&measured, &Options { least_share, ..Options::default() }));
+    let strained = |found: &Discovery| {
+        found.findings.limitations.join(" ").contains("standard deviations off")
+    };
     assert_eq!(names(&few), ["tip_load"]);
     assert_eq!(names(&many), ["tip_load", "base_tilt"]);
-    assert!(strained(&few) && !strained(&many), "{:?} {:?}", few.findings.limitations, many.findings.limitations);
+    assert!(
+        strained(&few) && !strained(&many),
+        "{:?} {:?}",
+        few.findings.limitations,
+        many.findings.limitations
+    );
     assert!(many.findings.gap.after_m < few.findings.gap.after_m);
 }
 
-/// A name that held-out trials do not bear out is taken back, though they had no part in finding it.
+/// A name that held-out trials do not bear out is taken back, though they had no part in finding
+/// it.
 #[test]
 #[ignore = "make campaign"]
 fn held_out_trials_can_refute_an_answer() {
@@ -71,12 +81,16 @@ fn held_out_trials_can_refute_an_answer() {
     let second = found(&measured, &Options::default());
     assert_eq!(second.findings.verdict, Verdict::Unexplained, "{}", second.findings.summary);
     assert_eq!(first.findings.candidates[0].name, second.findings.candidates[0].name);
-    assert!(second.findings.summary.contains("tip_load, but its residual is"), "{}", second.findings.summary);
+    assert!(
+        second.findings.summary.contains("tip_load, but its residual is"),
+        "{}",
+        second.findings.summary
+    );
     assert!(second.model.effects.is_empty());
 }
 
-/// What the model has and the robot has not: less than nothing of it is in no catalogue, and the nearest effect that there is
-/// would have to go on beyond the end of its range.
+/// What the model has and the robot has not: less than nothing of it is in no catalogue, and the
+/// nearest effect that there is would have to go on beyond the end of its range.
 #[test]
 #[ignore = "make campaign"]
 fn what_the_model_has_too_much_of_is_no_other_effect() {
@@ -86,21 +100,30 @@ fn what_the_model_has_too_much_of_is_no_other_effect() {
     assert_eq!(found.findings.verdict, Verdict::Unexplained, "{}", found.findings.summary);
     assert_eq!(found.model.effects.len(), 1);
     let said = "The model already contains `tip_load`; the search cannot reduce it.";
-    assert!(found.findings.limitations.iter().any(|told| told == said), "{:?}", found.findings.limitations);
+    assert!(
+        found.findings.limitations.iter().any(|told| told == said),
+        "{:?}",
+        found.findings.limitations
+    );
 }
 
 /// Of trials that are copies it is said that they prove nothing.
 #[test]
 fn copies_are_told() {
     let once = recorded("[]", 3, 4, 0.0);
-    let again = Recording { trial: once.trial.iter().map(|trial| trial + 10).collect(), ..once.clone() };
+    let again =
+        Recording { trial: once.trial.iter().map(|trial| trial + 10).collect(), ..once.clone() };
     let twice = Recording::joined(&[once.clone(), again.clone()]).unwrap();
-    assert_eq!((once.copies(), twice.copies()), (Vec::new(), again.trials().into_iter().map(|(n, _)| n).collect()));
+    assert_eq!(
+        (once.copies(), twice.copies()),
+        (Vec::new(), again.trials().into_iter().map(|(n, _)| n).collect())
+    );
     let told = found(&twice, &Options::default()).findings.limitations;
     assert!(told.iter().any(|told| told.starts_with("Exact copies of other trials")), "{told:?}");
 }
 
-/// Silence is an answer, too: where only held-out trials show a gap, it is not said that there is none.
+/// Silence is an answer, too: where only held-out trials show a gap, it is not said that there is
+/// none.
 #[test]
 fn held_out_trials_can_refute_silence() {
     let mut measured = recorded("[]", 4, 7, 0.0);
@@ -115,8 +138,8 @@ fn held_out_trials_can_refute_silence() {
     assert!(second.findings.summary.contains(said), "{}", second.findings.summary);
 }
 
-/// Case 4086 of experiments/discovery_full.yaml, 100 samples: a tendon's zero is off by −8 mm. In the trials of the fit −2 mm
-/// leave it as slack, in the one that is held out 3 mm do.
+/// Case 4086 of experiments/discovery_full.yaml, 100 samples: a tendon's zero is off by −8 mm. In
+/// the trials of the fit −2 mm leave it as slack, in the one that is held out 3 mm do.
 #[test]
 #[ignore = "make campaign"]
 fn held_out_trials_do_not_refute_a_name_whose_size_is_open() {
@@ -126,7 +149,9 @@ fn held_out_trials_do_not_refute_a_name_whose_size_is_open() {
     assert!(low < -0.008 && offset_m <= high && high < -0.001, "{offset_m}: {low} to {high}");
     let told = &found.findings.limitations;
     assert!(
-        told.iter().any(|told| told.contains("other values within the 95 % intervals remove this difference")),
+        told.iter()
+            .any(|told| told
+                .contains("other values within the 95 % intervals remove this difference")),
         "{told:?}"
     );
 }

@@ -26,8 +26,9 @@ fn assert_well_formed(page: &str) {
     let mut open: Vec<&str> = Vec::new();
     let body = page.split_once("<!DOCTYPE html>").unwrap().1;
     for piece in body.split('<').skip(1) {
-        let (tag, _) =
-            piece.split_once('>').unwrap_or_else(|| panic!("`<` in text: {}", &piece[..piece.len().min(60)]));
+        let (tag, _) = piece
+            .split_once('>')
+            .unwrap_or_else(|| panic!("`<` in text: {}", &piece[..piece.len().min(60)]));
         let name = tag.split([' ', '\n', '/']).next().unwrap();
         if let Some(end) = tag.strip_prefix('/') {
             assert_eq!(open.pop(), Some(end), "</{end}>");
@@ -40,8 +41,12 @@ fn assert_well_formed(page: &str) {
 
 #[test]
 fn the_same_findings_give_the_same_bytes() {
-    let all =
-        [("named", named()), ("consistent", consistent()), ("ambiguous", ambiguous()), ("unexplained", unexplained())];
+    let all = [
+        ("named", named()),
+        ("consistent", consistent()),
+        ("ambiguous", ambiguous()),
+        ("unexplained", unexplained()),
+    ];
     for (name, made) in all {
         let first = files(&made);
         assert!(first == files(&made), "{name}");
@@ -76,18 +81,25 @@ fn the_page_says_what_was_found_and_stands_alone() {
     ] {
         assert!(page.contains(words), "{words}");
     }
-    for foreign in ["<script", "http-equiv", "href=", "src=", "url(", "@import", "<link", "<iframe"] {
+    for foreign in ["<script", "http-equiv", "href=", "src=", "url(", "@import", "<link", "<iframe"]
+    {
         assert!(!page.contains(foreign), "{foreign}");
     }
     // What looks like an address is the name of SVG's language alone.
-    assert_eq!(page.matches("http").count(), page.matches("xmlns=\"http://www.w3.org/2000/svg\"").count());
+    assert_eq!(
+        page.matches("http").count(),
+        page.matches("xmlns=\"http://www.w3.org/2000/svg\"").count()
+    );
 }
 
 #[test]
 fn each_verdict_has_its_words() {
     for (made, title) in [
         (consistent(), "<h1>Nothing is missing that these data can show</h1>"),
-        (ambiguous(), "<h1>Something is missing; these data cannot tell which of several effects</h1>"),
+        (
+            ambiguous(),
+            "<h1>Something is missing; these data cannot tell which of several effects</h1>",
+        ),
         (unexplained(), "<h1>Something is missing, and nothing in the catalogue explains it</h1>"),
     ] {
         let page = page(&made);
@@ -96,7 +108,10 @@ fn each_verdict_has_its_words() {
         assert!(page.contains("Nothing was added"), "{title}");
     }
     let same = page(&consistent());
-    assert!(!same.contains("Error with the effects") && !same.contains(">after<"), "no second model, no second number");
+    assert!(
+        !same.contains("Error with the effects") && !same.contains(">after<"),
+        "no second model, no second number"
+    );
     assert!(page(&unexplained()).contains("jumps by 3 mm at 5 s"));
 }
 
@@ -120,9 +135,15 @@ fn whatever_the_words_are_they_stay_words() {
     let nasty = "<b onload=\"x('1')\">&amp;\u{0}\u{7}</b>".to_owned() + &"long ".repeat(300);
     let mut made = named();
     let findings = &mut made.findings;
-    let texts =
-        [&mut findings.summary, &mut findings.next_measurement, &mut findings.pattern, &mut findings.noise.from];
-    for words in texts.into_iter().chain(&mut findings.limitations).chain([&mut findings.gap.metric]) {
+    let texts = [
+        &mut findings.summary,
+        &mut findings.next_measurement,
+        &mut findings.pattern,
+        &mut findings.noise.from,
+    ];
+    for words in
+        texts.into_iter().chain(&mut findings.limitations).chain([&mut findings.gap.metric])
+    {
         words.clone_from(&nasty);
     }
     let effect = &mut findings.effects[0];
@@ -143,11 +164,19 @@ fn whatever_the_words_are_they_stay_words() {
         row.by.insert_str(0, &nasty);
     }
     let text = || nasty.clone();
-    made.effects.push(EffectText { name: text(), missing: text(), equation: text(), source: text() });
+    made.effects.push(EffectText {
+        name: text(),
+        missing: text(),
+        equation: text(),
+        source: text(),
+    });
     made.model_after.push_str(&nasty);
     let page = page(&made);
     assert_well_formed(&page);
-    assert!(!page.contains("<b") || page.matches("<b").count() == page.matches("<body").count(), "no tag of ours");
+    assert!(
+        !page.contains("<b") || page.matches("<b").count() == page.matches("<body").count(),
+        "no tag of ours"
+    );
     assert!(!page.contains('\u{0}') && !page.contains('\u{7}'));
     for name in ["map.svg", "gap.svg", "residuals.svg"] {
         overlap::assert_apart(name, &file(&made, name));
@@ -176,7 +205,10 @@ fn pictures_are_not_blank() {
         let mut pixels = vec![0; reader.output_buffer_size()];
         let size = reader.next_frame(&mut pixels).unwrap();
         assert_eq!(size.width, 1440, "{name}");
-        let inked = pixels[..size.buffer_size()].chunks(3).filter(|pixel| **pixel != [255, 255, 255]).count();
+        let inked = pixels[..size.buffer_size()]
+            .chunks(3)
+            .filter(|pixel| **pixel != [255, 255, 255])
+            .count();
         let share = inked as f64 / f64::from(size.width * size.height);
         assert!((0.02..0.7).contains(&share), "{name}: {share}");
     }
@@ -200,9 +232,14 @@ fn empty_lists_leave_their_parts_out() {
     assert_eq!(names, ["report.html", "gap.png", "gap.svg"]);
     let left = page(&made);
     assert_well_formed(&left);
-    assert!(left.contains("<h1>The model lacks: tip load</h1>"), "the name, where the catalogue says nothing");
+    assert!(
+        left.contains("<h1>The model lacks: tip load</h1>"),
+        "the name, where the catalogue says nothing"
+    );
     assert!(left.contains("No trial was held out"));
-    for part in ["Other candidates", "What to record next", "Limitations", "<figcaption>Each number"] {
+    for part in
+        ["Other candidates", "What to record next", "Limitations", "<figcaption>Each number"]
+    {
         assert!(!left.contains(part), "{part}");
     }
     made.findings.effects.clear();
@@ -254,14 +291,21 @@ fn twenty_one_effects_find_their_room() {
     let effect = made.findings.effects[0].clone();
     let many = |index: usize| FoundEffect {
         name: format!("effect_number_{index}"),
-        parameters: serde_json::from_value(json!({"force_n": [0.1, -0.2, index], "tendon": 2, "scale": 1.2})).unwrap(),
-        interval_95: serde_json::from_value(json!({"force_n": [[0.0, 0.2], [-0.3, -0.1], [0, 30]]})).unwrap(),
+        parameters: serde_json::from_value(
+            json!({"force_n": [0.1, -0.2, index], "tendon": 2, "scale": 1.2}),
+        )
+        .unwrap(),
+        interval_95: serde_json::from_value(
+            json!({"force_n": [[0.0, 0.2], [-0.3, -0.1], [0, 30]]}),
+        )
+        .unwrap(),
         ..effect.clone()
     };
     made.findings.effects = (0..21).map(many).collect();
     let one = made.findings.candidates[1].clone();
-    made.findings.candidates =
-        (0..300).map(|index| Candidate { name: format!("candidate {index}"), ..one.clone() }).collect();
+    made.findings.candidates = (0..300)
+        .map(|index| Candidate { name: format!("candidate {index}"), ..one.clone() })
+        .collect();
     let left = page(&made);
     assert_well_formed(&left);
     assert_eq!(left.matches("<article>").count(), 21);
@@ -269,7 +313,8 @@ fn twenty_one_effects_find_their_room() {
     overlap::assert_apart("gap.svg", &file(&made, "gap.svg"));
 }
 
-/// A candidate that depends on single trials does not decide the picture's scale, and the answer stands beside its rivals.
+/// A candidate that depends on single trials does not decide the picture's scale, and the answer
+/// stands beside its rivals.
 #[test]
 fn candidates_are_drawn_on_the_scale_of_the_gap() {
     let mut made = named();

@@ -4,7 +4,9 @@ use std::convert::Infallible;
 
 use spinebench::data::Recording;
 use spinebench::data::findings::Verdict;
-use spinebench::discovery::{Options, Question, Round, Rounds, RoundsError, discover, discover_until_named};
+use spinebench::discovery::{
+    Options, Question, Round, Rounds, RoundsError, discover, discover_until_named,
+};
 use spinebench::effects::Model;
 use spinebench::tasks::{SimulationOptions, simulate_recording};
 
@@ -20,11 +22,15 @@ fn asked(
     discover_until_named(question, measured, max_rounds, record)
 }
 
-/// A gram on the tip looks like a heavier rod until the proposed experiment is recorded, once at most here.
+/// A gram on the tip looks like a heavier rod until the proposed experiment is recorded, once at
+/// most here.
 #[test]
 fn an_ambiguous_answer_is_asked_again_with_the_proposed_recording() {
     let first = recorded("- tip_load: {mass_kg: 0.0012}", 3, 0, 0.0);
-    let truth = Model { effects: crate::support::rods::effects("- tip_load: {mass_kg: 0.0012}"), ..nominal() };
+    let truth = Model {
+        effects: crate::support::rods::effects("- tip_load: {mass_kg: 0.0012}"),
+        ..nominal()
+    };
     let mut calls = 0;
     let rounds = asked(first.clone(), 1, |round| {
         calls += 1;
@@ -41,7 +47,10 @@ fn an_ambiguous_answer_is_asked_again_with_the_proposed_recording() {
     assert_eq!((calls, rounds.earlier.len(), rounds.recorded.len()), (1, 1, 1));
     let all = rounds.recorded[0].trials().len() + first.trials().len();
     assert_eq!(rounds.measured.trials().len(), all, "the last answer is that of all recordings");
-    assert_eq!(rounds.earlier[0].findings, discover(&nominal(), &first, None, &Options::default()).unwrap().findings);
+    assert_eq!(
+        rounds.earlier[0].findings,
+        discover(&nominal(), &first, None, &Options::default()).unwrap().findings
+    );
 }
 
 #[test]
@@ -49,7 +58,12 @@ fn the_loop_ends_without_a_recording_and_refuses_data_that_allow_no_answer() {
     let none = |_: &Round| Ok(None);
     let few = trials(&twin("nothing"), 0, 1);
     let refused = asked(few.clone(), 3, none).unwrap_err();
-    assert!(matches!(refused, RoundsError::Discovery { ref measured, .. } if **measured == few), "{refused}");
-    let rounds = asked(recorded("[]", 4, 7, 0.0), 3, |_| unreachable!("a consistent answer needs no recording"));
+    assert!(
+        matches!(refused, RoundsError::Discovery { ref measured, .. } if **measured == few),
+        "{refused}"
+    );
+    let rounds = asked(recorded("[]", 4, 7, 0.0), 3, |_| {
+        unreachable!("a consistent answer needs no recording")
+    });
     assert_eq!(rounds.unwrap().answer.findings.verdict, Verdict::Consistent);
 }

@@ -17,8 +17,8 @@ fn nothing_is_found_where_nothing_is_hidden() {
     }
 }
 
-/// Case 942 of experiments/discovery_full.yaml: the zero of a drive stands for its gain, in many ways a little badly, and worst
-/// where it does most.
+/// Case 942 of experiments/discovery_full.yaml: the zero of a drive stands for its gain, in many
+/// ways a little badly, and worst where it does most.
 #[test]
 #[ignore = "make campaign"]
 fn what_only_resembles_the_gap_is_unexplained() {
@@ -28,23 +28,34 @@ fn what_only_resembles_the_gap_is_unexplained() {
     assert_eq!(found.findings.candidates[0].name.split(' ').next(), Some("actuator_offset"));
     let said = "where it moves the tip most";
     assert!(found.findings.summary.contains(said), "{}", found.findings.summary);
-    let refused: Vec<_> = found.findings.candidates.iter().filter(|one| one.why_not.contains(said)).collect();
+    let refused: Vec<_> =
+        found.findings.candidates.iter().filter(|one| one.why_not.contains(said)).collect();
     assert!(refused.len() == 1 && refused[0].name.starts_with("actuator_offset"), "{refused:?}");
 }
 
-/// Dry friction as another simulator has it, which does not yield before it slips, is near enough to ours.
+/// Dry friction as another simulator has it, which does not yield before it slips, is near enough
+/// to ours.
 #[test]
 #[ignore = "make campaign"]
 fn a_law_that_is_nearly_the_robots_is_named() {
-    let friction = discover(&nominal(), &chain("r40.csv"), Some(&chain("baseline.csv")), &Options::default()).unwrap();
+    let friction =
+        discover(&nominal(), &chain("r40.csv"), Some(&chain("baseline.csv")), &Options::default())
+            .unwrap();
     assert_eq!(names(&friction), ["friction"], "{}", friction.findings.summary);
 }
 
-/// A spine that softens where it has been bent is told by laws of the catalogue that leave more than noise.
+/// A spine that softens where it has been bent is told by laws of the catalogue that leave more
+/// than noise.
 #[test]
 #[ignore = "make campaign"]
 fn what_a_law_that_is_only_like_the_robots_leaves_is_said() {
-    let softening = discover(&nominal(), &chain("r18.csv"), Some(&chain("baseline.csv")), &Options::default()).unwrap();
+    let softening =
+        discover(&nominal(), &chain("r18.csv"), Some(&chain("baseline.csv")), &Options::default())
+            .unwrap();
     let said = &softening.findings.limitations;
-    assert!(said.iter().any(|said| said.contains("not only noise")), "{}: {said:?}", softening.findings.summary);
+    assert!(
+        said.iter().any(|said| said.contains("not only noise")),
+        "{}: {said:?}",
+        softening.findings.summary
+    );
 }

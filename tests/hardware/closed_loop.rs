@@ -1,6 +1,7 @@
-//! The smoke experiment's closed loop on a rehearsed bench whose parts behave as parts that are not ours were measured to:
-//! a controller that takes 100 ms to begin a hold, ignores `~` until it stands, ends short moves early and loses queries, and
-//! a tracker that loses frames, pauses and delays them.
+//! The smoke experiment's closed loop on a rehearsed bench whose parts behave as parts that are not
+//! ours were measured to: a controller that takes 100 ms to begin a hold, ignores `~` until it
+//! stands, ends short moves early and loses queries, and a tracker that loses frames, pauses and
+//! delays them.
 
 use std::process::Command;
 
@@ -25,7 +26,8 @@ runs:
 ";
 
 /// All policies, and ten targets.
-const LONG: &str = "targets: {drawn: 10, sweep: {rows: 5, columns: 5, max_pull_m: 0.012, max_step_m: 0.003}}
+const LONG: &str =
+    "targets: {drawn: 10, sweep: {rows: 5, columns: 5, max_pull_m: 0.012, max_step_m: 0.003}}
 runs:
   gap: null
   forward: false
@@ -62,7 +64,8 @@ fn run(faults: &str, size: &str) -> (bool, String, String) {
         .env_remove("SPINEBENCH_CACHE")
         .output()
         .unwrap();
-    let table = std::fs::read_to_string(folder.path().join("results/bench/trials.csv")).unwrap_or_default();
+    let table =
+        std::fs::read_to_string(folder.path().join("results/bench/trials.csv")).unwrap_or_default();
     (output.status.success(), String::from_utf8_lossy(&output.stderr).into_owned(), table)
 }
 
@@ -78,7 +81,10 @@ fn ends(faults: &str, size: &str) {
     assert!(good, "{faults}: {said}");
     let (status, policies) = (column(&table, "status"), column(&table, "policy"));
     assert!(!status.is_empty() && status.iter().all(|status| status == "ok"), "{faults}: {table}");
-    assert!(["a", "c"].iter().all(|policy| policies.iter().any(|found| found == policy)), "{faults}: {table}");
+    assert!(
+        ["a", "c"].iter().all(|policy| policies.iter().any(|found| found == policy)),
+        "{faults}: {table}"
+    );
     let errors = column(&table, "error_m");
     let within = |cell: &String| cell.parse::<f64>().is_ok_and(|error_m| error_m < WORLD_M);
     assert!(errors.iter().all(within), "{faults}: {errors:?}");
@@ -114,7 +120,11 @@ fn frames_up_to_25_ms_late() {
 fn with_30_percent_of_the_frames_lost_the_robot_is_stopped_for_that() {
     let (good, said, _) = run("loss: 0.3", SHORT);
     assert!(!good, "{said}");
-    assert!(said.contains("% of the tracker's last 256 frames are lost") || said.contains("held 6 times"), "{said}");
+    assert!(
+        said.contains("% of the tracker's last 256 frames are lost")
+            || said.contains("held 6 times"),
+        "{said}"
+    );
 }
 
 #[test]
@@ -136,17 +146,24 @@ fn campaign_of_all_policies() {
 fn first_trials(recording: &str, trials: usize) -> String {
     let kept = recording.lines().enumerate().filter(|(line, text)| {
         *line == 0
-            || text.split(',').next().is_some_and(|trial| trial.parse::<usize>().is_ok_and(|trial| trial < trials))
+            || text
+                .split(',')
+                .next()
+                .is_some_and(|trial| trial.parse::<usize>().is_ok_and(|trial| trial < trials))
     });
     kept.map(|(_, text)| format!("{text}\n")).collect()
 }
 
-/// Whole trials that are kept are not moved again, however many there are; all of them end the recording.
+/// Whole trials that are kept are not moved again, however many there are; all of them end the
+/// recording.
 #[test]
 fn a_recording_is_resumed_after_any_number_of_whole_trials() {
     let bench = Bench::new();
-    let rehearsal = format!("{{model: {ROOT}/models/nominal.yaml, noise_m: 0.0002, loss: 0.01, gap_s: 0.12}}");
-    let plant = format!("hardware: {{name: robot, model: {ROOT}/models/nominal.yaml, rehearsal: {rehearsal}}}\n");
+    let rehearsal =
+        format!("{{model: {ROOT}/models/nominal.yaml, noise_m: 0.0002, loss: 0.01, gap_s: 0.12}}");
+    let plant = format!(
+        "hardware: {{name: robot, model: {ROOT}/models/nominal.yaml, rehearsal: {rehearsal}}}\n"
+    );
     bench.put("plant.yaml", &plant);
     bench.put_commands("in.csv", 3, 12);
     bench.run("collect --plant plant.yaml --commands in.csv --out whole.csv").is(0, &[]);

@@ -1,7 +1,9 @@
-//! The synthetic tracker against a client that is not ours: PyPI's `natnet` 0.3.0, in Python, from its own reading of the
-//! protocol. The package has no server; that our client reads a real one is tested on recordings of Motive.
+//! The synthetic tracker against a client that is not ours: PyPI's `natnet` 0.3.0, in Python, from
+//! its own reading of the protocol. The package has no server; that our client reads a real one is
+//! tested on recordings of Motive.
 //!
-//! Without Python or the package the test is skipped, and says so, unless `SPINEBENCH_PEERS=required` as in `.ci/run`.
+//! Without Python or the package the test is skipped, and says so, unless
+//! `SPINEBENCH_PEERS=required` as in `.ci/run`.
 
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
@@ -21,7 +23,8 @@ const FRAMES: usize = 25;
 /// The peer is ended after so long, s.
 const LONGEST_S: f64 = 120.0;
 
-/// Prints the server, the bodies, and of each frame its number, stamp and bodies, one value after the other.
+/// Prints the server, the bodies, and of each frame its number, stamp and bodies, one value after
+/// the other.
 const CLIENT: &str = r#"
 import sys, time
 from natnet import NatNetClient
@@ -50,10 +53,20 @@ with client:
 fn python() -> Result<PathBuf, String> {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("natnet-peer");
     let python = folder.join("bin/python");
-    let imports = |python: &Path| run(Command::new(python).args(["-c", "import natnet.nat_net_client"]));
+    let imports =
+        |python: &Path| run(Command::new(python).args(["-c", "import natnet.nat_net_client"]));
     if imports(&python).is_err() {
         run(Command::new("python3").args(["-m", "venv"]).arg(&folder))?;
-        run(Command::new(&python).args(["-m", "pip", "install", "--quiet", "--no-deps", "--timeout", "20", PACKAGE]))?;
+        run(Command::new(&python).args([
+            "-m",
+            "pip",
+            "install",
+            "--quiet",
+            "--no-deps",
+            "--timeout",
+            "20",
+            PACKAGE,
+        ]))?;
         imports(&python)?;
     }
     Ok(python)
@@ -94,20 +107,35 @@ fn serve(tracker: &mut SimulatedTracker, mut peer: Child) -> String {
 
 fn agrees(python: &Path, version: Version, transport: Transport) {
     let offset_s = 64.0;
-    let options = TrackerOptions { version, transport, clock_offset_s: offset_s, ..Default::default() };
+    let options =
+        TrackerOptions { version, transport, clock_offset_s: offset_s, ..Default::default() };
     let mut tracker = SimulatedTracker::new(options).unwrap();
     let settings = tracker.settings().unwrap();
     let peer = Command::new(python)
-        .args(["-u", "-c", CLIENT, &settings.command_port.to_string(), &settings.data_port.to_string()])
-        .args([if transport == Transport::Multicast { "multicast" } else { "unicast" }, &FRAMES.to_string()])
+        .args([
+            "-u",
+            "-c",
+            CLIENT,
+            &settings.command_port.to_string(),
+            &settings.data_port.to_string(),
+        ])
+        .args([
+            if transport == Transport::Multicast { "multicast" } else { "unicast" },
+            &FRAMES.to_string(),
+        ])
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
     let printed = serve(&mut tracker, peer);
     let lines: Vec<Vec<&str>> = printed.lines().map(|line| line.split(' ').collect()).collect();
-    let of =
-        |kind: &str| lines.iter().filter(|line| line[0] == kind).map(|line| line[1..].to_vec()).collect::<Vec<_>>();
+    let of = |kind: &str| {
+        lines
+            .iter()
+            .filter(|line| line[0] == kind)
+            .map(|line| line[1..].to_vec())
+            .collect::<Vec<_>>()
+    };
     assert_eq!(of("version"), [[version.major.to_string(), version.minor.to_string()]]);
     assert_eq!(of("body"), [["1", "base"], ["2", "tip"], ["7", "table"]]);
     let frames = of("frame");
@@ -139,10 +167,15 @@ fn agrees(python: &Path, version: Version, transport: Transport) {
 fn a_python_client_sees_what_the_tracker_shows() {
     let python = match python() {
         Ok(python) => python,
-        Err(why) if std::env::var("SPINEBENCH_PEERS").is_ok_and(|value| value == "required") => panic!("{why}"),
+        Err(why) if std::env::var("SPINEBENCH_PEERS").is_ok_and(|value| value == "required") => {
+            panic!("{why}")
+        }
         Err(why) => {
             // Past the harness, which shows nothing of tests that pass.
-            let _ = writeln!(std::io::stderr(), "skipped: a_python_client_sees_what_the_tracker_shows: {why}");
+            let _ = writeln!(
+                std::io::stderr(),
+                "skipped: a_python_client_sees_what_the_tracker_shows: {why}"
+            );
             return;
         }
     };

@@ -6,7 +6,8 @@ use spinebench::hardware::safety::GuardState;
 use spinebench::plants::{Simulated, SimulatedOptions};
 use spinebench::tasks::{ExploreOptions, explore};
 
-/// What lead screws that take most of a tick, and a pose up to a frame old, make of a step of 3 mm, metres.
+/// What lead screws that take most of a tick, and a pose up to a frame old, make of a step of 3 mm,
+/// metres.
 const LAG_M: f64 = 0.004;
 
 #[test]
@@ -19,14 +20,16 @@ fn an_exploration_is_that_of_the_simulated_robot() {
     let seen = explore(&mut plant, &explored, Seed(5)).unwrap();
     let off: Vec<f64> = (0..seen.len())
         .map(|row| {
-            let [a, b] = [&seen, &expected].map(|samples| [0, 1, 2].map(|axis| samples.to_m.row(row)[axis]));
+            let [a, b] =
+                [&seen, &expected].map(|samples| [0, 1, 2].map(|axis| samples.to_m.row(row)[axis]));
             distance_m(&a, &b)
         })
         .collect();
     let rms_m = (off.iter().map(|off_m| off_m * off_m).sum::<f64>() / off.len() as f64).sqrt();
     let largest_m = off.iter().copied().fold(0.0, f64::max);
     let sums = seen.pulls_m.iter().flat_map(|pulls| [pulls[0] + pulls[2], pulls[1] + pulls[3]]);
-    let (low, high) = sums.fold((0.0_f64, 0.0_f64), |(low, high), sum| (low.min(sum), high.max(sum)));
+    let (low, high) =
+        sums.fold((0.0_f64, 0.0_f64), |(low, high), sum| (low.min(sum), high.max(sum)));
     println!("opposite tendons together from {low:.4} to {high:.4} m");
     println!("rms {rms_m:.5} m, largest {largest_m:.5} m, {:?}", plant.events());
     assert!(rms_m < LAG_M && largest_m < 3.0 * LAG_M, "{rms_m} m, {largest_m} m");
@@ -58,7 +61,10 @@ fn switches_at_upper_ends_are_the_same_robot() {
         plant.reset(Seed(0)).unwrap();
         let tip_m = plant.step(&[0.003, 0.001, -0.003, -0.001]).unwrap().tip_m;
         plant.step(&[0.003, 0.001, -0.003, -0.001]).unwrap();
-        let screws_mm = plant.rehearsal().unwrap().with_simulator(|simulator| simulator.controller.position_mm());
+        let screws_mm = plant
+            .rehearsal()
+            .unwrap()
+            .with_simulator(|simulator| simulator.controller.position_mm());
         (tip_m, screws_mm, plant.with_rig(|rig| rig.controller().state().position_mm))
     };
     let [lower, upper, mixed] = [15, 0, 6].map(seen);
@@ -76,15 +82,19 @@ fn switches_at_upper_ends_are_the_same_robot() {
 fn what_may_not_leave_is_refused_and_the_robot_goes_on() {
     let mut plant = open(&options(), 3);
     plant.reset(Seed(0)).unwrap();
-    let refused =
-        |outcome: Result<_, PlantError>| assert!(matches!(outcome, Err(PlantError::Refused(_))), "{outcome:?}");
+    let refused = |outcome: Result<_, PlantError>| {
+        assert!(matches!(outcome, Err(PlantError::Refused(_))), "{outcome:?}")
+    };
     refused(plant.step(&[0.0121, 0.0, 0.0, 0.0]));
     refused(plant.step(&[f64::NAN, 0.0, 0.0, 0.0]));
     refused(plant.step(&[f64::INFINITY, 0.0, 0.0, 0.0]));
     refused(plant.step(&[0.0; 3]));
     // Two steps at once take two ticks.
     let far = plant.step(&[0.006, 0.0, -0.004, 0.0]).unwrap();
-    assert!((far.time_s - 2.0 * STEP_S).abs() < 0.05 && far.pulls_m == [0.006, 0.0, -0.004, 0.0], "{far:?}");
+    assert!(
+        (far.time_s - 2.0 * STEP_S).abs() < 0.05 && far.pulls_m == [0.006, 0.0, -0.004, 0.0],
+        "{far:?}"
+    );
     for k in 1..=9 {
         plant.step(&[0.003 * f64::from(k), 0.0, -0.003 * f64::from(k), 0.0]).unwrap();
     }

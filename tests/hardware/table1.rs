@@ -1,4 +1,5 @@
-//! Table I, small, on a rehearsed bench: the whole closed loop through the drivers of the motors and the tracker.
+//! Table I, small, on a rehearsed bench: the whole closed loop through the drivers of the motors
+//! and the tracker.
 
 use std::collections::BTreeSet;
 use std::process::Command;
@@ -50,8 +51,10 @@ fn the_closed_loop_runs_through_the_drivers() {
         column(&table, "policy").into_iter().zip(column(&table, "mode")).collect();
     assert_eq!((conditions.len(), status.len() % conditions.len()), (11, 0), "{table}");
     assert!(status.iter().all(|status| status == "ok"), "{table}");
-    // Barely trained networks reach nothing well; that they move the tip by centimetres and not out of the world is the loop's.
-    let errors: Vec<f64> = column(&table, "error_m").iter().map(|cell| cell.parse().unwrap()).collect();
+    // Barely trained networks reach nothing well; that they move the tip by centimetres and not out
+    // of the world is the loop's.
+    let errors: Vec<f64> =
+        column(&table, "error_m").iter().map(|cell| cell.parse().unwrap()).collect();
     assert!(errors.iter().all(|error_m| *error_m < 0.2), "{errors:?}");
     assert!(folder.path().join("plots").is_dir(), "{said}");
 }

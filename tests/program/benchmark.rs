@@ -1,5 +1,5 @@
-//! The blind benchmark through the program: the smallest spec end to end, twice the same, failures as rows, and bad keys
-//! with their line.
+//! The blind benchmark through the program: the smallest spec end to end, twice the same, failures
+//! as rows, and bad keys with their line.
 
 use spinebench::data::findings::{CaseRow, IntervalRow};
 use spinebench::data::tables::read_csv;
@@ -26,7 +26,8 @@ fn run(folder: &Path, text: &str, more: &[&str]) -> Output {
     command.env_remove("SPINEBENCH_CACHE").output().unwrap()
 }
 
-const TRUTH: &str = "truth: {cell_m: 0.04, bending_modes: 5, time_step_s: 0.1, motion_tolerance_m: 0.0003}";
+const TRUTH: &str =
+    "truth: {cell_m: 0.04, bending_modes: 5, time_step_s: 0.1, motion_tolerance_m: 0.0003}";
 
 #[test]
 fn the_smallest_spec_runs_end_to_end_and_twice_the_same() {
@@ -49,7 +50,11 @@ fn the_smallest_spec_runs_end_to_end_and_twice_the_same() {
     let heads: Vec<(u64, &str, &str)> =
         rows.iter().map(|row| (row.case, row.group.as_str(), row.truth.as_str())).collect();
     assert_eq!(heads, [(0, "nothing", ""), (1, "single", "tip_load"), (2, "outside", "")]);
-    assert!(["consistent", "named", "ambiguous", "unexplained"].contains(&rows[0].verdict.as_str()), "{:?}", rows[0]);
+    assert!(
+        ["consistent", "named", "ambiguous", "unexplained"].contains(&rows[0].verdict.as_str()),
+        "{:?}",
+        rows[0]
+    );
     assert!(
         rows[1].shift_m > 0.0035 && rows[1].before_m > 0.002 && rows[1].after_m <= rows[1].before_m,
         "{:?}",
@@ -58,20 +63,29 @@ fn the_smallest_spec_runs_end_to_end_and_twice_the_same() {
     assert!(rows[2].verdict.starts_with("failed: blind_truth: 10 candidates"), "{:?}", rows[2]);
     let intervals: Vec<IntervalRow> = read_csv(&table.with_file_name("intervals.csv")).unwrap();
     for row in &rows {
-        let own: Vec<&IntervalRow> = intervals.iter().filter(|interval| interval.case == row.case).collect();
+        let own: Vec<&IntervalRow> =
+            intervals.iter().filter(|interval| interval.case == row.case).collect();
         let covered = own.iter().filter(|interval| interval.covered).count();
         assert_eq!((row.intervals, row.covered), (own.len() as u64, covered as u64), "{row:?}");
-        assert!(own.iter().all(|one| one.covered == (one.low..=one.high).contains(&one.truth)), "{own:?}");
+        assert!(
+            own.iter().all(|one| one.covered == (one.low..=one.high).contains(&one.truth)),
+            "{own:?}"
+        );
     }
     let again = run(folder.path(), &spec, &["--out", "two", "--cache", "b", "--jobs", "2"]);
     assert_eq!(again.status.code(), Some(1));
-    let bytes = |out: &str| std::fs::read(folder.path().join(out).join("results/blind/discovery.csv")).unwrap();
+    let bytes = |out: &str| {
+        std::fs::read(folder.path().join(out).join("results/blind/discovery.csv")).unwrap()
+    };
     assert_eq!(bytes("one"), bytes("two"), "the number of threads changes nothing");
 }
 
 /// What stands below `discovery:` (which is line 4), and how the error begins after `error: `.
 const BAD: &[(&str, &str)] = &[
-    ("batches: []", "blind.yaml:5:14: runs.discovery.batches: found an empty list, expected at least one batch"),
+    (
+        "batches: []",
+        "blind.yaml:5:14: runs.discovery.batches: found an empty list, expected at least one batch",
+    ),
     ("batchs: []", "blind.yaml:5:5: runs.discovery.batchs: found the unknown key `batchs`"),
     (
         "batches:\n      - {group: singel, cases: 3}",
@@ -83,7 +97,8 @@ const BAD: &[(&str, &str)] = &[
     ),
     (
         "batches:\n      - {group: single, cases: 1, shifts_m: [4]}",
-        "blind.yaml:6:45: runs.discovery.batches[0].shifts_m: found 4, expected above 0 and up to 0.05 m",
+        "blind.yaml:6:45: runs.discovery.batches[0].shifts_m: found 4, expected above 0 and up to \
+         0.05 m",
     ),
     (
         "batches:\n      - {group: single, cases: 1, shifts_mm: [4]}",
@@ -95,23 +110,28 @@ const BAD: &[(&str, &str)] = &[
     ),
     (
         "batches:\n      - {group: nothing, cases: 1, noise_m: 0.5}",
-        "blind.yaml:6:45: runs.discovery.batches[0].noise_m: found 0.5, expected above 0 and up to 0.05 m",
+        "blind.yaml:6:45: runs.discovery.batches[0].noise_m: found 0.5, expected above 0 and up to \
+         0.05 m",
     ),
     (
         "batches:\n      - {group: nothing, cases: 1, trials: 30, samples: 40}",
-        "blind.yaml:6:44: runs.discovery.batches[0].trials: found 30, expected at least 2, and 2 samples in each",
+        "blind.yaml:6:44: runs.discovery.batches[0].trials: found 30, expected at least 2, and 2 \
+         samples in each",
     ),
     (
         "options: {held_out_share: 1.5}\n    batches: [{group: nothing, cases: 1}]",
-        "blind.yaml:5:31: runs.discovery.options.held_out_share: found 1.5, expected a number between 0 and 1",
+        "blind.yaml:5:31: runs.discovery.options.held_out_share: found 1.5, expected a number \
+         between 0 and 1",
     ),
     (
         "options: {left_out: [tip_lode]}\n    batches: [{group: nothing, cases: 1}]",
         "blind.yaml:5:26: runs.discovery.options.left_out[0]: found `tip_lode`, expected one of",
     ),
     (
-        "options: {uncertain: [{effect: tip_load, parameter: mass_g, deviation: 1}]}\n    batches: [{group: nothing, cases: 1}]",
-        "blind.yaml:5:57: runs.discovery.options.uncertain[0].parameter: found `mass_g`, expected one of `mass_kg`",
+        "options: {uncertain: [{effect: tip_load, parameter: mass_g, deviation: 1}]}\n    batches: \
+         [{group: nothing, cases: 1}]",
+        "blind.yaml:5:57: runs.discovery.options.uncertain[0].parameter: found `mass_g`, expected \
+         one of `mass_kg`",
     ),
     (
         "truth: {cell_m: 0}\n    batches: [{group: nothing, cases: 1}]",
@@ -119,7 +139,8 @@ const BAD: &[(&str, &str)] = &[
     ),
     (
         "oracle: {outside_above: 0.1}\n    batches: [{group: nothing, cases: 1}]",
-        "blind.yaml:5:29: runs.discovery.oracle.outside_above: found 0.1, expected at least inside_below",
+        "blind.yaml:5:29: runs.discovery.oracle.outside_above: found 0.1, expected at least \
+         inside_below",
     ),
 ];
 

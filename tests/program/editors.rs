@@ -22,7 +22,8 @@ fn yaml(text: &str) -> Value {
 /// YAML files directly in a folder of this repository.
 fn files(folder: &str) -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
-    let mut files: Vec<PathBuf> = std::fs::read_dir(folder).unwrap().flatten().map(|file| file.path()).collect();
+    let mut files: Vec<PathBuf> =
+        std::fs::read_dir(folder).unwrap().flatten().map(|file| file.path()).collect();
     files.retain(|file| file.extension().is_some_and(|end| end == "yaml"));
     assert!(!files.is_empty());
     files
@@ -64,7 +65,10 @@ fn what_the_program_refuses_by_its_keys_the_schema_refuses() {
         ("experiment", "{extends: smoke.yaml, gp: {kernel: se_ard + foo}}"),
         ("experiment", "{extends: smoke.yaml, gp: {starts: many}}"),
         ("experiment", "{extends: smoke.yaml, modes: {closed: {feedback: ajar}}}"),
-        ("experiment", "{extends: smoke.yaml, modes: {closed: {effects: [{tip_lode: {mass_kg: 1}}]}}}"),
+        (
+            "experiment",
+            "{extends: smoke.yaml, modes: {closed: {effects: [{tip_lode: {mass_kg: 1}}]}}}",
+        ),
         ("experiment", "{extends: smoke.yaml, modes: {closed: {effects: [{tip_load: {}}]}}}"),
         ("experiment", "{extends: smoke.yaml, runs: {reach: [{policies: [a]}]}}"),
         ("experiment", "{extends: smoke.yaml, plant: {hologram: {}}}"),
@@ -84,20 +88,36 @@ fn what_the_program_refuses_by_its_keys_the_schema_refuses() {
         assert!(!problems(&schema(kind), &yaml(text)).is_empty(), "{kind}: {text}");
     }
     let good = [
-        ("experiment", "{extends: smoke.yaml, gp: {kernel: '(se + linear[place]) * periodic[1-2, 4] + white'}}"),
-        ("experiment", "{extends: smoke.yaml, plant: {simulated: {noise_m: 0.001}}}"),
-        ("experiment", "{extends: smoke.yaml, model: {simulated: {model: ../models/real.yaml}}}"),
-        ("experiment", "{extends: smoke.yaml, policies: {mine: {onnx: {file: mine.onnx}}, c: {max_switches: 3}}}"),
-        ("experiment", "{extends: smoke.yaml, policies: {mine: {python: {file: mine.py, class: Mine}}}}"),
-        ("experiment", "{extends: smoke.yaml, policies: {outside: {mine: {onnx: {file: mine.onnx}}}}}"),
         (
             "experiment",
-            "{extends: smoke.yaml, sweep: {gp.kernel: [matern52], gp.starts: null, seed: {random: {from: 1, to: 9, count: 3, whole: true}}}}",
+            "{extends: smoke.yaml, gp: {kernel: '(se + linear[place]) * periodic[1-2, 4] + \
+             white'}}",
+        ),
+        ("experiment", "{extends: smoke.yaml, plant: {simulated: {noise_m: 0.001}}}"),
+        ("experiment", "{extends: smoke.yaml, model: {simulated: {model: ../models/real.yaml}}}"),
+        (
+            "experiment",
+            "{extends: smoke.yaml, policies: {mine: {onnx: {file: mine.onnx}}, c: {max_switches: \
+             3}}}",
+        ),
+        (
+            "experiment",
+            "{extends: smoke.yaml, policies: {mine: {python: {file: mine.py, class: Mine}}}}",
+        ),
+        (
+            "experiment",
+            "{extends: smoke.yaml, policies: {outside: {mine: {onnx: {file: mine.onnx}}}}}",
+        ),
+        (
+            "experiment",
+            "{extends: smoke.yaml, sweep: {gp.kernel: [matern52], gp.starts: null, seed: {random: \
+             {from: 1, to: 9, count: 3, whole: true}}}}",
         ),
         ("plant", "{simulated: {model: ../models/real.yaml}}"),
         (
             "map",
-            "{commands: {tendons: {columns: [a, 2]}}, tracking: {tip: {position: [1, y, z]}, clock: {estimate: {}}}}",
+            "{commands: {tendons: {columns: [a, 2]}}, tracking: {tip: {position: [1, y, z]}, \
+             clock: {estimate: {}}}}",
         ),
         ("map", "{commands: {tendons: {columns: [a]}}, tracking: {tip: {}, clock: same}}"),
     ];
@@ -119,7 +139,10 @@ fn the_whole_catalogue_is_in_the_schema_with_words_for_every_key() {
         }
     }
     let robot = &schema["$defs"]["Robot"]["properties"];
-    assert_eq!(robot["damping_time_s"]["description"], "Bending damping over bending stiffness, s.");
+    assert_eq!(
+        robot["damping_time_s"]["description"],
+        "Bending damping over bending stiffness, s."
+    );
 }
 
 /// The checker itself: it must find what is wrong and refuse what it does not know.
@@ -143,7 +166,10 @@ fn the_checker_checks() {
     ] {
         assert!(!problems(&schema, &bad).is_empty(), "{bad}");
     }
-    assert!(std::panic::catch_unwind(|| problems(&json!({"patternProperties": {}}), &json!({}))).is_err());
+    assert!(
+        std::panic::catch_unwind(|| problems(&json!({"patternProperties": {}}), &json!({})))
+            .is_err()
+    );
 }
 
 #[test]
@@ -162,7 +188,11 @@ fn completions_are_scripts_that_know_the_commands() {
         let file = folder.path().join("script");
         std::fs::write(&file, script).unwrap();
         match Command::new(shell).arg("-n").arg(&file).output() {
-            Ok(output) => assert!(output.status.success(), "{shell}: {}", String::from_utf8_lossy(&output.stderr)),
+            Ok(output) => assert!(
+                output.status.success(),
+                "{shell}: {}",
+                String::from_utf8_lossy(&output.stderr)
+            ),
             Err(error) => eprintln!("{shell} -n skipped: {error}"),
         }
     }

@@ -1,5 +1,6 @@
-//! The examples in README and docs run as printed: blocks that are marked run and print what the page says, and every
-//! command that any page shows names options that exist and files that are shipped.
+//! The examples in README and docs run as printed: blocks that are marked run and print what the
+//! page says, and every command that any page shows names options that exist and files that are
+//! shipped.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -17,10 +18,13 @@ fn blocks(page: &str) -> Vec<Block> {
     let mut lines = page.lines().peekable();
     let mut mark = None;
     while let Some(line) = lines.next() {
-        if let Some(named) = line.trim().strip_prefix("<!-- ").and_then(|rest| rest.strip_suffix(" -->")) {
+        if let Some(named) =
+            line.trim().strip_prefix("<!-- ").and_then(|rest| rest.strip_suffix(" -->"))
+        {
             mark = Some(named.to_owned());
         } else if line.trim_start().starts_with("```") {
-            let inside: Vec<&str> = lines.by_ref().take_while(|line| !line.trim_start().starts_with("```")).collect();
+            let inside: Vec<&str> =
+                lines.by_ref().take_while(|line| !line.trim_start().starts_with("```")).collect();
             found.push(Block { mark: mark.take(), text: inside.join("\n") + "\n" });
         } else if !line.trim().is_empty() {
             mark = None;
@@ -30,7 +34,10 @@ fn blocks(page: &str) -> Vec<Block> {
 }
 
 fn pages() -> Vec<PathBuf> {
-    let docs = std::fs::read_dir(Path::new(ROOT).join("docs")).unwrap().flatten().map(|entry| entry.path());
+    let docs = std::fs::read_dir(Path::new(ROOT).join("docs"))
+        .unwrap()
+        .flatten()
+        .map(|entry| entry.path());
     let docs = docs.filter(|path| path.extension().is_some_and(|end| end == "md"));
     std::iter::once(Path::new(ROOT).join("README.md")).chain(docs).collect()
 }
@@ -39,10 +46,15 @@ fn pages() -> Vec<PathBuf> {
 fn checkout() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     for shared in ["models", "experiments", "tests"] {
-        std::os::unix::fs::symlink(Path::new(ROOT).join(shared), folder.path().join(shared)).unwrap();
+        std::os::unix::fs::symlink(Path::new(ROOT).join(shared), folder.path().join(shared))
+            .unwrap();
     }
     std::fs::create_dir_all(folder.path().join("results")).unwrap();
-    std::fs::copy(Path::new(ROOT).join("results/PUBLISHED"), folder.path().join("results/PUBLISHED")).unwrap();
+    std::fs::copy(
+        Path::new(ROOT).join("results/PUBLISHED"),
+        folder.path().join("results/PUBLISHED"),
+    )
+    .unwrap();
     // Files of an example that name ../experiments stand in out/.
     std::fs::create_dir_all(folder.path().join("out")).unwrap();
     folder
@@ -54,7 +66,8 @@ fn run(folder: &Path, line: &str) -> Output {
     command.args(words).current_dir(folder).env_remove("SPINEBENCH_CACHE").output().unwrap()
 }
 
-/// The commands of a block with what they print: lines after a prompt `$ `, or all lines where there is no prompt.
+/// The commands of a block with what they print: lines after a prompt `$ `, or all lines where
+/// there is no prompt.
 fn typed(block: &str) -> Vec<(String, String)> {
     if !block.starts_with("$ ") {
         return block.lines().map(|line| (line.to_owned(), String::new())).collect();
@@ -73,9 +86,16 @@ fn typed(block: &str) -> Vec<(String, String)> {
 /// Runs a line as a shell would, with the program in its path.
 fn shell(folder: &Path, line: &str) -> Output {
     let program = Path::new(env!("CARGO_BIN_EXE_spinebench"));
-    let path = format!("{}:{}", program.parent().unwrap().display(), std::env::var("PATH").unwrap());
+    let path =
+        format!("{}:{}", program.parent().unwrap().display(), std::env::var("PATH").unwrap());
     let mut command = Command::new("bash");
-    command.args(["-c", line]).env("PATH", path).current_dir(folder).env_remove("SPINEBENCH_CACHE").output().unwrap()
+    command
+        .args(["-c", line])
+        .env("PATH", path)
+        .current_dir(folder)
+        .env_remove("SPINEBENCH_CACHE")
+        .output()
+        .unwrap()
 }
 
 #[test]
@@ -94,17 +114,25 @@ fn marked_examples_run_as_printed() {
             } else if mark == "runs" {
                 for (line, expected) in typed(&block.text) {
                     let output = shell(folder.path(), &line);
-                    said =
-                        String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+                    said = String::from_utf8_lossy(&output.stdout).into_owned()
+                        + &String::from_utf8_lossy(&output.stderr);
                     assert!(output.status.success(), "{}: {line}\n{said}", page.display());
-                    assert!(expected.is_empty() || said == expected, "{}: {line}\n{said}", page.display());
+                    assert!(
+                        expected.is_empty() || said == expected,
+                        "{}: {line}\n{said}",
+                        page.display()
+                    );
                     ran += 1;
                 }
             } else if mark == "prints" {
                 assert_eq!(said, block.text, "{}", page.display());
             }
         }
-        assert!(!folder.path().join("plots").exists(), "{}: an example replaced published results", page.display());
+        assert!(
+            !folder.path().join("plots").exists(),
+            "{}: an example replaced published results",
+            page.display()
+        );
     }
     assert!(ran >= 4, "{ran} examples");
 }
@@ -137,11 +165,17 @@ fn every_shown_command_has_the_options_and_files_that_it_names() {
                 wrong.push(told(format!("no command `{}`", command.join(" "))));
             }
             for word in &words {
-                let option = word.trim_matches(|letter| "[]".contains(letter)).split(['=', ' ']).next().unwrap();
+                let option = word
+                    .trim_matches(|letter| "[]".contains(letter))
+                    .split(['=', ' '])
+                    .next()
+                    .unwrap();
                 if option.starts_with("--") && !help.contains(option) {
                     wrong.push(told(format!("no option `{option}`")));
                 }
-                let shipped = ["models/", "experiments/", "tests/data/"].iter().any(|start| word.starts_with(start));
+                let shipped = ["models/", "experiments/", "tests/data/"]
+                    .iter()
+                    .any(|start| word.starts_with(start));
                 if shipped && !word.contains(['*', '…']) && !Path::new(ROOT).join(word).exists() {
                     wrong.push(told(format!("no file `{word}`")));
                 }

@@ -1,4 +1,5 @@
-//! The examples of `docs/extending.md`, added to a copy of the sources: one file and one line each, and nothing else.
+//! The examples of `docs/extending.md`, added to a copy of the sources: one file and one line each,
+//! and nothing else.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -70,26 +71,38 @@ fn extended_tree(tree: &Path) {
         let name = file.strip_prefix(ROOT).unwrap();
         let mut bytes = std::fs::read(&file).unwrap();
         for line in examples.iter().filter(|example| Path::new(&example.path) == name) {
-            let (text, after) = (String::from_utf8(bytes).unwrap(), line.after.as_ref().expect("a new file is new"));
+            let (text, after) = (
+                String::from_utf8(bytes).unwrap(),
+                line.after.as_ref().expect("a new file is new"),
+            );
             assert_eq!(line.text.trim().lines().count(), 1, "{}: one line", line.path);
-            let found: Vec<&str> = text.lines().filter(|candidate| candidate.trim() == after).collect();
+            let found: Vec<&str> =
+                text.lines().filter(|candidate| candidate.trim() == after).collect();
             assert_eq!(found.len(), 1, "{}: found `{after}` {} times", line.path, found.len());
-            bytes = text.replace(found[0], &format!("{}\n{}", found[0], line.text.trim_end())).into_bytes();
+            bytes = text
+                .replace(found[0], &format!("{}\n{}", found[0], line.text.trim_end()))
+                .into_bytes();
         }
         wanted.push((name.to_owned(), bytes));
     }
     for file in examples.iter().filter(|example| example.after.is_none()) {
-        assert!(wanted.iter().all(|(name, _)| name != Path::new(&file.path)), "{} is there already", file.path);
+        assert!(
+            wanted.iter().all(|(name, _)| name != Path::new(&file.path)),
+            "{} is there already",
+            file.path
+        );
         wanted.push((file.path.clone().into(), file.text.clone().into_bytes()));
     }
     let stale = if tree.exists() { files(tree) } else { Vec::new() };
-    for file in stale.iter().filter(|file| wanted.iter().all(|(name, _)| tree.join(name) != **file)) {
+    for file in stale.iter().filter(|file| wanted.iter().all(|(name, _)| tree.join(name) != **file))
+    {
         std::fs::remove_file(file).unwrap();
     }
     wanted.iter().for_each(|(name, bytes)| put(&tree.join(name), bytes));
 }
 
-/// Links the compiled dependencies of this build into `target`, so that only this crate is compiled there.
+/// Links the compiled dependencies of this build into `target`, so that only this crate is compiled
+/// there.
 fn share_dependencies(target: &Path) {
     let compiled = Path::new(env!("CARGO_BIN_EXE_spinebench")).parent().unwrap();
     for folder in ["build", "deps", ".fingerprint"] {
@@ -99,7 +112,9 @@ fn share_dependencies(target: &Path) {
             if !name.to_string_lossy().contains("spinebench") && !to.exists() {
                 std::fs::create_dir_all(to.parent().unwrap()).unwrap();
                 // The folder may lie on another file system.
-                std::fs::hard_link(&file, &to).or_else(|_| std::fs::copy(&file, &to).map(drop)).unwrap();
+                std::fs::hard_link(&file, &to)
+                    .or_else(|_| std::fs::copy(&file, &to).map(drop))
+                    .unwrap();
             }
         }
     }
@@ -108,11 +123,16 @@ fn share_dependencies(target: &Path) {
 fn cargo(tree: &Path, target: &Path, arguments: &[&str]) -> Output {
     let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     let (subcommand, rest) = arguments.split_first().expect("a subcommand");
-    command.arg(subcommand).args(["--release", "--config", OPTIMISATION]).args(rest).current_dir(tree);
+    command
+        .arg(subcommand)
+        .args(["--release", "--config", OPTIMISATION])
+        .args(rest)
+        .current_dir(tree);
     // What the outer build has set for itself is not for this one.
     for (name, _) in std::env::vars_os() {
         let name = name.to_string_lossy().into_owned();
-        if (name.starts_with("CARGO_") && !["CARGO_HOME", "CARGO_INCREMENTAL"].contains(&name.as_str()))
+        if (name.starts_with("CARGO_")
+            && !["CARGO_HOME", "CARGO_INCREMENTAL"].contains(&name.as_str()))
             || name.starts_with("NEXTEST")
         {
             command.env_remove(name);
@@ -134,14 +154,19 @@ struct Extended {
 impl Extended {
     fn run(&self, arguments: &[&str]) -> String {
         let mut command = Command::new(&self.program);
-        let output = command.current_dir(self.folder.path()).args(arguments).env_remove("SPINEBENCH_CACHE").output();
+        let output = command
+            .current_dir(self.folder.path())
+            .args(arguments)
+            .env_remove("SPINEBENCH_CACHE")
+            .output();
         let output = output.unwrap();
         assert!(output.status.success(), "{arguments:?}: {}", told(&output));
         String::from_utf8(output.stdout).unwrap()
     }
 
     fn read(&self, file: &str) -> String {
-        std::fs::read_to_string(self.folder.path().join(file)).unwrap_or_else(|error| panic!("{file}: {error}"))
+        std::fs::read_to_string(self.folder.path().join(file))
+            .unwrap_or_else(|error| panic!("{file}: {error}"))
     }
 
     fn write(&self, file: &str, text: &str) {
@@ -150,7 +175,9 @@ impl Extended {
 
     fn assert_says(&self, file: &str, words: &[&str]) {
         let text = self.read(file);
-        words.iter().for_each(|word| assert!(text.contains(word), "{file}: no `{word}` in\n{text:.4000}"));
+        words
+            .iter()
+            .for_each(|word| assert!(text.contains(word), "{file}: no `{word}` in\n{text:.4000}"));
     }
 }
 
@@ -162,7 +189,9 @@ fn the_guides_examples_are_seen_everywhere() {
     share_dependencies(&target);
     let built = cargo(&tree, &target, &["build", "--offline", "--locked", "--bin", "spinebench"]);
     assert!(built.status.success(), "{}", told(&built));
-    let program = target.join("release").join(Path::new(env!("CARGO_BIN_EXE_spinebench")).file_name().unwrap());
+    let program = target
+        .join("release")
+        .join(Path::new(env!("CARGO_BIN_EXE_spinebench")).file_name().unwrap());
     let extended = Extended { program, folder: tempfile::tempdir().unwrap() };
     command_line_and_schema(&extended);
     effect(&extended);
@@ -172,22 +201,39 @@ fn the_guides_examples_are_seen_everywhere() {
     let contracts = cargo(
         &tree,
         &target,
-        &[&contracts[..], &["kernels::", "plants::", "policies::", "no_rows_are_an_error", "the_catalogue"]].concat(),
+        &[
+            &contracts[..],
+            &["kernels::", "plants::", "policies::", "no_rows_are_an_error", "the_catalogue"],
+        ]
+        .concat(),
     );
     assert!(contracts.status.success(), "{}", told(&contracts));
 }
 
 fn command_line_and_schema(extended: &Extended) {
     let card = extended.run(&["effects", "tracker_scale"]);
-    assert!(card.contains("the tracker's unit of length is off") && card.contains("scale (ratio"), "{card}");
-    let schema: serde_json::Value = serde_json::from_str(&extended.run(&["schema", "experiment"])).unwrap();
+    assert!(
+        card.contains("the tracker's unit of length is off") && card.contains("scale (ratio"),
+        "{card}"
+    );
+    let schema: serde_json::Value =
+        serde_json::from_str(&extended.run(&["schema", "experiment"])).unwrap();
     let definitions = schema["$defs"].to_string();
-    for word in
-        ["cauchy|", "\"fixed_integral\"", "FixedIntegralOptions", "\"gain\"", "\"tracker_scale\"", "\"linear_tip\""]
-    {
+    for word in [
+        "cauchy|",
+        "\"fixed_integral\"",
+        "FixedIntegralOptions",
+        "\"gain\"",
+        "\"tracker_scale\"",
+        "\"linear_tip\"",
+    ] {
         assert!(definitions.contains(word), "no {word} in the definitions of the schema");
     }
-    assert!(schema["properties"]["figures"].to_string().contains("reach_steps"), "{}", schema["properties"]["figures"]);
+    assert!(
+        schema["properties"]["figures"].to_string().contains("reach_steps"),
+        "{}",
+        schema["properties"]["figures"]
+    );
     let gain = &schema["$defs"]["FixedIntegralOptions"]["properties"]["gain"];
     assert_eq!(gain["default"], 0.06, "{gain}");
     assert!(extended.run(&["schema", "plant"]).contains("linear_tip"));
@@ -205,7 +251,16 @@ fn effect(extended: &Extended) {
         "trial,time_s,tendon_1_m,tendon_2_m,tendon_3_m,tendon_4_m\n0,0,0.005,0,-0.005,0\n0,0.2,0.005,0,-0.005,0\n",
     );
     let tip = |model: &str| -> f64 {
-        extended.run(&["simulate", "--model", model, "--commands", "commands.csv", "--out", "tips.csv", "--static"]);
+        extended.run(&[
+            "simulate",
+            "--model",
+            model,
+            "--commands",
+            "commands.csv",
+            "--out",
+            "tips.csv",
+            "--static",
+        ]);
         let recording = extended.read("tips.csv");
         let mut lines = recording.lines();
         let column = lines.next().unwrap().split(',').position(|name| name == "tip_z_m").unwrap();
@@ -219,39 +274,58 @@ fn effect(extended: &Extended) {
 fn experiment(extended: &Extended) {
     let smoke = Path::new(ROOT).join("experiments/smoke.yaml");
     let spec = format!(
-        "extends: {}\nname: extended\nseeds: 1\nmodel: {{constant_curvature: {{}}}}\nplant: {{linear_tip: {{gain: 4.5}}}}\n\
-         gp: {{kernel: cauchy}}\npolicies: {{fixed_integral: {{gain: 0.07}}}}\n\
-         modes: {{open: {{feedback: open}}, closed: {{feedback: closed}}, closed_load: null}}\n\
-         runs:\n  gap: null\n  gp_points: []\n  forward: false\n  reach:\n    - {{policies: [a, fixed_integral, pi_patient], modes: [open, closed], gp_points: [20], real_points: [200]}}\n  \
-         track: {{policies: [a, fixed_integral], mode: closed, gp_points: 20, real_points: null}}\n\
-         figures: [table1, fig8, reach_steps]\nclaims: []\n",
+        "extends: {}\nname: extended\nseeds: 1\nmodel: {{constant_curvature: {{}}}}\nplant: \
+         {{linear_tip: {{gain: 4.5}}}}\ngp: {{kernel: cauchy}}\npolicies: {{fixed_integral: \
+         {{gain: 0.07}}}}\nmodes: {{open: {{feedback: open}}, closed: {{feedback: closed}}, \
+         closed_load: null}}\nruns:\n  gap: null\n  gp_points: []\n  forward: false\n  reach:\n    \
+         - {{policies: [a, fixed_integral, pi_patient], modes: [open, closed], gp_points: [20], \
+         real_points: [200]}}\n  track: {{policies: [a, fixed_integral], mode: closed, gp_points: \
+         20, real_points: null}}\nfigures: [table1, fig8, reach_steps]\nclaims: []\n",
         smoke.display()
     );
-    // A mode that the paper's spec has cannot be taken out, only left out of the runs: the new plant takes no load.
-    let spec = spec.replace(", closed_load: null", ", closed_load: {feedback: closed, effects: []}");
+    // A mode that the paper's spec has cannot be taken out, only left out of the runs: the new
+    // plant takes no load.
+    let spec =
+        spec.replace(", closed_load: null", ", closed_load: {feedback: closed, effects: []}");
     extended.write("extended.yaml", &spec);
     let plan = extended.run(&["plan", "extended.yaml"]);
-    assert!(plan.contains("fixed_integral closed") && !plan.contains("fixed_integral open"), "{plan}");
+    assert!(
+        plan.contains("fixed_integral closed") && !plan.contains("fixed_integral open"),
+        "{plan}"
+    );
     extended.run(&["run", "extended.yaml", "--quiet"]);
-    extended.assert_says("results/extended/spec.yaml", &["kernel: cauchy", "gain: 0.07", "linear_tip:"]);
+    extended.assert_says(
+        "results/extended/spec.yaml",
+        &["kernel: cauchy", "gain: 0.07", "linear_tip:"],
+    );
     extended.assert_says("results/extended/trials.csv", &[",fixed_integral,closed,0,0,"]);
     extended.assert_says("results/extended/summary.csv", &[",fixed_integral,closed,"]);
     extended.assert_says("results/extended/gp.csv", &["cauchy"]);
-    extended.assert_says("results/extended/networks.csv", &["0,paper,patient,200,", "0,paper,inverse,"]);
-    extended.assert_says("results/extended/table1.md", &["| **fixed integral** |", "| **A** |", "N/A"]);
-    extended.assert_says("results/extended/table1.tex", &["\nfixed integral & N/A & ", "$\\pi_{patient}$ & 0."]);
+    extended.assert_says(
+        "results/extended/networks.csv",
+        &["0,paper,patient,200,", "0,paper,inverse,"],
+    );
+    extended
+        .assert_says("results/extended/table1.md", &["| **fixed integral** |", "| **A** |", "N/A"]);
+    extended.assert_says(
+        "results/extended/table1.tex",
+        &["\nfixed integral & N/A & ", "$\\pi_{patient}$ & 0."],
+    );
     extended.assert_says("results/extended/fig8.md", &["| fixed integral |"]);
     for figure in ["table1", "fig8", "reach_steps"] {
         extended.assert_says(&format!("plots/extended/{figure}.svg"), &["fixed integral"]);
-        let png = std::fs::read(extended.folder.path().join(format!("plots/extended/{figure}.png"))).unwrap();
+        let png =
+            std::fs::read(extended.folder.path().join(format!("plots/extended/{figure}.png")))
+                .unwrap();
         assert!(png.starts_with(b"\x89PNG"), "{figure}");
     }
 }
 
 /// Alone, the policy has a table and figures of its own; it needs no network, and none is trained.
 fn one_policy(extended: &Extended) {
-    let alone = "extends: extended.yaml\nname: alone\nruns:\n  reach:\n    - {policies: [fixed_integral], modes: [closed]}\n  \
-                 track: {policies: [fixed_integral], mode: closed, gp_points: null}\n";
+    let alone = "extends: extended.yaml\nname: alone\nruns:\n  reach:\n    - {policies: \
+                 [fixed_integral], modes: [closed]}\n  track: {policies: [fixed_integral], mode: \
+                 closed, gp_points: null}\n";
     extended.write("alone.yaml", alone);
     extended.run(&["run", "alone.yaml", "--quiet", "--set", "policies.fixed_integral.gain=0.05"]);
     let table = extended.read("results/alone/table1.md");

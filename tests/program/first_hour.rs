@@ -1,4 +1,5 @@
-//! What a new user meets in the first hour: wrong units, swapped arguments, folders that take nothing, words that help.
+//! What a new user meets in the first hour: wrong units, swapped arguments, folders that take
+//! nothing, words that help.
 
 use crate::support::hour::Desk;
 
@@ -27,11 +28,31 @@ fn desk() -> Desk {
 fn wrong_units_are_refused_with_the_unit_that_was_meant() {
     let desk = desk();
     let cases = [
-        ("2.33e9", "4.0", "robot.backbone.youngs_modulus_pa: found 4 (if that is in GPa, write 4e9 Pa)"),
-        ("radius_m: 0.020", "radius_m: 15", "robot.tendons.radius_m: found 15 (if that is in mm, write 0.015 m)"),
-        ("mass_kg: 0.004", "mass_kg: 3", "robot.disks.mass_kg: found 3 (if that is in g, write 0.003 kg)"),
-        ("radius_m: 0.002,", "radius_m: 1.5,", "robot.backbone.radius_m: found 1.5 (if that is in mm, write 0.0015 m)"),
-        ("length_m: 0.22", "length_m: 300", "robot.backbone.length_m: found 300 (if that is in mm, write 0.3 m)"),
+        (
+            "2.33e9",
+            "4.0",
+            "robot.backbone.youngs_modulus_pa: found 4 (if that is in GPa, write 4e9 Pa)",
+        ),
+        (
+            "radius_m: 0.020",
+            "radius_m: 15",
+            "robot.tendons.radius_m: found 15 (if that is in mm, write 0.015 m)",
+        ),
+        (
+            "mass_kg: 0.004",
+            "mass_kg: 3",
+            "robot.disks.mass_kg: found 3 (if that is in g, write 0.003 kg)",
+        ),
+        (
+            "radius_m: 0.002,",
+            "radius_m: 1.5,",
+            "robot.backbone.radius_m: found 1.5 (if that is in mm, write 0.0015 m)",
+        ),
+        (
+            "length_m: 0.22",
+            "length_m: 300",
+            "robot.backbone.length_m: found 300 (if that is in mm, write 0.3 m)",
+        ),
     ];
     for (right, wrong, expected) in cases {
         assert!(nominal().contains(right), "{right}");
@@ -45,9 +66,15 @@ fn wrong_units_are_refused_with_the_unit_that_was_meant() {
             assert!(said.contains(expected) && said.starts_with("error: wrong.yaml:"), "{said}");
         }
     }
-    desk.put("wrong.yaml", &(nominal() + "  - tip_load: {mass_kg: 20}\n").replace("effects: []", "effects:"));
+    desk.put(
+        "wrong.yaml",
+        &(nominal() + "  - tip_load: {mass_kg: 20}\n").replace("effects: []", "effects:"),
+    );
     let said = desk.refused("simulate --model wrong.yaml --commands c.csv --out out.csv");
-    assert!(said.contains("effects[0].tip_load.mass_kg: found 20 (if that is in g, write 0.02 kg)"), "{said}");
+    assert!(
+        said.contains("effects[0].tip_load.mass_kg: found 20 (if that is in g, write 0.02 kg)"),
+        "{said}"
+    );
 }
 
 #[test]
@@ -59,7 +86,12 @@ fn rows_that_all_fail_are_an_error_that_names_the_suspect() {
     let said = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(1), "{said}");
     assert!(said.contains("none of 12 rows could be solved"), "{said}");
-    assert!(said.contains("gel.yaml: robot.backbone.youngs_modulus_pa: found 6000, which few robots have"), "{said}");
+    assert!(
+        said.contains(
+            "gel.yaml: robot.backbone.youngs_modulus_pa: found 6000, which few robots have"
+        ),
+        "{said}"
+    );
 }
 
 #[test]
@@ -89,7 +121,10 @@ fn swapped_arguments_and_missing_files_are_told_in_one_short_line() {
     let desk = desk();
     for (command, expected) in [
         ("discover --model rec.csv --measured rec.csv --out out", "found a recording (CSV)"),
-        ("discover --model m.yaml --measured m.yaml --out out", "m.yaml, line 1: found a YAML file"),
+        (
+            "discover --model m.yaml --measured m.yaml --out out",
+            "m.yaml, line 1: found a YAML file",
+        ),
         ("discover --model m.yml --measured rec.csv --out out", "did you mean `m.yaml`?"),
         ("discover --model m.yaml --measured reco.csv --out out", "found no such file in /"),
         ("calibrate --model m.yaml --measured data/rec.csv --out out.yaml", "found no folder data"),
@@ -126,13 +161,17 @@ fn set_reaches_the_items_of_lists_and_null_drops_what_was_inherited() {
     assert_ne!(all, fewer);
     let said = desk.refused("plan own.yaml --set runs.reach[7].modes=[closed]");
     assert!(
-        said.starts_with("error: --set runs.reach[7].modes=[closed]: runs.reach[7].modes: found a list of 1"),
+        said.starts_with(
+            "error: --set runs.reach[7].modes=[closed]: runs.reach[7].modes: found a list of 1"
+        ),
         "{said}"
     );
     // Mode and training of the paper are inherited; both go, and what still names them is told.
     desk.put(
         "own.yaml",
-        &format!("extends: {experiments}/smoke.yaml\nname: own\nseeds: 1\ntraining: {{paper: null}}\n"),
+        &format!(
+            "extends: {experiments}/smoke.yaml\nname: own\nseeds: 1\ntraining: {{paper: null}}\n"
+        ),
     );
     let one = desk.ok("plan own.yaml");
     assert_ne!(all, one);
@@ -143,8 +182,9 @@ fn set_reaches_the_items_of_lists_and_null_drops_what_was_inherited() {
 /// A robot with these angles and ends of its tendons.
 fn arm(angles: &str, more: &str) -> String {
     format!(
-        "robot:\n  backbone: {{length_m: 0.30, radius_m: 0.002, youngs_modulus_pa: 2.5e9, poisson_ratio: 0.39, density_kg_m3: 1200}}\n  \
-         tendons: {{radius_m: 0.02, angles_deg: {angles}, pretension_m: 0.0005{more}}}\n"
+        "robot:\n  backbone: {{length_m: 0.30, radius_m: 0.002, youngs_modulus_pa: 2.5e9, \
+         poisson_ratio: 0.39, density_kg_m3: 1200}}\n  tendons: {{radius_m: 0.02, angles_deg: \
+         {angles}, pretension_m: 0.0005{more}}}\n"
     )
 }
 
@@ -152,20 +192,29 @@ fn arm(angles: &str, more: &str) -> String {
 fn robots_of_three_six_and_nine_tendons_run_the_papers_experiments() {
     let nine = "[0, 120, 240, 40, 160, 280, 80, 200, 320]";
     let ends = ", ends_m: [0.1, 0.1, 0.1, 0.2, 0.2, 0.2, 0.3, 0.3, 0.3]";
-    let robots = [("[0, 120, 240]", "", 3), ("[0, 60, 120, 180, 240, 300]", "", 6), (nine, ends, 9)];
+    let robots =
+        [("[0, 120, 240]", "", 3), ("[0, 60, 120, 180, 240, 300]", "", 6), (nine, ends, 9)];
     let experiments = concat!(env!("CARGO_MANIFEST_DIR"), "/experiments");
     for (angles, more, tendons) in robots {
         let desk = Desk::new();
         desk.put("arm.yaml", &arm(angles, more));
-        let sizes = "explore: {points: 60}\nruns:\n  gap: {rows: 20}\n  reach:\n    - {policies: [a, b, c, pi_real], modes: \
-                     [closed], gp_points: [20], real_points: [50]}\n  track: {policies: [c], mode: closed, gp_points: 20, real_points: null}\n";
-        let robot = "model: {simulated: {model: arm.yaml}}\nplant: {simulated: {model: arm.yaml, noise_m: 0.0005}}\n";
-        let spec = format!("extends: {experiments}/smoke.yaml\nname: arm\nseeds: 1\nclaims: []\n{robot}{sizes}");
+        let sizes = "explore: {points: 60}\nruns:\n  gap: {rows: 20}\n  reach:\n    - {policies: \
+                     [a, b, c, pi_real], modes: [closed], gp_points: [20], real_points: [50]}\n  \
+                     track: {policies: [c], mode: closed, gp_points: 20, real_points: null}\n";
+        let robot = "model: {simulated: {model: arm.yaml}}\nplant: {simulated: {model: arm.yaml, \
+                     noise_m: 0.0005}}\n";
+        let spec = format!(
+            "extends: {experiments}/smoke.yaml\nname: arm\nseeds: 1\nclaims: []\n{robot}{sizes}"
+        );
         desk.put("own.yaml", &spec);
         desk.ok("run own.yaml --strict");
-        let rows = |file: &str| std::fs::read_to_string(desk.path("results/arm").join(file)).unwrap();
+        let rows =
+            |file: &str| std::fs::read_to_string(desk.path("results/arm").join(file)).unwrap();
         let trials = rows("trials.csv");
-        assert!(trials.lines().count() > 8 && trials.lines().skip(1).all(|line| line.ends_with(",ok")), "{trials}");
+        assert!(
+            trials.lines().count() > 8 && trials.lines().skip(1).all(|line| line.ends_with(",ok")),
+            "{trials}"
+        );
         let gap = rows("gap.csv");
         let (header, row) = (gap.lines().next().unwrap(), gap.lines().nth(5).unwrap());
         assert_eq!(header.contains("further_tendons_m"), tendons > 4, "{header}");
@@ -187,14 +236,19 @@ fn tendons_on_one_side_are_refused_with_their_place_before_anything_runs() {
     let said = desk.refused("run own.yaml --out out");
     assert!(said.starts_with("error: arm.yaml:3:"), "{said}");
     assert!(
-        said.contains("tendons.angles_deg: found segment 1 with tendons on one side only (0°, 60°, 90°)"),
+        said.contains(
+            "tendons.angles_deg: found segment 1 with tendons on one side only (0°, 60°, 90°)"
+        ),
         "{said}"
     );
     // A robot with another number of tendons cannot replay the model's commands.
     desk.put("arm.yaml", &arm("[0, 120, 240]", ""));
     desk.put(
         "own.yaml",
-        &format!("extends: {experiments}/smoke.yaml\nname: arm\nmodel: {{simulated: {{model: arm.yaml}}}}\n"),
+        &format!(
+            "extends: {experiments}/smoke.yaml\nname: arm\nmodel: {{simulated: {{model: \
+                  arm.yaml}}}}\n"
+        ),
     );
     let said = desk.refused("run own.yaml --out out");
     assert!(said.contains("plant: found 4 tendons, expected 3, as many as `model` has"), "{said}");
@@ -209,8 +263,14 @@ fn a_look_leaves_published_results_alone_and_says_where_it_went() {
     let smoke = concat!(env!("CARGO_MANIFEST_DIR"), "/experiments/smoke.yaml");
     let run = format!("run {smoke} --seeds 1");
     let said = desk.ok(&run);
-    assert!(said.contains("results/ and plots/ here are published; this run writes to out/"), "{said}");
-    assert!(said.contains("out/results/smoke/table1.md") && said.contains("out/plots/smoke/table1.png"), "{said}");
+    assert!(
+        said.contains("results/ and plots/ here are published; this run writes to out/"),
+        "{said}"
+    );
+    assert!(
+        said.contains("out/results/smoke/table1.md") && said.contains("out/plots/smoke/table1.png"),
+        "{said}"
+    );
     assert_eq!(std::fs::read_to_string(desk.path("results/claims.md")).unwrap(), "published\n");
     assert_eq!(std::fs::read_dir(desk.path("results")).unwrap().count(), 2);
     assert!(!desk.path("plots").exists() && desk.path("out/results/claims.md").is_file());
@@ -218,7 +278,10 @@ fn a_look_leaves_published_results_alone_and_says_where_it_went() {
     assert!(!desk.path("plots").exists());
     // Who names the folder is obeyed.
     desk.ok(&(run + " --out ."));
-    assert!(desk.path("results/smoke/table1.md").is_file() && desk.path("plots/smoke/table1.png").is_file());
+    assert!(
+        desk.path("results/smoke/table1.md").is_file()
+            && desk.path("plots/smoke/table1.png").is_file()
+    );
 }
 
 #[test]
@@ -226,17 +289,24 @@ fn a_run_that_is_interrupted_says_that_the_same_command_goes_on() {
     let desk = Desk::new();
     let smoke = concat!(env!("CARGO_MANIFEST_DIR"), "/experiments/smoke.yaml");
     let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_spinebench"));
-    command.args(["run", smoke, "--log", "json"]).current_dir(desk.path(".")).env_remove("SPINEBENCH_CACHE");
+    command
+        .args(["run", smoke, "--log", "json"])
+        .current_dir(desk.path("."))
+        .env_remove("SPINEBENCH_CACHE");
     let mut child = command.stderr(std::process::Stdio::piped()).spawn().unwrap();
     let mut lines = std::io::BufRead::lines(std::io::BufReader::new(child.stderr.take().unwrap()));
     // The last results may not be stored yet, the first are.
-    let finished = lines.by_ref().map(Result::unwrap).filter(|line| line.contains("\"finished\"")).nth(11);
+    let finished =
+        lines.by_ref().map(Result::unwrap).filter(|line| line.contains("\"finished\"")).nth(11);
     assert!(finished.is_some());
     let pid = child.id().to_string();
     assert!(std::process::Command::new("kill").args(["-INT", &pid]).status().unwrap().success());
     let rest: Vec<String> = lines.map(Result::unwrap).collect();
     assert_eq!(child.wait().unwrap().code(), Some(130), "{rest:?}");
-    assert!(rest.iter().any(|line| line.contains("the same command goes on from there")), "{rest:?}");
+    assert!(
+        rest.iter().any(|line| line.contains("the same command goes on from there")),
+        "{rest:?}"
+    );
     let said = desk.ok(&format!("run {smoke}"));
     let line = said.lines().find(|line| line.contains("stages computed")).unwrap();
     assert!(!line.contains(" 0 read"), "{line}");
@@ -247,11 +317,16 @@ fn discover_tells_its_steps() {
     let desk = desk();
     let root = env!("CARGO_MANIFEST_DIR");
     let command = format!(
-        "discover --log json --model {root}/models/nominal.yaml --measured {root}/tests/reference/twin/nothing.csv \
-         --baseline {root}/tests/reference/twin/baseline.csv --out out"
+        "discover --log json --model {root}/models/nominal.yaml --measured \
+         {root}/tests/reference/twin/nothing.csv --baseline \
+         {root}/tests/reference/twin/baseline.csv --out out"
     );
     let said = desk.ok(&command);
-    for step in ["checking the recording", "trying the effects one by one", "fitting the answer with full accuracy"] {
+    for step in [
+        "checking the recording",
+        "trying the effects one by one",
+        "fitting the answer with full accuracy",
+    ] {
         assert!(said.contains(&format!("\"text\":\"{step}\"")), "{step}: {said}");
     }
     assert!(said.contains("\"event\":\"step\""), "{said}");

@@ -1,5 +1,5 @@
-//! `import csv`: files as other people's loggers write them, by a map. The motion is a simulated one, which the files are
-//! written from by hand.
+//! `import csv`: files as other people's loggers write them, by a map. The motion is a simulated
+//! one, which the files are written from by hand.
 
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use spinebench::data::Recording;
@@ -60,7 +60,8 @@ impl Bench {
 fn commands() -> Vec<[f64; 4]> {
     let mut state = 12345_u64;
     let mut draw = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (state >> 33) as f64 / (1_u64 << 31) as f64
     };
     let step = |k: usize| {
@@ -90,13 +91,14 @@ fn comma(number: f64, digits: usize) -> String {
     format!("{number:.digits$}").replace('.', ",")
 }
 
-/// A spreadsheet's log: byte-order mark, semicolons, decimal commas, comments, milliseconds since somewhere, lengths of the
-/// tendons that are left in the robot, in mm.
+/// A spreadsheet's log: byte-order mark, semicolons, decimal commas, comments, milliseconds since
+/// somewhere, lengths of the tendons that are left in the robot, in mm.
 fn write_log(bench: &Bench) {
     let mut text = "\u{feff}# rig 3\r\nRun;Stamp;L1;L2;L3;L4;\r\n".to_owned();
     for (k, pulls) in commands().into_iter().enumerate() {
         let stamp_ms = 1e3 * (90.0 + 0.2 * k as f64);
-        let lengths: Vec<String> = pulls.iter().zip(HOME_MM).map(|(pull, home)| comma(home - 1e3 * pull, 7)).collect();
+        let lengths: Vec<String> =
+            pulls.iter().zip(HOME_MM).map(|(pull, home)| comma(home - 1e3 * pull, 7)).collect();
         write!(text, "7;{};{};\r\n", comma(stamp_ms, 1), lengths.join(";")).unwrap();
         if k == 70 {
             text += "# pause\r\n";
@@ -112,24 +114,35 @@ fn base() -> (Matrix3<f64>, UnitQuaternion<f64>, Vector3<f64>) {
     (ours, UnitQuaternion::new(Vector3::new(0.3, -0.2, 0.1)), Vector3::new(1.1, 0.4, -0.3))
 }
 
-/// The tracker's export: tabs, microseconds on its own clock, mm, y up, quaternions x, y, z, w, begun 3 s early.
+/// The tracker's export: tabs, microseconds on its own clock, mm, y up, quaternions x, y, z, w,
+/// begun 3 s early.
 fn write_tracking(bench: &Bench, truth: &Recording) {
     let (ours, turn, place) = base();
-    let quaternion = |turn: &UnitQuaternion<f64>| format!("{}\t{}\t{}\t{}", turn.i, turn.j, turn.k, turn.w);
+    let quaternion =
+        |turn: &UnitQuaternion<f64>| format!("{}\t{}\t{}\t{}", turn.i, turn.j, turn.k, turn.w);
     let mut text = "t\tbx\tby\tbz\tbqx\tbqy\tbqz\tbqw\tx\ty\tz\tqx\tqy\tqz\tqw\n".to_owned();
     let still = std::iter::repeat_n(0, 300);
     for (k, row) in still.chain(0..truth.len()).enumerate() {
         let stamp_s = 90.0 - OFFSET_S + FRAME_S * (k as f64 - 300.0);
-        let tip = turn * (ours.transpose() * Vector3::from(truth.tip_m.as_ref().unwrap()[row])) + place;
+        let tip =
+            turn * (ours.transpose() * Vector3::from(truth.tip_m.as_ref().unwrap()[row])) + place;
         let [w, x, y, z] = truth.tip_quaternion.as_ref().unwrap()[row];
         let own = UnitQuaternion::from_quaternion(nalgebra::Quaternion::new(w, x, y, z));
         let own = ours.transpose() * own.to_rotation_matrix().into_inner() * ours;
-        let own = turn * UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(own));
+        let own =
+            turn * UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(own));
         let at = |p: Vector3<f64>| format!("{:.7}\t{:.7}\t{:.7}", 1e3 * p.x, 1e3 * p.y, 1e3 * p.z);
         let lost = (1000..1020).contains(&row);
         let tip = if lost { "\t\t".to_owned() } else { at(tip) };
-        writeln!(text, "{:.0}\t{}\t{}\t{tip}\t{}", 1e6 * stamp_s, at(place), quaternion(&turn), quaternion(&own))
-            .unwrap();
+        writeln!(
+            text,
+            "{:.0}\t{}\t{}\t{tip}\t{}",
+            1e6 * stamp_s,
+            at(place),
+            quaternion(&turn),
+            quaternion(&own)
+        )
+        .unwrap();
     }
     bench.put("track.txt", &text);
 }
@@ -164,22 +177,35 @@ fn two_files_with_other_units_axes_rates_and_clocks_give_the_motion() {
     let found = bench.read("out.csv");
     assert_eq!((found.len(), found.trial[0], found.time_s[5]), (STEPS, 7, 1.0));
     for (row, pulls) in commands().iter().enumerate() {
-        let apart = found.commands.row(row).iter().zip(pulls).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let apart = found
+            .commands
+            .row(row)
+            .iter()
+            .zip(pulls)
+            .map(|(a, b)| (a - b).abs())
+            .fold(0.0, f64::max);
         assert!(apart < 1e-9, "row {row}: {apart}");
         let frame = row * FRAMES;
         assert_eq!(found.is_valid(row), frame != 1000, "row {row}");
         if found.is_valid(row) {
-            let apart = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            let apart = |a: &[f64], b: &[f64]| {
+                a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+            };
             assert!(
-                apart(&found.tip_m.as_ref().unwrap()[row], &truth.tip_m.as_ref().unwrap()[frame]) < 1e-8,
+                apart(&found.tip_m.as_ref().unwrap()[row], &truth.tip_m.as_ref().unwrap()[frame])
+                    < 1e-8,
                 "row {row}"
             );
-            let [own, true_one] = [&found, &truth].map(|recording| recording.tip_quaternion.as_ref().unwrap());
+            let [own, true_one] =
+                [&found, &truth].map(|recording| recording.tip_quaternion.as_ref().unwrap());
             let dot: f64 = own[row].iter().zip(&true_one[frame]).map(|(a, b)| a * b).sum();
             assert!(dot.abs() > 1.0 - 1e-9, "row {row}");
         }
         let pose = found.base.as_ref().unwrap()[row];
-        assert!((pose.position_m[0] - 0.4).abs() < 1e-9 && (pose.position_m[1] + 1.1).abs() < 1e-9, "{pose:?}");
+        assert!(
+            (pose.position_m[0] - 0.4).abs() < 1e-9 && (pose.position_m[1] + 1.1).abs() < 1e-9,
+            "{pose:?}"
+        );
     }
 }
 
@@ -190,7 +216,9 @@ fn an_unknown_offset_is_estimated_and_shown() {
     write_tracking(&bench, &truth);
     bench.put("map.yaml", &MAP.replace("CLOCK", "{estimate: {}}"));
     let said = bench.ok(IMPORT);
-    let after = |mark: &str| -> f64 { said.split(mark).nth(1).unwrap().split(' ').next().unwrap().parse().unwrap() };
+    let after = |mark: &str| -> f64 {
+        said.split(mark).nth(1).unwrap().split(' ').next().unwrap().parse().unwrap()
+    };
     let (offset_s, low_s) = (after("shifted by "), after("interval "));
     // The rod swings, where the estimate has one lag: within a fifth of a step.
     assert!((offset_s - OFFSET_S).abs() < 0.04, "{said}");
@@ -201,15 +229,18 @@ fn an_unknown_offset_is_estimated_and_shown() {
     assert!(said.contains("which no recording tells from an offset"), "{said}");
     let found = bench.read("out.csv");
     let error_m = |row: usize| {
-        let pair = [found.tip_m.as_ref().unwrap()[row], truth.tip_m.as_ref().unwrap()[row * FRAMES]];
+        let pair =
+            [found.tip_m.as_ref().unwrap()[row], truth.tip_m.as_ref().unwrap()[row * FRAMES]];
         (Vector3::from(pair[0]) - Vector3::from(pair[1])).norm()
     };
     let rows: Vec<usize> = (0..STEPS).filter(|&row| found.is_valid(row)).collect();
-    let rms_m = (rows.iter().map(|&row| error_m(row).powi(2)).sum::<f64>() / rows.len() as f64).sqrt();
+    let rms_m =
+        (rows.iter().map(|&row| error_m(row).powi(2)).sum::<f64>() / rows.len() as f64).sqrt();
     assert!(rms_m < 2e-3, "{rms_m}");
 }
 
-/// One file without a header, spaces between cells, encoder counts, tracking in the same rows with times from 0 in each trial.
+/// One file without a header, spaces between cells, encoder counts, tracking in the same rows with
+/// times from 0 in each trial.
 #[test]
 fn rows_that_hold_both_are_taken_as_they_stand() {
     let bench = Bench(tempfile::tempdir().unwrap());
@@ -218,15 +249,22 @@ fn rows_that_hold_both_are_taken_as_they_stand() {
         for k in 0..5 {
             let counts = 1000 + 40 * k * (trial + 1);
             let lost = if k == 3 { "0 0 0" } else { "12.5 0 2200" };
-            writeln!(text, "  {trial} {:.2}   {counts} {}\t{lost}", 0.05 * f64::from(k), 2000 - counts).unwrap();
+            writeln!(
+                text,
+                "  {trial} {:.2}   {counts} {}\t{lost}",
+                0.05 * f64::from(k),
+                2000 - counts
+            )
+            .unwrap();
         }
     }
     bench.put("log.csv", &text);
     bench.put(
         "map.yaml",
-        "{text: {delimiter: ' ', header: false}, commands: {time: {column: 2}, trial: 1, tendons: {columns: [3, 4], \
-         unit: count, scale: [1.0e-5], zero: trial_start}}, tracking: {unit: mm, axes: 'x=-x,y=+y,z=+z', left_handed: true, \
-         origin: [0, 0, 2000], lost_value: 0, tip: {position: [5, 6, 7]}}}",
+        "{text: {delimiter: ' ', header: false}, commands: {time: {column: 2}, trial: 1, tendons: \
+         {columns: [3, 4], unit: count, scale: [1.0e-5], zero: trial_start}}, tracking: {unit: mm, \
+         axes: 'x=-x,y=+y,z=+z', left_handed: true, origin: [0, 0, 2000], lost_value: 0, tip: \
+         {position: [5, 6, 7]}}}",
     );
     bench.ok("import csv log.csv --map map.yaml --out out.csv");
     let found = bench.read("out.csv");
@@ -245,7 +283,8 @@ fn rows_that_hold_both_are_taken_as_they_stand() {
 #[test]
 fn faults_of_maps_and_files_are_told_with_their_place() {
     let bench = Bench(tempfile::tempdir().unwrap());
-    let good = "{commands: {time: {column: t}, tendons: {columns: [a, b]}}, tracking: {time: {column: t}, tip: {position: [x, y, z]}}}";
+    let good = "{commands: {time: {column: t}, tendons: {columns: [a, b]}}, tracking: {time: \
+                {column: t}, tip: {position: [x, y, z]}}}";
     let log = "t,a,b,x,y,z\n0,0,0,0,0,0.2\n0.1,0.001,-0.001,0,0,0.2\n0.2,0,0,0.001,0,0.2\n";
     let arguments = "import csv log.csv --map map.yaml --out out.csv";
     let of = |map: (&str, &str), file: (&str, &str)| {
@@ -258,32 +297,80 @@ fn faults_of_maps_and_files_are_told_with_their_place() {
         ("columns: [a, b]", "columns: [a, 0]", "commands.tendons.columns[1]", "its number from 1"),
         ("columns: [a, b]", "columns: []", "commands.tendons.columns", "one column a tendon"),
         ("[a, b]", "[a, b], unit: furlong", "commands.tendons.unit", "`furlong`"),
-        ("[a, b]", "[a, b], unit: count", "commands.tendons.scale", "metres of tendon per radian or per count"),
+        (
+            "[a, b]",
+            "[a, b], unit: count",
+            "commands.tendons.scale",
+            "metres of tendon per radian or per count",
+        ),
         ("[a, b]", "[a, b], scale: [1, 2, 3]", "commands.tendons.scale", "one a tendon"),
-        ("time: {column: t}, tip", "file: 2, time: {column: t}, tip", "tracking.file", "1 on the command line"),
+        (
+            "time: {column: t}, tip",
+            "file: 2, time: {column: t}, tip",
+            "tracking.file",
+            "1 on the command line",
+        ),
         ("time: {column: t}, tip", "axes: 'x=+y,y=+x,z=+z', tip", "tracking.axes", "left_handed"),
-        ("time: {column: t}, tip", "clock: {offset_s: 1}, tip", "tracking.clock", "`time` beside it"),
-        ("tip: {", "clock: {estimate: {from_s: 1, to_s: 1}}, tip: {", "tracking.clock.estimate.to_s", "above `from_s`"),
-        ("tip: {", "clock: {estimate: {dead_time_s: -1}}, tip: {", "tracking.clock.estimate.dead_time_s", "0 or more"),
-        ("tip: {", "clock: {estimate: {to_s: .nan}}, tip: {", "tracking.clock.estimate.to_s", "a finite number"),
+        (
+            "time: {column: t}, tip",
+            "clock: {offset_s: 1}, tip",
+            "tracking.clock",
+            "`time` beside it",
+        ),
+        (
+            "tip: {",
+            "clock: {estimate: {from_s: 1, to_s: 1}}, tip: {",
+            "tracking.clock.estimate.to_s",
+            "above `from_s`",
+        ),
+        (
+            "tip: {",
+            "clock: {estimate: {dead_time_s: -1}}, tip: {",
+            "tracking.clock.estimate.dead_time_s",
+            "0 or more",
+        ),
+        (
+            "tip: {",
+            "clock: {estimate: {to_s: .nan}}, tip: {",
+            "tracking.clock.estimate.to_s",
+            "a finite number",
+        ),
         ("time: {column: t}, tip", "topic: /tip, tip", "tracking.topic", "text files have none"),
-        ("position: [x, y, z]", "orientation: [x, y, z, a]", "tracking.tip.position", "the columns of x, y and z"),
-        ("{commands", "{text: {decimal: ','}, commands", "text.decimal", "another character than the delimiter"),
+        (
+            "position: [x, y, z]",
+            "orientation: [x, y, z, a]",
+            "tracking.tip.position",
+            "the columns of x, y and z",
+        ),
+        (
+            "{commands",
+            "{text: {decimal: ','}, commands",
+            "text.decimal",
+            "another character than the delimiter",
+        ),
     ];
     for (from, to, key, expected) in maps {
         let said = of((from, to), ("", ""));
-        assert!(said.contains(key) && said.contains(expected) && said.contains("map.yaml"), "{to}: {said}");
+        assert!(
+            said.contains(key) && said.contains(expected) && said.contains("map.yaml"),
+            "{to}: {said}"
+        );
     }
     let files = [
         (
             "t,a,b",
             "t,A,b",
-            "log.csv, line 1: found only `t`, `A`, `b`, `x`, `y`, `z`, expected the column `a` that `commands.tendons.columns`",
+            "log.csv, line 1: found only `t`, `A`, `b`, `x`, `y`, `z`, expected the column `a` \
+             that `commands.tendons.columns`",
         ),
         ("t,a,b,x,y,z", "t;a;b;x;y;z", "log.csv, line 2: found 6 cells, expected 1 as in line 1"),
         ("0.1,0.001", "0.1,one", "log.csv, line 3, column `a`: found `one`, expected a number"),
         ("0.1,0.001", "0.1,", "log.csv, line 3, column `a`: found nothing, expected a number"),
-        ("0.2,0,0,0.001", "0.1,0,0,0.001", "log.csv, line 4, column `t`: found `0.1`, expected a later time"),
+        (
+            "0.2,0,0,0.001",
+            "0.1,0,0,0.001",
+            "log.csv, line 4, column `t`: found `0.1`, expected a later time",
+        ),
         ("0.2,0,0,0.001", "0.2,0,0,0.001m", "log.csv, line 4, column `x`: found `0.001m`"),
         (",0,0,0.2\n0.2", ",0,0\n0.2", "log.csv, line 3: found 5 cells, expected 6"),
     ];
@@ -294,7 +381,9 @@ fn faults_of_maps_and_files_are_told_with_their_place() {
     let said = of(("tip: {", "clock: {estimate: {}}, tip: {"), ("", ""));
     assert!(said.contains("3 tracked frames and 3 commands"), "{said}");
     assert!(bench.refused("import csv none.csv --map map.yaml --out out.csv").contains("none.csv"));
-    assert!(bench.refused("import csv log.csv --map none.yaml --out out.csv").contains("none.yaml"));
+    assert!(
+        bench.refused("import csv log.csv --map none.yaml --out out.csv").contains("none.yaml")
+    );
     bench.put("map.yaml", good);
     bench.put("log.csv", log);
     bench.ok(arguments);

@@ -1,4 +1,5 @@
-//! Policies from outside in a spec: rows and a line of the table like any other, stored under the content of their file.
+//! Policies from outside in a spec: rows and a line of the table like any other, stored under the
+//! content of their file.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -7,17 +8,23 @@ const TORCH: &[u8] = include_bytes!("../data/onnx/torch_policy.onnx");
 
 fn spec(policies: &str) -> String {
     format!(
-        "name: mine\ncontrol_hz: 5\nmodel: {{constant_curvature: {{}}}}\nplant: {{constant_curvature: {{}}}}\n\
-         training: {{paper: {{}}}}\ntargets: {{pool: 30, drawn: 3, sweep: {{rows: 7, columns: 7}}}}\n\
-         modes: {{open: {{feedback: open}}, closed: {{feedback: closed}}}}\nreach: {{max_steps: 20}}\n\
-         policies:\n{policies}\nruns:\n  reach:\n    - {{policies: [mine], modes: [open, closed]}}\nfigures: [table1]\n"
+        "name: mine\ncontrol_hz: 5\nmodel: {{constant_curvature: {{}}}}\nplant: \
+         {{constant_curvature: {{}}}}\ntraining: {{paper: {{}}}}\ntargets: {{pool: 30, drawn: 3, \
+         sweep: {{rows: 7, columns: 7}}}}\nmodes: {{open: {{feedback: open}}, closed: {{feedback: \
+         closed}}}}\nreach: {{max_steps: 20}}\npolicies:\n{policies}\nruns:\n  reach:\n    - \
+         {{policies: [mine], modes: [open, closed]}}\nfigures: [table1]\n"
     )
 }
 
 fn run(folder: &Path, policies: &str) -> Output {
     std::fs::write(folder.join("mine.yaml"), spec(policies)).unwrap();
     let mut command = Command::new(env!("CARGO_BIN_EXE_spinebench"));
-    command.current_dir(folder).args(["run", "mine.yaml"]).env_remove("SPINEBENCH_CACHE").output().unwrap()
+    command
+        .current_dir(folder)
+        .args(["run", "mine.yaml"])
+        .env_remove("SPINEBENCH_CACHE")
+        .output()
+        .unwrap()
 }
 
 fn said(output: &Output) -> String {
@@ -39,7 +46,9 @@ fn a_network_of_a_file_has_rows_a_line_in_the_table_and_a_place_in_the_store() {
     let policies = "  mine: {onnx: {file: net.onnx, position_scale_m: 0.2, pull_scale_m: 0.02}}";
     let first = run(folder.path(), policies);
     assert!(first.status.success(), "{}", said(&first));
-    let read = |name: &str| std::fs::read_to_string(folder.path().join("results/mine").join(name)).unwrap();
+    let read = |name: &str| {
+        std::fs::read_to_string(folder.path().join("results/mine").join(name)).unwrap()
+    };
     let trials = read("trials.csv");
     let rows: Vec<&str> = trials.lines().filter(|line| line.contains(",mine,")).collect();
     assert_eq!(rows.len(), 6, "{trials}");

@@ -1,4 +1,5 @@
-//! `make real`: the converters of published files, what it says without them, and the published models.
+//! `make real`: the converters of published files, what it says without them, and the published
+//! models.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -15,7 +16,14 @@ fn root() -> &'static Path {
 /// Runs Python at the root of the repository, with the modules of `benches/real`.
 fn python(code: &str, arguments: &[&Path]) -> Output {
     let code = format!("import sys; sys.path.insert(0, 'benches/real'); import convert\n{code}");
-    Command::new("python3").arg("-B").arg("-c").arg(code).args(arguments).current_dir(root()).output().unwrap()
+    Command::new("python3")
+        .arg("-B")
+        .arg("-c")
+        .arg(code)
+        .args(arguments)
+        .current_dir(root())
+        .output()
+        .unwrap()
 }
 
 /// Rows of a CSV file without quotes.
@@ -23,8 +31,13 @@ fn rows(path: &Path) -> Vec<HashMap<String, String>> {
     let text = std::fs::read_to_string(path).unwrap();
     let mut lines = text.lines();
     let header: Vec<&str> = lines.next().unwrap().split(',').collect();
-    let row =
-        |line: &str| header.iter().map(|name| (*name).to_owned()).zip(line.split(',').map(str::to_owned)).collect();
+    let row = |line: &str| {
+        header
+            .iter()
+            .map(|name| (*name).to_owned())
+            .zip(line.split(',').map(str::to_owned))
+            .collect()
+    };
     lines.map(row).collect()
 }
 
@@ -34,7 +47,8 @@ fn number(row: &HashMap<String, String>, name: &str) -> f64 {
 
 /// The folder of the measured files, where it is.
 fn real_data() -> Option<PathBuf> {
-    let folder = std::env::var_os("REAL_DATA").map_or_else(|| root().join("../shared/recordings"), PathBuf::from);
+    let folder = std::env::var_os("REAL_DATA")
+        .map_or_else(|| root().join("../shared/recordings"), PathBuf::from);
     let there = folder.join("opencr/v4_train.csv").is_file();
     if !there {
         println!("skipped: {} has no measured files of others", folder.display());
@@ -54,7 +68,10 @@ fn published_files_become_recordings() {
     assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
     let found = rows(&path("out.csv"));
     assert_eq!((number(&found[0], "tendon_2_m"), number(&found[0], "tip_z_m")), (-0.00125, 0.03));
-    assert!(number(&found[1], "time_s") > number(&found[0], "time_s"), "equal times are kept apart");
+    assert!(
+        number(&found[1], "time_s") > number(&found[0], "time_s"),
+        "equal times are kept apart"
+    );
     assert_eq!(found[1]["pattern"], "rep1_seg1_dir0", "the rest belongs to the motion");
 
     let mut trunk = String::from("t,phi1,phi2,phi3,phi4,phi5,phi6,x1,y1,z1,x2,y2,z2,x3,y3,z3\n");
@@ -62,21 +79,37 @@ fn published_files_become_recordings() {
         trunk += &format!("{},180,0,0,0,0,-90,1,-2,3,4,-5,6,7,-8,9\n", 20 * k);
     }
     std::fs::write(path("trunk.csv"), trunk).unwrap();
-    assert!(python("convert.trunk(*sys.argv[1:])", &[&path("trunk.csv"), &path("out.csv")]).status.success());
+    assert!(
+        python("convert.trunk(*sys.argv[1:])", &[&path("trunk.csv"), &path("out.csv")])
+            .status
+            .success()
+    );
     let found = rows(&path("out.csv"));
-    assert_eq!((found.len(), found[0]["pattern"].as_str(), found[1]["pattern"].as_str()), (2, "early", "late"));
+    assert_eq!(
+        (found.len(), found[0]["pattern"].as_str(), found[1]["pattern"].as_str()),
+        (2, "early", "late")
+    );
     let angles = [1, 6].map(|servo| number(&found[0], &format!("drive_servo_{servo}_rad")));
     let right = [std::f64::consts::PI, -std::f64::consts::FRAC_PI_2];
-    assert!(angles.iter().zip(right).all(|(found, right)| (found - right).abs() < 1e-7), "{angles:?}");
+    assert!(
+        angles.iter().zip(right).all(|(found, right)| (found - right).abs() < 1e-7),
+        "{angles:?}"
+    );
     let tip = ["x", "y", "z"].map(|axis| number(&found[0], &format!("tip_{axis}_m")));
     assert_eq!(tip, [7.0, 9.0, 8.0], "the tracker's y points up");
 
     let tentacle = "file,pb_x,pb_y,pb_z,p1_x,p1_y,p1_z,p2_x,p2_y,p2_z,p3_x,p3_y,p3_z,p4_x,p4_y,p4_z\n\
                     m2_u025.csv,0,0,0,0.1,0.2,0.3,0,0,0,0,0,0,0,0,0\nm12_u0020015.csv,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0\n";
     std::fs::write(path("tentacle.csv"), tentacle).unwrap();
-    assert!(python("convert.tentacle(*sys.argv[1:])", &[&path("tentacle.csv"), &path("out.csv")]).status.success());
+    assert!(
+        python("convert.tentacle(*sys.argv[1:])", &[&path("tentacle.csv"), &path("out.csv")])
+            .status
+            .success()
+    );
     let found = rows(&path("out.csv"));
-    let tension = |row: usize| [1, 2].map(|k| (number(&found[row], &format!("tendon_{k}_n")) * 0.0325 * 1e4).round());
+    let tension = |row: usize| {
+        [1, 2].map(|k| (number(&found[row], &format!("tendon_{k}_n")) * 0.0325 * 1e4).round())
+    };
     assert_eq!([tension(0), tension(1)], [[0.0, 2500.0], [2000.0, 1500.0]]);
     let marker = ["x", "y", "z"].map(|axis| number(&found[0], &format!("point_p1_{axis}_m")));
     assert_eq!(marker, [0.3, 0.13, 0.213]);
@@ -92,7 +125,8 @@ fn without_the_measured_files_it_says_who_publishes_them() {
     for words in [
         setting.as_str(),
         "opencr/v4_train.csv",
-        "https://github.com/ContinuumRoboticsLab/opencr-mujoco, revision 17fff8b: data/sysid/ftdcr_v4/",
+        "https://github.com/ContinuumRoboticsLab/opencr-mujoco, revision 17fff8b: \
+         data/sysid/ftdcr_v4/",
         "https://github.com/StanfordASL/trunk-stack, revision 8b4b9234",
         "https://github.com/tud-phi/soromox, revision 4f03054a",
         "MIT licence",
@@ -102,7 +136,8 @@ fn without_the_measured_files_it_says_who_publishes_them() {
     assert_eq!(std::fs::read_dir(empty.path()).unwrap().count(), 0);
 }
 
-/// The models are read; with the measured files, they predict the rows that were held out as well as was published.
+/// The models are read; with the measured files, they predict the rows that were held out as well
+/// as was published.
 #[test]
 fn published_models_predict_as_published() {
     for robot in ROBOTS {
@@ -130,22 +165,35 @@ fn published_models_predict_as_published() {
             .output()
             .unwrap();
         assert!(done.status.success(), "{robot}: {}", String::from_utf8_lossy(&done.stderr));
-        let found = std::fs::read_to_string(root().join(format!("results/real/{robot}/calibration.json"))).unwrap();
+        let found =
+            std::fs::read_to_string(root().join(format!("results/real/{robot}/calibration.json")))
+                .unwrap();
         let found: serde_json::Value = serde_json::from_str(&found).unwrap();
         let held = &found["held_out"];
         let published_m = held["models"][0]["rms_m"].as_f64().unwrap();
-        let names: Vec<&str> = held["names"].as_array().unwrap().iter().filter_map(|name| name.as_str()).collect();
+        let names: Vec<&str> =
+            held["names"].as_array().unwrap().iter().filter_map(|name| name.as_str()).collect();
         let rms_m = held_out_rms_m(&rows(&measured), &rows(&simulated), &names);
         println!("{robot}: {:.3} mm, published {:.3} mm", 1e3 * rms_m, 1e3 * published_m);
-        assert!((rms_m - published_m).abs() < 0.02e-3, "{robot}: {rms_m} m, published {published_m} m");
+        assert!(
+            (rms_m - published_m).abs() < 0.02e-3,
+            "{robot}: {rms_m} m, published {published_m} m"
+        );
     }
 }
 
 /// Root mean square distance of every tracked point in the rows of some patterns.
-fn held_out_rms_m(measured: &[HashMap<String, String>], simulated: &[HashMap<String, String>], names: &[&str]) -> f64 {
-    let points: Vec<&str> = measured[0].keys().filter_map(|name| name.strip_suffix("_x_m")).collect();
+fn held_out_rms_m(
+    measured: &[HashMap<String, String>],
+    simulated: &[HashMap<String, String>],
+    names: &[&str],
+) -> f64 {
+    let points: Vec<&str> =
+        measured[0].keys().filter_map(|name| name.strip_suffix("_x_m")).collect();
     let mut squares = Vec::new();
-    for (row, model) in measured.iter().zip(simulated).filter(|(row, _)| names.contains(&row["pattern"].as_str())) {
+    for (row, model) in
+        measured.iter().zip(simulated).filter(|(row, _)| names.contains(&row["pattern"].as_str()))
+    {
         for point in &points {
             let error = ["x", "y", "z"].map(|axis| {
                 let name = format!("{point}_{axis}_m");

@@ -1,5 +1,5 @@
-//! Runs on a real Slurm: two emulated nodes on loopback, one of which loses power. Where Slurm cannot be installed the
-//! test says so and is skipped.
+//! Runs on a real Slurm: two emulated nodes on loopback, one of which loses power. Where Slurm
+//! cannot be installed the test says so and is skipped.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write as _;
@@ -26,7 +26,12 @@ struct Cluster {
 impl Cluster {
     fn script(arguments: &[&str]) -> Output {
         // Arrays of ten tasks at most, so that a task starts several workers.
-        Command::new("bash").arg(SCRIPT).args(arguments).env("MAX_ARRAY_SIZE", "11").output().unwrap()
+        Command::new("bash")
+            .arg(SCRIPT)
+            .args(arguments)
+            .env("MAX_ARRAY_SIZE", "11")
+            .output()
+            .unwrap()
     }
 
     /// A cluster of two nodes, or why there can be none.
@@ -35,7 +40,9 @@ impl Cluster {
         if installed.status.code() == Some(77) {
             return Err(String::from_utf8_lossy(&installed.stdout).trim().to_owned());
         }
-        let failed = |what: &str, output: &Output| panic!("{what}: {}", String::from_utf8_lossy(&output.stderr));
+        let failed = |what: &str, output: &Output| {
+            panic!("{what}: {}", String::from_utf8_lossy(&output.stderr))
+        };
         if !installed.status.success() {
             failed("install", &installed);
         }
@@ -45,13 +52,22 @@ impl Cluster {
             failed("start", &started);
         }
         let lines = std::fs::read_to_string(folder.join("env")).unwrap();
-        let variable = |line: &str| line.split_once('=').map(|(name, value)| (name.to_owned(), value.to_owned()));
-        Ok(Cluster { folder: folder.to_owned(), environment: lines.lines().filter_map(variable).collect() })
+        let variable = |line: &str| {
+            line.split_once('=').map(|(name, value)| (name.to_owned(), value.to_owned()))
+        };
+        Ok(Cluster {
+            folder: folder.to_owned(),
+            environment: lines.lines().filter_map(variable).collect(),
+        })
     }
 
     fn tell(&self, action: &str, node: &str) {
         let output = Cluster::script(&[action, self.folder.to_str().unwrap(), node]);
-        assert!(output.status.success(), "{action} {node}: {}", String::from_utf8_lossy(&output.stderr));
+        assert!(
+            output.status.success(),
+            "{action} {node}: {}",
+            String::from_utf8_lossy(&output.stderr)
+        );
     }
 
     fn command(&self, program: &str) -> Command {
@@ -61,7 +77,11 @@ impl Cluster {
     }
 
     fn squeue(&self, format: &str) -> String {
-        let output = self.command("squeue").args(["--noheader", "--array", "--format", format]).output().unwrap();
+        let output = self
+            .command("squeue")
+            .args(["--noheader", "--array", "--format", format])
+            .output()
+            .unwrap();
         String::from_utf8_lossy(&output.stdout).into_owned()
     }
 
@@ -136,7 +156,12 @@ fn runs_on_a_real_cluster_are_those_of_this_machine() {
     what_the_cluster_refuses_is_told(&cluster, &room("refused"));
 }
 
-fn a_node_loses_power(cluster: &Cluster, folder: &Path, expected: &BTreeMap<PathBuf, Vec<u8>>, stages: usize) {
+fn a_node_loses_power(
+    cluster: &Cluster,
+    folder: &Path,
+    expected: &BTreeMap<PathBuf, Vec<u8>>,
+    stages: usize,
+) {
     let arguments = ["run", SMOKE, "--seeds", SEEDS, "--executor", "slurm", "--jobs", "3"];
     let child = cluster.spinebench(folder, &arguments).stderr(Stdio::piped()).spawn().unwrap();
     let on_n2 = || cluster.squeue("%T %N").lines().any(|line| line.trim() == "RUNNING n2");
@@ -161,11 +186,14 @@ fn a_node_loses_power(cluster: &Cluster, folder: &Path, expected: &BTreeMap<Path
     let _ = writeln!(std::io::stderr(), "a node lost power: {shared}");
 }
 
-/// The signal that comes before a task's limit: it ends what it has begun, goes back into the queue and goes on later.
+/// The signal that comes before a task's limit: it ends what it has begun, goes back into the queue
+/// and goes on later.
 fn the_limit_is_near(cluster: &Cluster, folder: &Path, expected: &BTreeMap<PathBuf, Vec<u8>>) {
-    let arguments = ["run", SMOKE, "--seeds", SEEDS, "--executor", "slurm", "--jobs", "2", "--time-min", "30"];
+    let arguments =
+        ["run", SMOKE, "--seeds", SEEDS, "--executor", "slurm", "--jobs", "2", "--time-min", "30"];
     let child = cluster.spinebench(folder, &arguments).stderr(Stdio::piped()).spawn().unwrap();
-    // One that is about to end does not come back, and one that has just begun does not listen yet: all are told, often.
+    // One that is about to end does not come back, and one that has just begun does not listen yet:
+    // all are told, often.
     let mut told = BTreeSet::new();
     until("a task back in the queue", || {
         if entries(folder) > 3 {
@@ -182,7 +210,8 @@ fn the_limit_is_near(cluster: &Cluster, folder: &Path, expected: &BTreeMap<PathB
 /// Tells the tasks at work that their limit is near; which they are.
 fn tell_of_the_limit(cluster: &Cluster) -> Vec<String> {
     let tasks = cluster.squeue("%F_%K %T");
-    let running = tasks.lines().filter_map(|line| line.trim().strip_suffix(" RUNNING").map(str::to_owned));
+    let running =
+        tasks.lines().filter_map(|line| line.trim().strip_suffix(" RUNNING").map(str::to_owned));
     let tell = |task: &String| {
         let output = cluster.command("scancel").args(["--signal=USR2", task]).output().unwrap();
         // One that has ended since cannot be told.
@@ -192,24 +221,45 @@ fn tell_of_the_limit(cluster: &Cluster) -> Vec<String> {
 }
 
 fn is_back(cluster: &Cluster, task: &str) -> bool {
-    let output = cluster.command("scontrol").args(["--oneliner", "show", "job", task]).output().unwrap();
+    let output =
+        cluster.command("scontrol").args(["--oneliner", "show", "job", task]).output().unwrap();
     String::from_utf8_lossy(&output.stdout).contains("Restarts=1")
 }
 
-fn leaving_and_coming_back(cluster: &Cluster, folder: &Path, expected: &BTreeMap<PathBuf, Vec<u8>>) {
-    let arguments = ["run", SMOKE, "--seeds", SEEDS, "--executor", "slurm", "--jobs", "12", "--partition", "slow"];
+fn leaving_and_coming_back(
+    cluster: &Cluster,
+    folder: &Path,
+    expected: &BTreeMap<PathBuf, Vec<u8>>,
+) {
+    let arguments = [
+        "run",
+        SMOKE,
+        "--seeds",
+        SEEDS,
+        "--executor",
+        "slurm",
+        "--jobs",
+        "12",
+        "--partition",
+        "slow",
+    ];
     // A worker of the campaign before may still be on its way out.
     until("an empty queue", || cluster.squeue("%j").is_empty());
-    let output = cluster.spinebench(folder, &[&arguments[..], &["--detach"]].concat()).output().unwrap();
+    let output =
+        cluster.spinebench(folder, &[&arguments[..], &["--detach"]].concat()).output().unwrap();
     assert!(output.status.success(), "{}", said(&output));
     assert!(
-        said(&output).contains("submitted 12 workers in 6 array tasks") && said(&output).contains("the jobs continue"),
+        said(&output).contains("submitted 12 workers in 6 array tasks")
+            && said(&output).contains("the jobs continue"),
         "{}",
         said(&output)
     );
     assert!(published(folder).is_empty(), "nothing is published before everything is there");
     let partitions = cluster.squeue("%P");
-    assert!(!partitions.is_empty() && partitions.lines().all(|line| line.trim() == "slow"), "{partitions}");
+    assert!(
+        !partitions.is_empty() && partitions.lines().all(|line| line.trim() == "slow"),
+        "{partitions}"
+    );
     let standing = cluster.spinebench(folder, &["status"]).output().unwrap();
     let standing = String::from_utf8(standing.stdout).unwrap();
     assert!(standing.contains("  smoke: ") && standing.contains(" stages; "), "{standing}");
@@ -222,16 +272,31 @@ fn leaving_and_coming_back(cluster: &Cluster, folder: &Path, expected: &BTreeMap
     assert!(Command::new("kill").args(["-INT", &pid]).status().unwrap().success());
     let first = end(watching);
     let words = said(&second);
-    assert!(second.status.code() == Some(1) && words.contains("is watched by another process"), "{words}");
+    assert!(
+        second.status.code() == Some(1) && words.contains("is watched by another process"),
+        "{words}"
+    );
     assert!(first.status.success() && said(&first).contains("watching it"), "{}", said(&first));
 
-    let output = end(cluster.spinebench(folder, &arguments).stderr(Stdio::piped()).spawn().unwrap());
+    let output =
+        end(cluster.spinebench(folder, &arguments).stderr(Stdio::piped()).spawn().unwrap());
     assert!(output.status.success(), "{}", said(&output));
     assert_same(&published(folder), expected, "not as on this machine");
 }
 
 fn calling_off(cluster: &Cluster, folder: &Path) {
-    let arguments = ["run", SMOKE, "--seeds", SEEDS, "--executor", "slurm", "--jobs", "6", "--set", "slurm.task_s=1"];
+    let arguments = [
+        "run",
+        SMOKE,
+        "--seeds",
+        SEEDS,
+        "--executor",
+        "slurm",
+        "--jobs",
+        "6",
+        "--set",
+        "slurm.task_s=1",
+    ];
     let child = cluster.spinebench(folder, &arguments).stderr(Stdio::piped()).spawn().unwrap();
     let standing = || {
         let output = cluster.spinebench(folder, &["status"]).output().unwrap();
@@ -251,7 +316,8 @@ fn calling_off(cluster: &Cluster, folder: &Path) {
     assert!(standing().contains(", cancelled; no jobs"), "{}", standing());
 }
 
-/// A robot that is a recording of something else: its stages fail, on the cluster as here, and are tried once.
+/// A robot that is a recording of something else: its stages fail, on the cluster as here, and are
+/// tried once.
 fn failures_are_rows(cluster: &Cluster, folder: &Path, here: &Path) {
     let recording = "trial,time_s,tendon_1_m,tendon_2_m,tendon_3_m,tendon_4_m,tip_x_m,tip_y_m,tip_z_m\n\
                      0,0,0,0,0,0,0,0,0.2\n0,0.2,0.1,0,0,0,0,0,0.2\n";
@@ -259,15 +325,35 @@ fn failures_are_rows(cluster: &Cluster, folder: &Path, here: &Path) {
         std::fs::write(room.join("other.csv"), recording).unwrap();
     }
     let robot = "plant={replay: {recording: other.csv}}";
-    let reach = "runs.reach=[{policies: [a, pi_real], modes: [open, closed], gp_points: [20], real_points: [200]}]";
-    let sets = [robot, reach, "modes.closed_load.effects=[]", "runs.track=null", "claims=[]", "figures=[]"];
-    let arguments = ["run", SMOKE, "--seeds", "1"].into_iter().chain(sets.into_iter().flat_map(|set| ["--set", set]));
+    let reach = "runs.reach=[{policies: [a, pi_real], modes: [open, closed], gp_points: [20], \
+                 real_points: [200]}]";
+    let sets = [
+        robot,
+        reach,
+        "modes.closed_load.effects=[]",
+        "runs.track=null",
+        "claims=[]",
+        "figures=[]",
+    ];
+    let arguments = ["run", SMOKE, "--seeds", "1"]
+        .into_iter()
+        .chain(sets.into_iter().flat_map(|set| ["--set", set]));
     let arguments: Vec<&str> = arguments.collect();
     let local = cluster.spinebench(here, &arguments).output().unwrap();
     let child = cluster.spinebench(folder, &[&arguments[..], &["--executor", "slurm"]].concat());
     let output = end({ child }.stderr(Stdio::piped()).spawn().unwrap());
-    assert_eq!((local.status.code(), output.status.code()), (Some(1), Some(1)), "{}\n{}", said(&local), said(&output));
-    assert!(published(folder) == published(here) && !published(here).is_empty(), "{}", said(&output));
+    assert_eq!(
+        (local.status.code(), output.status.code()),
+        (Some(1), Some(1)),
+        "{}\n{}",
+        said(&local),
+        said(&output)
+    );
+    assert!(
+        published(folder) == published(here) && !published(here).is_empty(),
+        "{}",
+        said(&output)
+    );
     let trials = std::fs::read_to_string(folder.join("results/smoke/trials.csv")).unwrap();
     assert!(trials.lines().skip(1).any(|line| !line.ends_with(",ok")), "{trials}");
 }
@@ -276,8 +362,15 @@ fn what_the_cluster_refuses_is_told(cluster: &Cluster, folder: &Path) {
     let arguments = ["run", SMOKE, "--seeds", "1", "--executor", "slurm", "--partition", "nowhere"];
     let output = cluster.spinebench(folder, &arguments).output().unwrap();
     assert_eq!(output.status.code(), Some(1));
-    assert!(said(&output).contains("sbatch: ") && said(&output).contains("artition"), "{}", said(&output));
-    let output = cluster.spinebench(folder, &["run", SMOKE, "--executor", "slurm", "--cpus", "0"]).output().unwrap();
+    assert!(
+        said(&output).contains("sbatch: ") && said(&output).contains("artition"),
+        "{}",
+        said(&output)
+    );
+    let output = cluster
+        .spinebench(folder, &["run", SMOKE, "--executor", "slurm", "--cpus", "0"])
+        .output()
+        .unwrap();
     assert_eq!(output.status.code(), Some(2), "{}", said(&output));
     assert!(said(&output).starts_with("error: --cpus: found 0"), "{}", said(&output));
     assert!(!folder.join("results").exists());

@@ -1,5 +1,5 @@
-//! Runs that are killed, share a store, find it damaged or full: nothing is lost, nothing half-computed is believed,
-//! and the results are the same bytes.
+//! Runs that are killed, share a store, find it damaged or full: nothing is lost, nothing
+//! half-computed is believed, and the results are the same bytes.
 
 use std::collections::BTreeMap;
 use std::io::Write as _;
@@ -54,12 +54,14 @@ fn store(folder: &Path) -> Store {
     Store::at(folder.join(".spinebench/cache"))
 }
 
-/// Two hundred times a run is killed at a random moment and begun again. After up to twenty kills it is left to get
-/// through, however slow the machine is meanwhile: its bytes are those of an undisturbed run, and the store is emptied.
+/// Two hundred times a run is killed at a random moment and begun again. After up to twenty kills
+/// it is left to get through, however slow the machine is meanwhile: its bytes are those of an
+/// undisturbed run, and the store is emptied.
 #[test]
 fn kills_change_no_byte_and_lose_only_what_was_in_flight() {
     // `make campaign` asks for 200.
-    let wanted: usize = std::env::var("KILLS").map_or(20, |kills| kills.parse().expect("a number of kills"));
+    let wanted: usize =
+        std::env::var("KILLS").map_or(20, |kills| kills.parse().expect("a number of kills"));
     let folder = tempfile::tempdir().unwrap();
     let calm = tempfile::tempdir().unwrap();
     let (expected, stages, whole) = undisturbed(calm.path());
@@ -87,7 +89,11 @@ fn kills_change_no_byte_and_lose_only_what_was_in_flight() {
             assert_eq!(store.damage(entry), None, "after kill {kills}");
         }
         if status.success() {
-            assert_same(&published(folder.path()), &expected, &format!("after {kills_of_this} kills"));
+            assert_same(
+                &published(folder.path()),
+                &expected,
+                &format!("after {kills_of_this} kills"),
+            );
             finished += 1;
             kills_of_this = 0;
             patience = random.random_range(1..=20);
@@ -98,7 +104,11 @@ fn kills_change_no_byte_and_lose_only_what_was_in_flight() {
     let before = store(folder.path()).entries().unwrap().len();
     let (computed, _, _) = run(folder.path(), &[]);
     assert_same(&published(folder.path()), &expected, "at last");
-    assert_eq!(before + computed, stages, "what was stored is not computed again, and nothing is missing");
+    assert_eq!(
+        before + computed,
+        stages,
+        "what was stored is not computed again, and nothing is missing"
+    );
     assert!(finished >= (wanted / 22).max(1), "{finished} runs got through");
 
     let pruned = spinebench(folder.path(), &["cache", "prune"]);
@@ -152,7 +162,11 @@ fn processes_that_share_a_store_share_the_work() {
         .iter()
         .map(|out| {
             let arguments = [&RUN[..], &["--out", out]].concat();
-            command(folder.path(), &arguments).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap()
+            command(folder.path(), &arguments)
+                .stdout(Stdio::null())
+                .stderr(Stdio::piped())
+                .spawn()
+                .unwrap()
         })
         .collect();
     let mut computed = 0;
@@ -192,17 +206,27 @@ fn a_full_disk_is_told_and_leaves_everything_good() {
     let (expected, _, _) = undisturbed(calm.path());
     let Some(_disk) = small_disk(&folder.path().join("small"), "size=256k") else {
         // Past the harness, which shows nothing of tests that pass.
-        let _ =
-            writeln!(std::io::stderr(), "skipped: mounting a small disk needs rights that this process does not have");
+        let _ = writeln!(
+            std::io::stderr(),
+            "skipped: mounting a small disk needs rights that this process does not have"
+        );
         return;
     };
     // The store is full: the run goes on without it.
     let (_, _, said) = run(folder.path(), &["--cache", "small/cache"]);
-    assert_eq!(said.matches("results cannot be kept in small/cache: No space left").count(), 1, "{said}");
+    assert_eq!(
+        said.matches("results cannot be kept in small/cache: No space left").count(),
+        1,
+        "{said}"
+    );
     assert_same(&published(folder.path()), &expected, "without a store");
     let kept = Store::at(folder.path().join("small/cache"));
     let entries = kept.entries().unwrap();
-    assert!(!entries.is_empty() && entries.iter().all(|entry| kept.damage(entry).is_none()), "{}", entries.len());
+    assert!(
+        !entries.is_empty() && entries.iter().all(|entry| kept.damage(entry).is_none()),
+        "{}",
+        entries.len()
+    );
     assert!(kept.leftovers().unwrap().is_empty());
 
     // The results find no room: none of them is new.
@@ -230,7 +254,8 @@ fn folders_that_take_nothing_are_told_before_or_after_the_work() {
     assert_eq!(said.matches("results cannot be kept in file").count(), 1, "{said}");
 }
 
-/// A limit on memory ends the process; what it had stored is good and the next run goes on from there.
+/// A limit on memory ends the process; what it had stored is good and the next run goes on from
+/// there.
 #[test]
 fn a_limit_on_memory_leaves_a_good_store() {
     let folder = tempfile::tempdir().unwrap();
@@ -241,7 +266,8 @@ fn a_limit_on_memory_leaves_a_good_store() {
         let script = format!("ulimit -v {kilobytes}; exec \"$@\"");
         let mut command = Command::new("bash");
         command.args(["-c", &script, "bash", env!("CARGO_BIN_EXE_spinebench")]).args(RUN);
-        let output = command.current_dir(folder.path()).env_remove("SPINEBENCH_CACHE").output().unwrap();
+        let output =
+            command.current_dir(folder.path()).env_remove("SPINEBENCH_CACHE").output().unwrap();
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         if !output.status.success() {
             ended += 1;

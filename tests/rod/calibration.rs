@@ -1,4 +1,5 @@
-//! Calibration from weights hung on tendons: the plant's numbers come back with intervals that mean what they say.
+//! Calibration from weights hung on tendons: the plant's numbers come back with intervals that mean
+//! what they say.
 
 use rand_distr::{Distribution, Normal};
 use spinebench::base::{Rows, Seed};
@@ -13,7 +14,8 @@ const NOISE_M: f64 = 5e-4;
 
 fn nominal() -> Model {
     let text = include_str!("../../models/nominal.yaml");
-    serde_yaml::with::singleton_map_recursive::deserialize(serde_yaml::Deserializer::from_str(text)).unwrap()
+    serde_yaml::with::singleton_map_recursive::deserialize(serde_yaml::Deserializer::from_str(text))
+        .unwrap()
 }
 
 /// Weights of `each_n` newtons on every tendon in turn, every row a pose at rest.
@@ -35,8 +37,11 @@ fn weights(each_n: &[f64]) -> Recording {
 
 /// What a tracker with noise sees of `model`.
 fn measured(model: &Model, commands: &Recording, seed: u64, noise_m: f64) -> Recording {
-    let clean =
-        simulate_recording(model, commands, &SimulationOptions { at_rest: true, ..SimulationOptions::default() });
+    let clean = simulate_recording(
+        model,
+        commands,
+        &SimulationOptions { at_rest: true, ..SimulationOptions::default() },
+    );
     noisy(&clean, seed, noise_m)
 }
 
@@ -64,7 +69,11 @@ fn youngs_modulus_comes_back_and_nothing_else_changes() {
     let mut guess = truth.clone();
     for start_pa in [1e9, 2e9, 5e9] {
         guess.robot.backbone.youngs_modulus_pa = start_pa;
-        let exact = fit(&guess, &measured(&truth, &weights(&[2.0, 5.0, 8.0]), 1, 1e-12), &["youngs_modulus_pa"]);
+        let exact = fit(
+            &guess,
+            &measured(&truth, &weights(&[2.0, 5.0, 8.0]), 1, 1e-12),
+            &["youngs_modulus_pa"],
+        );
         let number = &exact.findings.numbers[0];
         assert!((number.value / TRUE_PA - 1.0).abs() < 1e-5, "from {start_pa}: {number:?}");
         let mut same = exact.model.clone();
@@ -74,14 +83,18 @@ fn youngs_modulus_comes_back_and_nothing_else_changes() {
     assert_eq!(guess.robot.backbone.poisson_ratio, 0.3897);
 }
 
-/// How many of the 95 % intervals of `fits` fits cover the truth, and how far their standard scores spread.
+/// How many of the 95 % intervals of `fits` fits cover the truth, and how far their standard scores
+/// spread.
 fn coverage(fits: u64) -> (usize, f64) {
     let truth = nominal();
     let mut guess = truth.clone();
     guess.robot.backbone.youngs_modulus_pa = 2.1e9;
     let commands = weights(&[3.0, 8.0]);
-    let clean =
-        simulate_recording(&truth, &commands, &SimulationOptions { at_rest: true, ..SimulationOptions::default() });
+    let clean = simulate_recording(
+        &truth,
+        &commands,
+        &SimulationOptions { at_rest: true, ..SimulationOptions::default() },
+    );
     // Student's t for 24 coordinates and one number.
     let quantile = 2.0687;
     let (mut covered, mut scores) = (0, 0.0);
@@ -93,12 +106,14 @@ fn coverage(fits: u64) -> (usize, f64) {
         scores += ((found.findings.numbers[0].value / TRUE_PA).ln() / (half / quantile)).powi(2);
     }
     let spread = (scores / fits as f64).sqrt();
-    println!("{covered} of {fits} intervals cover the truth; standard scores spread by {spread:.3}");
+    println!(
+        "{covered} of {fits} intervals cover the truth; standard scores spread by {spread:.3}"
+    );
     (covered, spread)
 }
 
-/// Fewer than 20 of 25 cover with a probability of 0.1 %; the root mean square of 25 standard scores is within 1 ± 0.5 but
-/// for 4 in 10,000.
+/// Fewer than 20 of 25 cover with a probability of 0.1 %; the root mean square of 25 standard
+/// scores is within 1 ± 0.5 but for 4 in 10,000.
 #[test]
 fn the_interval_covers_the_truth_as_often_as_it_says() {
     let (covered, spread) = coverage(25);
@@ -106,8 +121,8 @@ fn the_interval_covers_the_truth_as_often_as_it_says() {
     assert!((0.5..1.5).contains(&spread), "{spread}");
 }
 
-/// Fewer than 87 of 100 cover with a probability of 0.2 %; the root mean square of 100 standard scores is within 1 ± 0.25
-/// but for 4 in 10,000.
+/// Fewer than 87 of 100 cover with a probability of 0.2 %; the root mean square of 100 standard
+/// scores is within 1 ± 0.25 but for 4 in 10,000.
 #[test]
 #[ignore = "make campaign"]
 fn a_hundred_intervals_cover_the_truth_as_often_as_they_say() {
@@ -126,7 +141,9 @@ fn several_numbers_at_once() {
     let names = ["youngs_modulus_pa", "compliance_m_per_n", "length_m"];
     let recording = measured(&truth, &weights(&[1.0, 3.0, 5.0, 8.0]), 5, NOISE_M);
     let found = fit(&guess, &recording, &names);
-    for (number, (name, value)) in found.findings.numbers.iter().zip(names.iter().zip([TRUE_PA, 2e-4, 0.22])) {
+    for (number, (name, value)) in
+        found.findings.numbers.iter().zip(names.iter().zip([TRUE_PA, 2e-4, 0.22]))
+    {
         let [low, high] = interval(number);
         assert_eq!(number.name, *name);
         // Three intervals of 95 % may miss by a little; by half their width more they do not.
@@ -135,12 +152,14 @@ fn several_numbers_at_once() {
         assert!(high / low < 1.2, "{number:?}");
     }
     assert!(
-        found.findings.before_m > 3.0 * found.findings.after_m && found.findings.after_m < 1.3 * NOISE_M * 3f64.sqrt(),
+        found.findings.before_m > 3.0 * found.findings.after_m
+            && found.findings.after_m < 1.3 * NOISE_M * 3f64.sqrt(),
         "{found:?}"
     );
 }
 
-/// At rest nothing depends on the damping, and without gravity and weights nothing on Young's modulus.
+/// At rest nothing depends on the damping, and without gravity and weights nothing on Young's
+/// modulus.
 #[test]
 fn what_a_recording_does_not_tell_has_no_interval_and_harms_no_other_number() {
     let truth = nominal();
@@ -167,8 +186,9 @@ fn what_a_recording_does_not_tell_has_no_interval_and_harms_no_other_number() {
 #[test]
 fn what_cannot_be_fitted_is_named() {
     let (model, recording) = (nominal(), measured(&nominal(), &weights(&[3.0]), 3, NOISE_M));
-    let error =
-        |model: &Model, names: &[&str]| calibrate(model, &recording, &CalibrationOptions::of(names, true)).unwrap_err();
+    let error = |model: &Model, names: &[&str]| {
+        calibrate(model, &recording, &CalibrationOptions::of(names, true)).unwrap_err()
+    };
     assert!(matches!(error(&model, &["poisson_ratio"]), CalibrationError::Unknown { .. }));
     assert!(matches!(error(&model, &["length_m", "length_m"]), CalibrationError::Repeated(_)));
     let mut light = model.clone();
@@ -200,13 +220,22 @@ fn a_misfit_beyond_the_noise_is_told_and_widens_the_interval() {
     turned.robot.tendons.angles_deg.iter_mut().for_each(|angle| *angle += 8.0);
     let recording = measured(&truth, &rounds(), 11, 3e-4);
     let right = fit(&truth, &recording, &["youngs_modulus_pa"]);
-    assert!(right.findings.noise.as_ref().is_some_and(|noise| !noise.beyond_noise), "{:?}", right.findings);
+    assert!(
+        right.findings.noise.as_ref().is_some_and(|noise| !noise.beyond_noise),
+        "{:?}",
+        right.findings
+    );
     assert!(right.findings.limitations.is_empty(), "{:?}", right.findings.limitations);
     let wrong = fit(&turned, &recording, &["youngs_modulus_pa"]);
     let noise = wrong.findings.noise.as_ref().unwrap();
     assert!(noise.beyond_noise && noise.ratio > 5.0 && noise.noise_m < 1.2e-3, "{noise:?}");
-    assert!(wrong.findings.limitations[0].contains("is off by"), "{:?}", wrong.findings.limitations);
-    let width = |found: &Calibration| found.findings.numbers[0].high / found.findings.numbers[0].low - 1.0;
+    assert!(
+        wrong.findings.limitations[0].contains("is off by"),
+        "{:?}",
+        wrong.findings.limitations
+    );
+    let width =
+        |found: &Calibration| found.findings.numbers[0].high / found.findings.numbers[0].low - 1.0;
     assert!(width(&wrong) > 5.0 * width(&right), "{} against {}", width(&wrong), width(&right));
     let both = fit(&turned, &recording, &["youngs_modulus_pa", "robot.tendons.angles_deg[+]"]);
     let angle = &both.findings.numbers[1];
@@ -221,7 +250,8 @@ fn outliers_hardly_count() {
     let mut jumps = clean.clone();
     let tips = jumps.tip_m.as_mut().unwrap();
     [7, 31, 58].iter().for_each(|&row: &usize| tips[row][row % 3] += 0.03);
-    let [plain, robust] = [&clean, &jumps].map(|recording| fit(&truth, recording, &["youngs_modulus_pa"]));
+    let [plain, robust] =
+        [&clean, &jumps].map(|recording| fit(&truth, recording, &["youngs_modulus_pa"]));
     assert_eq!((plain.findings.outliers, plain.findings.likelihood.as_str()), (0, "normal"));
     assert_eq!((robust.findings.outliers, robust.findings.likelihood.as_str()), (3, "student_t"));
     let [a, b] = [&plain, &robust].map(|found| &found.findings.numbers[0]);
@@ -243,7 +273,15 @@ fn selection_keeps_what_lowers_the_error_on_unseen_trials() {
         )
     };
     let found = calibrate(&guess, &recording, &options).unwrap().findings;
-    assert!(found.numbers.iter().any(|number| number.name == "robot.backbone.youngs_modulus_pa"), "{:?}", found.stages);
+    assert!(
+        found.numbers.iter().any(|number| number.name == "robot.backbone.youngs_modulus_pa"),
+        "{:?}",
+        found.stages
+    );
     let last = found.stages.iter().rfind(|stage| stage.kept).unwrap();
-    assert!(last.cross_validated_m < 0.6e-3 && found.stages[0].cross_validated_m > 3e-3, "{:?}", found.stages);
+    assert!(
+        last.cross_validated_m < 0.6e-3 && found.stages[0].cross_validated_m > 3e-3,
+        "{:?}",
+        found.stages
+    );
 }

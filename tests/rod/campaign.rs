@@ -26,8 +26,8 @@ struct Outcome {
     strength: &'static str,
 }
 
-/// Settles the robot of one draw from a cold start; `judged` asks the oracle about the answer, `moved` goes on to move
-/// it. Answers are finite, or have another name than converged.
+/// Settles the robot of one draw from a cold start; `judged` asks the oracle about the answer,
+/// `moved` goes on to move it. Answers are finite, or have another name than converged.
 fn play(k: u64, seed: Seed, judged: bool, moved: bool) -> Outcome {
     let case = case(seed.index(k));
     let mut rod = Rod::new(case.params.clone());
@@ -82,7 +82,10 @@ fn wander(k: u64, seed: Seed, case: &Case, rod: &mut Rod) -> SolveStatus {
 /// Whatever the status, the rod is left in a state of finite numbers.
 fn check(k: u64, rod: &Rod) {
     assert!(rod.tip_m().iter().all(|x| x.is_finite()), "draw {k}");
-    assert!(rod.tensions_n().iter().all(|tension| tension.is_finite() && *tension >= 0.0), "draw {k}");
+    assert!(
+        rod.tensions_n().iter().all(|tension| tension.is_finite() && *tension >= 0.0),
+        "draw {k}"
+    );
     assert!(rod.residual_m().is_finite(), "draw {k}");
 }
 
@@ -102,8 +105,9 @@ fn strength(case: &Case) -> &'static str {
 
 /// Draws that converged and lie further from the oracle than allowed.
 fn wrong(outcomes: &[Outcome]) -> Vec<(usize, f64)> {
-    let off =
-        |(k, outcome): (usize, &Outcome)| outcome.off_m.filter(|off| *off > outcome.allowed_m).map(|off| (k, off));
+    let off = |(k, outcome): (usize, &Outcome)| {
+        outcome.off_m.filter(|off| *off > outcome.allowed_m).map(|off| (k, off))
+    };
     outcomes.iter().enumerate().filter_map(off).collect()
 }
 
@@ -118,7 +122,8 @@ fn converged_statics_agree_with_an_independent_solver() {
     assert!(solved > 55, "only {solved} solved");
 }
 
-/// Draws of the full campaign that earlier states of the rod got wrong, and what had misled them (docs/robustness.md).
+/// Draws of the full campaign that earlier states of the rod got wrong, and what had misled them
+/// (docs/robustness.md).
 #[test]
 fn draws_that_were_wrong_once_are_right() {
     for (k, what) in [
@@ -134,11 +139,15 @@ fn draws_that_were_wrong_once_are_right() {
         let outcome = play(k, Seed(13), true, false);
         let fine = outcome.off_m.is_none_or(|off_m| off_m <= outcome.allowed_m);
         assert!(fine, "draw {k} ({what}): {outcome:?}");
-        assert!([1326, 9677].contains(&k) || outcome.off_m.is_some(), "draw {k} is no longer an answer: {outcome:?}");
+        assert!(
+            [1326, 9677].contains(&k) || outcome.off_m.is_some(),
+            "draw {k} is no longer an answer: {outcome:?}"
+        );
     }
 }
 
-/// Commands to the paper's robot from nothing to its whole length pulled or let out, each from a cold start.
+/// Commands to the paper's robot from nothing to its whole length pulled or let out, each from a
+/// cold start.
 #[test]
 fn the_papers_robot_answers_any_command() {
     for name in ["nominal", "real"] {
@@ -147,20 +156,24 @@ fn the_papers_robot_answers_any_command() {
         let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
         for k in 0..160 {
             let reach = [0.002, 0.01, 0.03, 0.22][k % 4];
-            let pulls: Vec<Drive> = (0..4).map(|_| Drive::Pull(random.random_range(-reach..reach))).collect();
+            let pulls: Vec<Drive> =
+                (0..4).map(|_| Drive::Pull(random.random_range(-reach..reach))).collect();
             let mut rod = Rod::new(params.clone());
             let status = rod.settle(&pulls);
             check(k as u64, &rod);
             *counts.entry(status.name()).or_default() += 1;
             // 2 mm leave room for any combination: those must be solved.
-            assert!(reach > 0.002 || status == SolveStatus::Converged, "{name} {status} at {pulls:?}");
+            assert!(
+                reach > 0.002 || status == SolveStatus::Converged,
+                "{name} {status} at {pulls:?}"
+            );
         }
         println!("{name}: {counts:?}");
     }
 }
 
-/// The full campaign, by `make campaign`: writes its table where CAMPAIGN_OUT says. CAMPAIGN_ONLY=440..441 plays a few
-/// draws of it and says what became of each.
+/// The full campaign, by `make campaign`: writes its table where CAMPAIGN_OUT says.
+/// CAMPAIGN_ONLY=440..441 plays a few draws of it and says what became of each.
 #[test]
 #[ignore = "takes hours"]
 fn full_campaign() {
@@ -184,7 +197,9 @@ fn told(k: u64) -> Outcome {
     let outcome = play(k, Seed(13), true, k % 10 == 5);
     let Outcome { rest, off_m, allowed_m, .. } = outcome;
     match off_m {
-        Some(off_m) if off_m > allowed_m => println!("draw {k} is off by {off_m:.2e} m of {allowed_m:.0e} allowed"),
+        Some(off_m) if off_m > allowed_m => {
+            println!("draw {k} is off by {off_m:.2e} m of {allowed_m:.0e} allowed")
+        }
         None if rest == SolveStatus::Converged => println!("draw {k} could not be judged"),
         _ => (),
     }
@@ -207,11 +222,16 @@ fn table(outcomes: &[Outcome]) -> String {
     for ((what, bends, status), rows) in rows {
         let at_rest = what == "rest";
         let refined = rows.iter().filter(|row| at_rest && row.refinements > 0).count();
-        let errors: Vec<f64> = rows.iter().filter(|_| at_rest).filter_map(|row| row.off_m).collect();
+        let errors: Vec<f64> =
+            rows.iter().filter(|_| at_rest).filter_map(|row| row.off_m).collect();
         let largest = errors.iter().copied().fold(0.0, f64::max);
-        let wrong = rows.iter().filter(|row| at_rest && row.off_m.is_some_and(|off| off > row.allowed_m)).count();
+        let wrong = rows
+            .iter()
+            .filter(|row| at_rest && row.off_m.is_some_and(|off| off > row.allowed_m))
+            .count();
         let (draws, judged) = (rows.len(), errors.len());
-        writeln!(text, "{what},{bends},{status},{draws},{refined},{judged},{largest:.1e},{wrong}").unwrap();
+        writeln!(text, "{what},{bends},{status},{draws},{refined},{judged},{largest:.1e},{wrong}")
+            .unwrap();
     }
     text
 }

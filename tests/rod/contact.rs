@@ -1,16 +1,18 @@
-//! Contact with obstacles against a boundary-value solver with complementarity (`tests/reference/stability`).
+//! Contact with obstacles against a boundary-value solver with complementarity
+//! (`tests/reference/stability`).
 
 use std::collections::HashMap;
 
 use crate::support::rods::{model, read, round_rod, vector};
 use nalgebra::Vector3;
 use spinebench::rod::{
-    ContactSurface, Drive, LineLoad, Obstacle, ObstacleShape, Rod, RodParams, SolveStatus, TipWrench,
+    ContactSurface, Drive, LineLoad, Obstacle, ObstacleShape, Rod, RodParams, SolveStatus,
+    TipWrench,
 };
 
 const LENGTH_M: f64 = 0.3;
-/// Accepted distance of a tip, in lengths: a rigid obstacle gives way by 10⁻⁵ lengths, and the points of contact are 1.6 mm
-/// apart.
+/// Accepted distance of a tip, in lengths: a rigid obstacle gives way by 10⁻⁵ lengths, and the
+/// points of contact are 1.6 mm apart.
 const TIP_TOLERANCE: f64 = 1e-3;
 /// Accepted error of the contact force, as a share.
 const FORCE_TOLERANCE: f64 = 5e-3;
@@ -27,7 +29,10 @@ fn wire_against(shape: ObstacleShape) -> RodParams {
 
 fn pushed(params: &RodParams, force_x_n: f64) -> Rod {
     let mut rod = Rod::new(params.clone());
-    rod.set_tip_load(TipWrench { force_n: Vector3::new(force_x_n, 0.0, 0.0), moment_nm: Vector3::zeros() });
+    rod.set_tip_load(TipWrench {
+        force_n: Vector3::new(force_x_n, 0.0, 0.0),
+        moment_nm: Vector3::zeros(),
+    });
     rod
 }
 
@@ -86,7 +91,10 @@ fn rubbing(friction_coefficient: f64) -> Rod {
 #[test]
 fn friction_holds_a_tip_up_to_the_coulomb_limit() {
     let side_n = |rod: &mut Rod, side_n: f64| {
-        rod.set_tip_load(TipWrench { force_n: Vector3::new(-0.6, side_n, 0.0), moment_nm: Vector3::zeros() });
+        rod.set_tip_load(TipWrench {
+            force_n: Vector3::new(-0.6, side_n, 0.0),
+            moment_nm: Vector3::zeros(),
+        });
         assert_eq!(rod.settle(&[]), SolveStatus::Converged);
         (rod.tip_m().y, rod.contact().unwrap().force_n)
     };
@@ -102,7 +110,10 @@ fn friction_holds_a_tip_up_to_the_coulomb_limit() {
     assert!(slipped_m > free_m && (limit - 0.5).abs() < 5e-3, "{slipped_m} {force_n}");
     // Without the force friction holds it where it is: the rod pulls back with 0.15 N.
     let (back_m, force_n) = side_n(&mut rod, 0.0);
-    assert!(back_m > 0.95 * slipped_m && back_m < slipped_m && force_n.y > 0.1, "{back_m} {force_n}");
+    assert!(
+        back_m > 0.95 * slipped_m && back_m < slipped_m && force_n.y > 0.1,
+        "{back_m} {force_n}"
+    );
 }
 
 #[test]
@@ -119,16 +130,20 @@ fn a_motion_against_a_sphere_is_that_of_another_engine() {
             stiffness_n_m: None,
         }));
         let mut rod = Rod::new(params);
-        let pulls = |row: &HashMap<String, f64>| (1..=4).map(|i| row[&format!("tendon_{i}_m")]).collect::<Vec<_>>();
+        let pulls = |row: &HashMap<String, f64>| {
+            (1..=4).map(|i| row[&format!("tendon_{i}_m")]).collect::<Vec<_>>()
+        };
         let (mut now, mut squares, mut touching, mut force_off) = (vec![0.0; 4], 0.0, 0, 0.0_f64);
-        let all = |pulls_m: &[f64]| pulls_m.iter().map(|&pull_m| Drive::Pull(pull_m)).collect::<Vec<_>>();
+        let all =
+            |pulls_m: &[f64]| pulls_m.iter().map(|&pull_m| Drive::Pull(pull_m)).collect::<Vec<_>>();
         assert_eq!(rod.settle(&all(&now)), SolveStatus::Converged);
         for row in &rows {
             let measured_m = vector(row, ["tip_x_m", "tip_y_m", "tip_z_m"]);
             squares += (rod.tip_m() - measured_m).norm_squared();
             let force_n = rod.contact().map_or(Vector3::zeros(), |contact| contact.force_n);
             touching += usize::from((force_n.norm() > 0.0) == (row["contact"] > 0.0));
-            force_off = force_off.max((force_n - vector(row, ["force_x_n", "force_y_n", "force_z_n"])).norm());
+            force_off = force_off
+                .max((force_n - vector(row, ["force_x_n", "force_y_n", "force_z_n"])).norm());
             let (from, to) = (now.clone(), pulls(row));
             let drives = |t: f64| {
                 let share = (t / 0.02).min(1.0);
@@ -143,7 +158,8 @@ fn a_motion_against_a_sphere_is_that_of_another_engine() {
     let (free_m, ..) = play(None);
     let (off_m, touching, force_off_n) = play(Some(0.020));
     println!(
-        "without {free_m:.5} m, with {off_m:.5} m, contact alike in {touching} of {}, {force_off_n} N",
+        "without {free_m:.5} m, with {off_m:.5} m, contact alike in {touching} of {}, \
+         {force_off_n} N",
         rows.len()
     );
     assert!(free_m > 8e-3 && off_m < 4e-4, "{free_m} and {off_m}");
@@ -165,7 +181,8 @@ fn an_obstacle_in_the_robot_at_home_is_told() {
 #[test]
 fn a_coil_that_closes_touches_itself() {
     let curled = |curvature_rad_m: f64| {
-        let mut params = wire_against(ObstacleShape::HalfSpace { normal: Vector3::x(), offset_m: -9.0 });
+        let mut params =
+            wire_against(ObstacleShape::HalfSpace { normal: Vector3::x(), offset_m: -9.0 });
         params.contact.radius_m = 0.002;
         params.spans[0].rest_curvature_rad_m = Vector3::new(0.0, curvature_rad_m, 0.0);
         let mut rod = Rod::new(params);

@@ -1,4 +1,5 @@
-//! The moving rod: Till et al.'s example against its limit, orders of convergence, energy, symmetry, rest.
+//! The moving rod: Till et al.'s example against its limit, orders of convergence, energy,
+//! symmetry, rest.
 
 use crate::support::rods::{reference, round_rod, shipped};
 use nalgebra::Vector3;
@@ -15,7 +16,8 @@ fn till_example(time_step_s: f64, scheme: Scheme) -> RodParams {
 
 const RAMP_ENDS_S: [f64; 4] = [3.652, 3.967, 17.63, 17.94];
 
-/// Drive displacement of that example, metres; the ramp lies between the 20 Hz samples of the reference.
+/// Drive displacement of that example, metres; the ramp lies between the 20 Hz samples of the
+/// reference.
 fn till_pull_m(t: f64) -> f64 {
     let ramp = |from: f64, to: f64| ((t - from) / (to - from)).clamp(0.0, 1.0);
     0.01619 * (ramp(RAMP_ENDS_S[0], RAMP_ENDS_S[1]) - ramp(RAMP_ENDS_S[2], RAMP_ENDS_S[3]))
@@ -34,7 +36,8 @@ fn till_error_m(params: RodParams) -> f64 {
             let window = now..t;
             for end in RAMP_ENDS_S.into_iter().filter(|end| window.contains(end)).chain([t]) {
                 let start = now;
-                let status = rod.advance_with(&|dt| vec![Drive::Pull(till_pull_m(start + dt))], end - now);
+                let status =
+                    rod.advance_with(&|dt| vec![Drive::Pull(till_pull_m(start + dt))], end - now);
                 assert_eq!(status, SolveStatus::Converged, "at {t} s");
                 now = end;
             }
@@ -112,7 +115,10 @@ fn space_converges_at_fourth_order_in_cells_and_spectrally_in_polynomials() {
     assert!((order - 4.0).abs() < 0.4, "order {order} in the cell length");
     let best = tip(0.011, 12);
     let errors = [3, 5, 7].map(|modes| (tip(0.011, modes) - best).norm());
-    assert!(errors[1] < 0.1 * errors[0] && errors[2] < 0.1 * errors[1], "{errors:?} m with 3, 5, 7 polynomials");
+    assert!(
+        errors[1] < 0.1 * errors[0] && errors[2] < 0.1 * errors[1],
+        "{errors:?} m with 3, 5, 7 polynomials"
+    );
 }
 
 #[test]
@@ -139,7 +145,8 @@ fn energy_decays_when_the_robot_is_let_go() {
 
 /// Moves the drives at constant speed within 20 ms, and then holds them for 0.4 s.
 fn moved(rod: &mut Rod, from: &[f64; 4], to: &[f64; 4]) -> SolveStatus {
-    let drives = |t: f64| (0..4).map(|i| Drive::Pull(from[i] + (to[i] - from[i]) * t / 0.02)).collect();
+    let drives =
+        |t: f64| (0..4).map(|i| Drive::Pull(from[i] + (to[i] - from[i]) * t / 0.02)).collect();
     match rod.advance_with(&drives, 0.02) {
         SolveStatus::Converged => rod.advance(&to.map(Drive::Pull), 0.4),
         failure => failure,
@@ -187,7 +194,11 @@ fn a_very_short_time_changes_nothing() {
     let drives = pulls.map(Drive::Pull);
     let mut interrupted = rod.clone();
     for duration_s in [2e-7, 1e-8, 3e-6, 1e-9] {
-        assert_eq!(interrupted.advance(&drives, duration_s), SolveStatus::Converged, "{duration_s} s");
+        assert_eq!(
+            interrupted.advance(&drives, duration_s),
+            SolveStatus::Converged,
+            "{duration_s} s"
+        );
     }
     for _ in 0..5 {
         assert_eq!(rod.advance(&drives, 0.02), SolveStatus::Converged);
@@ -208,7 +219,8 @@ fn tendons_pull_and_never_push() {
         assert!(rod.tensions_n().iter().all(|&tension| tension >= 0.0), "{:?}", rod.tensions_n());
         let slack = rod.tensions_n().iter().zip(rod.following_pulls_m()).zip(drives);
         for ((&tension, following), pull) in slack {
-            // What is let out further than the shape needs is slack, and what is slack carries nothing.
+            // What is let out further than the shape needs is slack, and what is slack carries
+            // nothing.
             assert!(
                 tension == 0.0 || (pull - following).abs() < 1e-7,
                 "{tension} N at {pull} m, shape asks {following}"
@@ -236,6 +248,10 @@ fn the_spine_shortens_by_its_compliance_and_stops_at_saturation() {
         let mut rod = Rod::new(params);
         assert_eq!(rod.settle(&[Drive::Tension(each_n); 4]), SolveStatus::Converged);
         let expected = 0.22 - 11.0 * per_section_m - 0.22 * 4.0 * each_n / axial_n;
-        assert!((rod.tip_m().z - expected).abs() < 1e-8, "{} m against {expected} m", rod.tip_m().z);
+        assert!(
+            (rod.tip_m().z - expected).abs() < 1e-8,
+            "{} m against {expected} m",
+            rod.tip_m().z
+        );
     }
 }

@@ -1,4 +1,5 @@
-//! Energy: never out of nothing. Robots let go with their drives held, histories over closed paths, work against energy.
+//! Energy: never out of nothing. Robots let go with their drives held, histories over closed paths,
+//! work against energy.
 
 use crate::support::rods::random_robot::{bending_n_m2, log, robot};
 use rand::RngExt;
@@ -12,25 +13,31 @@ fn energy_j(rod: &Rod, drives: &[Drive]) -> f64 {
     let held: f64 = drives
         .iter()
         .zip(rod.following_pulls_m())
-        .map(|(drive, taken_in)| if let Drive::Tension(tension) = drive { tension * taken_in } else { 0.0 })
+        .map(
+            |(drive, taken_in)| {
+                if let Drive::Tension(tension) = drive { tension * taken_in } else { 0.0 }
+            },
+        )
         .sum();
     energy.kinetic_j + energy.elastic_j + energy.gravitational_j - held
 }
 
 /// First period of the rod as a cantilever, about, s.
 fn period_s(params: &RodParams) -> f64 {
-    let mass: f64 = params.spans.iter().map(|span| span.mass_kg_m).fold(0.0, f64::max) * params.length_m()
+    let mass: f64 = params.spans.iter().map(|span| span.mass_kg_m).fold(0.0, f64::max)
+        * params.length_m()
         + params.masses.iter().map(|mass| mass.mass_kg).sum::<f64>();
     1.8 * (mass * params.length_m().powi(3) / bending_n_m2(params)).sqrt()
 }
 
-/// A random robot bent by one tendon and let go: the drives jump and are held. Returns the largest rise of its energy in
-/// one step over the energy set free; none if a solve was refused.
+/// A random robot bent by one tendon and let go: the drives jump and are held. Returns the largest
+/// rise of its energy in one step over the energy set free; none if a solve was refused.
 fn largest_rise(seed: Seed, damped: bool, scheme: Scheme, steps_a_period: f64) -> Option<f64> {
     let mut random = seed.rng();
     let mut params = robot(&mut random);
     params.moment_laws.clear();
-    params.damping_time_s = if damped { log(&mut random, 0.003, 0.1) * period_s(&params) } else { 0.0 };
+    params.damping_time_s =
+        if damped { log(&mut random, 0.003, 0.1) * period_s(&params) } else { 0.0 };
     let h = period_s(&params) / steps_a_period;
     params.resolution.scheme = scheme;
     params.resolution.time_step_s = h;
@@ -68,7 +75,8 @@ fn rod_scale_j(rod: &Rod) -> f64 {
     0.5e-6 * bending_n_m2(rod.params()) / rod.params().length_m()
 }
 
-/// Scheme, steps in a first period, whether damped, largest rise allowed as a share of the energy set free.
+/// Scheme, steps in a first period, whether damped, largest rise allowed as a share of the energy
+/// set free.
 const SWINGS: [(Scheme, f64, bool, f64); 6] = [
     (Scheme::Euler, 40.0, true, 1e-9),
     (Scheme::Euler, 40.0, false, 1e-9),
@@ -81,7 +89,9 @@ const SWINGS: [(Scheme, f64, bool, f64); 6] = [
 #[test]
 fn robots_let_go_with_their_drives_held_lose_energy() {
     for (scheme, steps, damped, allowed) in SWINGS {
-        let rises: Vec<f64> = (0..12).filter_map(|k| largest_rise(Seed(21).index(k), damped, scheme, steps)).collect();
+        let rises: Vec<f64> = (0..12)
+            .filter_map(|k| largest_rise(Seed(21).index(k), damped, scheme, steps))
+            .collect();
         println!("{scheme:?}, {steps} steps, damped {damped}: {rises:?}");
         assert!(rises.len() >= 7, "{scheme:?}: only {} robots moved", rises.len());
         assert!(rises.iter().all(|rise| *rise < allowed), "{scheme:?} damped {damped}: {rises:?}");
@@ -105,7 +115,8 @@ fn laws() -> Vec<(&'static str, Arc<dyn MomentLaw>)> {
     laws
 }
 
-/// Material that starts virgin can give back no more than was put in, whatever the path and however it is cut into steps.
+/// Material that starts virgin can give back no more than was put in, whatever the path and however
+/// it is cut into steps.
 #[test]
 fn histories_give_back_less_than_they_take() {
     const BENDING_N_M2: f64 = 0.03;
@@ -123,7 +134,8 @@ fn histories_give_back_less_than_they_take() {
                 *u = to;
             };
             for _ in 0..300 {
-                let to = u.map(|x: f64| (x + random.random_range(-stride..stride)).clamp(-4.0, 4.0));
+                let to =
+                    u.map(|x: f64| (x + random.random_range(-stride..stride)).clamp(-4.0, 4.0));
                 move_to(to, log(&mut random, 1e-3, 10.0), &mut work, &mut u);
             }
             let start = u;
@@ -137,7 +149,8 @@ fn histories_give_back_less_than_they_take() {
     }
 }
 
-/// Energy that enters through the drives while they move, against the rise of the mechanical energy.
+/// Energy that enters through the drives while they move, against the rise of the mechanical
+/// energy.
 fn unaccounted(steps: usize) -> f64 {
     let mut params = crate::support::rods::shipped("nominal");
     params.sections.clear();
@@ -177,7 +190,10 @@ fn unaccounted(steps: usize) -> f64 {
 fn the_work_of_the_drives_is_found_again_as_energy() {
     let shares = [40, 160, 640].map(unaccounted);
     assert!(shares[2] < 5e-3, "{shares:?} of the work unaccounted for");
-    assert!(shares[1] < 0.5 * shares[0] && shares[2] < 0.5 * shares[1], "{shares:?} does not converge");
+    assert!(
+        shares[1] < 0.5 * shares[0] && shares[2] < 0.5 * shares[1],
+        "{shares:?} does not converge"
+    );
 }
 
 /// A robot that has come to rest in a bowl of its energy stays there: no step adds to it.

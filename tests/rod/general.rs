@@ -1,4 +1,5 @@
-//! Robots that use everything at once: tapered pieces, any tendons, loads of all kinds, a base anywhere.
+//! Robots that use everything at once: tapered pieces, any tendons, loads of all kinds, a base
+//! anywhere.
 
 use nalgebra::Vector3;
 use spinebench::effects::Model;
@@ -6,7 +7,8 @@ use spinebench::math::rotation;
 use spinebench::rod::{Drive, Rod, RodParams, SolveStatus};
 use spinebench::specs::read_model;
 
-/// Two segments of a tapered, curved, anisotropic tube with a sheathed, a helical, a kinked and a short tendon.
+/// Two segments of a tapered, curved, anisotropic tube with a sheathed, a helical, a kinked and a
+/// short tendon.
 const EVERYTHING: &str = "
 robot:
   backbone:
@@ -114,7 +116,8 @@ fn the_answer_changes_steadily_with_the_robot() {
     }
 }
 
-/// Cells that go across jumps of the material bend, twist and shorten the rod as those do that end there.
+/// Cells that go across jumps of the material bend, twist and shorten the rod as those do that end
+/// there.
 #[test]
 fn cells_across_jumps_stand_for_what_they_hold() {
     let nominal = [0.012, -0.004, -0.012, 0.004];
@@ -127,7 +130,8 @@ fn cells_across_jumps_stand_for_what_they_hold() {
     for (number, (mut params, pulls_m)) in robots.into_iter().enumerate() {
         params.resolution.static_tolerance_m = f64::INFINITY;
         let exact = settled(params.clone(), &pulls_m);
-        let moved_m = (exact.tip_m() - settled(params.clone(), &vec![0.0; pulls_m.len()]).tip_m()).norm();
+        let moved_m =
+            (exact.tip_m() - settled(params.clone(), &vec![0.0; pulls_m.len()]).tip_m()).norm();
         for (cell_m, share) in [(0.03, 5e-4), (0.06, 3e-3)] {
             params.resolution.cell_m = cell_m;
             params.resolution.blended = true;

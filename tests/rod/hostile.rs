@@ -1,4 +1,5 @@
-//! Models at the edges of their ranges: every step ends converged or with a named status, with finite numbers, after a bounded effort.
+//! Models at the edges of their ranges: every step ends converged or with a named status, with
+//! finite numbers, after a bounded effort.
 
 use spinebench::base::{Plant, PlantError, Seed};
 use spinebench::effects::Model;
@@ -7,16 +8,19 @@ use spinebench::rod::SolveStatus;
 
 fn nominal() -> Model {
     let text = include_str!("../../models/nominal.yaml");
-    serde_yaml::with::singleton_map_recursive::deserialize(serde_yaml::Deserializer::from_str(text)).unwrap()
+    serde_yaml::with::singleton_map_recursive::deserialize(serde_yaml::Deserializer::from_str(text))
+        .unwrap()
 }
 
-/// Iterations of Newton's method for a trial of four commands: the hardest of the cases below takes 2,000.
+/// Iterations of Newton's method for a trial of four commands: the hardest of the cases below takes
+/// 2,000.
 const MAX_ITERATIONS: u64 = 10_000;
 
 /// A name and what is changed of the nominal model.
 type Case = (&'static str, fn(&mut Model));
 
-/// Counts of what converged and what failed by name, in lengths and in tensions, at rest and moving.
+/// Counts of what converged and what failed by name, in lengths and in tensions, at rest and
+/// moving.
 fn torture(name: &str, model: &Model) -> (usize, usize) {
     model.check().unwrap_or_else(|error| panic!("{name}: {error:?}"));
     let options = SimulatedOptions { travel_m: f64::INFINITY, ..SimulatedOptions::default() };
@@ -30,13 +34,19 @@ fn torture(name: &str, model: &Model) -> (usize, usize) {
             let distance_m = seen.tip_m.iter().map(|x| x * x).sum::<f64>().sqrt();
             assert!(distance_m < reach_m, "{name}: {seen:?}");
             let tensions = seen.tensions_n.unwrap();
-            assert!(tensions.iter().all(|tension| tension.is_finite() && *tension >= 0.0), "{name}: {tensions:?}");
+            assert!(
+                tensions.iter().all(|tension| tension.is_finite() && *tension >= 0.0),
+                "{name}: {tensions:?}"
+            );
             assert!(seen.pulls_m.iter().all(|x| x.is_finite()), "{name}");
             solved += 1;
             true
         }
         Err(PlantError::Solver(status)) => {
-            assert!(SolveStatus::ALL.iter().any(|known| known.name() == status), "{name}: {status}");
+            assert!(
+                SolveStatus::ALL.iter().any(|known| known.name() == status),
+                "{name}: {status}"
+            );
             failed += 1;
             false
         }
@@ -75,7 +85,9 @@ fn unusual_robots_are_solved() {
         ("nominal", |_| {}),
         ("one tendon", |m| m.robot.tendons.angles_deg = vec![30.0]),
         ("three tendons", |m| m.robot.tendons.angles_deg = vec![0.0, 120.0, 240.0]),
-        ("twelve tendons", |m| m.robot.tendons.angles_deg = (0..12).map(|k| 30.0 * f64::from(k)).collect()),
+        ("twelve tendons", |m| {
+            m.robot.tendons.angles_deg = (0..12).map(|k| 30.0 * f64::from(k)).collect()
+        }),
         ("tendons end part-way", |m| m.robot.tendons.ends_m = Some(vec![0.11, 0.11, 0.22, 0.22])),
         ("no sections", |m| m.robot.sections.count = 0),
         ("no disks", |m| m.robot.disks.count = 0),
@@ -96,14 +108,20 @@ fn unusual_robots_are_solved() {
         ("heavily damped", |m| m.robot.damping_time_s = 100.0),
         ("drag", |m| m.robot.drag_n_s2_m3 = 10.0),
         ("2 m long", |m| {
-            m.robot.backbone =
-                spinebench::effects::Backbone { length_m: 2.0, radius_m: 0.01, ..m.robot.backbone.clone() }
+            m.robot.backbone = spinebench::effects::Backbone {
+                length_m: 2.0,
+                radius_m: 0.01,
+                ..m.robot.backbone.clone()
+            }
         }),
         ("stiff", |m| m.robot.backbone.youngs_modulus_pa = 2e11),
         ("tilted", |m| m.robot.base_rotation_rad = [0.0, 3.0, 0.5]),
     ];
-    let failed: Vec<&str> =
-        cases.iter().filter(|(name, change)| case(name, *change).1 > 0).map(|case| case.0).collect();
+    let failed: Vec<&str> = cases
+        .iter()
+        .filter(|(name, change)| case(name, *change).1 > 0)
+        .map(|case| case.0)
+        .collect();
     assert!(failed.is_empty(), "{failed:?}");
 }
 
@@ -124,7 +142,9 @@ fn impossible_robots_end_with_a_named_status() {
             m.robot.sections.count = 0;
             m.robot.disks.count = 0;
         }),
-        ("tendon ends at the base", |m| m.robot.tendons.ends_m = Some(vec![1e-9, 0.22, 0.22, 0.22])),
+        ("tendon ends at the base", |m| {
+            m.robot.tendons.ends_m = Some(vec![1e-9, 0.22, 0.22, 0.22])
+        }),
         ("tendons far out", |m| m.robot.tendons.radius_m = 10.0),
         ("tendons on the axis", |m| m.robot.tendons.radius_m = 1e-12),
         ("on Jupiter's big brother", |m| m.robot.gravity_m_s2 = [-1e6, 0.0, 0.0]),

@@ -1,10 +1,11 @@
-//! Tendons on any path, tapering rods and loads anywhere, against the strong form of Rucker & Webster (2011) and the
-//! energy balance.
+//! Tendons on any path, tapering rods and loads anywhere, against the strong form of Rucker &
+//! Webster (2011) and the energy balance.
 
 use crate::support::shooting::{Cord, Pose, Shooting, Stiffness};
 use nalgebra::{Matrix3, Vector3, Vector6};
 use spinebench::rod::{
-    Drive, LineLoad, PathPoint, PointLoad, Rod, RodParams, SolveStatus, Span, Taper, Tendon, TendonPath, TipWrench,
+    Drive, LineLoad, PathPoint, PointLoad, Rod, RodParams, SolveStatus, Span, Taper, Tendon,
+    TendonPath, TipWrench,
 };
 use std::f64::consts::PI;
 
@@ -73,7 +74,11 @@ fn polyline(points: &'static [[f64; 3]]) -> crate::support::shooting::Path {
 
 fn tendon(points: &[[f64; 3]], start_m: f64, end_m: f64) -> Tendon {
     let points = points.iter().map(|&[s_m, x, y]| PathPoint { s_m, offset_m: [x, y] }).collect();
-    Tendon { path: TendonPath { points, twist_rad_m: 0.0 }, start_m, ..Tendon::parallel([0.0; 2], end_m) }
+    Tendon {
+        path: TendonPath { points, twist_rad_m: 0.0 },
+        start_m,
+        ..Tendon::parallel([0.0; 2], end_m)
+    }
 }
 
 /// Settled at a resolution that resolves a soft cone bent double.
@@ -98,8 +103,10 @@ fn compare(what: &str, rod: &Rod, expected: &Pose) {
     assert!(position < POSITION_M && turn < ROTATION, "{what}: {position:e} m, {turn:e}");
 }
 
-const CONVERGING: [&[[f64; 3]]; 2] =
-    [&[[0.0, 0.010, 0.0057], [LENGTH_M, 0.001, 0.0007]], &[[0.0, -0.010, 0.0057], [LENGTH_M, -0.001, 0.0007]]];
+const CONVERGING: [&[[f64; 3]]; 2] = [
+    &[[0.0, 0.010, 0.0057], [LENGTH_M, 0.001, 0.0007]],
+    &[[0.0, -0.010, 0.0057], [LENGTH_M, -0.001, 0.0007]],
+];
 
 #[test]
 fn converging_tendons_in_a_cone_under_its_weight() {
@@ -119,7 +126,12 @@ fn converging_tendons_in_a_cone_under_its_weight() {
     shot.cords = CONVERGING
         .iter()
         .zip(tensions)
-        .map(|(points, tension_n)| Cord { path: polyline(points), start_m: 0.0, end_m: LENGTH_M, tension_n })
+        .map(|(points, tension_n)| Cord {
+            path: polyline(points),
+            start_m: 0.0,
+            end_m: LENGTH_M,
+            tension_n,
+        })
         .collect();
     compare("cone", &settled(params, &tensions), &shot.solve());
 }
@@ -143,15 +155,22 @@ fn a_helical_tendon_twists_and_bends() {
     });
     shot.cords = vec![
         Cord { path, start_m: 0.0, end_m: LENGTH_M, tension_n: tensions[0] },
-        Cord { path: polyline(&[[0.0, 0.0, 0.004]]), start_m: 0.0, end_m: LENGTH_M, tension_n: tensions[1] },
+        Cord {
+            path: polyline(&[[0.0, 0.0, 0.004]]),
+            start_m: 0.0,
+            end_m: LENGTH_M,
+            tension_n: tensions[1],
+        },
     ];
     compare("helix", &settled(params, &tensions), &shot.solve());
 }
 
-/// A kink inside, one tendon that ends part-way where another goes on, one that starts part-way, a load between.
+/// A kink inside, one tendon that ends part-way where another goes on, one that starts part-way, a
+/// load between.
 #[test]
 fn kinks_ends_starts_and_loads_inside_jump_as_they_should() {
-    const KINKED: &[[f64; 3]] = &[[0.0, 0.009, 0.0], [0.12, 0.004, 0.005], [LENGTH_M, 0.003, -0.002]];
+    const KINKED: &[[f64; 3]] =
+        &[[0.0, 0.009, 0.0], [0.12, 0.004, 0.005], [LENGTH_M, 0.003, -0.002]];
     const SHORT: &[[f64; 3]] = &[[0.0, -0.005, 0.006], [0.24, -0.002, 0.0045]];
     const LATE: &[[f64; 3]] = &[[0.08, 0.0, -0.006], [0.3, 0.002, -0.003]];
     let radii = [0.012, 0.007];
@@ -163,9 +182,11 @@ fn kinks_ends_starts_and_loads_inside_jump_as_they_should() {
         rest_curvature_rad_m: rest,
         ..params.spans[0].clone()
     };
-    params.tendons = vec![tendon(KINKED, 0.0, LENGTH_M), tendon(SHORT, 0.0, 0.24), tendon(LATE, 0.08, 0.3)];
+    params.tendons =
+        vec![tendon(KINKED, 0.0, LENGTH_M), tendon(SHORT, 0.0, 0.24), tendon(LATE, 0.08, 0.3)];
     let (force, moment) = (Vector3::new(-0.1, 0.15, 0.05), Vector3::new(2e-3, 1e-3, -3e-3));
-    params.point_loads = vec![PointLoad { position_m: 0.2, force_n: force, moment_nm: moment, follows: false }];
+    params.point_loads =
+        vec![PointLoad { position_m: 0.2, force_n: force, moment_nm: moment, follows: false }];
     let line = Vector3::new(0.0, 0.3, -0.5);
     params.line_loads = vec![LineLoad { start_m: 0.05, end_m: 0.15, force_n_m: line }];
     let tensions = [2.5, 2.0, 1.5];
@@ -179,7 +200,12 @@ fn kinks_ends_starts_and_loads_inside_jump_as_they_should() {
     shot.cords = [(KINKED, 0.0, LENGTH_M), (SHORT, 0.0, 0.24), (LATE, 0.08, 0.3)]
         .into_iter()
         .zip(tensions)
-        .map(|((points, start_m, end_m), tension_n)| Cord { path: polyline(points), start_m, end_m, tension_n })
+        .map(|((points, start_m, end_m), tension_n)| Cord {
+            path: polyline(points),
+            start_m,
+            end_m,
+            tension_n,
+        })
         .collect();
     compare("kinks", &settled(params, &tensions), &shot.solve());
 }
@@ -189,17 +215,22 @@ fn a_follower_load_turns_with_its_cross_section() {
     let radii = [0.01, 0.006];
     let mut params = cone(radii);
     let (force, moment) = (Vector3::new(0.12, 0.05, -0.04), Vector3::new(0.0, 2e-3, 3e-3));
-    params.point_loads = vec![PointLoad { position_m: LENGTH_M, force_n: force, moment_nm: moment, follows: true }];
+    params.point_loads =
+        vec![PointLoad { position_m: LENGTH_M, force_n: force, moment_nm: moment, follows: true }];
     let mut shot = oracle(radii);
     (shot.tip_force, shot.tip_moment, shot.follows) = (force, moment, true);
     let mut rod = settled(params, &[]);
     compare("follower", &rod, &shot.solve());
     // A derivative that did not see the load turn would not contract.
     let before = rod.effort();
-    rod.set_tip_load(TipWrench { force_n: Vector3::new(1e-3, 1e-3, 0.0), moment_nm: Vector3::zeros() });
+    rod.set_tip_load(TipWrench {
+        force_n: Vector3::new(1e-3, 1e-3, 0.0),
+        moment_nm: Vector3::zeros(),
+    });
     assert_eq!(rod.settle(&[]), SolveStatus::Converged);
     let after = rod.effort();
-    let (iterations, derivatives) = (after.iterations - before.iterations, after.derivatives - before.derivatives);
+    let (iterations, derivatives) =
+        (after.iterations - before.iterations, after.derivatives - before.derivatives);
     println!("a little more load: {iterations} iterations, {derivatives} derivatives");
     assert!(iterations <= 5, "{iterations} iterations");
 }
@@ -223,7 +254,9 @@ fn the_work_of_the_tendons_is_the_energy_stored() {
         let share_before = f64::from(k - 1) / f64::from(steps);
         let tensions_before = [5.0 * share_before, 3.0 * share_before * share_before];
         if k > 0 {
-            worked_j += (0..2).map(|i| 0.5 * (tensions[i] + tensions_before[i]) * (pulls[i] - before[i])).sum::<f64>();
+            worked_j += (0..2)
+                .map(|i| 0.5 * (tensions[i] + tensions_before[i]) * (pulls[i] - before[i]))
+                .sum::<f64>();
         } else {
             assert!(pulls.iter().all(|pull| pull.abs() < 1e-12), "{pulls:?} at home");
         }
@@ -231,7 +264,10 @@ fn the_work_of_the_tendons_is_the_energy_stored() {
     }
     let stored_j = rod.energy().elastic_j;
     println!("worked {worked_j:.9} J, stored {stored_j:.9} J");
-    assert!(stored_j > 0.01 && (worked_j / stored_j - 1.0).abs() < 1e-5, "{worked_j} against {stored_j}");
+    assert!(
+        stored_j > 0.01 && (worked_j / stored_j - 1.0).abs() < 1e-5,
+        "{worked_j} against {stored_j}"
+    );
 }
 
 /// A tapering span is the limit of many uniform ones, also after it has been split.
@@ -248,7 +284,9 @@ fn a_taper_is_no_staircase_and_survives_a_split() {
         if pieces > 0 {
             let at = |k: usize| params.span_at(LENGTH_M * (k as f64 + 0.5) / pieces as f64);
             let end_m = |k: usize| LENGTH_M * (k + 1) as f64 / pieces as f64;
-            params.spans = (0..pieces).map(|k| Span { end_m: end_m(k), taper: Taper::NONE, ..at(k) }).collect();
+            params.spans = (0..pieces)
+                .map(|k| Span { end_m: end_m(k), taper: Taper::NONE, ..at(k) })
+                .collect();
         }
         settled(params, &[]).tip_m()
     };
@@ -273,17 +311,24 @@ fn poses_are_given_everywhere() {
     for section in rod.cross_sections() {
         let (position, rotation) = rod.pose_at(section.s_m);
         // Positions at Gauss points take the tangent as linear in the cell; poses do not.
-        assert!((position - section.position_m).norm() < 1e-6 && (rotation - section.rotation).norm() < 1e-14);
+        assert!(
+            (position - section.position_m).norm() < 1e-6
+                && (rotation - section.rotation).norm() < 1e-14
+        );
     }
     // Across the border of two cells and inside one, a hundredth of a millimetre apart.
     for s in [0.1, 0.101, 0.2222] {
         let [before, here, after] = [s - 1e-5, s, s + 1e-5].map(|s| rod.pose_at(s).0);
-        assert!((after - here * 2.0 + before).norm() < 1e-8, "{s}: {:e}", (after - here * 2.0 + before).norm());
+        assert!(
+            (after - here * 2.0 + before).norm() < 1e-8,
+            "{s}: {:e}",
+            (after - here * 2.0 + before).norm()
+        );
     }
 }
 
-/// Poses inside cells are of third order, and at the usual length of cells (12.5 mm) within what the rod allows itself
-/// (1 µm), in a soft cone that hangs and is bent.
+/// Poses inside cells are of third order, and at the usual length of cells (12.5 mm) within what
+/// the rod allows itself (1 µm), in a soft cone that hangs and is bent.
 #[test]
 fn poses_inside_cells_are_accurate() {
     let bent = |cells: f64| {

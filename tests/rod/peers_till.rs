@@ -1,5 +1,5 @@
-//! The other scheme of the comparison (`benches/peers/till`) is itself right: it finds the published limit and our
-//! equilibria.
+//! The other scheme of the comparison (`benches/peers/till`) is itself right: it finds the
+//! published limit and our equilibria.
 
 #[path = "../../benches/peers/till/mod.rs"]
 mod till;
@@ -37,8 +37,13 @@ fn error_m(settings: Settings) -> f64 {
 
 #[test]
 fn its_refinement_finds_the_limit_of_its_example() {
-    let fine =
-        Settings { space: Space::Rk4, nodes: 40, solver: Solver::Newton, extrapolate: true, ..Settings::published() };
+    let fine = Settings {
+        space: Space::Rk4,
+        nodes: 40,
+        solver: Solver::Newton,
+        extrapolate: true,
+        ..Settings::published()
+    };
     let errors = [0.05, 0.01, 0.0025].map(|time_step_s| error_m(Settings { time_step_s, ..fine }));
     println!("{errors:?} m at 50, 10 and 2.5 ms");
     assert!(errors[0] > 1e-2, "{errors:?} m");
@@ -61,7 +66,8 @@ fn at_its_own_settings_it_errs_as_is_known() {
 
 #[test]
 fn the_papers_robot_rests_where_ours_does() {
-    // Compressible spine, slack tendons, jumps of the material: nothing of the two solvers is shared but the numbers.
+    // Compressible spine, slack tendons, jumps of the material: nothing of the two solvers is
+    // shared but the numbers.
     let params = shipped("nominal");
     let settings = Settings {
         space: Space::Rk4,
@@ -74,9 +80,12 @@ fn the_papers_robot_rests_where_ours_does() {
     };
     let mut shooting = Till::<4>::new(&params, settings).unwrap();
     let mut ours = Rod::new(params);
-    for pulls in
-        [[0.0; 4], [0.005, 0.002, -0.005, -0.002], [0.012, -0.008, -0.012, 0.008], [-0.02, 0.004, 0.02, -0.004]]
-    {
+    for pulls in [
+        [0.0; 4],
+        [0.005, 0.002, -0.005, -0.002],
+        [0.012, -0.008, -0.012, 0.008],
+        [-0.02, 0.004, 0.02, -0.004],
+    ] {
         let drives = pulls.map(Drive::Pull);
         shooting.settle(&drives).unwrap();
         assert_eq!(ours.settle(&drives), SolveStatus::Converged);
@@ -84,7 +93,11 @@ fn the_papers_robot_rests_where_ours_does() {
         assert!(off < 1e-6, "{off} m apart at {pulls:?}");
         let tensions = shooting.tensions_n();
         for (i, tension) in ours.tensions_n().iter().enumerate() {
-            assert!((tensions[i] - tension).abs() < 1e-3, "{tensions:?} N against {:?}", ours.tensions_n());
+            assert!(
+                (tensions[i] - tension).abs() < 1e-3,
+                "{tensions:?} N against {:?}",
+                ours.tensions_n()
+            );
         }
     }
 }

@@ -1,4 +1,5 @@
-//! Loss of stability against values of other methods (`tests/reference/stability`), at rest and in motion.
+//! Loss of stability against values of other methods (`tests/reference/stability`), at rest and in
+//! motion.
 
 use crate::support::rods::{read, round_rod};
 use nalgebra::Vector3;
@@ -16,7 +17,10 @@ const TIP_TOLERANCE: f64 = 2e-5;
 fn wire_of_30_cm() -> RodParams {
     let area_m2 = std::f64::consts::PI * 4e-6;
     let shear_pa = 2.5e9 / (2.0 * 1.39);
-    RodParams { damping_time_s: 0.03, ..round_rod(LENGTH_M, 2e-3, 2.5e9, shear_pa, 1200.0 * area_m2) }
+    RodParams {
+        damping_time_s: 0.03,
+        ..round_rod(LENGTH_M, 2e-3, 2.5e9, shear_pa, 1200.0 * area_m2)
+    }
 }
 
 /// A stiff thin wire of 18 cm.
@@ -36,8 +40,9 @@ fn distance_m(rod: &Rod, x_m: f64, z_m: f64) -> f64 {
 
 #[test]
 fn a_buckled_rod_rests_where_the_elastica_does() {
-    for (row, thin) in
-        read("tests/reference/stability/elastica.csv").into_iter().zip(names_of_column("elastica.csv", 0))
+    for (row, thin) in read("tests/reference/stability/elastica.csv")
+        .into_iter()
+        .zip(names_of_column("elastica.csv", 0))
     {
         let params = if thin == "wire" { thin_wire() } else { wire_of_30_cm() };
         let length_m = params.length_m();
@@ -45,7 +50,12 @@ fn a_buckled_rod_rests_where_the_elastica_does() {
         rod.set_tip_load(push(row["force_x_n"], row["force_z_n"]));
         assert_eq!(rod.settle(&[]), SolveStatus::Converged, "{row:?}");
         let off_m = distance_m(&rod, row["tip_x_m"], row["tip_z_m"]);
-        println!("{thin} {} {}: {off_m:.1e} m, {}", row["axial_share"], row["lateral_share"], rod.branch().name());
+        println!(
+            "{thin} {} {}: {off_m:.1e} m, {}",
+            row["axial_share"],
+            row["lateral_share"],
+            rod.branch().name()
+        );
         assert!(off_m < TIP_TOLERANCE * length_m, "{row:?}: {off_m} m");
     }
 }
@@ -83,7 +93,11 @@ fn a_motion_past_the_buckling_load_does_not_rest_on_the_unstable_branch() {
                 assert_eq!(rod.advance(&[], row_s), SolveStatus::Converged);
             }
             println!("{row_s} s, {lateral}: {:?} {:?}", rod.tip_m().as_slice(), rod.effort());
-            assert!(distance_m(&rod, 0.236_59, 0.109_0) < 2e-4, "{row_s} s, {lateral}: {}", rod.tip_m());
+            assert!(
+                distance_m(&rod, 0.236_59, 0.109_0) < 2e-4,
+                "{row_s} s, {lateral}: {}",
+                rod.tip_m()
+            );
         }
     }
 }
@@ -98,7 +112,12 @@ fn an_upright_column_falls_at_greenhills_weight() {
         assert_eq!(rod.settle(&[]), SolveStatus::Converged, "{share}");
         let branch = if stands { RestBranch::Same } else { RestBranch::Bifurcation };
         println!("{share}: {:?}", rod.tip_m().as_slice());
-        assert_eq!((rod.branch(), rod.tip_m().x > 1e-3), (branch, !stands), "{share}: {}", rod.tip_m());
+        assert_eq!(
+            (rod.branch(), rod.tip_m().x > 1e-3),
+            (branch, !stands),
+            "{share}: {}",
+            rod.tip_m()
+        );
     }
 }
 
@@ -106,7 +125,12 @@ fn an_upright_column_falls_at_greenhills_weight() {
 fn beck(load_n: f64, damping_time_s: f64) -> RodParams {
     let mut params = RodParams { damping_time_s, ..wire_of_30_cm() };
     let force_n = Vector3::new(0.0, 0.0, -load_n);
-    params.point_loads = vec![PointLoad { position_m: LENGTH_M, force_n, moment_nm: Vector3::zeros(), follows: true }];
+    params.point_loads = vec![PointLoad {
+        position_m: LENGTH_M,
+        force_n,
+        moment_nm: Vector3::zeros(),
+        follows: true,
+    }];
     params
 }
 
@@ -114,7 +138,8 @@ fn beck(load_n: f64, damping_time_s: f64) -> RodParams {
 fn a_follower_load_makes_a_column_flutter_at_becks_load() {
     let rows = read("tests/reference/stability/beck.csv");
     for row in rows.iter().filter(|row| row["share_of_undamped"].is_nan()) {
-        // The reference has neither shear, which lowers the load by P/GA, nor damping of shear, which raises it.
+        // The reference has neither shear, which lowers the load by P/GA, nor damping of shear,
+        // which raises it.
         let load_n = row["load_n"] * (1.0 - row["load_n"] / 11302.0);
         let tolerance = if row["damping_time_s"] > 0.01 { 0.02 } else { 0.001 };
         let status = |share: f64| Rod::new(beck(share * load_n, row["damping_time_s"])).settle(&[]);
@@ -156,7 +181,11 @@ fn a_curved_strip_snaps_through_at_its_fold() {
     let rows = read("tests/reference/stability/snap.csv");
     let kinds = names_of_column("snap.csv", 2);
     for curvature in [1.0, 0.5, 0.3] {
-        let own: Vec<_> = rows.iter().zip(&kinds).filter(|(row, _)| row["rest_curvature_rad_m"] == curvature).collect();
+        let own: Vec<_> = rows
+            .iter()
+            .zip(&kinds)
+            .filter(|(row, _)| row["rest_curvature_rad_m"] == curvature)
+            .collect();
         let fold = own.iter().filter(|(_, kind)| *kind == "fold").map(|(row, _)| row["force_x_n"]);
         let fold_n = fold.reduce(f64::min).unwrap();
         let mut params = wire_of_30_cm();
@@ -169,18 +198,25 @@ fn a_curved_strip_snaps_through_at_its_fold() {
             assert_eq!(rod.settle(&[]), SolveStatus::Converged, "{curvature}, {x_n} N");
             (rod.tip_m(), rod.branch())
         };
-        let mut upper: Vec<_> = own.iter().filter(|(_, kind)| *kind == "upper").map(|(row, _)| *row).collect();
+        let mut upper: Vec<_> =
+            own.iter().filter(|(_, kind)| *kind == "upper").map(|(row, _)| *row).collect();
         upper.sort_by(|a, b| b["force_x_n"].total_cmp(&a["force_x_n"]));
         for row in &upper {
             let (tip_m, branch) = settle(row, row["force_x_n"]);
             let off_m = (tip_m - Vector3::new(row["tip_x_m"], 0.0, row["tip_z_m"])).norm();
             println!("{curvature}: {} N: {off_m:.1e} m {}", row["force_x_n"], branch.name());
-            assert!(off_m < TIP_TOLERANCE * LENGTH_M && branch == RestBranch::Same, "{row:?}: {off_m} m {branch:?}");
+            assert!(
+                off_m < TIP_TOLERANCE * LENGTH_M && branch == RestBranch::Same,
+                "{row:?}: {off_m} m {branch:?}"
+            );
         }
         let (tip_m, branch) = settle(upper[0], fold_n + 1e-3 * EULER_N);
         assert!(tip_m.x > 0.0 && branch == RestBranch::Same, "{curvature}: {tip_m} {branch:?}");
         let (tip_m, branch) = settle(upper[0], fold_n - 1e-3 * EULER_N);
-        assert!(tip_m.x < 0.0 && branch == RestBranch::SnapThrough, "{curvature}: {tip_m} {branch:?}");
+        assert!(
+            tip_m.x < 0.0 && branch == RestBranch::SnapThrough,
+            "{curvature}: {tip_m} {branch:?}"
+        );
         let lower = own.iter().filter(|(row, kind)| *kind == "lower" && row["force_x_n"] < fold_n);
         for (row, _) in lower {
             let (tip_m, _) = settle(row, row["force_x_n"]);
@@ -194,12 +230,16 @@ fn a_curved_strip_snaps_through_at_its_fold() {
 fn names_of_column(file: &str, column: usize) -> Vec<String> {
     let path = format!("{}/tests/reference/stability/{file}", env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(path).unwrap();
-    text.lines().skip(1).map(|line| line.split(',').nth(column).unwrap_or_default().to_owned()).collect()
+    text.lines()
+        .skip(1)
+        .map(|line| line.split(',').nth(column).unwrap_or_default().to_owned())
+        .collect()
 }
 
 /// A random wire, and a random share of its buckling load with a little beside it.
 fn random_column(random: &mut impl rand::RngExt) -> (RodParams, TipWrench) {
-    let mut log = |low: f64, high: f64| (low.ln() + random.random_range(0.0..1.0) * (high / low).ln()).exp();
+    let mut log =
+        |low: f64, high: f64| (low.ln() + random.random_range(0.0..1.0) * (high / low).ln()).exp();
     let (length_m, slenderness, e_pa) = (log(0.05, 1.0), log(0.002, 0.03), log(1e6, 2e11));
     let radius_m = slenderness * length_m;
     let area_m2 = std::f64::consts::PI * radius_m * radius_m;
@@ -213,15 +253,18 @@ fn random_column(random: &mut impl rand::RngExt) -> (RodParams, TipWrench) {
     }
     let stiffness_n_m2 = params.spans[0].bending_n_m2[1];
     // The first mode of the unloaded wire decays within a few periods.
-    params.damping_time_s = 0.1 * length_m * length_m * (params.spans[0].mass_kg_m / stiffness_n_m2).sqrt();
+    params.damping_time_s =
+        0.1 * length_m * length_m * (params.spans[0].mass_kg_m / stiffness_n_m2).sqrt();
     let euler_n = std::f64::consts::PI.powi(2) * stiffness_n_m2 / (4.0 * length_m * length_m);
-    let (angle, lateral) = (random.random_range(0.0..std::f64::consts::TAU), random.random_range(0.0..1.0_f64));
+    let (angle, lateral) =
+        (random.random_range(0.0..std::f64::consts::TAU), random.random_range(0.0..1.0_f64));
     let side = Vector3::new(f64::cos(angle), f64::sin(angle), 0.0) * 1e-2 * lateral.powi(4);
     let force_n = (side - Vector3::z() * random.random_range(0.5..3.0)) * euler_n;
     (params, TipWrench { force_n, moment_nm: Vector3::zeros() })
 }
 
-/// Settles random columns and disturbs what has converged: the share that converged. None may be left by the rod.
+/// Settles random columns and disturbs what has converged: the share that converged. None may be
+/// left by the rod.
 fn share_of_stable_rests(draws: u64) -> f64 {
     let one = |number: u64| {
         let (params, load) = random_column(&mut Seed(52).index(number).rng());
@@ -237,7 +280,11 @@ fn share_of_stable_rests(draws: u64) -> f64 {
         let shoved = load.force_n + rod.tip_rotation().column(0) * (3e-3 * load.force_n.norm());
         for (force_n, periods) in [(shoved, 3.0), (load.force_n, 30.0)] {
             rod.set_tip_load(TipWrench { force_n, ..load });
-            assert_eq!(rod.advance(&[], periods * time_s), SolveStatus::Converged, "draw {number} moves");
+            assert_eq!(
+                rod.advance(&[], periods * time_s),
+                SolveStatus::Converged,
+                "draw {number} moves"
+            );
         }
         let away = (rod.tip_m() - rest_m).norm() / length_m;
         assert!(away < 0.1, "draw {number} has left its rest by {away} lengths");

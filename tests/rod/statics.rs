@@ -25,7 +25,11 @@ fn tension_control_matches_till() {
         let position = (rod.tip_m() - vector(&row, ["px", "py", "pz"])).norm();
         let turn = (rod.tip_rotation() - rotation(&row, "")).norm();
         println!("case {}: {:.2e} m {:.2e}", row["id"], position, turn);
-        assert!(position < POSITION_M && turn < ROTATION, "case {}: {position:e} m, {turn:e}", row["id"]);
+        assert!(
+            position < POSITION_M && turn < ROTATION,
+            "case {}: {position:e} m, {turn:e}",
+            row["id"]
+        );
     }
 }
 
@@ -35,7 +39,8 @@ fn length_control_matches_the_independent_solver_from_a_cold_start() {
         let mut params = match row["robot"] as i64 {
             0 => shipped("till"),
             robot => {
-                let mut params = round_rod(0.22, 2e-3, 2.33e9, 2.33e9 / (2.0 * 1.3897), 0.05 / 0.22);
+                let mut params =
+                    round_rod(0.22, 2e-3, 2.33e9, 2.33e9 / (2.0 * 1.3897), 0.05 / 0.22);
                 let compliance = if robot == 1 { 1e-4 } else { 1e-3 };
                 params.tendons = four_tendons(0.02, 0.22, compliance * 0.22);
                 params.gravity_m_s2 = Vector3::new(-9.81, 0.0, 0.0);
@@ -49,7 +54,10 @@ fn length_control_matches_the_independent_solver_from_a_cold_start() {
             params.gravity_m_s2 = Vector3::new(9.81, 0.0, 0.0);
         }
         let mut rod = Rod::new(params);
-        rod.set_tip_load(TipWrench { force_n: vector(&row, ["fx", "fy", "fz"]), moment_nm: Vector3::zeros() });
+        rod.set_tip_load(TipWrench {
+            force_n: vector(&row, ["fx", "fy", "fz"]),
+            moment_nm: Vector3::zeros(),
+        });
         let drives: Vec<Drive> = (1..=4).map(|i| Drive::Pull(row[&format!("q{i}")])).collect();
         let status = rod.settle(&drives);
         let position = (rod.tip_m() - vector(&row, ["px", "py", "pz"])).norm();
@@ -63,10 +71,18 @@ fn length_control_matches_the_independent_solver_from_a_cold_start() {
             rod.effort()
         );
         assert_eq!(status, SolveStatus::Converged, "case {}", row["id"]);
-        assert!(position < POSITION_M && turn < ROTATION, "case {}: {position:e} m, {turn:e}", row["id"]);
+        assert!(
+            position < POSITION_M && turn < ROTATION,
+            "case {}: {position:e} m, {turn:e}",
+            row["id"]
+        );
         for (i, tension) in rod.tensions_n().iter().enumerate() {
             let expected = row[&format!("tau{}", i + 1)];
-            assert!((tension - expected).abs() < 1e-4 * (1.0 + expected), "case {} tendon {i}", row["id"]);
+            assert!(
+                (tension - expected).abs() < 1e-4 * (1.0 + expected),
+                "case {} tendon {i}",
+                row["id"]
+            );
         }
     }
 }
@@ -86,7 +102,11 @@ fn two_segments_match_the_consistent_border_rule() {
         let turn = (rod.tip_rotation() - rotation(&row, "ref_")).norm();
         println!("case {}: {status} {position:.2e} m {turn:.2e} {:?}", row["id"], rod.effort());
         assert_eq!(status, SolveStatus::Converged, "case {}", row["id"]);
-        assert!(position < POSITION_M && turn < ROTATION, "case {}: {position:e} m, {turn:e}", row["id"]);
+        assert!(
+            position < POSITION_M && turn < ROTATION,
+            "case {}: {position:e} m, {turn:e}",
+            row["id"]
+        );
     }
 }
 
@@ -101,8 +121,13 @@ fn heavy_cantilever_deflects_as_beam_theory_says() {
     let mut rod = Rod::new(params);
     assert_eq!(rod.settle(&[]), SolveStatus::Converged);
     let weight_n_m = 2700.0 * area * 9.81;
-    let expected = weight_n_m * length.powi(4) / (8.0 * bending) + weight_n_m * length.powi(2) / (2.0 * g * area);
-    assert!((rod.tip_m().x + expected).abs() < 1e-6 * length, "{} against {expected}", rod.tip_m().x);
+    let expected = weight_n_m * length.powi(4) / (8.0 * bending)
+        + weight_n_m * length.powi(2) / (2.0 * g * area);
+    assert!(
+        (rod.tip_m().x + expected).abs() < 1e-6 * length,
+        "{} against {expected}",
+        rod.tip_m().x
+    );
 }
 
 #[test]
@@ -111,18 +136,23 @@ fn a_tip_moment_bends_the_rod_into_an_exact_arc() {
     params.spans[0].axial_n = 1e12;
     let moment = 2.0 * params.spans[0].bending_n_m2[0] / 0.22;
     let mut rod = Rod::new(params);
-    rod.set_tip_load(TipWrench { force_n: Vector3::zeros(), moment_nm: Vector3::new(0.0, moment, 0.0) });
+    rod.set_tip_load(TipWrench {
+        force_n: Vector3::zeros(),
+        moment_nm: Vector3::new(0.0, moment, 0.0),
+    });
     assert_eq!(rod.settle(&[]), SolveStatus::Converged);
     let arc_radius = 0.22 / 2.0;
-    let expected = Vector3::new(arc_radius * (1.0 - 2.0_f64.cos()), 0.0, arc_radius * 2.0_f64.sin());
+    let expected =
+        Vector3::new(arc_radius * (1.0 - 2.0_f64.cos()), 0.0, arc_radius * 2.0_f64.sin());
     let off = (rod.tip_m() - expected).norm();
     assert!(off < 2e-8, "{off:e} m from the arc");
 }
 
 #[test]
 fn answers_do_not_depend_on_where_the_rod_came_from() {
-    // Lengths, followers and tensions in turn, slack and taut, with a tip load that comes and goes: from each equilibrium
-    // to the next the rod reuses what it knows, and must end where a straight rod does.
+    // Lengths, followers and tensions in turn, slack and taut, with a tip load that comes and goes:
+    // from each equilibrium to the next the rod reuses what it knows, and must end where a straight
+    // rod does.
     let mut rod = Rod::new(shipped("nominal"));
     let mut random = Seed(7).rng();
     for k in 0..120 {

@@ -9,7 +9,8 @@ const OFFSET_M: f64 = 0.01;
 
 /// A rod without weight and one tendon, which rubs.
 fn rod(coefficient: f64) -> Rod {
-    let tendon = Tendon { friction_coefficient: coefficient, ..Tendon::parallel([OFFSET_M, 0.0], LENGTH_M) };
+    let tendon =
+        Tendon { friction_coefficient: coefficient, ..Tendon::parallel([OFFSET_M, 0.0], LENGTH_M) };
     let bare = round_rod(LENGTH_M, 0.001, 6e10, 2.3e10, 0.02);
     Rod::new(RodParams { tendons: vec![tendon], damping_time_s: 0.05, ..bare })
 }
@@ -19,7 +20,8 @@ fn bend_rad(rod: &Rod) -> f64 {
     z.x.atan2(z.z)
 }
 
-/// Nothing but the tendon acts on the rod, so that E I θ′ = r τ exp(−μ θ): θ(L) = ln(1 + μ r τ L / E I) / μ.
+/// Nothing but the tendon acts on the rod, so that E I θ′ = r τ exp(−μ θ): θ(L) = ln(1 + μ r τ L /
+/// E I) / μ.
 #[test]
 fn under_a_tension_the_bend_is_that_of_the_capstan_equation() {
     for (coefficient, tension_n) in [(0.1, 2.0), (0.3, 2.0), (0.3, 6.0), (0.6, 6.0)] {
@@ -28,13 +30,17 @@ fn under_a_tension_the_bend_is_that_of_the_capstan_equation() {
         let without = bend_rad(&free).abs();
         let mut rubbing = rod(coefficient);
         assert_eq!(rubbing.settle(&[Drive::Tension(tension_n)]), SolveStatus::Converged);
-        let (found, expected) = (bend_rad(&rubbing).abs(), (coefficient * without).ln_1p() / coefficient);
-        assert!((found - expected).abs() < 2e-5 * expected, "μ {coefficient}, {tension_n} N: {found}, {expected} rad");
+        let (found, expected) =
+            (bend_rad(&rubbing).abs(), (coefficient * without).ln_1p() / coefficient);
+        assert!(
+            (found - expected).abs() < 2e-5 * expected,
+            "μ {coefficient}, {tension_n} N: {found}, {expected} rad"
+        );
     }
 }
 
-/// After the drive has turned round and mobilised the friction the other way, the tendon is tighter at the tip than at the
-/// drive, by as much as it was looser before.
+/// After the drive has turned round and mobilised the friction the other way, the tendon is tighter
+/// at the tip than at the drive, by as much as it was looser before.
 #[test]
 fn a_tendon_that_is_let_out_needs_less_tension_for_the_same_bend() {
     let mut rubbing = rod(0.3);
@@ -49,20 +55,25 @@ fn a_tendon_that_is_let_out_needs_less_tension_for_the_same_bend() {
     assert!((pulled_rad - let_out_rad).abs() < 0.02 * pulled_rad, "{pulled_rad} {let_out_rad}");
     // The mean along the rod of exp(∓μ θ) is near that of half the bend.
     let expected = (0.3 * pulled_rad).exp();
-    assert!((pulled_n / let_out_n / expected - 1.0).abs() < 0.02, "{pulled_n} {let_out_n} N, {expected}");
+    assert!(
+        (pulled_n / let_out_n / expected - 1.0).abs() < 0.02,
+        "{pulled_n} {let_out_n} N, {expected}"
+    );
     // A step of less than the dead band changes the friction in proportion.
     let (held_n, _) = at(0.008 + 3e-4);
     assert!(held_n > 1.05 * let_out_n && held_n < 0.95 * pulled_n, "{held_n} N");
 }
 
-/// A tendon under a prescribed tension holds the tip until the tension has fallen by what both directions of friction carry.
+/// A tendon under a prescribed tension holds the tip until the tension has fallen by what both
+/// directions of friction carry.
 #[test]
 fn under_a_falling_tension_the_tip_waits_for_the_dead_band() {
     let mut rubbing = rod(0.3);
     rubbing.settle(&[Drive::Tension(4.0)]);
     let bent = bend_rad(&rubbing).abs();
     let band = (-2.0 * 0.3 * bent).exp();
-    // Half way in the logarithm the friction is nowhere mobilised, and the tension is the same all along.
+    // Half way in the logarithm the friction is nowhere mobilised, and the tension is the same all
+    // along.
     rubbing.settle(&[Drive::Tension(4.0 * band.sqrt())]);
     let mut free = rod(0.0);
     free.settle(&[Drive::Tension(4.0 * band.sqrt())]);
@@ -76,7 +87,11 @@ fn the_derivative_with_respect_to_a_command_is_that_of_a_difference() {
     let mut rubbing = rod(0.3);
     for drives in [[Drive::Pull(0.006)], [Drive::Tension(3.0)]] {
         let before = rubbing.clone();
-        let direction = if matches!(drives[0], Drive::Pull(_)) { Direction::Pull(0) } else { Direction::Tension(0) };
+        let direction = if matches!(drives[0], Drive::Pull(_)) {
+            Direction::Pull(0)
+        } else {
+            Direction::Tension(0)
+        };
         assert_eq!(rubbing.settle(&drives), SolveStatus::Converged);
         let rate = rubbing.tip_jacobian(&[direction]).expect("at rest")[0];
         let step = 1e-5;
@@ -92,7 +107,11 @@ fn the_derivative_with_respect_to_a_command_is_that_of_a_difference() {
         };
         let difference = (tip(1.0) - tip(-1.0)) / (2.0 * step);
         let apart = (rate.position_m - difference).norm();
-        assert!(apart < 1e-3 * difference.norm(), "{direction:?}: {:?}, {difference:?}", rate.position_m);
+        assert!(
+            apart < 1e-3 * difference.norm(),
+            "{direction:?}: {:?}, {difference:?}",
+            rate.position_m
+        );
     }
 }
 
@@ -112,5 +131,10 @@ fn a_slow_motion_ends_at_the_equilibrium() {
         assert_eq!(moved.advance(&[Drive::Pull(pull_m)], 2.0), SolveStatus::Converged);
         from_m = pull_m;
     }
-    assert!((moved.tip_m() - settled.tip_m()).norm() < 2e-5, "{} {}", moved.tip_m(), settled.tip_m());
+    assert!(
+        (moved.tip_m() - settled.tip_m()).norm() < 2e-5,
+        "{} {}",
+        moved.tip_m(),
+        settled.tip_m()
+    );
 }

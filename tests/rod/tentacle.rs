@@ -1,4 +1,5 @@
-//! `models/tentacle.yaml` against 22 measured static shapes of the robot that it describes (tests/reference/tentacle).
+//! `models/tentacle.yaml` against 22 measured static shapes of the robot that it describes
+//! (tests/reference/tentacle).
 
 use nalgebra::{DMatrix, DVector, Vector3};
 use spinebench::effects::Model;
@@ -31,9 +32,14 @@ const LEVELS: [[f64; 2]; 22] = [
     [0.0, 0.25],
 ];
 
-/// Where the markers sit: distance from the base, offset in body axes, metres (their code's numbers).
-const MARKERS: [(f64, [f64; 3]); 4] =
-    [(0.1291, [0.0, 0.025, 0.0]), (0.2195, [0.0, -0.021, 0.0]), (0.28, [0.0, 0.02, 0.0]), (0.36, [0.0, 0.0, 0.008])];
+/// Where the markers sit: distance from the base, offset in body axes, metres (their code's
+/// numbers).
+const MARKERS: [(f64, [f64; 3]); 4] = [
+    (0.1291, [0.0, 0.025, 0.0]),
+    (0.2195, [0.0, -0.021, 0.0]),
+    (0.28, [0.0, 0.02, 0.0]),
+    (0.36, [0.0, 0.0, 0.008]),
+];
 
 /// Tensions and marker positions, the base of the tentacle at the origin.
 struct Shape {
@@ -80,7 +86,9 @@ fn errors_m(model: &Model, shapes: &[&Shape]) -> Option<Vec<[Vector3<f64>; 4]>> 
 
 fn rms_mm(errors: &[[Vector3<f64>; 4]]) -> [f64; 4] {
     std::array::from_fn(|k| {
-        1e3 * (errors.iter().map(|error| error[k].norm_squared()).sum::<f64>() / errors.len() as f64).sqrt()
+        1e3 * (errors.iter().map(|error| error[k].norm_squared()).sum::<f64>()
+            / errors.len() as f64)
+            .sqrt()
     })
 }
 
@@ -107,12 +115,17 @@ fn fitted(model: &Model, shapes: &[&Shape], count: usize) -> Model {
         Some(errors.iter().flatten().flat_map(|e| [e.x, e.y, e.z]).collect::<Vec<f64>>())
     };
     let found =
-        fit(&residuals, &crate::support::rods::differences(&residuals, 1e-3), &vec![0.0; count]).expect("a fit");
+        fit(&residuals, &crate::support::rods::differences(&residuals, 1e-3), &vec![0.0; count])
+            .expect("a fit");
     scaled(model, &found.parameters)
 }
 
 /// Held-out error of a polynomial in the tensions, fitted to each coordinate.
-fn polynomial(features: &dyn Fn([f64; 2]) -> Vec<f64>, train: &[&Shape], test: &[&Shape]) -> [f64; 4] {
+fn polynomial(
+    features: &dyn Fn([f64; 2]) -> Vec<f64>,
+    train: &[&Shape],
+    test: &[&Shape],
+) -> [f64; 4] {
     let matrix = |shapes: &[&Shape]| {
         let rows: Vec<Vec<f64>> = shapes.iter().map(|shape| features(shape.tensions_n)).collect();
         DMatrix::from_fn(rows.len(), rows[0].len(), |i, j| rows[i][j])
@@ -121,7 +134,10 @@ fn polynomial(features: &dyn Fn([f64; 2]) -> Vec<f64>, train: &[&Shape], test: &
     let mut errors = vec![[Vector3::zeros(); 4]; test.len()];
     for k in 0..4 {
         for axis in 0..3 {
-            let seen = DVector::from_iterator(train.len(), train.iter().map(|shape| shape.markers_m[k][axis]));
+            let seen = DVector::from_iterator(
+                train.len(),
+                train.iter().map(|shape| shape.markers_m[k][axis]),
+            );
             let predicted = matrix(test) * solver.solve(&seen, 1e-9).expect("a fit");
             for (i, shape) in test.iter().enumerate() {
                 errors[i][k][axis] = shape.markers_m[k][axis] - predicted[i];
@@ -131,8 +147,9 @@ fn polynomial(features: &dyn Fn([f64; 2]) -> Vec<f64>, train: &[&Shape], test: &
     rms_mm(&errors)
 }
 
-/// Modulus and density from every other shape predict the rest better than anything without mechanics, and better than
-/// the published identification of the same robot does the shapes that it was fitted to.
+/// Modulus and density from every other shape predict the rest better than anything without
+/// mechanics, and better than the published identification of the same robot does the shapes that
+/// it was fitted to.
 #[test]
 fn half_of_the_shapes_predict_the_other_half() {
     let all = shapes();
@@ -163,10 +180,14 @@ fn half_of_the_shapes_predict_the_other_half() {
     assert!((b.density_kg_m3 / s.density_kg_m3 - 1.0).abs() < 0.01, "{b:?}");
     assert!(overall(of(&shipped, &test)) < 12.5);
     assert!(overall(modulus) < 17.5 && overall(modulus) < 0.75 * overall(quadratic));
-    // Their own identification (315 kPa, 1318 kg/m3) left 11.3, 18.4, 19.2 and 35.6 mm on the eight shapes it was fitted to.
+    // Their own identification (315 kPa, 1318 kg/m3) left 11.3, 18.4, 19.2 and 35.6 mm on the eight
+    // shapes it was fitted to.
     let eight: Vec<&Shape> = [9, 11, 13, 14, 16, 18, 20, 21].iter().map(|&k| &all[k]).collect();
     let there = of(&shipped, &eight);
     println!("on the eight shapes of the published identification: {there:.1?}");
-    assert!(there.iter().zip([11.3, 18.4, 19.2, 35.6]).all(|(ours, theirs)| *ours < theirs), "{there:?}");
+    assert!(
+        there.iter().zip([11.3, 18.4, 19.2, 35.6]).all(|(ours, theirs)| *ours < theirs),
+        "{there:?}"
+    );
     assert!(there[3] < 18.0 && after[3] < 17.0, "{there:?} {after:?}");
 }

@@ -22,9 +22,14 @@ struct Pose {
 fn poses(name: &str) -> Vec<Pose> {
     let pose = |row: &std::collections::HashMap<String, f64>| Pose {
         angles_rad: [1, 2, 3, 4, 5, 6].map(|k| row[&format!("phi{k}")].to_radians()),
-        disks_m: [1, 2, 3].map(|d| Vector3::new(row[&format!("x{d}")], row[&format!("z{d}")], -row[&format!("y{d}")])),
+        disks_m: [1, 2, 3].map(|d| {
+            Vector3::new(row[&format!("x{d}")], row[&format!("z{d}")], -row[&format!("y{d}")])
+        }),
     };
-    crate::support::rods::read(&format!("tests/reference/trunk/{name}.csv")).iter().map(pose).collect()
+    crate::support::rods::read(&format!("tests/reference/trunk/{name}.csv"))
+        .iter()
+        .map(pose)
+        .collect()
 }
 
 /// The model and what stands beside it.
@@ -77,23 +82,31 @@ impl Trunk {
 
 fn rms_mm(predicted: &[[Vector3<f64>; 3]], poses: &[Pose]) -> [f64; 3] {
     std::array::from_fn(|d| {
-        let sum: f64 =
-            predicted.iter().zip(poses).map(|(disks, pose)| (disks[d] - pose.disks_m[d]).norm_squared()).sum();
+        let sum: f64 = predicted
+            .iter()
+            .zip(poses)
+            .map(|(disks, pose)| (disks[d] - pose.disks_m[d]).norm_squared())
+            .sum();
         1e3 * (sum / poses.len() as f64).sqrt()
     })
 }
 
 /// A linear map from the servo angles, fitted to `train`.
 fn linear(train: &[Pose], test: &[Pose]) -> Vec<[Vector3<f64>; 3]> {
-    let matrix =
-        |poses: &[Pose]| DMatrix::from_fn(poses.len(), 7, |i, j| if j == 6 { 1.0 } else { poses[i].angles_rad[j] });
+    let matrix = |poses: &[Pose]| {
+        DMatrix::from_fn(poses.len(), 7, |i, j| if j == 6 { 1.0 } else { poses[i].angles_rad[j] })
+    };
     let solver = matrix(train).svd(true, true);
     let mut predicted = vec![[Vector3::zeros(); 3]; test.len()];
     for d in 0..3 {
         for axis in 0..3 {
-            let seen = DVector::from_iterator(train.len(), train.iter().map(|pose| pose.disks_m[d][axis]));
+            let seen =
+                DVector::from_iterator(train.len(), train.iter().map(|pose| pose.disks_m[d][axis]));
             let column = matrix(test) * solver.solve(&seen, 1e-9).expect("a fit");
-            predicted.iter_mut().zip(column.iter()).for_each(|(disks, value)| disks[d][axis] = *value);
+            predicted
+                .iter_mut()
+                .zip(column.iter())
+                .for_each(|(disks, value)| disks[d][axis] = *value);
         }
     }
     predicted
@@ -115,8 +128,13 @@ fn later_poses_are_predicted_better_than_by_a_linear_map() {
     let with = rms_mm(&trunk.predict(&loaded, 0.1).expect("every pose is at rest"), &loaded);
     let without = rms_mm(&trunk.predict(&loaded, 0.0).expect("every pose is at rest"), &loaded);
     let map = rms_mm(&linear(train, &loaded), &loaded);
-    println!("100 g: as a tip load {with:.2?} mm, ignored {without:.2?} mm, linear map {map:.2?} mm");
-    assert!(with[2] < 15.0 && with[2] < 0.9 * without[2] && with[2] < 0.75 * map[2], "{with:?} {without:?} {map:?}");
+    println!(
+        "100 g: as a tip load {with:.2?} mm, ignored {without:.2?} mm, linear map {map:.2?} mm"
+    );
+    assert!(
+        with[2] < 15.0 && with[2] < 0.9 * without[2] && with[2] < 0.75 * map[2],
+        "{with:?} {without:?} {map:?}"
+    );
 }
 
 /// The shipped numbers are where a fit to the first part ends.
@@ -127,14 +145,22 @@ fn the_shipped_numbers_are_the_fitted_ones() {
     let trunk = Trunk::shipped();
     let residuals = |by: &[f64]| {
         let predicted = trunk.moved(by).predict(train, 0.0)?;
-        let errors =
-            predicted.iter().zip(train).flat_map(|(disks, pose)| (0..3).map(move |d| disks[d] - pose.disks_m[d]));
+        let errors = predicted
+            .iter()
+            .zip(train)
+            .flat_map(|(disks, pose)| (0..3).map(move |d| disks[d] - pose.disks_m[d]));
         Some(errors.flat_map(|e| [e.x, e.y, e.z]).collect::<Vec<f64>>())
     };
     let start = residuals(&[0.0; 16]).expect("every pose is at rest");
-    let found = fit(&residuals, &crate::support::rods::differences(&residuals, 1e-3), &[0.0; 16]).expect("a fit");
+    let found = fit(&residuals, &crate::support::rods::differences(&residuals, 1e-3), &[0.0; 16])
+        .expect("a fit");
     let rms = (start.iter().map(|r| r * r).sum::<f64>() / start.len() as f64).sqrt();
-    println!("{:.4} mm, {:.4} mm after another fit: {:.4?}", rms * 1e3, found.rms * 1e3, found.parameters);
+    println!(
+        "{:.4} mm, {:.4} mm after another fit: {:.4?}",
+        rms * 1e3,
+        found.rms * 1e3,
+        found.parameters
+    );
     assert!(rms < 1.005 * found.rms, "{rms} against {}", found.rms);
     assert!(found.parameters.iter().all(|by| by.abs() < 0.02), "{:?}", found.parameters);
 }

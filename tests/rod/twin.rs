@@ -1,4 +1,5 @@
-//! The rod against recordings of an independent simulator (a MuJoCo hinge chain with the nominal numbers).
+//! The rod against recordings of an independent simulator (a MuJoCo hinge chain with the nominal
+//! numbers).
 
 use spinebench::base::{Plant, Seed, distance_m};
 use spinebench::effects::{EffectSpec, Model};
@@ -38,12 +39,14 @@ fn gap_m(model: &Model, extra: &[EffectSpec], file: &str) -> f64 {
     rms_m(played(model, extra, file).iter().map(|(own, measured)| (own, measured)))
 }
 
-/// What separates the rod from a chain of hinges at these numbers, beyond 0.87 mm of noise, is model form: an
-/// independent static rod, uncalibrated, is stated to stay within 1.3 mm.
+/// What separates the rod from a chain of hinges at these numbers, beyond 0.87 mm of noise, is
+/// model form: an independent static rod, uncalibrated, is stated to stay within 1.3 mm.
 #[test]
 fn the_uncalibrated_model_follows_the_recordings() {
     let model = nominal();
-    for (file, effects) in [("baseline", ""), ("nothing", ""), ("tip_load_10g", "- tip_load: {mass_kg: 0.01}")] {
+    for (file, effects) in
+        [("baseline", ""), ("nothing", ""), ("tip_load_10g", "- tip_load: {mass_kg: 0.01}")]
+    {
         let all = gap_m(&model, &crate::support::rods::effects(effects), file);
         println!("{file}: {:.3} mm rms", all * 1e3);
         assert!(all < 1.3e-3, "{file}: {all} m");
@@ -54,21 +57,28 @@ fn the_uncalibrated_model_follows_the_recordings() {
 fn a_missing_load_is_seen_and_adding_it_closes_the_gap() {
     let model = nominal();
     let without = gap_m(&model, &[], "tip_load_10g");
-    let with = gap_m(&model, &crate::support::rods::effects("- tip_load: {mass_kg: 0.01}"), "tip_load_10g");
+    let with = gap_m(
+        &model,
+        &crate::support::rods::effects("- tip_load: {mass_kg: 0.01}"),
+        "tip_load_10g",
+    );
     assert!(without > 5e-3 && with < 0.25 * without, "{without} m without, {with} m with the load");
 }
 
-/// Friction of 0.02 N m in hinges, elastoplastic by another law: ours with the same moment takes most of the gap away.
+/// Friction of 0.02 N m in hinges, elastoplastic by another law: ours with the same moment takes
+/// most of the gap away.
 #[test]
 fn friction_by_another_law_is_closed_by_ours() {
     let model = nominal();
     let without = gap_m(&model, &[], "friction");
-    let with = gap_m(&model, &crate::support::rods::effects("- friction: {moment_nm: 0.02}"), "friction");
+    let with =
+        gap_m(&model, &crate::support::rods::effects("- friction: {moment_nm: 0.02}"), "friction");
     println!("friction: {without} m without, {with} m with");
     assert!(without > 7e-3 && with < 0.3 * without, "{without} m without, {with} m with friction");
 }
 
-/// Against the limit of small steps the tips of both robots are within the tolerance that their steps are chosen by.
+/// Against the limit of small steps the tips of both robots are within the tolerance that their
+/// steps are chosen by.
 #[test]
 fn steps_are_as_fine_as_they_say() {
     for name in ["nominal", "real"] {

@@ -1,9 +1,11 @@
-//! A made-up discovery of plausible shape, for tests of what people see of one. Its numbers mean nothing.
+//! A made-up discovery of plausible shape, for tests of what people see of one. Its numbers mean
+//! nothing.
 
 use serde_json::json;
 use spinebench::base::Seed;
 use spinebench::data::findings::{
-    Candidate, Disagreement, Findings, FoundEffect, Gap, MissingTest, Noise, PlaceRow, Proposal, ResidualRow, Verdict,
+    Candidate, Disagreement, Findings, FoundEffect, Gap, MissingTest, Noise, PlaceRow, Proposal,
+    ResidualRow, Verdict,
 };
 use spinebench::report::discovery::{DiscoveryReport, EffectText};
 
@@ -44,8 +46,18 @@ pub(crate) fn named() -> Made {
         places: places(&residuals),
         residuals,
         effects: vec![
-            text("tip_load", "a mass at the tip", "F = m g at s = L, and m in the inertia there", "paper, section V-C"),
-            text("friction", "dry friction: the path depends on direction", "m = m_f sign(κ')", "Do et al. 2014"),
+            text(
+                "tip_load",
+                "a mass at the tip",
+                "F = m g at s = L, and m in the inertia there",
+                "paper, section V-C",
+            ),
+            text(
+                "friction",
+                "dry friction: the path depends on direction",
+                "m = m_f sign(κ')",
+                "Do et al. 2014",
+            ),
         ],
         model_before: MODEL.to_owned() + "effects: []\n",
         model_after: MODEL.to_owned() + "effects:\n- tip_load:\n    mass_kg: 0.01968\n",
@@ -61,10 +73,12 @@ pub(crate) fn consistent() -> Made {
     made.findings.summary = "Model and recording agree within the noise of 0.87 mm.".to_owned();
     (made.findings.gap.before_m, made.findings.gap.after_m) = (0.00089, 0.00089);
     for row in &mut made.residuals {
-        (row.before_x_m, row.before_y_m, row.before_z_m) = (row.after_x_m, row.after_y_m, row.after_z_m);
+        (row.before_x_m, row.before_y_m, row.before_z_m) =
+            (row.after_x_m, row.after_y_m, row.after_z_m);
     }
     for row in &mut made.places {
-        (row.mean_before_m, row.rms_before_m, row.p_before) = (row.mean_after_m, row.rms_after_m, row.p_after);
+        (row.mean_before_m, row.rms_before_m, row.p_before) =
+            (row.mean_after_m, row.rms_after_m, row.p_after);
     }
     made.findings.missing_before = made.findings.missing_after.clone();
     made.model_after = made.model_before.clone();
@@ -84,7 +98,8 @@ pub(crate) fn ambiguous() -> Made {
     });
     made.findings.effects[0].confidence = 0.53;
     made.findings.next_measurement =
-        "Hang 20 g on the tip for half of the run: it separates the two by 21 standard deviations.".to_owned();
+        "Hang 20 g on the tip for half of the run: it separates the two by 21 standard deviations."
+            .to_owned();
     made.model_after = made.model_before.clone();
     made
 }
@@ -94,14 +109,17 @@ pub(crate) fn unexplained() -> Made {
     let mut made = named();
     made.findings.verdict = Verdict::Unexplained;
     made.findings.effects.clear();
-    made.findings.summary = "The tip is off by 12.1 mm, and no effect of the catalogue closes the gap.".to_owned();
+    made.findings.summary =
+        "The tip is off by 12.1 mm, and no effect of the catalogue closes the gap.".to_owned();
     made.findings.pattern = "along x, history: jumps by 3 mm at 5 s and stays there".to_owned();
     made.findings.gap.after_m = made.findings.gap.before_m;
     for row in &mut made.residuals {
-        (row.after_x_m, row.after_y_m, row.after_z_m) = (row.before_x_m, row.before_y_m, row.before_z_m);
+        (row.after_x_m, row.after_y_m, row.after_z_m) =
+            (row.before_x_m, row.before_y_m, row.before_z_m);
     }
     for row in &mut made.places {
-        (row.mean_after_m, row.rms_after_m, row.p_after) = (row.mean_before_m, row.rms_before_m, row.p_before);
+        (row.mean_after_m, row.rms_after_m, row.p_after) =
+            (row.mean_before_m, row.rms_before_m, row.p_before);
     }
     made.findings.missing_after = made.findings.missing_before.clone();
     made.model_after = made.model_before.clone();
@@ -117,8 +135,9 @@ fn text(name: &str, missing: &str, equation: &str, source: &str) -> EffectText {
     }
 }
 
-const MODEL: &str = "robot:\n  backbone:\n    length_m: 0.22\n    radius_m: 0.002\n    youngs_modulus_pa: 2330000000.0\n  \
-                     disks:\n    count: 12\n    mass_kg: 0.004\n";
+const MODEL: &str = "robot:\n  backbone:\n    length_m: 0.22\n    radius_m: 0.002\n    \
+                     youngs_modulus_pa: 2330000000.0\n  disks:\n    count: 12\n    mass_kg: \
+                     0.004\n";
 
 fn findings() -> Findings {
     Findings {
@@ -148,7 +167,9 @@ fn findings() -> Findings {
             disagreement("tension below 3 N", "z", 0.0019, 0.03, 0.004),
         ],
         candidates: candidates(),
-        next_measurement: "Nothing is needed; 20 g on the tip for half of the run would halve the interval.".to_owned(),
+        next_measurement:
+            "Nothing is needed; 20 g on the tip for half of the run would halve the interval."
+                .to_owned(),
         summary: "A mass of 19.7 g hangs on the tip that the model does not know of.".to_owned(),
         noise: Noise {
             sigma_m: [SIGMA_M, 1.02 * SIGMA_M, 0.96 * SIGMA_M],
@@ -163,11 +184,24 @@ fn findings() -> Findings {
         clock_offset_interval_95: None,
         limitations: vec![
             "Two rows without tracking were left out.".to_owned(),
-            "No base markers: a tilted base cannot be told from a turned tracking frame.".to_owned(),
+            "No base markers: a tilted base cannot be told from a turned tracking frame."
+                .to_owned(),
         ],
         proposals: vec![
-            proposal("known_weight", "Hang 20 g on the tip for half of the run", 6.0, 21.6, "next_known_weight.csv"),
-            proposal("base_remounted", "Mount the base turned by a quarter and repeat", 15.0, 10.8, "next_base.csv"),
+            proposal(
+                "known_weight",
+                "Hang 20 g on the tip for half of the run",
+                6.0,
+                21.6,
+                "next_known_weight.csv",
+            ),
+            proposal(
+                "base_remounted",
+                "Mount the base turned by a quarter and repeat",
+                15.0,
+                10.8,
+                "next_base.csv",
+            ),
         ],
     }
 }
@@ -177,7 +211,13 @@ fn disagreement(place: &str, axis: &str, rms_m: f64, share: f64, p_value: f64) -
 }
 
 fn proposal(name: &str, what: &str, minutes: f64, separation: f64, file: &str) -> Proposal {
-    Proposal { name: name.to_owned(), what: what.to_owned(), minutes, separation, file: file.to_owned() }
+    Proposal {
+        name: name.to_owned(),
+        what: what.to_owned(),
+        minutes,
+        separation,
+        file: file.to_owned(),
+    }
 }
 
 fn candidates() -> Vec<Candidate> {
@@ -277,7 +317,8 @@ fn place_row(by: &str, place: &str, axis: &str, index: usize, here: &[&ResidualR
         };
         here.iter().map(one).collect()
     };
-    let rms = |values: &[f64]| mean(&values.iter().map(|value| value * value).collect::<Vec<_>>()).sqrt();
+    let rms =
+        |values: &[f64]| mean(&values.iter().map(|value| value * value).collect::<Vec<_>>()).sqrt();
     let before = sizes(|row| [row.before_x_m, row.before_y_m, row.before_z_m]);
     let after = sizes(|row| [row.after_x_m, row.after_y_m, row.after_z_m]);
     let floor_m = if index < 3 { SIGMA_M } else { FLOOR_M };

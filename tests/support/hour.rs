@@ -22,7 +22,12 @@ impl Desk {
     /// Runs the program with these arguments, between which there are single spaces.
     pub(crate) fn run(&self, arguments: &str) -> Output {
         let mut command = Command::new(Path::new(env!("CARGO_BIN_EXE_spinebench")));
-        command.args(arguments.split(' ')).current_dir(self.0.path()).env_remove("SPINEBENCH_CACHE").output().unwrap()
+        command
+            .args(arguments.split(' '))
+            .current_dir(self.0.path())
+            .env_remove("SPINEBENCH_CACHE")
+            .output()
+            .unwrap()
     }
 
     /// Runs what must succeed and returns what it says, errors and notes first.

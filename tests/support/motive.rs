@@ -1,4 +1,5 @@
-//! Exports in the dialects of Motive's versions, written from a motion that is known, and the program run on them.
+//! Exports in the dialects of Motive's versions, written from a motion that is known, and the
+//! program run on them.
 
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 use spinebench::data::Recording;
@@ -48,9 +49,30 @@ pub(crate) fn dialects() -> Vec<Dialect> {
         Dialect { version: "1.20", markers: true, ..PLAIN },
         Dialect { version: "1.21", unit: millimetres, mark: true, ..PLAIN },
         Dialect { version: "1.22", labelled: true, backwards: true, end: "\n", ..PLAIN },
-        Dialect { labelled: true, parents: true, markers: true, backwards: true, unit: millimetres, ..PLAIN },
-        Dialect { version: "1.24", labelled: true, timecode: true, unit: ("Centimeters", 1e2, 4), ..PLAIN },
-        Dialect { version: "1.25", labelled: true, parents: true, timecode: true, markers: true, mark: true, ..PLAIN },
+        Dialect {
+            labelled: true,
+            parents: true,
+            markers: true,
+            backwards: true,
+            unit: millimetres,
+            ..PLAIN
+        },
+        Dialect {
+            version: "1.24",
+            labelled: true,
+            timecode: true,
+            unit: ("Centimeters", 1e2, 4),
+            ..PLAIN
+        },
+        Dialect {
+            version: "1.25",
+            labelled: true,
+            parents: true,
+            timecode: true,
+            markers: true,
+            mark: true,
+            ..PLAIN
+        },
         Dialect { euler: true, ..PLAIN },
         Dialect { unit: ("Inches", 1.0 / 0.0254, 9), ..PLAIN },
     ]
@@ -92,11 +114,17 @@ pub(crate) fn body(
     pose: impl Fn(f64) -> (Vector3<f64>, UnitQuaternion<f64>),
 ) -> Vec<Column> {
     let (_, scale, digits) = dialect.unit;
-    let mut parts: Vec<(&str, &str, usize)> = vec![("Rotation", "X", 0), ("Rotation", "Y", 1), ("Rotation", "Z", 2)];
+    let mut parts: Vec<(&str, &str, usize)> =
+        vec![("Rotation", "X", 0), ("Rotation", "Y", 1), ("Rotation", "Z", 2)];
     if !dialect.euler {
         parts.push(("Rotation", "W", 3));
     }
-    parts.extend([("Position", "X", 4), ("Position", "Y", 5), ("Position", "Z", 6), ("Mean Marker Error", "", 7)]);
+    parts.extend([
+        ("Position", "X", 4),
+        ("Position", "Y", 5),
+        ("Position", "Z", 6),
+        ("Mean Marker Error", "", 7),
+    ]);
     let cell = |index: usize, frame: usize| {
         let (place_m, turn) = pose(frame as f64 / RATE_HZ);
         if lost.contains(&frame) {
@@ -132,11 +160,17 @@ pub(crate) fn xyz_deg(turn: &UnitQuaternion<f64>) -> [f64; 3] {
 pub(crate) fn marker(kind: &str, name: &str) -> Vec<Column> {
     let cells = ["X", "Y", "Z"].map(|part| {
         let words = [kind, name, "77", "", "Position", part];
-        column(words, (0..FRAMES).map(|frame| if frame % 3 == 0 { String::new() } else { "12.5".to_owned() }))
+        column(
+            words,
+            (0..FRAMES).map(|frame| if frame % 3 == 0 { String::new() } else { "12.5".to_owned() }),
+        )
     });
     cells
         .into_iter()
-        .chain([column([kind, name, "77", "", "Marker Quality", ""], vec!["?".into(); FRAMES].into_iter())])
+        .chain([column(
+            [kind, name, "77", "", "Marker Quality", ""],
+            vec!["?".into(); FRAMES].into_iter(),
+        )])
         .collect()
 }
 
@@ -146,7 +180,10 @@ pub(crate) fn export(dialect: &Dialect, lost: &[usize]) -> String {
         let ((base_m, base_turn), (tip_m, tip_turn)) = (base(), tip(time_s));
         (base_m + base_turn * to_motive(tip_m), base_turn * turn_to_motive(tip_turn))
     };
-    let bodies = [body(dialect, ("base", "1"), &[], |_| base()), body(dialect, ("\"tip, upper\"", "2"), lost, place)];
+    let bodies = [
+        body(dialect, ("base", "1"), &[], |_| base()),
+        body(dialect, ("\"tip, upper\"", "2"), lost, place),
+    ];
     let mut columns: Vec<Column> = Vec::new();
     for (index, body) in bodies.into_iter().enumerate() {
         if dialect.markers {
@@ -169,15 +206,19 @@ pub(crate) fn written(dialect: &Dialect, columns: &[Column]) -> String {
     let rotation = if dialect.euler { "XYZ" } else { "Quaternion" };
     let mut lines = vec![
         format!(
-            "Format Version,{},Take Name,\"Take, 2018-10-04\",Take Notes,,Capture Frame Rate,120.000000,Export Frame \
-             Rate,120.000000,Capture Start Time,2018-10-05 12.05.03.445 PM,Total Frames in Take,900,Total Exported \
-             Frames,{FRAMES},Rotation Type,{rotation},Length Units,{unit},Coordinate Space,Global",
+            "Format Version,{},Take Name,\"Take, 2018-10-04\",Take Notes,,Capture Frame \
+             Rate,120.000000,Export Frame Rate,120.000000,Capture Start Time,2018-10-05 \
+             12.05.03.445 PM,Total Frames in Take,900,Total Exported Frames,{FRAMES},Rotation \
+             Type,{rotation},Length Units,{unit},Coordinate Space,Global",
             dialect.version
         ),
         String::new(),
     ];
-    let leading =
-        if dialect.timecode { vec!["Frame", "Time (Seconds)", "TimeCode"] } else { vec!["Frame", "Time (Seconds)"] };
+    let leading = if dialect.timecode {
+        vec!["Frame", "Time (Seconds)", "TimeCode"]
+    } else {
+        vec!["Frame", "Time (Seconds)"]
+    };
     for (row, label) in ["Type", "Name", "ID", "Parent", "", ""].into_iter().enumerate() {
         if label == "Parent" && !dialect.parents {
             continue;
@@ -225,7 +266,12 @@ impl Bench {
 
     pub(crate) fn run(&self, arguments: &[&str]) -> Output {
         let program = Path::new(env!("CARGO_BIN_EXE_spinebench"));
-        Command::new(program).arg("import").args(arguments).current_dir(self.0.path()).output().unwrap()
+        Command::new(program)
+            .arg("import")
+            .args(arguments)
+            .current_dir(self.0.path())
+            .output()
+            .unwrap()
     }
 
     pub(crate) fn imported(&self, more: &[&str]) -> (Recording, String) {
@@ -276,7 +322,13 @@ pub(crate) fn difference(a: &Recording, b: &Recording) -> f64 {
     let numbers = |recording: &Recording| {
         let mut all: Vec<f64> = recording.tip_m.iter().flatten().flatten().copied().collect();
         all.extend(recording.tip_quaternion.iter().flatten().flatten());
-        all.extend(recording.base.iter().flatten().flat_map(|pose| pose.position_m.into_iter().chain(pose.quaternion)));
+        all.extend(
+            recording
+                .base
+                .iter()
+                .flatten()
+                .flat_map(|pose| pose.position_m.into_iter().chain(pose.quaternion)),
+        );
         all.iter().map(|number| if number.is_nan() { 9.0 } else { *number }).collect::<Vec<f64>>()
     };
     assert_eq!(numbers(a).len(), 14 * a.len());

@@ -1,4 +1,5 @@
-//! Stand-ins for learned models on the constant-curvature robot, whose inverse is known in closed form.
+//! Stand-ins for learned models on the constant-curvature robot, whose inverse is known in closed
+//! form.
 #![allow(dead_code)]
 
 use std::sync::{Arc, Mutex};
@@ -7,13 +8,13 @@ use spinebench::base::{Displacements, Observation, Point3, Policy, PolicyError};
 use spinebench::learn::gp::Leaving;
 use spinebench::plants::{ConstantCurvature, ConstantCurvatureOptions, PlantSpec};
 use spinebench::policies::{
-    ErrorModel, InverseModel, LearningErrorModel, NetworkDescription, PolicyEntry, PolicyOptions, PolicyParts,
-    SampleColumns, TrainingData, build, find, networks,
+    ErrorModel, InverseModel, LearningErrorModel, NetworkDescription, PolicyEntry, PolicyOptions,
+    PolicyParts, SampleColumns, TrainingData, build, find, networks,
 };
 use spinebench::tasks::tip_model;
 
-/// The exact inverse of a robot whose tip is shifted by `shift_m`, with a memory that can be made visible: each tick
-/// adds `drift_m` to every displacement.
+/// The exact inverse of a robot whose tip is shifted by `shift_m`, with a memory that can be made
+/// visible: each tick adds `drift_m` to every displacement.
 #[derive(Clone, Default)]
 pub(crate) struct AnalyticInverse {
     pub(crate) shift_m: Point3,
@@ -28,7 +29,8 @@ impl InverseModel for AnalyticInverse {
 
     fn pulls(&mut self, _from_m: &Point3, to_m: &Point3) -> Result<Displacements, PolicyError> {
         let unshifted_m = std::array::from_fn(|axis| to_m[axis] - self.shift_m[axis]);
-        let pulls_m = ConstantCurvature::pulls_m(&ConstantCurvatureOptions::default(), &unshifted_m);
+        let pulls_m =
+            ConstantCurvature::pulls_m(&ConstantCurvatureOptions::default(), &unshifted_m);
         Ok(pulls_m.into_iter().map(|pull| pull + self.drift_m * self.ticks as f64).collect())
     }
 
@@ -67,12 +69,19 @@ struct MeanError(Mutex<Vec<Point3>>);
 impl ErrorModel for MeanError {
     fn error_m(&self, _pulls_m: &[f64], _p_sim_m: &Point3) -> Point3 {
         let all = self.0.lock().unwrap();
-        std::array::from_fn(|axis| all.iter().map(|error_m| error_m[axis]).sum::<f64>() / all.len() as f64)
+        std::array::from_fn(|axis| {
+            all.iter().map(|error_m| error_m[axis]).sum::<f64>() / all.len() as f64
+        })
     }
 }
 
 impl LearningErrorModel for MeanError {
-    fn measured(&self, _pulls_m: &[f64], p_sim_m: &Point3, tip_m: &Point3) -> Result<(), PolicyError> {
+    fn measured(
+        &self,
+        _pulls_m: &[f64],
+        p_sim_m: &Point3,
+        tip_m: &Point3,
+    ) -> Result<(), PolicyError> {
         self.0.lock().unwrap().push(std::array::from_fn(|axis| p_sim_m[axis] - tip_m[axis]));
         Ok(())
     }
@@ -82,7 +91,8 @@ impl LearningErrorModel for MeanError {
     }
 }
 
-/// An error that grows with the simulated position: a fixed point that is not there after one iteration.
+/// An error that grows with the simulated position: a fixed point that is not there after one
+/// iteration.
 pub(crate) struct GrowingError(pub(crate) f64);
 
 impl ErrorModel for GrowingError {
@@ -95,13 +105,18 @@ pub(crate) fn negative(shift_m: Point3) -> Point3 {
     shift_m.map(|value| -value)
 }
 
-/// Parts for a robot shifted by `shift_m`, all of them exact: for each inverse mapping of any policy the one that its
-/// data lead to, and the error model.
+/// Parts for a robot shifted by `shift_m`, all of them exact: for each inverse mapping of any
+/// policy the one that its data lead to, and the error model.
 pub(crate) fn exact_parts(shift_m: Point3) -> PolicyParts {
-    let parts = told_of_model(PolicyParts::default().with_error(Arc::new(ConstantError(negative(shift_m)))));
+    let parts = told_of_model(
+        PolicyParts::default().with_error(Arc::new(ConstantError(negative(shift_m)))),
+    );
     inverse_mappings().into_iter().fold(parts, |parts, network| {
         let shift_m = if network.data == TrainingData::Simulated { [0.0; 3] } else { shift_m };
-        parts.with_inverse(network, Box::new(AnalyticInverse { shift_m, ..AnalyticInverse::default() }))
+        parts.with_inverse(
+            network,
+            Box::new(AnalyticInverse { shift_m, ..AnalyticInverse::default() }),
+        )
     })
 }
 
@@ -125,14 +140,20 @@ pub(crate) fn policy(name: &str, parts: PolicyParts, options: &PolicyOptions) ->
 }
 
 pub(crate) fn robot(shift_m: Point3) -> ConstantCurvature {
-    ConstantCurvature::new(ConstantCurvatureOptions { shift_m, ..ConstantCurvatureOptions::default() }).unwrap()
+    ConstantCurvature::new(ConstantCurvatureOptions {
+        shift_m,
+        ..ConstantCurvatureOptions::default()
+    })
+    .unwrap()
 }
 
 /// The tip of the robot shifted by `shift_m` under these pulls towards x and y.
 pub(crate) fn reachable(pull_x_m: f64, pull_y_m: f64, shift_m: Point3) -> Point3 {
     let options = ConstantCurvatureOptions::default();
-    let tip_m =
-        ConstantCurvature::tip_m(&options, [pull_x_m / options.tendon_radius_m, pull_y_m / options.tendon_radius_m]);
+    let tip_m = ConstantCurvature::tip_m(
+        &options,
+        [pull_x_m / options.tendon_radius_m, pull_y_m / options.tendon_radius_m],
+    );
     std::array::from_fn(|axis| tip_m[axis] + shift_m[axis])
 }
 

@@ -1,4 +1,5 @@
-//! A checker of JSON against the part of JSON Schema that our schemas use. What it does not know it refuses to pass over.
+//! A checker of JSON against the part of JSON Schema that our schemas use. What it does not know it
+//! refuses to pass over.
 
 use serde_json::{Map, Value};
 
@@ -42,9 +43,15 @@ fn check(root: &Value, schema: &Value, value: &Value, path: &str, found: &mut Ve
             "oneOf" => list().filter(|one| fits(root, one, value)).count() == 1,
             "minimum" => value.as_f64().is_none_or(|number| number >= asked.as_f64().unwrap()),
             "maximum" => value.as_f64().is_none_or(|number| number <= asked.as_f64().unwrap()),
-            "minItems" => value.as_array().is_none_or(|items| items.len() as u64 >= asked.as_u64().unwrap()),
-            "maxItems" => value.as_array().is_none_or(|items| items.len() as u64 <= asked.as_u64().unwrap()),
-            "required" => value.as_object().is_none_or(|has| list().all(|key| has.contains_key(key.as_str().unwrap()))),
+            "minItems" => {
+                value.as_array().is_none_or(|items| items.len() as u64 >= asked.as_u64().unwrap())
+            }
+            "maxItems" => {
+                value.as_array().is_none_or(|items| items.len() as u64 <= asked.as_u64().unwrap())
+            }
+            "required" => value
+                .as_object()
+                .is_none_or(|has| list().all(|key| has.contains_key(key.as_str().unwrap()))),
             "items" => {
                 for (index, item) in value.as_array().into_iter().flatten().enumerate() {
                     check(root, asked, item, &format!("{path}[{index}]"), found);
@@ -52,7 +59,9 @@ fn check(root: &Value, schema: &Value, value: &Value, path: &str, found: &mut Ve
                 true
             }
             "prefixItems" => {
-                for (index, (item, asked)) in value.as_array().into_iter().flatten().zip(list()).enumerate() {
+                for (index, (item, asked)) in
+                    value.as_array().into_iter().flatten().zip(list()).enumerate()
+                {
                     check(root, asked, item, &format!("{path}[{index}]"), found);
                 }
                 true
@@ -68,7 +77,9 @@ fn check(root: &Value, schema: &Value, value: &Value, path: &str, found: &mut Ve
             "additionalProperties" => {
                 let known = rules.get("properties").and_then(Value::as_object);
                 let more = value.as_object().into_iter().flatten();
-                for (key, value) in more.filter(|(key, _)| known.is_none_or(|known| !known.contains_key(*key))) {
+                for (key, value) in
+                    more.filter(|(key, _)| known.is_none_or(|known| !known.contains_key(*key)))
+                {
                     check(root, asked, value, &format!("{path}.{key}"), found);
                 }
                 true

@@ -1,5 +1,6 @@
-//! An independent oracle for statics: Rucker & Webster's (2011) differential equations of a rod with tendons on any path,
-//! in strong form with distributed tendon loads, integrated with RK4 and closed by shooting from the base.
+//! An independent oracle for statics: Rucker & Webster's (2011) differential equations of a rod
+//! with tendons on any path, in strong form with distributed tendon loads, integrated with RK4 and
+//! closed by shooting from the base.
 #![allow(dead_code, unreachable_pub, missing_docs)]
 
 use nalgebra::{Matrix3, Matrix6, SMatrix, Vector3, Vector6};
@@ -85,7 +86,13 @@ impl Shooting {
     }
 
     /// Strains just inside the piece around `middle` for a given total wrench.
-    fn strain_for(&self, s: f64, middle: f64, total: &Vector6<f64>, guess: &Vector6<f64>) -> Vector6<f64> {
+    fn strain_for(
+        &self,
+        s: f64,
+        middle: f64,
+        total: &Vector6<f64>,
+        guess: &Vector6<f64>,
+    ) -> Vector6<f64> {
         let mut strain = *guess;
         for _ in 0..50 {
             let off = self.total(s, middle, &strain) - total;
@@ -106,14 +113,24 @@ impl Shooting {
     }
 
     /// Strong form: derivative of the strains.
-    fn strain_rate(&self, s: f64, middle: f64, r: &Matrix3<f64>, strain: &Vector6<f64>) -> Vector6<f64> {
+    fn strain_rate(
+        &self,
+        s: f64,
+        middle: f64,
+        r: &Matrix3<f64>,
+        strain: &Vector6<f64>,
+    ) -> Vector6<f64> {
         let (u, v) = parts(strain);
         let (k, dk) = (self.stiffness)(s);
         let (m, n) = parts(&self.wrench(s, strain));
-        // K (strain)' + K' (strain − rest) + transport + Σ tendon loads = 0, the loads affine in the strain rate.
+        // K (strain)' + K' (strain − rest) + transport + Σ tendon loads = 0, the loads affine in
+        // the strain rate.
         let mut matrix = Matrix6::from_diagonal(&k);
         let mut load = dk.component_mul(&(strain - self.unloaded(s)));
-        load += join(&(u.cross(&m) + v.cross(&n)), &(u.cross(&n) + r.tr_mul(&(self.line)(s)) * self.share));
+        load += join(
+            &(u.cross(&m) + v.cross(&n)),
+            &(u.cross(&n) + r.tr_mul(&(self.line)(s)) * self.share),
+        );
         for cord in self.active(middle) {
             let [o, d, dd] = (cord.path)(s);
             let a = v + u.cross(&o) + d;
@@ -156,7 +173,8 @@ impl Shooting {
                 pose = self.runge_kutta(from + k as f64 * h, h, middle, &pose);
             }
             total = self.total(to, middle, &pose.strain);
-            for (_, force, moment) in self.points.iter().filter(|(s, _, _)| (s - to).abs() < 1e-12) {
+            for (_, force, moment) in self.points.iter().filter(|(s, _, _)| (s - to).abs() < 1e-12)
+            {
                 total -= join(&pose.r.tr_mul(moment), &pose.r.tr_mul(force)) * self.share;
             }
         }
@@ -164,8 +182,11 @@ impl Shooting {
     }
 
     fn runge_kutta(&self, s: f64, h: f64, middle: f64, pose: &Pose) -> Pose {
-        let add =
-            |a: &Pose, b: &Pose, x: f64| Pose { p: a.p + b.p * x, r: a.r + b.r * x, strain: a.strain + b.strain * x };
+        let add = |a: &Pose, b: &Pose, x: f64| Pose {
+            p: a.p + b.p * x,
+            r: a.r + b.r * x,
+            strain: a.strain + b.strain * x,
+        };
         let k1 = self.rate(s, middle, pose);
         let k2 = self.rate(s + 0.5 * h, middle, &add(pose, &k1, 0.5 * h));
         let k3 = self.rate(s + 0.5 * h, middle, &add(pose, &k2, 0.5 * h));
@@ -188,7 +209,8 @@ impl Shooting {
         tip.strain - join(&moment, &force) * self.share
     }
 
-    /// Tip pose at equilibrium: loads raised step by step, each step by Newton's method with differences.
+    /// Tip pose at equilibrium: loads raised step by step, each step by Newton's method with
+    /// differences.
     pub fn solve(mut self) -> Pose {
         let mut base = Vector6::zeros();
         let (mut reached, mut step) = (0.0, 0.1);

@@ -1,4 +1,5 @@
-//! Texts of an SVG, measured with the font that they are drawn in: none may lie on another or leave the picture.
+//! Texts of an SVG, measured with the font that they are drawn in: none may lie on another or leave
+//! the picture.
 
 use std::sync::Once;
 
@@ -74,7 +75,11 @@ fn texts(svg: &str) -> Vec<Text> {
 /// Fails where two texts touch or one leaves the picture.
 pub(crate) fn assert_apart(name: &str, svg: &[u8]) {
     let svg = String::from_utf8_lossy(svg);
-    let view: Vec<f64> = attribute(&svg, "viewBox").unwrap().split(' ').map(|number| number.parse().unwrap()).collect();
+    let view: Vec<f64> = attribute(&svg, "viewBox")
+        .unwrap()
+        .split(' ')
+        .map(|number| number.parse().unwrap())
+        .collect();
     let texts = texts(&svg);
     for (index, one) in texts.iter().enumerate() {
         let [left, top, right, bottom] = one.box_;
@@ -83,7 +88,11 @@ pub(crate) fn assert_apart(name: &str, svg: &[u8]) {
         for other in &texts[index + 1..] {
             let [a, b, c, d] = other.box_;
             let apart = right < a || c < left || bottom < b || d < top;
-            assert!(apart, "{name}: `{}` lies on `{}`: {:?}, {:?}", one.words, other.words, one.box_, other.box_);
+            assert!(
+                apart,
+                "{name}: `{}` lies on `{}`: {:?}, {:?}",
+                one.words, other.words, one.box_, other.box_
+            );
         }
     }
 }

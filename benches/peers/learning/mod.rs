@@ -1,5 +1,6 @@
-//! Learning beside the packages that people would use for it: the same samples, the same likelihood from the same start, the
-//! same network; processor time of one thread, in rounds in which ours and every package take their turns.
+//! Learning beside the packages that people would use for it: the same samples, the same likelihood
+//! from the same start, the same network; processor time of one thread, in rounds in which ours and
+//! every package take their turns.
 
 mod ours;
 mod package;
@@ -51,7 +52,9 @@ pub fn run(root: &Path) -> Result<(), String> {
     samples.write(&scratch)?;
     let before = load();
     let found = rounds::run(&samples, &scratch, rounds);
-    let map = |pairs: Vec<(String, String)>| pairs.into_iter().map(|(name, word)| (name, word.into())).collect();
+    let map = |pairs: Vec<(String, String)>| {
+        pairs.into_iter().map(|(name, word)| (name, word.into())).collect()
+    };
     let environment = LearningEnvironment {
         machine: Machine::this(),
         load: [before, load()],
@@ -60,7 +63,8 @@ pub fn run(root: &Path) -> Result<(), String> {
         skipped: map(found.skipped),
     };
     let folder = root.join("results/peers");
-    let (results, plots) = if rounds == ROUNDS { (folder, root.join("plots")) } else { (scratch.clone(), scratch) };
+    let (results, plots) =
+        if rounds == ROUNDS { (folder, root.join("plots")) } else { (scratch.clone(), scratch) };
     let published = Published { learning_peers: found.rows, ..Published::default() };
     let published = published.write(&results).map_err(|error| words(&error))?;
     let text = serde_yaml::to_string(&environment).map_err(|error| words(&error))?;
@@ -69,7 +73,11 @@ pub fn run(root: &Path) -> Result<(), String> {
     let figure = report::figure("peers_learning").ok_or("no figure called peers_learning")?;
     let files = (figure.render)(&published).map_err(|error| words(&error))?;
     report::write(&files, &results, &plots).map_err(|error| words(&error))?;
-    println!("learning: {} and {}", results.join("learning.md").display(), plots.join("peers_learning.png").display());
+    println!(
+        "learning: {} and {}",
+        results.join("learning.md").display(),
+        plots.join("peers_learning.png").display()
+    );
     Ok(())
 }
 

@@ -53,7 +53,11 @@ impl<'a> Ours<'a> {
     }
 
     fn of(&self, size: usize) -> Result<&'a ProcessSamples, String> {
-        self.samples.processes.iter().find(|own| own.size == size).ok_or_else(|| format!("no samples of size {size}"))
+        self.samples
+            .processes
+            .iter()
+            .find(|own| own.size == size)
+            .ok_or_else(|| format!("no samples of size {size}"))
     }
 
     fn fitted(&self, size: usize) -> Result<&Gp, String> {
@@ -67,8 +71,11 @@ impl<'a> Ours<'a> {
         let (gp, cpu_s) = clock::mean(|| Gp::fit(&own.inputs, &own.outputs, &config));
         let gp = gp.map_err(|error| error.to_string())?;
         let mean = gp.mean_rows(&own.queries).map_err(|error| error.to_string())?;
-        let scaled = |(i, (mean, truth)): (usize, (&f64, &f64))| ((mean - truth) * own.scale_m[i % 3]).powi(2);
-        let square: f64 = mean.values().iter().zip(own.truth.values()).enumerate().map(scaled).sum();
+        let scaled = |(i, (mean, truth)): (usize, (&f64, &f64))| {
+            ((mean - truth) * own.scale_m[i % 3]).powi(2)
+        };
+        let square: f64 =
+            mean.values().iter().zip(own.truth.values()).enumerate().map(scaled).sum();
         let outcome = Outcome {
             cpu_s,
             likelihood: gp.log_marginal_likelihood().iter().sum(),
@@ -79,7 +86,8 @@ impl<'a> Ours<'a> {
         Ok(outcome)
     }
 
-    /// One evaluation of the likelihood with its gradient: a fit whose every evaluation is on all rows, over their number.
+    /// One evaluation of the likelihood with its gradient: a fit whose every evaluation is on all
+    /// rows, over their number.
     fn evaluation(&self, size: usize) -> Result<Outcome, String> {
         let own = self.of(size)?;
         let config = GpConfig { starts: 1, start_rows: size, ..GpConfig::default() };
@@ -118,7 +126,8 @@ impl<'a> Ours<'a> {
     }
 }
 
-/// A window from every row, batches of 64, one learning rate; the error is looked at after every epoch.
+/// A window from every row, batches of 64, one learning rate; the error is looked at after every
+/// epoch.
 fn settings() -> NetworkConfig {
     NetworkConfig {
         stride: 1,

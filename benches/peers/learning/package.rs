@@ -1,4 +1,5 @@
-//! A package in a Python process of its own that stays up over all rounds: a line asks for a task, a line answers.
+//! A package in a Python process of its own that stays up over all rounds: a line asks for a task,
+//! a line answers.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Write};
@@ -37,10 +38,12 @@ impl Package {
     /// Why it does not run: no Python, a package that is not installed.
     pub fn start(name: &'static str, script: &str, scratch: &Path) -> Result<Package, String> {
         let program = std::env::var_os("PEERS_PYTHON").filter(|name| !name.is_empty());
-        let program = PathBuf::from(program.ok_or("no Python environment (PEERS_PYTHON is not set)")?);
+        let program =
+            PathBuf::from(program.ok_or("no Python environment (PEERS_PYTHON is not set)")?);
         let log = scratch.join(format!("{name}.log"));
         let words = |error: std::io::Error| format!("{}: {error}", program.display());
-        let threads = ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"].map(|name| (name, "1"));
+        let threads =
+            ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"].map(|name| (name, "1"));
         let mut child = Command::new(&program)
             .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/peers/learning").join(script))
             .arg(scratch)
@@ -53,9 +56,18 @@ impl Package {
             .stderr(File::create(&log).map_err(words)?)
             .spawn()
             .map_err(words)?;
-        let (requests, answers) = child.stdin.take().zip(child.stdout.take()).ok_or("no pipes to the script")?;
+        let (requests, answers) =
+            child.stdin.take().zip(child.stdout.take()).ok_or("no pipes to the script")?;
         let answers = BufReader::new(answers);
-        let mut package = Package { name, versions: Vec::new(), tasks: Vec::new(), child, requests, answers, log };
+        let mut package = Package {
+            name,
+            versions: Vec::new(),
+            tasks: Vec::new(),
+            child,
+            requests,
+            answers,
+            log,
+        };
         let hello = package.answer()?;
         let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
         package.tasks = hello["tasks"].as_array().into_iter().flatten().map(text).collect();
@@ -74,7 +86,8 @@ impl Package {
     /// # Errors
     /// What the script said.
     pub fn run(&mut self, task: Task, round: u64) -> Result<Outcome, String> {
-        writeln!(self.requests, "{} {} {round}", task.name, task.size).map_err(|error| error.to_string())?;
+        writeln!(self.requests, "{} {} {round}", task.name, task.size)
+            .map_err(|error| error.to_string())?;
         let answer = self.answer()?;
         if let Some(reason) = answer["failed"].as_str() {
             return Err(reason.to_owned());

@@ -14,5 +14,8 @@ fn of<T: faer::traits::ComplexField>(size: usize, number: impl Fn(f64) -> T) -> 
     let left = Mat::from_fn(size, size, |i, j| number((1.7 * i as f64 + 0.3 * j as f64).sin()));
     let mut out = Mat::<T>::zeros(size, size);
     let one = number(1.0);
-    clock::mean(|| matmul(out.as_mut(), Accum::Replace, left.as_ref(), left.as_ref(), one.clone(), Par::Seq)).1
+    clock::mean(|| {
+        matmul(out.as_mut(), Accum::Replace, left.as_ref(), left.as_ref(), one.clone(), Par::Seq)
+    })
+    .1
 }

@@ -1,4 +1,5 @@
-//! The samples that all learn from, made by our own robot and handed to the packages as files of numbers.
+//! The samples that all learn from, made by our own robot and handed to the packages as files of
+//! numbers.
 
 use std::path::Path;
 
@@ -15,7 +16,8 @@ use super::task::SIZES;
 const STEPS: usize = 10_000;
 /// Standard deviation of the tracking noise, metres.
 const NOISE_M: f64 = 0.0005;
-/// Largest pull of the exploration for networks, metres: within it networks of 30 units reach the error that they are trained to.
+/// Largest pull of the exploration for networks, metres: within it networks of 30 units reach the
+/// error that they are trained to.
 const NETWORK_PULL_M: f64 = 0.010;
 /// Share of the rows that a network is trained on.
 const TRAINED: f64 = 0.7;
@@ -41,7 +43,8 @@ pub struct ProcessSamples {
     pub scale_m: Vec<f64>,
 }
 
-/// Rows for the forward model (tendons, tip) → next tip, in standard deviations of the rows that are trained on.
+/// Rows for the forward model (tendons, tip) → next tip, in standard deviations of the rows that
+/// are trained on.
 pub struct NetworkSamples {
     pub inputs: Rows,
     pub outputs: Rows,
@@ -65,18 +68,22 @@ struct Exploration {
 }
 
 impl Samples {
-    /// Explores the nominal robot with steps of at most 3 mm: once for samples, once for queries, once for networks.
+    /// Explores the nominal robot with steps of at most 3 mm: once for samples, once for queries,
+    /// once for networks.
     ///
     /// # Errors
     /// A model that cannot be read, a robot that fails.
     pub fn make(root: &Path) -> Result<Samples, String> {
-        let model = specs::read_model(&root.join("models/nominal.yaml")).map_err(|error| error.to_string())?;
+        let model = specs::read_model(&root.join("models/nominal.yaml"))
+            .map_err(|error| error.to_string())?;
         let pull_m = ExploreOptions::default().max_pull_m;
         let explorations = [("samples", pull_m), ("queries", pull_m), ("network", NETWORK_PULL_M)];
         let walks = std::thread::scope(|scope| {
             let model = &model;
-            let threads = explorations.map(|(name, pull_m)| scope.spawn(move || walk(model, pull_m, name)));
-            threads.map(|thread| thread.join().unwrap_or_else(|_| Err("the robot failed".to_owned())))
+            let threads =
+                explorations.map(|(name, pull_m)| scope.spawn(move || walk(model, pull_m, name)));
+            threads
+                .map(|thread| thread.join().unwrap_or_else(|_| Err("the robot failed".to_owned())))
         });
         let [pool, test, network] = walks;
         let (pool, test) = (Exploration::of(&pool?), Exploration::of(&test?));
@@ -90,7 +97,8 @@ impl Samples {
     /// A file that cannot be written.
     pub fn write(&self, folder: &Path) -> Result<(), String> {
         let file = |name: String, rows: &Rows| {
-            let line = |row: &[f64]| row.iter().map(f64::to_string).collect::<Vec<_>>().join(",") + "\n";
+            let line =
+                |row: &[f64]| row.iter().map(f64::to_string).collect::<Vec<_>>().join(",") + "\n";
             let path = folder.join(name + ".csv");
             let text: String = rows.iter().map(line).collect();
             std::fs::write(&path, text).map_err(|error| format!("{}: {error}", path.display()))
@@ -138,7 +146,9 @@ impl ProcessSamples {
         let mut random = Seed(1).child("peers").child("noise").rng();
         let noise = Normal::new(0.0, NOISE_M).expect("a positive deviation");
         let mut noisy_m = Rows::new(3);
-        pool.gap_m.iter().for_each(|row| noisy_m.push(&[0, 1, 2].map(|axis| row[axis] + noise.sample(&mut random))));
+        pool.gap_m.iter().for_each(|row| {
+            noisy_m.push(&[0, 1, 2].map(|axis| row[axis] + noise.sample(&mut random)))
+        });
         let (inputs, outputs) = (pool.inputs.select(&which), noisy_m.select(&which));
         let (of_inputs, of_outputs) = (Scale::of(&inputs), Scale::of(&outputs));
         ProcessSamples {
@@ -156,7 +166,8 @@ impl NetworkSamples {
     fn of(seen: Transitions) -> NetworkSamples {
         let (inputs, outputs_m) = (beside(&seen.pulls_m, &seen.from_m), seen.to_m);
         let trained: Vec<usize> = (0..(TRAINED * STEPS as f64).round() as usize).collect();
-        let (of_inputs, of_outputs) = (Scale::of(&inputs.select(&trained)), Scale::of(&outputs_m.select(&trained)));
+        let (of_inputs, of_outputs) =
+            (Scale::of(&inputs.select(&trained)), Scale::of(&outputs_m.select(&trained)));
         NetworkSamples {
             inputs: of_inputs.apply(&inputs),
             outputs: of_outputs.apply(&outputs_m),
@@ -169,7 +180,8 @@ impl NetworkSamples {
 fn walk(model: &Model, max_pull_m: f64, name: &str) -> Result<Transitions, String> {
     let options = ExploreOptions { points: STEPS, max_pull_m, ..ExploreOptions::default() };
     let mut robot = Simulated::new(model, &[], SimulatedOptions::default());
-    explore(&mut robot, &options, Seed(1).child("peers").child(name)).map_err(|error| error.to_string())
+    explore(&mut robot, &options, Seed(1).child("peers").child(name))
+        .map_err(|error| error.to_string())
 }
 
 /// Tables of the same length side by side.
@@ -190,15 +202,19 @@ impl Scale {
         let count = rows.len() as f64;
         let each = |c: usize| rows.iter().map(move |row| row[c]);
         let means: Vec<f64> = (0..rows.width()).map(|c| each(c).sum::<f64>() / count).collect();
-        let square = |c: usize| each(c).map(|value| (value - means[c]).powi(2)).sum::<f64>() / count;
+        let square =
+            |c: usize| each(c).map(|value| (value - means[c]).powi(2)).sum::<f64>() / count;
         Scale { deviations: (0..rows.width()).map(|c| square(c).sqrt()).collect(), means }
     }
 
     fn apply(&self, rows: &Rows) -> Rows {
         let mut out = Rows::new(rows.width());
         for row in rows.iter() {
-            let scaled: Vec<f64> =
-                row.iter().enumerate().map(|(c, value)| (value - self.means[c]) / self.deviations[c]).collect();
+            let scaled: Vec<f64> = row
+                .iter()
+                .enumerate()
+                .map(|(c, value)| (value - self.means[c]) / self.deviations[c])
+                .collect();
             out.push(&scaled);
         }
         out

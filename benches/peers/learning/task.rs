@@ -36,7 +36,12 @@ impl Outcome {
     }
 
     /// The row of this outcome or failure.
-    pub fn row(found: Result<Outcome, String>, task: Task, peer: &str, round: u64) -> LearningPeerRow {
+    pub fn row(
+        found: Result<Outcome, String>,
+        task: Task,
+        peer: &str,
+        round: u64,
+    ) -> LearningPeerRow {
         let (outcome, status) = match found {
             Ok(outcome) => (outcome, "ok".to_owned()),
             Err(reason) => (Outcome::of(f64::NAN), reason),

@@ -1,4 +1,5 @@
-//! The equations along the rod at one instant (Till et al. 2019, tendon robot; tendons parallel to the backbone).
+//! The equations along the rod at one instant (Till et al. 2019, tendon robot; tendons parallel to
+//! the backbone).
 
 use nalgebra::{DVector, Matrix3, Matrix6, Vector3, Vector6};
 
@@ -23,11 +24,15 @@ pub(super) struct Node<const T: usize> {
 pub(super) struct Rate<const T: usize>(Node<T>);
 
 impl<const T: usize> Node<T> {
-    /// The clamped base with the guessed strains: the force enters through the elastic law alone, which is a matter of
-    /// scale only.
+    /// The clamped base with the guessed strains: the force enters through the elastic law alone,
+    /// which is a matter of scale only.
     pub(super) fn base(piece: &Piece, guess: &DVector<f64>) -> Node<T> {
         let n = guess.fixed_rows::<3>(0);
-        let v = Vector3::new(n[0] / piece.shear_n, n[1] / piece.shear_n, 1.0 + n[2] * piece.axial_per_n);
+        let v = Vector3::new(
+            n[0] / piece.shear_n,
+            n[1] / piece.shear_n,
+            1.0 + n[2] * piece.axial_per_n,
+        );
         let zero = Vector3::zeros();
         let u = guess.fixed_rows::<3>(3).into_owned();
         Node { p: zero, r: Matrix3::identity(), v, u, q: zero, w: zero, lengths: [0.0; T] }
@@ -55,7 +60,9 @@ impl<const T: usize> Rate<T> {
     /// The mean of the four slopes of the classical Runge–Kutta method.
     pub(super) fn mean(k1: &Rate<T>, k2: &Rate<T>, k3: &Rate<T>, k4: &Rate<T>) -> Rate<T> {
         let (a, b, c, d) = (&k1.0, &k2.0, &k3.0, &k4.0);
-        let vector = |pick: fn(&Node<T>) -> Vector3<f64>| (pick(a) + (pick(b) + pick(c)) * 2.0 + pick(d)) / 6.0;
+        let vector = |pick: fn(&Node<T>) -> Vector3<f64>| {
+            (pick(a) + (pick(b) + pick(c)) * 2.0 + pick(d)) / 6.0
+        };
         Rate(Node {
             p: vector(|n| n.p),
             r: (a.r + (b.r + c.r) * 2.0 + d.r) / 6.0,
@@ -63,7 +70,9 @@ impl<const T: usize> Rate<T> {
             u: vector(|n| n.u),
             q: vector(|n| n.q),
             w: vector(|n| n.w),
-            lengths: std::array::from_fn(|i| (a.lengths[i] + 2.0 * (b.lengths[i] + c.lengths[i]) + d.lengths[i]) / 6.0),
+            lengths: std::array::from_fn(|i| {
+                (a.lengths[i] + 2.0 * (b.lengths[i] + c.lengths[i]) + d.lengths[i]) / 6.0
+            }),
         })
     }
 
@@ -82,25 +91,42 @@ struct Tendons<const T: usize> {
 }
 
 impl<const T: usize> Till<T> {
-    /// Internal force and moment of the rod alone (elastic and viscous), body frame, at record `at`.
-    pub(super) fn internal_wrench(&self, piece: &Piece, at: usize, node: &Node<T>) -> (Vector3<f64>, Vector3<f64>) {
+    /// Internal force and moment of the rod alone (elastic and viscous), body frame, at record
+    /// `at`.
+    pub(super) fn internal_wrench(
+        &self,
+        piece: &Piece,
+        at: usize,
+        node: &Node<T>,
+    ) -> (Vector3<f64>, Vector3<f64>) {
         let [v_past, u_past, ..] = &self.records.past[at];
         let (elastic, _) = piece.force(&node.v);
         let c0 = self.bdf.c0;
         let force = elastic + piece.linear_viscosity.component_mul(&(node.v * c0 + v_past));
-        let moment =
-            piece.turning_n_m2.component_mul(&node.u) + piece.turning_viscosity.component_mul(&(node.u * c0 + u_past));
-        if c0 == 0.0 { (elastic, piece.turning_n_m2.component_mul(&node.u)) } else { (force, moment) }
+        let moment = piece.turning_n_m2.component_mul(&node.u)
+            + piece.turning_viscosity.component_mul(&(node.u * c0 + u_past));
+        if c0 == 0.0 {
+            (elastic, piece.turning_n_m2.component_mul(&node.u))
+        } else {
+            (force, moment)
+        }
     }
 
     /// Derivatives along the rod at record `at`.
-    pub(super) fn rate(&self, piece: &Piece, at: usize, tensions: &[f64; T], node: &Node<T>) -> Rate<T> {
+    pub(super) fn rate(
+        &self,
+        piece: &Piece,
+        at: usize,
+        tensions: &[f64; T],
+        node: &Node<T>,
+    ) -> Rate<T> {
         let Node { r, v, u, q, w, .. } = node;
         let [v_past, u_past, q_past, w_past, vs_past, us_past] = &self.records.past[at];
         let c0 = self.bdf.c0;
         let tendons = self.tendons(piece, tensions, node);
         let (n, m) = self.internal_wrench(piece, at, node);
-        let (v_t, u_t, q_t, w_t) = (v * c0 + v_past, u * c0 + u_past, q * c0 + q_past, w * c0 + w_past);
+        let (v_t, u_t, q_t, w_t) =
+            (v * c0 + v_past, u * c0 + u_past, q * c0 + q_past, w * c0 + w_past);
         let inertia = &piece.inertia_kg_m;
         let force = -tendons.force
             + (w.cross(q) + q_t) * piece.mass_kg_m
@@ -108,14 +134,16 @@ impl<const T: usize> Till<T> {
             - r.tr_mul(&self.params.gravity_m_s2) * piece.mass_kg_m
             - u.cross(&n)
             - piece.linear_viscosity.component_mul(vs_past);
-        let moment = -tendons.moment + w.cross(&inertia.component_mul(w)) + inertia.component_mul(&w_t)
-            - v.cross(&n)
-            - u.cross(&m)
-            - piece.turning_viscosity.component_mul(us_past);
+        let moment =
+            -tendons.moment + w.cross(&inertia.component_mul(w)) + inertia.component_mul(&w_t)
+                - v.cross(&n)
+                - u.cross(&m)
+                - piece.turning_viscosity.component_mul(us_past);
         let mut slopes = Vector6::zeros();
         slopes.fixed_rows_mut::<3>(0).copy_from(&force);
         slopes.fixed_rows_mut::<3>(3).copy_from(&moment);
-        // A matrix that is not positive definite ends as a residual that is not a number, which the solver sees.
+        // A matrix that is not positive definite ends as a residual that is not a number, which the
+        // solver sees.
         match tendons.stiffness.cholesky() {
             Some(factors) => factors.solve_mut(&mut slopes),
             None => slopes.fill(f64::NAN),
@@ -135,7 +163,8 @@ impl<const T: usize> Till<T> {
         let c0 = self.bdf.c0;
         let (_, stiffness) = piece.force(&node.v);
         let mut linear = Matrix3::from_diagonal(&(stiffness + piece.linear_viscosity * c0));
-        let mut turning = Matrix3::from_diagonal(&(piece.turning_n_m2 + piece.turning_viscosity * c0));
+        let mut turning =
+            Matrix3::from_diagonal(&(piece.turning_n_m2 + piece.turning_viscosity * c0));
         let mut mixed = Matrix3::zeros();
         let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
         let mut stretch = [0.0; T];
@@ -165,7 +194,13 @@ impl<const T: usize> Till<T> {
     }
 
     /// Force and moment of rod and tendons together, body frame.
-    fn total_wrench(&self, piece: &Piece, at: usize, tensions: &[f64; T], node: &Node<T>) -> Vector6<f64> {
+    fn total_wrench(
+        &self,
+        piece: &Piece,
+        at: usize,
+        tensions: &[f64; T],
+        node: &Node<T>,
+    ) -> Vector6<f64> {
         let (mut force, mut moment) = self.internal_wrench(piece, at, node);
         for i in 0..T {
             let pull = (node.v + node.u.cross(&self.offsets[i])).normalize() * tensions[i];
@@ -175,8 +210,15 @@ impl<const T: usize> Till<T> {
         Vector6::new(force.x, force.y, force.z, moment.x, moment.y, moment.z)
     }
 
-    /// Enters piece `k`, whose first record is `first`: the strains jump so that the wrench does not.
-    pub(super) fn cross_border(&self, k: usize, first: usize, tensions: &[f64; T], node: &mut Node<T>) {
+    /// Enters piece `k`, whose first record is `first`: the strains jump so that the wrench does
+    /// not.
+    pub(super) fn cross_border(
+        &self,
+        k: usize,
+        first: usize,
+        tensions: &[f64; T],
+        node: &mut Node<T>,
+    ) {
         let wanted = self.total_wrench(&self.pieces[k - 1], first - 1, tensions, node);
         let piece = &self.pieces[k];
         for _ in 0..20 {

@@ -5,7 +5,8 @@ use nalgebra::Vector3;
 /// What is differentiated in time: v, u, q, ω and the derivatives of v and u along the rod.
 pub(super) type Remembered = [Vector3<f64>; 6];
 
-/// Coefficients of y' = c₀ y + (c₁ + c₀ d₁) y₁ + c₂ y₂ + d₁ h₁, where h₁ is the history of the step before.
+/// Coefficients of y' = c₀ y + (c₁ + c₀ d₁) y₁ + c₂ y₂ + d₁ h₁, where h₁ is the history of the step
+/// before.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bdf {
     pub(super) c0: f64,
@@ -18,7 +19,12 @@ impl Bdf {
     pub(super) fn new(dt_s: f64, alpha: f64) -> Bdf {
         let c0 = (1.5 + alpha) / (dt_s * (1.0 + alpha));
         let kept = alpha / (1.0 + alpha);
-        Bdf { c0, last: -2.0 / dt_s + kept * c0, before: (0.5 + alpha) / (dt_s * (1.0 + alpha)), kept }
+        Bdf {
+            c0,
+            last: -2.0 / dt_s + kept * c0,
+            before: (0.5 + alpha) / (dt_s * (1.0 + alpha)),
+            kept,
+        }
     }
 
     /// Nothing moves.
@@ -63,7 +69,8 @@ impl Record {
     }
 }
 
-/// Values in the middle of a cell from those at its ends and their derivatives along the rod, by a cubic.
+/// Values in the middle of a cell from those at its ends and their derivatives along the rod, by a
+/// cubic.
 pub(super) fn middle(
     from: &Remembered,
     to: &Remembered,

@@ -45,7 +45,10 @@ impl Piece {
         let stretch = v.z - 1.0;
         let soft = self.axial_per_n + self.spine_per_n;
         let (axial, stiffness) = if stretch < -soft * self.saturation_n {
-            ((stretch + self.spine_per_n * self.saturation_n) / self.axial_per_n, 1.0 / self.axial_per_n)
+            (
+                (stretch + self.spine_per_n * self.saturation_n) / self.axial_per_n,
+                1.0 / self.axial_per_n,
+            )
         } else {
             (stretch / soft, 1.0 / soft)
         };
@@ -54,7 +57,8 @@ impl Piece {
     }
 }
 
-/// Cuts the rod wherever its material changes and spreads the nodes over the pieces by their lengths.
+/// Cuts the rod wherever its material changes and spreads the nodes over the pieces by their
+/// lengths.
 pub(super) fn pieces(params: &RodParams, settings: &Settings) -> Vec<Piece> {
     let length = params.length_m();
     let mut cuts: Vec<f64> = vec![0.0, length];
@@ -90,7 +94,8 @@ fn blank() -> Piece {
 
 fn piece_at(params: &RodParams, middle_m: f64, shape: Piece, settings: &Settings) -> Piece {
     let span = params.span_at(middle_m);
-    let section = params.sections.iter().find(|s| (s.start_m..s.start_m + s.length_m).contains(&middle_m));
+    let section =
+        params.sections.iter().find(|s| (s.start_m..s.start_m + s.length_m).contains(&middle_m));
     let axial_per_n = 1.0 / span.axial_n;
     let spine_per_n = section.map_or(0.0, |s| s.compliance_m_per_n / s.length_m);
     let [first, second] = span.bending_n_m2;
@@ -98,8 +103,11 @@ fn piece_at(params: &RodParams, middle_m: f64, shape: Piece, settings: &Settings
     let time = params.damping_time_s;
     let linear_time = if settings.linear_damping { time } else { 0.0 };
     // I = A · E I / E A.
-    let inertia =
-        if settings.rotary_inertia { (span.mass_kg_m + span.spread_mass_kg_m) * first / span.axial_n } else { 0.0 };
+    let inertia = if settings.rotary_inertia {
+        (span.mass_kg_m + span.spread_mass_kg_m) * first / span.axial_n
+    } else {
+        0.0
+    };
     let bending = 0.5 * (first + second);
     Piece {
         shear_n: span.shear_n,
@@ -107,7 +115,11 @@ fn piece_at(params: &RodParams, middle_m: f64, shape: Piece, settings: &Settings
         spine_per_n,
         saturation_n: section.map_or(f64::INFINITY, |s| s.saturation_n),
         turning_n_m2: turning,
-        linear_viscosity: Vector3::new(span.shear_n, span.shear_n, 1.0 / (axial_per_n + spine_per_n)) * linear_time,
+        linear_viscosity: Vector3::new(
+            span.shear_n,
+            span.shear_n,
+            1.0 / (axial_per_n + spine_per_n),
+        ) * linear_time,
         turning_viscosity: Vector3::new(bending, bending, span.torsion_n_m2) * time,
         mass_kg_m: span.mass_kg_m + span.spread_mass_kg_m,
         inertia_kg_m: Vector3::new(inertia, inertia, 2.0 * inertia),

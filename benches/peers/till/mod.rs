@@ -1,9 +1,11 @@
-//! The scheme of Till, Aloi & Rucker (2019), "Real-time dynamics of soft and continuum robots based on Cosserat rod
-//! models", written anew from the article: the equations of the rod are made implicit in time by BDF-α, what is left is
-//! a boundary value problem along the rod, and that is solved by shooting from the base.
+//! The scheme of Till, Aloi & Rucker (2019), "Real-time dynamics of soft and continuum robots based
+//! on Cosserat rod models", written anew from the article: the equations of the rod are made
+//! implicit in time by BDF-α, what is left is a boundary value problem along the rod, and that is
+//! solved by shooting from the base.
 //!
-//! Beyond the article: pieces of different material (the internal and tendon wrench is continuous across their
-//! borders, the strains are not), the axial law of the compressible spine, and a fourth-order integrator along the rod.
+//! Beyond the article: pieces of different material (the internal and tendon wrench is continuous
+//! across their borders, the strains are not), the axial law of the compressible spine, and a
+//! fourth-order integrator along the rod.
 #![allow(missing_docs, unreachable_pub, dead_code)]
 
 mod field;
@@ -30,9 +32,11 @@ pub enum Space {
 /// How the boundary value problem is solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Solver {
-    /// Levenberg–Marquardt with a derivative by finite differences in every iteration, as the authors do.
+    /// Levenberg–Marquardt with a derivative by finite differences in every iteration, as the
+    /// authors do.
     LevenbergMarquardt,
-    /// Newton's method that keeps its derivative between iterations and steps as long as it contracts well.
+    /// Newton's method that keeps its derivative between iterations and steps as long as it
+    /// contracts well.
     Newton,
 }
 
@@ -52,12 +56,14 @@ pub struct Settings {
     pub rotary_inertia: bool,
     /// Whether shear and stretch are damped as bending and twist are.
     pub linear_damping: bool,
-    /// Whether Newton's method starts from where the last two steps point rather than from the last solution.
+    /// Whether Newton's method starts from where the last two steps point rather than from the last
+    /// solution.
     pub extrapolate: bool,
 }
 
 impl Settings {
-    /// The authors' tendon example: Euler at 200 nodes, BDF2 at 50 ms, Levenberg–Marquardt to 1e-12.
+    /// The authors' tendon example: Euler at 200 nodes, BDF2 at 50 ms, Levenberg–Marquardt to
+    /// 1e-12.
     pub fn published() -> Settings {
         Settings {
             space: Space::Euler,
@@ -94,11 +100,18 @@ impl<const T: usize> Till<T> {
     /// # Errors
     /// What the scheme, as written here, does not cover.
     pub fn new(params: &RodParams, settings: Settings) -> Result<Till<T>, String> {
-        if params.tendons.len() != T || params.tendons.iter().any(|tendon| tendon.end_m < params.length_m()) {
+        if params.tendons.len() != T
+            || params.tendons.iter().any(|tendon| tendon.end_m < params.length_m())
+        {
             return Err(format!("expected {T} tendons that end at the tip"));
         }
-        if !params.masses.is_empty() || !params.moment_laws.is_empty() || params.base_rotation_rad != Vector3::zeros() {
-            return Err("lumped masses, moments with a memory and a turned base are not covered".into());
+        if !params.masses.is_empty()
+            || !params.moment_laws.is_empty()
+            || params.base_rotation_rad != Vector3::zeros()
+        {
+            return Err(
+                "lumped masses, moments with a memory and a turned base are not covered".into()
+            );
         }
         let pieces = material::pieces(params, &settings);
         let offset = |i: usize| {
@@ -159,8 +172,8 @@ impl<const T: usize> Till<T> {
         std::array::from_fn(|i| self.guess[6 + i].max(0.0))
     }
 
-    /// Integrates from the base with the guessed wrench and tensions; the error at the tip. With `record`, what the
-    /// next step needs to know of this one is kept.
+    /// Integrates from the base with the guessed wrench and tensions; the error at the tip. With
+    /// `record`, what the next step needs to know of this one is kept.
     fn shoot(&mut self, guess: &DVector<f64>, drives: &[Drive], record: bool) -> DVector<f64> {
         self.shots += 1;
         let tensions: [f64; T] = std::array::from_fn(|i| guess[6 + i].max(0.0));
@@ -180,7 +193,14 @@ impl<const T: usize> Till<T> {
         self.tip_error(guess, drives, &tensions)
     }
 
-    fn euler(&mut self, k: usize, first: usize, tensions: &[f64; T], start: Node<T>, record: bool) -> Node<T> {
+    fn euler(
+        &mut self,
+        k: usize,
+        first: usize,
+        tensions: &[f64; T],
+        start: Node<T>,
+        record: bool,
+    ) -> Node<T> {
         let piece = &self.pieces[k];
         let h = piece.length_m / piece.cells as f64;
         let mut node = start;
@@ -196,7 +216,14 @@ impl<const T: usize> Till<T> {
         node
     }
 
-    fn rk4(&mut self, k: usize, first: usize, tensions: &[f64; T], start: Node<T>, record: bool) -> Node<T> {
+    fn rk4(
+        &mut self,
+        k: usize,
+        first: usize,
+        tensions: &[f64; T],
+        start: Node<T>,
+        record: bool,
+    ) -> Node<T> {
         let piece = &self.pieces[k];
         let h = piece.length_m / piece.cells as f64;
         let mut node = start;
@@ -211,7 +238,8 @@ impl<const T: usize> Till<T> {
             if record {
                 let (from, to) = (node.remembered(&k1), next.remembered(&after));
                 self.records.now[at] = from;
-                self.records.now[at + 1] = history::middle(&from, &to, &k1.remembered(), &after.remembered(), h);
+                self.records.now[at + 1] =
+                    history::middle(&from, &to, &k1.remembered(), &after.remembered(), h);
                 self.records.now[at + 2] = to;
             }
             (node, k1) = (next, after);
@@ -220,7 +248,12 @@ impl<const T: usize> Till<T> {
     }
 
     /// What is left of the balance at the tip, and of the tendon lengths.
-    fn tip_error(&self, guess: &DVector<f64>, drives: &[Drive], tensions: &[f64; T]) -> DVector<f64> {
+    fn tip_error(
+        &self,
+        guess: &DVector<f64>,
+        drives: &[Drive],
+        tensions: &[f64; T],
+    ) -> DVector<f64> {
         let piece = &self.pieces[self.pieces.len() - 1];
         let last = self.records.past.len() - 1;
         let (mut force, mut moment) = self.internal_wrench(piece, last, &self.tip);
@@ -235,7 +268,8 @@ impl<const T: usize> Till<T> {
             error[6 + i] = match drives[i] {
                 Drive::Pull(pull_m) => {
                     let pull_m = pull_m + tendon.pretension_m;
-                    let compliance = tendon.compliance_m_per_n * (1.0 - pull_m / tendon.elastic_length_m);
+                    let compliance =
+                        tendon.compliance_m_per_n * (1.0 - pull_m / tendon.elastic_length_m);
                     let slack = (-guess[6 + i]).max(0.0);
                     self.tip.lengths[i] + pull_m + slack - tendon.end_m - compliance * tensions[i]
                 }

@@ -1,5 +1,5 @@
-//! The boundary value problem: base wrench and tensions for which the tip is in balance and the tendons have their
-//! lengths.
+//! The boundary value problem: base wrench and tensions for which the tip is in balance and the
+//! tendons have their lengths.
 
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 use spinebench::rod::Drive;
@@ -35,9 +35,11 @@ impl<const T: usize> Till<T> {
         let solved = match self.settings.solver {
             Solver::LevenbergMarquardt => self.levenberg_marquardt(guess, drives)?,
             Solver::Newton => {
-                // From the last solution and straight on from the last two, in the wanted order; then with care.
+                // From the last solution and straight on from the last two, in the wanted order;
+                // then with care.
                 let ahead = self.memory.before.as_ref().map(|before| &guess * 2.0 - before);
-                let mut starts: Vec<DVector<f64>> = [Some(guess.clone()), ahead].into_iter().flatten().collect();
+                let mut starts: Vec<DVector<f64>> =
+                    [Some(guess.clone()), ahead].into_iter().flatten().collect();
                 if self.settings.extrapolate {
                     starts.reverse();
                 }
@@ -60,7 +62,12 @@ impl<const T: usize> Till<T> {
         Ok(())
     }
 
-    fn derivative(&mut self, guess: &DVector<f64>, error: &DVector<f64>, drives: &[Drive]) -> DMatrix<f64> {
+    fn derivative(
+        &mut self,
+        guess: &DVector<f64>,
+        error: &DVector<f64>,
+        drives: &[Drive],
+    ) -> DMatrix<f64> {
         let mut jacobian = DMatrix::zeros(error.len(), guess.len());
         for c in 0..guess.len() {
             let increment = (INCREMENT * guess[c].abs()).max(LEAST_INCREMENT);
@@ -72,7 +79,11 @@ impl<const T: usize> Till<T> {
         jacobian
     }
 
-    fn levenberg_marquardt(&mut self, mut guess: DVector<f64>, drives: &[Drive]) -> Result<DVector<f64>, String> {
+    fn levenberg_marquardt(
+        &mut self,
+        mut guess: DVector<f64>,
+        drives: &[Drive],
+    ) -> Result<DVector<f64>, String> {
         let mut error = self.shoot(&guess, drives, true);
         let mut left = error.norm_squared();
         let mut damping = DAMPING;
@@ -105,7 +116,11 @@ impl<const T: usize> Till<T> {
         Ok(guess)
     }
 
-    fn newton(&mut self, mut guess: DVector<f64>, drives: &[Drive]) -> Result<DVector<f64>, String> {
+    fn newton(
+        &mut self,
+        mut guess: DVector<f64>,
+        drives: &[Drive],
+    ) -> Result<DVector<f64>, String> {
         let mut left = f64::INFINITY;
         for _ in 0..40 {
             let error = self.shoot(&guess, drives, true);

@@ -18,12 +18,13 @@ use crate::base::{Generator, Point3, Seed};
 use crate::effects::{Card, Model};
 use scale_to_shift::{ScaledStrength, scale_to_shift};
 
-/// Minimum displacement by a disturbance over the requested one: a disturbance of a tendon that is hardly used shows in
-/// no recording.
+/// Minimum displacement by a disturbance over the requested one: a disturbance of a tendon that is
+/// hardly used shows in no recording.
 const MIN_SHIFT_SHARE: f64 = 0.25;
 
 /// Draws the injected effects given the uncertain parameters; none if impossible.
-type DrawEffects<'h> = dyn FnMut(&[InjectedEffect], &mut Generator) -> Option<Vec<InjectedEffect>> + 'h;
+type DrawEffects<'h> =
+    dyn FnMut(&[InjectedEffect], &mut Generator) -> Option<Vec<InjectedEffect>> + 'h;
 
 /// Design of a blind case.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -55,11 +56,16 @@ const MIN_PAIR_SHIFT_SHARE: f64 = 0.98;
 /// Maximum number of robots, or of disturbances, that are drawn until one serves.
 const MAX_DRAWS: usize = 20;
 
-/// Draws the truth of a case. `span`: the oracle's span for these commands, for groups that need it.
+/// Draws the truth of a case. `span`: the oracle's span for these commands, for groups that need
+/// it.
 ///
 /// # Errors
 /// [`BenchmarkError`] if no robot can be simulated or the oracle finds no candidate.
-pub fn draw(robot: &CaseDesign, commands: &Commands, span: Option<&CatalogueSpan>) -> Result<Truth, BenchmarkError> {
+pub fn draw(
+    robot: &CaseDesign,
+    commands: &Commands,
+    span: Option<&CatalogueSpan>,
+) -> Result<Truth, BenchmarkError> {
     robot.priors.iter().try_for_each(check_prior)?;
     let drawing = CaseDrawing { robot, commands };
     match robot.group {
@@ -70,8 +76,11 @@ pub fn draw(robot: &CaseDesign, commands: &Commands, span: Option<&CatalogueSpan
                 drawing.draw_effect(card, uncertain, random).map(|(hidden, _)| vec![hidden])
             })
         }
-        CaseGroup::Pair => drawing.draw_robot("a pair", &mut |uncertain, random| drawing.draw_pair(uncertain, random)),
-        CaseGroup::Outside | CaseGroup::Inside => drawing.draw_by_oracle(span.ok_or(BenchmarkError::Unplayable)?),
+        CaseGroup::Pair => drawing
+            .draw_robot("a pair", &mut |uncertain, random| drawing.draw_pair(uncertain, random)),
+        CaseGroup::Outside | CaseGroup::Inside => {
+            drawing.draw_by_oracle(span.ok_or(BenchmarkError::Unplayable)?)
+        }
     }
 }
 
@@ -104,7 +113,11 @@ impl CaseDrawing<'_> {
     fn draw_robot(&self, what: &str, hide: &mut DrawEffects) -> Result<Truth, BenchmarkError> {
         for tried in 0..MAX_DRAWS {
             let seed = Seed(self.robot.seed).child("robot").index(tried as u64);
-            let uncertain = draw_uncertain(&self.robot.priors, &self.robot.model, &mut seed.child("uncertain").rng());
+            let uncertain = draw_uncertain(
+                &self.robot.priors,
+                &self.robot.model,
+                &mut seed.child("uncertain").rng(),
+            );
             let Some(hidden) = hide(&uncertain, &mut seed.child("hidden").rng()) else { continue };
             if let Some(truth) = self.measure_shift(hidden, None, uncertain) {
                 return Ok(truth);
@@ -123,9 +136,20 @@ impl CaseDrawing<'_> {
         let fine = self.fine();
         let with = tips_m(&fine, self.commands, &uncertain, &hidden, unknown.as_ref())?;
         let nothing = hidden.is_empty() && unknown.is_none();
-        let shift_m =
-            if nothing { 0.0 } else { rms_distance_m(&with, &tips_m(&fine, self.commands, &uncertain, &[], None)?) };
-        Some(Truth { hidden, unknown, uncertain, shift_m, left: 0.0, imitations: Vec::new(), left_out: Vec::new() })
+        let shift_m = if nothing {
+            0.0
+        } else {
+            rms_distance_m(&with, &tips_m(&fine, self.commands, &uncertain, &[], None)?)
+        };
+        Some(Truth {
+            hidden,
+            unknown,
+            uncertain,
+            shift_m,
+            left: 0.0,
+            imitations: Vec::new(),
+            left_out: Vec::new(),
+        })
     }
 
     /// An effect scaled to the requested displacement, or as far as possible.
@@ -147,12 +171,18 @@ impl CaseDrawing<'_> {
     }
 
     /// Two different effects with sufficient displacements.
-    fn draw_pair(&self, uncertain: &[InjectedEffect], random: &mut Generator) -> Option<Vec<InjectedEffect>> {
+    fn draw_pair(
+        &self,
+        uncertain: &[InjectedEffect],
+        random: &mut Generator,
+    ) -> Option<Vec<InjectedEffect>> {
         let mut cards = drawn_catalogue();
         cards.shuffle(random);
         let mut pair = Vec::new();
         for card in cards {
-            let Some((hidden, scaled)) = self.draw_effect(card, uncertain, random) else { continue };
+            let Some((hidden, scaled)) = self.draw_effect(card, uncertain, random) else {
+                continue;
+            };
             if scaled.shift_m >= MIN_PAIR_SHIFT_SHARE * self.robot.shift_m {
                 pair.push(hidden);
             }
@@ -171,7 +201,8 @@ impl CaseDrawing<'_> {
             let seed = Seed(self.robot.seed).child("robot").index(tried as u64);
             let mut random = seed.child("hidden").rng();
             let Some(drawn) = self.draw_candidate(*candidate, &mut random) else { continue };
-            let left_out: Vec<String> = drawn.hidden.iter().map(|hidden| hidden.name.clone()).collect();
+            let left_out: Vec<String> =
+                drawn.hidden.iter().map(|hidden| hidden.name.clone()).collect();
             let imitated = Imitated {
                 model: &self.robot.model,
                 commands: self.commands,
@@ -180,7 +211,11 @@ impl CaseDrawing<'_> {
                 options: &self.robot.oracle,
             };
             let Some(left) = oracle_residual(span, &imitated, outside) else { continue };
-            let uncertain = draw_uncertain(&self.robot.priors, &self.robot.model, &mut seed.child("uncertain").rng());
+            let uncertain = draw_uncertain(
+                &self.robot.priors,
+                &self.robot.model,
+                &mut seed.child("uncertain").rng(),
+            );
             if let Some(truth) = self.measure_shift(drawn.hidden, drawn.unknown, uncertain) {
                 let imitations = if outside { Vec::new() } else { span.imitations(&imitated) };
                 return Ok(Truth { left, imitations, left_out, ..truth });
@@ -189,8 +224,8 @@ impl CaseDrawing<'_> {
         Err(BenchmarkError::NoneFound { group: self.robot.group.name(), tried: candidates.len() })
     }
 
-    /// Candidates in order: first the one whose turn it is, then the others shuffled. Every third case outside starts
-    /// with effects removed from the catalogue.
+    /// Candidates in order: first the one whose turn it is, then the others shuffled. Every third
+    /// case outside starts with effects removed from the catalogue.
     fn candidates(&self) -> Vec<InjectionKind> {
         let number = self.robot.number;
         let mut random = Seed(self.robot.seed).child("candidates").rng();
@@ -211,13 +246,18 @@ impl CaseDrawing<'_> {
     }
 
     /// A scaled candidate and its tip displacement by sample.
-    fn draw_candidate(&self, candidate: InjectionKind, random: &mut Generator) -> Option<DrawnCandidate> {
+    fn draw_candidate(
+        &self,
+        candidate: InjectionKind,
+        random: &mut Generator,
+    ) -> Option<DrawnCandidate> {
         let model = &self.robot.model;
         let without = tips_m(model, self.commands, &[], &[], None)?;
-        let displacement_m = |hidden: &[InjectedEffect], unknown: Option<&Disturbance>| -> Option<Vec<f64>> {
-            let with = tips_m(model, self.commands, &[], hidden, unknown)?;
-            Some(difference(&with, &without))
-        };
+        let displacement_m =
+            |hidden: &[InjectedEffect], unknown: Option<&Disturbance>| -> Option<Vec<f64>> {
+                let with = tips_m(model, self.commands, &[], hidden, unknown)?;
+                Some(difference(&with, &without))
+            };
         match candidate {
             InjectionKind::LeftOut(index) => {
                 let (hidden, _) = self.draw_effect(drawn_catalogue()[index], &[], random)?;
@@ -227,14 +267,17 @@ impl CaseDrawing<'_> {
             InjectionKind::Unknown(index) => {
                 // A disturbance of an unused tendon has no influence: draw another tendon.
                 let drawn = (0..MAX_DRAWS).find_map(|_| {
-                    let unit = DISTURBANCES[index].draw(model.robot.tendons.angles_deg.len(), random);
+                    let unit =
+                        DISTURBANCES[index].draw(model.robot.tendons.angles_deg.len(), random);
                     let shift_m = |amount: f64| {
-                        let with = tips_m(model, self.commands, &[], &[], Some(&unit.scaled(amount)))?;
+                        let with =
+                            tips_m(model, self.commands, &[], &[], Some(&unit.scaled(amount)))?;
                         Some(rms_distance_m(&with, &without))
                     };
                     let max_amount = DISTURBANCES[index].max_multiple;
                     let scaled = scale_to_shift(self.robot.shift_m, max_amount, &mut { shift_m })?;
-                    (scaled.shift_m >= MIN_SHIFT_SHARE * self.robot.shift_m).then(|| unit.scaled(scaled.amount))
+                    (scaled.shift_m >= MIN_SHIFT_SHARE * self.robot.shift_m)
+                        .then(|| unit.scaled(scaled.amount))
                 });
                 let unknown = drawn?;
                 let displacement_m = displacement_m(&[], Some(&unknown))?;
@@ -249,7 +292,8 @@ fn oracle_residual(span: &CatalogueSpan, imitated: &Imitated, outside: bool) -> 
     let options = imitated.options;
     let threshold = if outside { options.outside_above } else { options.inside_below };
     // The linear screening avoids refits of clear cases.
-    let linear = span.linear_residual(imitated.displacement_m, imitated.left_out, options.most_effects);
+    let linear =
+        span.linear_residual(imitated.displacement_m, imitated.left_out, options.most_effects);
     let is_excluded = if outside { linear < threshold } else { linear > 10.0 * threshold };
     if is_excluded {
         return None;
@@ -275,7 +319,11 @@ struct DrawnCandidate {
 }
 
 /// Simulated tip of the true robot, metres; none if the simulation fails.
-pub(crate) fn true_tips_m(robot: &CaseDesign, truth: &Truth, commands: &Commands) -> Option<Vec<Point3>> {
+pub(crate) fn true_tips_m(
+    robot: &CaseDesign,
+    truth: &Truth,
+    commands: &Commands,
+) -> Option<Vec<Point3>> {
     let drawing = CaseDrawing { robot, commands };
     tips_m(&drawing.fine(), commands, &truth.uncertain, &truth.hidden, truth.unknown.as_ref())
 }

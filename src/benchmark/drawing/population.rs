@@ -9,9 +9,10 @@ use crate::base::{BadOption, Seed};
 use crate::benchmark::injection::injected_effects::{UnscaledEffect, card, drawn_catalogue};
 use crate::effects::{CATALOGUE, Card, EffectSpec, Model, check_effects};
 
-/// A distribution of robots around a model. Each has `least_effects` to `most_effects` different effects, all numbers equally
-/// likely. The strength of an effect is the magnitude of a normal variable times `strength`, in usual sizes: the size of an
-/// effect's parameters that its file in the catalogue gives. Signs, directions, places, tendons and shapes are random.
+/// A distribution of robots around a model. Each has `least_effects` to `most_effects` different
+/// effects, all numbers equally likely. The strength of an effect is the magnitude of a normal
+/// variable times `strength`, in usual sizes: the size of an effect's parameters that its file in
+/// the catalogue gives. Signs, directions, places, tendons and shapes are random.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Population {
@@ -58,7 +59,11 @@ impl Population {
             return bad("effects", format!("`{unknown}`"), "names of effects of the catalogue");
         }
         if self.most_effects == 0 || self.most_effects > self.cards().count() {
-            return bad("most_effects", self.most_effects.to_string(), "at least 1, and no more than may occur");
+            return bad(
+                "most_effects",
+                self.most_effects.to_string(),
+                "at least 1, and no more than may occur",
+            );
         }
         if self.least_effects > self.most_effects {
             return bad("least_effects", self.least_effects.to_string(), "at most `most_effects`");
@@ -71,7 +76,9 @@ impl Population {
 
     /// The effects that may occur, each once.
     fn cards(&self) -> impl Iterator<Item = &'static Card> {
-        let named = |card: &&'static Card| self.effects.is_empty() || self.effects.iter().any(|name| name == card.name);
+        let named = |card: &&'static Card| {
+            self.effects.is_empty() || self.effects.iter().any(|name| name == card.name)
+        };
         drawn_catalogue().into_iter().filter(named)
     }
 
@@ -86,7 +93,8 @@ impl Population {
             if drawn.len() == count {
                 break;
             }
-            if let Some(effect) = self.effect(card, model, seed.child("effect").index(index as u64)) {
+            if let Some(effect) = self.effect(card, model, seed.child("effect").index(index as u64))
+            {
                 let combined: Vec<EffectSpec> =
                     drawn.iter().chain([&effect]).map(|effect| effect.spec.clone()).collect();
                 // Two laws of the same moment exclude each other.
@@ -125,7 +133,8 @@ mod tests {
     #[test]
     fn robots_repeat_and_cover_the_catalogue_with_the_strengths_that_are_asked_for() {
         let (population, model) = (Population::default(), model());
-        let robots: Vec<Vec<DrawnEffect>> = (0..400).map(|seed| population.draw(&model, Seed(seed))).collect();
+        let robots: Vec<Vec<DrawnEffect>> =
+            (0..400).map(|seed| population.draw(&model, Seed(seed))).collect();
         assert_eq!(robots[7], population.draw(&model, Seed(7)));
         let mut counts = BTreeMap::new();
         robots.iter().for_each(|robot| *counts.entry(robot.len()).or_insert(0) += 1);
@@ -137,7 +146,8 @@ mod tests {
             assert!((25..90).contains(&times), "{} {times}", card.name);
         }
         // Of the magnitude of a standard normal variable half lies below 0.674.
-        let weak = effects.iter().filter(|effect| effect.strength < 0.674).count() as f64 / effects.len() as f64;
+        let weak = effects.iter().filter(|effect| effect.strength < 0.674).count() as f64
+            / effects.len() as f64;
         assert!((weak - 0.5).abs() < 0.06, "{weak}");
         for robot in &robots {
             let specs: Vec<EffectSpec> = robot.iter().map(|effect| effect.spec.clone()).collect();
@@ -157,8 +167,15 @@ mod tests {
         assert_eq!(told(|p| p.most_effects = 0), Err(("most_effects", "0".into())));
         assert_eq!(told(|p| p.least_effects = 6), Err(("least_effects", "6".into())));
         assert_eq!(told(|p| p.strength = f64::NAN), Err(("strength", "NaN".into())));
-        assert_eq!(told(|p| p.effects = vec!["frction".into()]), Err(("effects", "`frction`".into())));
+        assert_eq!(
+            told(|p| p.effects = vec!["frction".into()]),
+            Err(("effects", "`frction`".into()))
+        );
         assert_eq!(told(|p| p.effects = vec!["creep".into()]), Err(("most_effects", "5".into())));
-        assert_eq!(told(|p| p.effects = vec!["creep".into(); 5]), Err(("most_effects", "5".into())), "one effect");
+        assert_eq!(
+            told(|p| p.effects = vec!["creep".into(); 5]),
+            Err(("most_effects", "5".into())),
+            "one effect"
+        );
     }
 }

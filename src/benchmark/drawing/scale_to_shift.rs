@@ -14,8 +14,8 @@ const SHIFT_TOLERANCE: f64 = 0.02;
 /// Maximum number of evaluations.
 const MAX_EVALUATIONS: usize = 20;
 
-/// The strength up to `max_amount` at which the displacement `shift_m` (none if the simulation fails) equals `target_m`, or
-/// the strongest possible one. None if nothing can be simulated.
+/// The strength up to `max_amount` at which the displacement `shift_m` (none if the simulation
+/// fails) equals `target_m`, or the strongest possible one. None if nothing can be simulated.
 pub fn scale_to_shift(
     target_m: f64,
     max_amount: f64,
@@ -34,7 +34,9 @@ pub fn scale_to_shift(
                 if amount >= max_amount {
                     break;
                 }
-                amount = next_amount(amount * (target_m / shift_m).min(4.0), amount, above, evaluation).min(max_amount);
+                amount =
+                    next_amount(amount * (target_m / shift_m).min(4.0), amount, above, evaluation)
+                        .min(max_amount);
             }
             too_far => {
                 above = Some(amount);
@@ -46,14 +48,16 @@ pub fn scale_to_shift(
     (below.amount > 0.0).then_some(below)
 }
 
-/// Bisection with proportional guesses: `guess` if it is well inside the bracket, else the midpoint; every other time the
-/// midpoint, because proportional guesses can converge from one side at a kink.
+/// Bisection with proportional guesses: `guess` if it is well inside the bracket, else the
+/// midpoint; every other time the midpoint, because proportional guesses can converge from one side
+/// at a kink.
 fn next_amount(guess: f64, low: f64, high: Option<f64>, evaluation: usize) -> f64 {
     match high {
         None => guess,
         Some(high) => {
             let margin = 0.05 * (high - low);
-            let proportionate = evaluation.is_multiple_of(2) && guess > low + margin && guess < high - margin;
+            let proportionate =
+                evaluation.is_multiple_of(2) && guess > low + margin && guess < high - margin;
             if proportionate { guess } else { 0.5 * (low + high) }
         }
     }
@@ -70,9 +74,14 @@ mod tests {
         let saturating = |amount: f64| Some(0.01 * (1.0 - (-amount).exp()));
         let fragile = |amount: f64| (amount < 2.5).then_some(0.001 * amount);
         for wanted_m in [0.002, 0.004, 0.008] {
-            for (number, shift) in [&linear as &dyn Fn(f64) -> Option<f64>, &kinked, &saturating].iter().enumerate() {
+            for (number, shift) in
+                [&linear as &dyn Fn(f64) -> Option<f64>, &kinked, &saturating].iter().enumerate()
+            {
                 let scaled = scale_to_shift(wanted_m, 8.0, &mut |amount| shift(amount)).unwrap();
-                assert!((scaled.shift_m / wanted_m - 1.0).abs() <= SHIFT_TOLERANCE, "{number} {wanted_m} {scaled:?}");
+                assert!(
+                    (scaled.shift_m / wanted_m - 1.0).abs() <= SHIFT_TOLERANCE,
+                    "{number} {wanted_m} {scaled:?}"
+                );
                 assert_eq!(shift(scaled.amount), Some(scaled.shift_m));
             }
         }

@@ -1,4 +1,5 @@
-//! Disturbances outside the catalogue: changes of the commands before the drives, or of the tip before the recording.
+//! Disturbances outside the catalogue: changes of the commands before the drives, or of the tip
+//! before the recording.
 
 use nalgebra::Vector3;
 use rand::RngExt;
@@ -54,7 +55,13 @@ pub struct Disturbance {
 impl Disturbance {
     /// One of which nothing but the name is known.
     pub(crate) fn named(name: &str) -> Disturbance {
-        Disturbance { name: name.to_owned(), size: f64::NAN, tendon: 0, direction: [f64::NAN; 3], place: f64::NAN }
+        Disturbance {
+            name: name.to_owned(),
+            size: f64::NAN,
+            tendon: 0,
+            direction: [f64::NAN; 3],
+            place: f64::NAN,
+        }
     }
 }
 
@@ -155,20 +162,34 @@ fn sign_gain(disturbance: &Disturbance, pulls_m: &[f64], _: TrialProgress) -> Ve
 fn screw_error(disturbance: &Disturbance, pulls_m: &[f64], _: TrialProgress) -> Vec<f64> {
     const PITCH_M: f64 = 0.008;
     let phase = std::f64::consts::TAU * disturbance.place;
-    let error = |pull: f64| disturbance.size * ((std::f64::consts::TAU * pull / PITCH_M + phase).sin() - phase.sin());
+    let error = |pull: f64| {
+        disturbance.size * ((std::f64::consts::TAU * pull / PITCH_M + phase).sin() - phase.sin())
+    };
     pulls_m.iter().map(|&pull| pull + error(pull)).collect()
 }
 
-fn frame_drift(disturbance: &Disturbance, tip_m: Vector3<f64>, progress: TrialProgress) -> Vector3<f64> {
+fn frame_drift(
+    disturbance: &Disturbance,
+    tip_m: Vector3<f64>,
+    progress: TrialProgress,
+) -> Vector3<f64> {
     tip_m + Vector3::from(disturbance.direction) * (disturbance.size * progress.share)
 }
 
-fn frame_bump(disturbance: &Disturbance, tip_m: Vector3<f64>, progress: TrialProgress) -> Vector3<f64> {
+fn frame_bump(
+    disturbance: &Disturbance,
+    tip_m: Vector3<f64>,
+    progress: TrialProgress,
+) -> Vector3<f64> {
     let pushed = progress.share >= 0.2 + 0.6 * disturbance.place;
     if pushed { tip_m + Vector3::from(disturbance.direction) * disturbance.size } else { tip_m }
 }
 
-fn frame_rotation(disturbance: &Disturbance, tip_m: Vector3<f64>, _: TrialProgress) -> Vector3<f64> {
+fn frame_rotation(
+    disturbance: &Disturbance,
+    tip_m: Vector3<f64>,
+    _: TrialProgress,
+) -> Vector3<f64> {
     rotation::exp(&(Vector3::from(disturbance.direction) * disturbance.size)) * tip_m
 }
 
@@ -219,10 +240,9 @@ impl Disturbance {
         let Some(DisturbanceAction::Drives(act)) = self.act() else { return commands.clone() };
         let trial = |commanded: &Rows| {
             let mut rows = Rows::new(commanded.width());
-            commanded
-                .iter()
-                .enumerate()
-                .for_each(|(row, pulls)| rows.push(&act(self, pulls, TrialProgress::new(row, commanded.len()))));
+            commanded.iter().enumerate().for_each(|(row, pulls)| {
+                rows.push(&act(self, pulls, TrialProgress::new(row, commanded.len())))
+            });
             rows
         };
         Commands { step_s: commands.step_s, trials: commands.trials.iter().map(trial).collect() }
@@ -231,9 +251,13 @@ impl Disturbance {
     /// Recorded tip by sample.
     pub(crate) fn recorded(&self, commands: &Commands, tips_m: Vec<Point3>) -> Vec<Point3> {
         let Some(DisturbanceAction::Tip(act)) = self.act() else { return tips_m };
-        let progress =
-            commands.trials.iter().flat_map(|trial| (0..trial.len()).map(|row| TrialProgress::new(row, trial.len())));
-        let recorded = |(tip, progress): (Point3, TrialProgress)| act(self, Vector3::from(tip), progress).into();
+        let progress = commands
+            .trials
+            .iter()
+            .flat_map(|trial| (0..trial.len()).map(|row| TrialProgress::new(row, trial.len())));
+        let recorded = |(tip, progress): (Point3, TrialProgress)| {
+            act(self, Vector3::from(tip), progress).into()
+        };
         tips_m.into_iter().zip(progress).map(recorded).collect()
     }
 }

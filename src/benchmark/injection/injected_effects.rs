@@ -27,7 +27,8 @@ impl InjectedEffect {
         card(&self.name)
     }
 
-    /// The effect, or the effects that form its other law; none if a value is outside its valid range.
+    /// The effect, or the effects that form its other law; none if a value is outside its valid
+    /// range.
     pub fn effects(&self) -> Option<Vec<EffectSpec>> {
         let spec = EffectSpec::from_card(self.card()?, &self.values)?;
         if !self.other_law {
@@ -38,8 +39,10 @@ impl InjectedEffect {
             // Half of it slips early, half late.
             EffectSpec::Friction(friction) => {
                 let (mut early, mut late) = (friction, friction);
-                (early.moment_nm, early.yield_rad_m) = (0.5 * friction.moment_nm, 0.5 * friction.yield_rad_m);
-                (late.moment_nm, late.yield_rad_m) = (0.5 * friction.moment_nm, 1.5 * friction.yield_rad_m);
+                (early.moment_nm, early.yield_rad_m) =
+                    (0.5 * friction.moment_nm, 0.5 * friction.yield_rad_m);
+                (late.moment_nm, late.yield_rad_m) =
+                    (0.5 * friction.moment_nm, 1.5 * friction.yield_rad_m);
                 pair(EffectSpec::Friction(early), EffectSpec::Friction(late))
             }
             // Two relaxation times, two octaves apart.
@@ -52,8 +55,10 @@ impl InjectedEffect {
             // Yield points denser at small curvatures.
             EffectSpec::Hysteresis(hysteresis) => {
                 let (mut early, mut late) = (hysteresis, hysteresis);
-                (early.share, early.range_rad_m) = (0.5 * hysteresis.share, 0.5 * hysteresis.range_rad_m);
-                (late.share, late.range_rad_m) = (0.5 * hysteresis.share, 1.5 * hysteresis.range_rad_m);
+                (early.share, early.range_rad_m) =
+                    (0.5 * hysteresis.share, 0.5 * hysteresis.range_rad_m);
+                (late.share, late.range_rad_m) =
+                    (0.5 * hysteresis.share, 1.5 * hysteresis.range_rad_m);
                 pair(EffectSpec::Hysteresis(early), EffectSpec::Hysteresis(late))
             }
             spec => Some(vec![spec]),
@@ -61,9 +66,12 @@ impl InjectedEffect {
     }
 }
 
-/// The effects that cases are drawn of: those with a strength. Something fixed in the world has a place instead.
+/// The effects that cases are drawn of: those with a strength. Something fixed in the world has a
+/// place instead.
 pub fn drawn_catalogue() -> Vec<&'static Card> {
-    let has_place = |card: &Card| card.parameters.iter().any(|parameter| matches!(parameter.seek, Seek::Distance(_)));
+    let has_place = |card: &Card| {
+        card.parameters.iter().any(|parameter| matches!(parameter.seek, Seek::Distance(_)))
+    };
     CATALOGUE.iter().copied().filter(|card| !has_place(card)).collect()
 }
 
@@ -86,7 +94,10 @@ pub(crate) fn null_value(parameter: &Parameter, model: &Model) -> f64 {
 /// Usual size of a parameter; none if it is no size.
 pub(crate) fn size(parameter: &Parameter) -> Option<f64> {
     match parameter.seek {
-        Seek::Size(size) | Seek::Scanned(size, _) | Seek::Replaces(_, size) | Seek::Distance(size) => Some(size),
+        Seek::Size(size)
+        | Seek::Scanned(size, _)
+        | Seek::Replaces(_, size)
+        | Seek::Distance(size) => Some(size),
         _ => None,
     }
 }
@@ -104,42 +115,67 @@ pub(crate) struct UnscaledEffect {
 
 impl UnscaledEffect {
     /// Draws all open values except the size.
-    pub(crate) fn draw(card: &'static Card, model: &Model, other_law: bool, random: &mut Generator) -> UnscaledEffect {
-        let null: Vec<f64> =
-            card.parameters.iter().map(|parameter| draw_null_value(parameter, model, random)).collect();
+    pub(crate) fn draw(
+        card: &'static Card,
+        model: &Model,
+        other_law: bool,
+        random: &mut Generator,
+    ) -> UnscaledEffect {
+        let null: Vec<f64> = card
+            .parameters
+            .iter()
+            .map(|parameter| draw_null_value(parameter, model, random))
+            .collect();
         let mut per_strength: Vec<f64> =
             card.parameters.iter().map(|parameter| size(parameter).unwrap_or(0.0)).collect();
         let sizes = per_strength.iter().filter(|size| **size != 0.0).count();
         if sizes > 1 {
-            let direction: Vec<f64> = (0..per_strength.len()).map(|_| StandardNormal.sample(random)).collect();
+            let direction: Vec<f64> =
+                (0..per_strength.len()).map(|_| StandardNormal.sample(random)).collect();
             let length = direction.iter().map(|x: &f64| x * x).sum::<f64>().sqrt().max(1e-9);
             per_strength.iter_mut().zip(direction).for_each(|(size, x)| *size *= x / length);
         } else if random.random_range(0..2) == 1 {
-            let opposite: Vec<f64> = null.iter().zip(&per_strength).map(|(null, size)| null - size).collect();
+            let opposite: Vec<f64> =
+                null.iter().zip(&per_strength).map(|(null, size)| null - size).collect();
             // A weaker section is damage; a stiffer one is not.
             if EffectSpec::from_card(card, &opposite).is_some() && card.name != "soft_section" {
                 per_strength.iter_mut().for_each(|size| *size = -*size);
             }
         }
-        UnscaledEffect { card, null, per_strength, other_law: other_law && OTHER_LAWS.contains(&card.name) }
+        UnscaledEffect {
+            card,
+            null,
+            per_strength,
+            other_law: other_law && OTHER_LAWS.contains(&card.name),
+        }
     }
 
     /// The effect at `amount` usual sizes.
     pub(crate) fn scaled(&self, amount: f64) -> InjectedEffect {
-        let values = self.null.iter().zip(&self.per_strength).map(|(null, size)| null + amount * size).collect();
+        let values = self
+            .null
+            .iter()
+            .zip(&self.per_strength)
+            .map(|(null, size)| null + amount * size)
+            .collect();
         InjectedEffect { name: self.card.name.to_owned(), values, other_law: self.other_law }
     }
 }
 
-/// Draws values without influence: shapes in the range of tried values, any position, any tendon, any flag.
+/// Draws values without influence: shapes in the range of tried values, any position, any tendon,
+/// any flag.
 fn draw_null_value(parameter: &Parameter, model: &Model, random: &mut Generator) -> f64 {
     match parameter.seek {
-        Seek::Size(_) | Seek::Scanned(..) | Seek::Replaces(..) | Seek::Distance(_) | Seek::Located(_) => {
-            null_value(parameter, model)
-        }
+        Seek::Size(_)
+        | Seek::Scanned(..)
+        | Seek::Replaces(..)
+        | Seek::Distance(_)
+        | Seek::Located(_) => null_value(parameter, model),
         Seek::Shape(tries) => {
             let (low, high) =
-                tries.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| (low.min(x), high.max(x)));
+                tries.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| {
+                    (low.min(x), high.max(x))
+                });
             let share = random.random_range(0.0..1.0);
             if low > 0.0 { low * (high / low).powf(share) } else { low + share * (high - low) }
         }

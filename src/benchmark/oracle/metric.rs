@@ -2,9 +2,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// Squares over the noise after uncertain parameters explained their part under their priors. With the columns U of the
-/// uncertain parameters, scaled to unit priors, the covariance is I + U Uᵀ; its inverse is I − U (I + Uᵀ U)⁻¹ Uᵀ
-/// (Woodbury's identity).
+/// Squares over the noise after uncertain parameters explained their part under their priors. With
+/// the columns U of the uncertain parameters, scaled to unit priors, the covariance is I + U Uᵀ;
+/// its inverse is I − U (I + Uᵀ U)⁻¹ Uᵀ (Woodbury's identity).
 pub(crate) struct Metric<'a> {
     uncertain: &'a [Vec<f64>],
     inverse: DMatrix<f64>,
@@ -13,15 +13,17 @@ pub(crate) struct Metric<'a> {
 impl Metric<'_> {
     pub(crate) fn new(uncertain: &[Vec<f64>]) -> Metric<'_> {
         let count = uncertain.len();
-        let precision =
-            DMatrix::from_fn(count, count, |a, b| dot(&uncertain[a], &uncertain[b]) + f64::from(u8::from(a == b)));
+        let precision = DMatrix::from_fn(count, count, |a, b| {
+            dot(&uncertain[a], &uncertain[b]) + f64::from(u8::from(a == b))
+        });
         let inverse = precision.try_inverse().unwrap_or_else(|| DMatrix::zeros(count, count));
         Metric { uncertain, inverse }
     }
 
     pub(crate) fn product(&self, a: &[f64], b: &[f64]) -> f64 {
-        let projections =
-            |v: &[f64]| DVector::from_iterator(self.uncertain.len(), self.uncertain.iter().map(|u| dot(u, v)));
+        let projections = |v: &[f64]| {
+            DVector::from_iterator(self.uncertain.len(), self.uncertain.iter().map(|u| dot(u, v)))
+        };
         dot(a, b) - projections(a).dot(&(&self.inverse * projections(b)))
     }
 

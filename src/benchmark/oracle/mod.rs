@@ -1,5 +1,6 @@
-//! The oracle: noise-free residual of a tip displacement after imitation by the best small set of effects of the
-//! catalogue. It decides in advance whether an injected effect is outside or inside the span of the catalogue.
+//! The oracle: noise-free residual of a tip displacement after imitation by the best small set of
+//! effects of the catalogue. It decides in advance whether an injected effect is outside or inside
+//! the span of the catalogue.
 
 pub(crate) mod imitations;
 pub(crate) mod metric;
@@ -70,22 +71,29 @@ impl CatalogueSpan {
         noise_m: f64,
     ) -> Result<CatalogueSpan, BenchmarkError> {
         let nominal_m = commands.tips_m(model, &[]).ok_or(BenchmarkError::Unplayable)?;
-        let respond = |card: &'static Card, null: &[f64], parameter: usize, step: f64| -> Option<Vec<f64>> {
-            // If one direction cannot be simulated, the other may.
-            [step, -step].into_iter().find_map(|step| {
-                let mut values = null.to_vec();
-                values[parameter] += step;
-                let tips_m = commands.tips_m(model, &[EffectSpec::from_card(card, &values)?])?;
-                let sign = step.signum() / noise_m;
-                Some(difference(&tips_m, &nominal_m).iter().map(|x| x * sign).collect())
-            })
-        };
+        let respond =
+            |card: &'static Card, null: &[f64], parameter: usize, step: f64| -> Option<Vec<f64>> {
+                // If one direction cannot be simulated, the other may.
+                [step, -step].into_iter().find_map(|step| {
+                    let mut values = null.to_vec();
+                    values[parameter] += step;
+                    let tips_m =
+                        commands.tips_m(model, &[EffectSpec::from_card(card, &values)?])?;
+                    let sign = step.signum() / noise_m;
+                    Some(difference(&tips_m, &nominal_m).iter().map(|x| x * sign).collect())
+                })
+            };
         let mut responses = Vec::new();
         for card in drawn_catalogue() {
             for null in nulls(card, model) {
                 let sizes = (0..null.len()).filter_map(|k| Some((k, size(&card.parameters[k])?)));
-                let columns: Option<Vec<_>> = sizes.map(|(k, size)| respond(card, &null, k, size.abs())).collect();
-                responses.extend(columns.map(|columns| EffectResponse { name: card.name.to_owned(), null, columns }));
+                let columns: Option<Vec<_>> =
+                    sizes.map(|(k, size)| respond(card, &null, k, size.abs())).collect();
+                responses.extend(columns.map(|columns| EffectResponse {
+                    name: card.name.to_owned(),
+                    null,
+                    columns,
+                }));
             }
         }
         let mut span = CatalogueSpan { noise_m, uncertain: Vec::new(), responses };
@@ -93,37 +101,53 @@ impl CatalogueSpan {
         Ok(span)
     }
 
-    /// Tip changes by one standard deviation of an uncertain parameter: each component and each tendon.
+    /// Tip changes by one standard deviation of an uncertain parameter: each component and each
+    /// tendon.
     fn prior_responses(&self, prior: &Prior) -> Vec<Vec<f64>> {
         let Some(card) = card(&prior.effect) else { return Vec::new() };
         let about_one = card.parameters.iter().any(|parameter| parameter.seek == Seek::Tendon);
         let sizes: Vec<_> = card
             .parameters
             .iter()
-            .filter_map(|parameter| Some((is_component_of(parameter.name, prior), size(parameter)?.abs())))
+            .filter_map(|parameter| {
+                Some((is_component_of(parameter.name, prior), size(parameter)?.abs()))
+            })
             .collect();
         let responses = self.responses.iter().filter(|response| response.name == prior.effect);
         let responses = responses.take(if about_one { usize::MAX } else { 1 });
-        let scaled = |column: &Vec<f64>, size: f64| column.iter().map(|x| x * prior.deviation / size).collect();
+        let scaled = |column: &Vec<f64>, size: f64| {
+            column.iter().map(|x| x * prior.deviation / size).collect()
+        };
         responses
             .flat_map(|response| {
-                let components = response.columns.iter().zip(&sizes).filter(|(_, (is_component, _))| *is_component);
-                components.map(|(column, (_, size))| scaled(column, *size)).collect::<Vec<Vec<f64>>>()
+                let components = response
+                    .columns
+                    .iter()
+                    .zip(&sizes)
+                    .filter(|(_, (is_component, _))| *is_component);
+                components
+                    .map(|(column, (_, size))| scaled(column, *size))
+                    .collect::<Vec<Vec<f64>>>()
             })
             .collect()
     }
 
-    /// Residual of a displacement (three values a sample, metres) over the noise after the best linear imitation by at
-    /// most `max_effects` effects. `left_out`: excluded effects.
-    pub fn linear_residual(&self, displacement_m: &[f64], left_out: &[String], max_effects: usize) -> f64 {
+    /// Residual of a displacement (three values a sample, metres) over the noise after the best
+    /// linear imitation by at most `max_effects` effects. `left_out`: excluded effects.
+    pub fn linear_residual(
+        &self,
+        displacement_m: &[f64],
+        left_out: &[String],
+        max_effects: usize,
+    ) -> f64 {
         let target: Vec<f64> = displacement_m.iter().map(|x| x / self.noise_m).collect();
         let metric = Metric::new(&self.uncertain);
         let best = self.sets(&metric, &target, left_out, max_effects).into_iter().next();
         rms(best.map_or_else(|| metric.square(&target), |set| set.residual_square), target.len())
     }
 
-    /// The same with the most promising sets refitted nonlinearly, including shapes. The refits stop once the group,
-    /// outside of the span or not, is decided.
+    /// The same with the most promising sets refitted nonlinearly, including shapes. The refits
+    /// stop once the group, outside of the span or not, is decided.
     pub fn residual(&self, imitated: &Imitated, outside: bool) -> f64 {
         let Some(refit) = self.refit(imitated) else { return f64::INFINITY };
         let Imitated { left_out, options, .. } = imitated;
@@ -161,19 +185,25 @@ impl CatalogueSpan {
         left_out: &[String],
         max_effects: usize,
     ) -> Vec<EffectSet> {
-        let candidates: Vec<usize> =
-            (0..self.responses.len()).filter(|&k| !left_out.contains(&self.responses[k].name)).collect();
-        let columns: Vec<(usize, &Vec<f64>)> =
-            candidates.iter().flat_map(|&k| self.responses[k].columns.iter().map(move |column| (k, column))).collect();
+        let candidates: Vec<usize> = (0..self.responses.len())
+            .filter(|&k| !left_out.contains(&self.responses[k].name))
+            .collect();
+        let columns: Vec<(usize, &Vec<f64>)> = candidates
+            .iter()
+            .flat_map(|&k| self.responses[k].columns.iter().map(move |column| (k, column)))
+            .collect();
         let gram = DMatrix::from_fn(columns.len(), columns.len(), |a, b| {
             if a <= b { metric.product(columns[a].1, columns[b].1) } else { 0.0 }
         });
-        // Normal equations of least squares in the metric: all products once, a block of them for each set.
-        let projections = DVector::from_fn(columns.len(), |k, _| metric.product(columns[k].1, target));
+        // Normal equations of least squares in the metric: all products once, a block of them for
+        // each set.
+        let projections =
+            DVector::from_fn(columns.len(), |k, _| metric.product(columns[k].1, target));
         let target_square = metric.square(target);
         let mut sets = Vec::new();
         each_set(&candidates, max_effects.min(candidates.len()), &mut Vec::new(), &mut |chosen| {
-            let indices: Vec<usize> = (0..columns.len()).filter(|&k| chosen.contains(&columns[k].0)).collect();
+            let indices: Vec<usize> =
+                (0..columns.len()).filter(|&k| chosen.contains(&columns[k].0)).collect();
             let block = DMatrix::from_fn(indices.len(), indices.len(), |a, b| {
                 let (low, high) = (indices[a].min(indices[b]), indices[a].max(indices[b]));
                 gram[(low, high)] * if a == b { 1.0 + 1e-9 } else { 1.0 }
@@ -219,7 +249,12 @@ pub(crate) struct EffectSet {
 }
 
 /// Calls `visit` with every set of `size` of `candidates`.
-fn each_set(candidates: &[usize], size: usize, chosen: &mut Vec<usize>, visit: &mut dyn FnMut(&[usize])) {
+fn each_set(
+    candidates: &[usize],
+    size: usize,
+    chosen: &mut Vec<usize>,
+    visit: &mut dyn FnMut(&[usize]),
+) {
     if chosen.len() == size {
         visit(chosen);
         return;
@@ -241,12 +276,20 @@ fn nulls(card: &Card, model: &Model) -> Vec<Vec<f64>> {
     let mut combinations = vec![Vec::new()];
     for parameter in card.parameters {
         let values: Vec<f64> = match parameter.seek {
-            Seek::Size(_) | Seek::Scanned(..) | Seek::Replaces(..) | Seek::Distance(_) | Seek::Located(_) => {
+            Seek::Size(_)
+            | Seek::Scanned(..)
+            | Seek::Replaces(..)
+            | Seek::Distance(_)
+            | Seek::Located(_) => {
                 vec![null_value(parameter, model)]
             }
             Seek::Shape(tries) => tries.to_vec(),
-            Seek::Place => (0..POSITIONS).map(|k| length_m * (k as f64 + 0.5) / POSITIONS as f64).collect(),
-            Seek::Tendon => (1..=model.robot.tendons.angles_deg.len()).map(|tendon| tendon as f64).collect(),
+            Seek::Place => {
+                (0..POSITIONS).map(|k| length_m * (k as f64 + 0.5) / POSITIONS as f64).collect()
+            }
+            Seek::Tendon => {
+                (1..=model.robot.tendons.angles_deg.len()).map(|tendon| tendon as f64).collect()
+            }
             Seek::Flag => vec![0.0, 1.0],
         };
         let extended = |prefix: &Vec<f64>| -> Vec<Vec<f64>> {

@@ -24,11 +24,16 @@ pub(crate) type Members = Vec<(&'static Card, Vec<f64>)>;
 
 /// Difference of two tip paths, three values a sample.
 pub(crate) fn difference(tips_m: &[Point3], from_m: &[Point3]) -> Vec<f64> {
-    tips_m.iter().zip(from_m).flat_map(|(a, b)| std::array::from_fn::<f64, 3, _>(|axis| a[axis] - b[axis])).collect()
+    tips_m
+        .iter()
+        .zip(from_m)
+        .flat_map(|(a, b)| std::array::from_fn::<f64, 3, _>(|axis| a[axis] - b[axis]))
+        .collect()
 }
 
-/// Refit of a set of effects to a tip displacement: Gauss–Newton steps with step halving. A trial step simulates all
-/// commands, so four lengths are tried at most; Marquardt's damping (`math::optimise::least_squares`) would try more.
+/// Refit of a set of effects to a tip displacement: Gauss–Newton steps with step halving. A trial
+/// step simulates all commands, so four lengths are tried at most; Marquardt's damping
+/// (`math::optimise::least_squares`) would try more.
 pub(crate) struct Refit<'a> {
     pub(crate) model: &'a Model,
     pub(crate) commands: &'a Commands,
@@ -43,10 +48,14 @@ pub(crate) struct Refit<'a> {
 impl Refit<'_> {
     /// Remaining square over the noise.
     pub(crate) fn remaining_square(&self, mut members: Members) -> f64 {
-        let Some(mut residual) = self.weaken_until_playable(&mut members) else { return f64::INFINITY };
+        let Some(mut residual) = self.weaken_until_playable(&mut members) else {
+            return f64::INFINITY;
+        };
         let mut square = self.metric.square(&residual);
         for _ in 0..MAX_ROUNDS {
-            let Some((next, next_residual)) = self.improve(&members, &residual, square) else { break };
+            let Some((next, next_residual)) = self.improve(&members, &residual, square) else {
+                break;
+            };
             let progress = 1.0 - self.metric.square(&next_residual) / square.max(1e-300);
             (members, residual) = (next, next_residual);
             square = self.metric.square(&residual);
@@ -86,8 +95,10 @@ impl Refit<'_> {
 
     /// Residual over the noise with these members; none if the simulation fails.
     fn residual(&self, members: &Members) -> Option<Vec<f64>> {
-        let effects: Vec<EffectSpec> =
-            members.iter().map(|(card, values)| EffectSpec::from_card(card, values)).collect::<Option<_>>()?;
+        let effects: Vec<EffectSpec> = members
+            .iter()
+            .map(|(card, values)| EffectSpec::from_card(card, values))
+            .collect::<Option<_>>()?;
         let tips_m = self.commands.tips_m(self.model, &effects)?;
         let displacement_m = difference(&tips_m, &self.nominal_m);
         Some(
@@ -100,7 +111,12 @@ impl Refit<'_> {
     }
 
     /// Improved members with their residual; none if no step helps.
-    fn improve(&self, members: &Members, residual: &[f64], square: f64) -> Option<(Members, Vec<f64>)> {
+    fn improve(
+        &self,
+        members: &Members,
+        residual: &[f64],
+        square: f64,
+    ) -> Option<(Members, Vec<f64>)> {
         let mut parameters = Vec::new();
         let mut columns: Vec<Vec<f64>> = Vec::new();
         for (k, (card, values)) in members.iter().enumerate() {
@@ -118,7 +134,13 @@ impl Refit<'_> {
                     let mut moved = members.clone();
                     moved[k].1[index] += step;
                     let moved_residual = self.residual(&moved)?;
-                    Some(residual.iter().zip(moved_residual).map(|(before, after)| (before - after) / step).collect())
+                    Some(
+                        residual
+                            .iter()
+                            .zip(moved_residual)
+                            .map(|(before, after)| (before - after) / step)
+                            .collect(),
+                    )
                 });
                 if let Some(column) = column {
                     parameters.push((k, index));
@@ -130,11 +152,15 @@ impl Refit<'_> {
         let gram = DMatrix::from_fn(columns.len(), columns.len(), |a, b| {
             self.metric.product(&columns[a], &columns[b]) * if a == b { 1.0 + 1e-6 } else { 1.0 }
         });
-        let gradient = DVector::from_fn(columns.len(), |k, _| self.metric.product(&columns[k], residual));
+        let gradient =
+            DVector::from_fn(columns.len(), |k, _| self.metric.product(&columns[k], residual));
         let step = Cholesky::new(gram)?.solve(&gradient);
         STEP_LENGTHS.into_iter().find_map(|share| {
             let mut moved = members.clone();
-            parameters.iter().zip(step.iter()).for_each(|(&(k, index), step)| moved[k].1[index] += share * step);
+            parameters
+                .iter()
+                .zip(step.iter())
+                .for_each(|(&(k, index), step)| moved[k].1[index] += share * step);
             let moved_residual = self.residual(&moved)?;
             (self.metric.square(&moved_residual) < square).then_some((moved, moved_residual))
         })

@@ -41,7 +41,8 @@ pub(crate) struct SightingSplit<'a> {
 }
 
 impl Blocks {
-    /// Blocks of the sightings of `comparison`: by pattern where the recording has several, else by trial, else by time.
+    /// Blocks of the sightings of `comparison`: by pattern where the recording has several, else by
+    /// trial, else by time.
     pub(crate) fn new(comparison: &Comparison) -> Blocks {
         if let Some(labels) = &comparison.recording.pattern {
             let patterns = comparison.sightings.iter().map(|sighting| labels[sighting.row].clone());
@@ -51,14 +52,20 @@ impl Blocks {
             }
         }
         // Rows of one pattern or trial are alike; held out singly, neighbours would give them away.
-        let trials = comparison.sightings.iter().map(|sighting| comparison.recording.trial[sighting.row].to_string());
+        let trials = comparison
+            .sightings
+            .iter()
+            .map(|sighting| comparison.recording.trial[sighting.row].to_string());
         let blocks = Blocks::labelled("trial", trials);
         if blocks.names.len() > 1 {
             return blocks;
         }
         let rows = comparison.recording.len().max(1);
         let stretch = |row: usize| (row * STRETCHES / rows).to_string();
-        Blocks::labelled("stretch of time", comparison.sightings.iter().map(|sighting| stretch(sighting.row)))
+        Blocks::labelled(
+            "stretch of time",
+            comparison.sightings.iter().map(|sighting| stretch(sighting.row)),
+        )
     }
 
     /// Blocks by label, in the order in which they appear.
@@ -67,17 +74,19 @@ impl Blocks {
         let mut of = Vec::new();
         for label in labels {
             let same_as_last = of.last().copied().filter(|&last: &usize| names[last] == label);
-            let block = same_as_last.or_else(|| names.iter().position(|name| *name == label)).unwrap_or_else(|| {
-                names.push(label);
-                names.len() - 1
-            });
+            let block = same_as_last
+                .or_else(|| names.iter().position(|name| *name == label))
+                .unwrap_or_else(|| {
+                    names.push(label);
+                    names.len() - 1
+                });
             of.push(block);
         }
         Blocks { kind, names, of }
     }
 
-    /// The parts of a cross-validation: blocks that follow each other stay together, so that motions of one kind are held out
-    /// together. One part a block where there are few.
+    /// The parts of a cross-validation: blocks that follow each other stay together, so that
+    /// motions of one kind are held out together. One part a block where there are few.
     pub(crate) fn folds(&self) -> Vec<Vec<usize>> {
         let (count, folds) = (self.names.len(), self.names.len().min(FOLDS));
         // Contiguous: block k of n goes to part ⌊k · folds / n⌋.
@@ -101,23 +110,30 @@ impl Blocks {
             }
             HoldOut::Patterns(patterns) => {
                 if self.kind != "pattern" {
-                    let words = "found no column `pattern` with several labels, expected one for --hold-out-patterns";
+                    let words = "found no column `pattern` with several labels, expected one for \
+                                 --hold-out-patterns";
                     return Err(CalibrationError::HoldOut(words.to_owned()));
                 }
                 for pattern in patterns {
                     if !self.names.iter().any(|name| like(pattern, name)) {
-                        let names = self.names.iter().take(8).cloned().collect::<Vec<_>>().join(", ");
-                        let words =
-                            format!("--hold-out-patterns: found no pattern `{pattern}`, expected one of {names}");
+                        let names =
+                            self.names.iter().take(8).cloned().collect::<Vec<_>>().join(", ");
+                        let words = format!(
+                            "--hold-out-patterns: found no pattern `{pattern}`, expected one of \
+                             {names}"
+                        );
                         return Err(CalibrationError::HoldOut(words));
                     }
                 }
-                let fits = |&block: &usize| patterns.iter().any(|pattern| like(pattern, &self.names[block]));
+                let fits = |&block: &usize| {
+                    patterns.iter().any(|pattern| like(pattern, &self.names[block]))
+                };
                 (0..count).filter(fits).collect()
             }
         };
         if held.len() == count {
-            let words = format!("every {} would be held out, expected at least one to fit", self.kind);
+            let words =
+                format!("every {} would be held out, expected at least one to fit", self.kind);
             return Err(CalibrationError::HoldOut(words));
         }
         Ok(held)
@@ -153,10 +169,14 @@ mod tests {
     #[test]
     fn what_is_held_out_leaves_something_to_fit() {
         let four = blocks(&["pull_1", "pull_2", "circle_1", "circle_2"]);
-        let names = |names: &[&str]| HoldOut::Patterns(names.iter().map(|name| (*name).to_owned()).collect());
+        let names = |names: &[&str]| {
+            HoldOut::Patterns(names.iter().map(|name| (*name).to_owned()).collect())
+        };
         assert_eq!(four.held_out(&names(&["circle*"])).unwrap(), [2, 3]);
         assert_eq!(four.held_out(&HoldOut::Share(0.5)).unwrap(), [1, 3]);
         assert_eq!(four.held_out(&HoldOut::Share(0.01)).unwrap(), [3]);
-        assert!(four.held_out(&names(&["*"])).is_err() && four.held_out(&names(&["spiral"])).is_err());
+        assert!(
+            four.held_out(&names(&["*"])).is_err() && four.held_out(&names(&["spiral"])).is_err()
+        );
     }
 }

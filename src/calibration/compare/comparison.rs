@@ -1,4 +1,5 @@
-//! What is compared: the places of tracked points in rows of a recording, and what a model says of them, in parallel.
+//! What is compared: the places of tracked points in rows of a recording, and what a model says of
+//! them, in parallel.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -13,8 +14,8 @@ use crate::effects::{Model, Starts};
 use crate::tasks::SimulationOptions;
 use crate::tasks::simulate_recording;
 
-/// Rows that one thread simulates one after the other when rows are independent. A fixed number, so that the result does not
-/// depend on the number of threads.
+/// Rows that one thread simulates one after the other when rows are independent. A fixed number, so
+/// that the result does not depend on the number of threads.
 const ROWS: usize = 48;
 
 /// One measured position.
@@ -85,8 +86,15 @@ impl<'a> Comparison<'a> {
             && model.rod(&[]).moment_laws.is_empty()
             && !model.effects.iter().any(|effect| effect.build().has_memory_at_rest());
         let continues = model.tracking.starts == Starts::Continue;
-        let mut comparison =
-            Comparison { recording, at_rest, sightings, markers, independent, continues, parts: Vec::new() };
+        let mut comparison = Comparison {
+            recording,
+            at_rest,
+            sightings,
+            markers,
+            independent,
+            continues,
+            parts: Vec::new(),
+        };
         comparison.parts = comparison.divided();
         Ok(comparison)
     }
@@ -106,8 +114,8 @@ impl<'a> Comparison<'a> {
         rows.len()
     }
 
-    /// Rows that are simulated together: poses at rest of a robot without memory in short parts, other trials up to the last
-    /// compared row.
+    /// Rows that are simulated together: poses at rest of a robot without memory in short parts,
+    /// other trials up to the last compared row.
     fn divided(&self) -> Vec<Part> {
         let mut trials = self.recording.trials();
         if self.continues && !self.independent {
@@ -116,8 +124,13 @@ impl<'a> Comparison<'a> {
         }
         let mut parts: Vec<Part> = Vec::new();
         for (_, trial) in trials {
-            let of_trial = self.sightings.iter().enumerate().filter(|(_, sighting)| trial.contains(&sighting.row));
-            let seen: Vec<(usize, usize)> = of_trial.map(|(index, sighting)| (index, sighting.row)).collect();
+            let of_trial = self
+                .sightings
+                .iter()
+                .enumerate()
+                .filter(|(_, sighting)| trial.contains(&sighting.row));
+            let seen: Vec<(usize, usize)> =
+                of_trial.map(|(index, sighting)| (index, sighting.row)).collect();
             let Some(&(_, last)) = seen.last() else { continue };
             if !self.independent {
                 // A motion needs all commands before a compared row, and none after the last.
@@ -140,8 +153,13 @@ impl<'a> Comparison<'a> {
     fn part(&self, rows: &[usize], seen: &[(usize, usize)]) -> Part {
         let place = |row: usize| rows.binary_search(&row).unwrap_or_default();
         let measured = self.recording.rows(rows);
-        let commands =
-            Recording { tip_m: None, tip_quaternion: None, points: Vec::new(), extra: Vec::new(), ..measured };
+        let commands = Recording {
+            tip_m: None,
+            tip_quaternion: None,
+            points: Vec::new(),
+            extra: Vec::new(),
+            ..measured
+        };
         Part { commands, sightings: seen.iter().map(|&(index, row)| (index, place(row))).collect() }
     }
 
@@ -149,8 +167,8 @@ impl<'a> Comparison<'a> {
         SimulationOptions { at_rest: self.at_rest, ..SimulationOptions::default() }
     }
 
-    /// What of a part is simulated under `model`, and the model to do it with: its gains decide what the tendons do, and poses
-    /// that do not depend on others need no home.
+    /// What of a part is simulated under `model`, and the model to do it with: its gains decide
+    /// what the tendons do, and poses that do not depend on others need no home.
     pub(crate) fn driven<'b>(&self, part: &'b Part, model: &Model) -> (Model, Cow<'b, Recording>) {
         let mut model = model.clone();
         if self.independent {
@@ -192,7 +210,8 @@ impl<'a> Comparison<'a> {
         for &(index, row) in &part.sightings {
             let name = &self.markers[self.sightings[index].marker];
             let track = tracks.iter().find(|(track_name, _)| track_name == name);
-            positions[index] = track.map(|(_, track)| track[row]).filter(|at| at.iter().all(|x| x.is_finite()));
+            positions[index] =
+                track.map(|(_, track)| track[row]).filter(|at| at.iter().all(|x| x.is_finite()));
         }
     }
 }
@@ -200,5 +219,8 @@ impl<'a> Comparison<'a> {
 /// The tracked points of a recording, with their positions: the tip first.
 pub(crate) fn tracks(recording: &Recording) -> Vec<(String, &[Point3])> {
     let tip = recording.tip_m.iter().map(|tip| ("tip".to_owned(), tip.as_slice()));
-    tip.chain(recording.points.iter().map(|point| (point.name.clone(), point.position_m.as_slice()))).collect()
+    tip.chain(
+        recording.points.iter().map(|point| (point.name.clone(), point.position_m.as_slice())),
+    )
+    .collect()
 }

@@ -1,4 +1,5 @@
-//! Noise of the measurement as far as the recording tells it, and whether the model leaves more than that.
+//! Noise of the measurement as far as the recording tells it, and whether the model leaves more
+//! than that.
 
 use nalgebra::DVector;
 
@@ -15,7 +16,8 @@ const RESTS_M: f64 = 2e-5;
 const HELD: f64 = 2e-5;
 /// Median of χ² with three degrees of freedom.
 const MEDIAN_CHI_SQUARED: f64 = 2.365_974;
-/// Degrees of freedom that a pair gives a variance estimated by the median: three coordinates, efficiency 37 %, shared rows.
+/// Degrees of freedom that a pair gives a variance estimated by the median: three coordinates,
+/// efficiency 37 %, shared rows.
 const FREEDOM_OF_PAIR: f64 = 0.7;
 /// Probability by noise alone below which a misfit is told.
 const SIGNIFICANT: f64 = 1e-3;
@@ -35,24 +37,29 @@ pub(crate) struct NoiseEstimate {
     pub(crate) from: &'static str,
 }
 
-/// The noise of the recording: from pairs of rows in which the robot rests, or else from the change of the error from one
-/// row to the next (von Neumann 1941), which is an upper bound. `None` for too few pairs.
+/// The noise of the recording: from pairs of rows in which the robot rests, or else from the change
+/// of the error from one row to the next (von Neumann 1941), which is an upper bound. `None` for
+/// too few pairs.
 pub(crate) fn noise(
     comparison: &Comparison,
     residual_m: &DVector<f64>,
     positions: &Positions,
 ) -> Option<NoiseEstimate> {
     let pairs = pairs(comparison, positions);
-    let difference = |&(a, b): &(usize, usize)| (residual_m.rows(3 * a, 3) - residual_m.rows(3 * b, 3)).norm_squared();
+    let difference = |&(a, b): &(usize, usize)| {
+        (residual_m.rows(3 * a, 3) - residual_m.rows(3 * b, 3)).norm_squared()
+    };
     let rests = |&(a, b): &(usize, usize)| match (positions[a], positions[b]) {
-        (Some(before), Some(after)) => is_held(comparison, a, b) && distance_m(&before, &after) < RESTS_M,
+        (Some(before), Some(after)) => {
+            is_held(comparison, a, b) && distance_m(&before, &after) < RESTS_M
+        }
         _ => false,
     };
     let at_rest: Vec<(usize, usize)> = pairs.iter().copied().filter(rests).collect();
     let of = |pairs: &[(usize, usize)], from: &'static str| {
         let squares: Vec<f64> = pairs.iter().map(difference).collect();
-        // A difference has twice the variance: over three axes 3σ² is 1.5 · median / (median of χ²).
-        // The median ignores outliers.
+        // A difference has twice the variance: over three axes 3σ² is 1.5 · median / (median of
+        // χ²). The median ignores outliers.
         let rms_m = (1.5 * quantile(&squares, 0.5) / MEDIAN_CHI_SQUARED).sqrt();
         (pairs.len() >= MIN_PAIRS).then_some(NoiseEstimate { rms_m, pairs: pairs.len(), from })
     };
@@ -75,7 +82,8 @@ fn pairs(comparison: &Comparison, positions: &Positions) -> Vec<(usize, usize)> 
         let follows = |before: &usize| {
             let row = comparison.sightings[*before].row;
             // A gap or a new trial may hide a motion.
-            row + 1 == sighting.row && comparison.recording.trial[row] == comparison.recording.trial[sighting.row]
+            row + 1 == sighting.row
+                && comparison.recording.trial[row] == comparison.recording.trial[sighting.row]
         };
         if let Some(before) = before.filter(follows)
             && positions[before].is_some()
@@ -96,8 +104,8 @@ pub(crate) struct Misfit {
     pub(crate) p_value: f64,
 }
 
-/// The misfit of a model that leaves `rms_m` (robust, so that outliers do not count) over `freedom` degrees of freedom;
-/// `None` when noise explains it.
+/// The misfit of a model that leaves `rms_m` (robust, so that outliers do not count) over `freedom`
+/// degrees of freedom; `None` when noise explains it.
 pub(crate) fn misfit(noise: &NoiseEstimate, rms_m: f64, freedom: f64) -> Option<Misfit> {
     if rms_m < SOLVER_M {
         return None;

@@ -1,18 +1,21 @@
-//! Weights of sightings. Student's t with four degrees of freedom in three coordinates bounds the influence of outliers and
-//! has 95 % efficiency for normal noise; it is fitted by iterated reweighting, which is the EM algorithm (Lange, Little &
-//! Taylor 1989, J. Am. Stat. Assoc. 84, 881).
+//! Weights of sightings. Student's t with four degrees of freedom in three coordinates bounds the
+//! influence of outliers and has 95 % efficiency for normal noise; it is fitted by iterated
+//! reweighting, which is the EM algorithm (Lange, Little & Taylor 1989, J. Am. Stat. Assoc. 84,
+//! 881).
 
 use nalgebra::DVector;
 
 use super::comparison::Positions;
 use crate::math::summary::quantile;
 
-/// Degrees of freedom of Student's t, as Lange et al. recommend where there is too little to estimate them.
+/// Degrees of freedom of Student's t, as Lange et al. recommend where there is too little to
+/// estimate them.
 const FREEDOM: f64 = 4.0;
-/// Distances beyond this many robust standard deviations of a coordinate are outliers: less than one in a million for normal
-/// noise in three coordinates.
+/// Distances beyond this many robust standard deviations of a coordinate are outliers: less than
+/// one in a million for normal noise in three coordinates.
 const OUTLIER: f64 = 6.0;
-/// Median of the distance of three-dimensional normal noise, in standard deviations of a coordinate.
+/// Median of the distance of three-dimensional normal noise, in standard deviations of a
+/// coordinate.
 const MEDIAN_DISTANCE: f64 = 1.538_172;
 
 /// Distribution of the errors.
@@ -38,15 +41,19 @@ pub(crate) fn weights(
     if likelihood == ErrorLaw::Normal || variance_m2 == 0.0 {
         return (ones, variance_m2);
     }
-    let squares: Vec<f64> = (0..positions.len()).map(|index| residual_m.rows(3 * index, 3).norm_squared()).collect();
+    let squares: Vec<f64> =
+        (0..positions.len()).map(|index| residual_m.rows(3 * index, 3).norm_squared()).collect();
     // Start from the median: outliers would blow up the first variance and hide among the rest.
     let mut variance_m2 = robust_deviation_m(residual_m, positions).powi(2).max(1e-6 * variance_m2);
     let mut weights = ones.clone();
     for _ in 0..50 {
         // E step: w = (ν + 3) / (ν + d²/σ²); M step below.
-        let weight = |(one, square): (&f64, &f64)| one * (FREEDOM + 3.0) / (FREEDOM + square / variance_m2);
+        let weight =
+            |(one, square): (&f64, &f64)| one * (FREEDOM + 3.0) / (FREEDOM + square / variance_m2);
         weights = ones.iter().zip(&squares).map(weight).collect();
-        variance_m2 = weights.iter().zip(&squares).map(|(weight, square)| weight * square).sum::<f64>() / freedom;
+        variance_m2 =
+            weights.iter().zip(&squares).map(|(weight, square)| weight * square).sum::<f64>()
+                / freedom;
     }
     (weights, variance_m2)
 }

@@ -16,24 +16,33 @@ const NUMBERS_TOGETHER: usize = 10;
 /// Relative change of a number for differences of whole trials.
 const TRIAL_STEP: f64 = 1e-3;
 impl Comparison<'_> {
-    /// What `model` says, and the derivative of it (three rows a sighting) with respect to the coordinates of `numbers` at
-    /// `x`; rows of zeros where there is no solution. `None` when a number cannot be varied.
+    /// What `model` says, and the derivative of it (three rows a sighting) with respect to the
+    /// coordinates of `numbers` at `x`; rows of zeros where there is no solution. `None` when a
+    /// number cannot be varied.
     pub(crate) fn with_slopes(
         &self,
         model: &Model,
         numbers: &[FitNumber],
         x: &[f64],
     ) -> Option<(Positions, DMatrix<f64>)> {
-        let variables: Vec<&ModelParameter> = numbers.iter().flat_map(|number| &number.members).collect();
-        // Few long parts leave threads idle: their numbers are shared out, each share after the same motion.
-        let share = if self.parts.len() < FEW_PARTS { NUMBERS_TOGETHER } else { variables.len().max(1) };
-        let jobs: Vec<(&Part, &[&ModelParameter])> =
-            self.parts.iter().flat_map(|part| variables.chunks(share).map(move |some| (part, some))).collect();
+        let variables: Vec<&ModelParameter> =
+            numbers.iter().flat_map(|number| &number.members).collect();
+        // Few long parts leave threads idle: their numbers are shared out, each share after the
+        // same motion.
+        let share =
+            if self.parts.len() < FEW_PARTS { NUMBERS_TOGETHER } else { variables.len().max(1) };
+        let jobs: Vec<(&Part, &[&ModelParameter])> = self
+            .parts
+            .iter()
+            .flat_map(|part| variables.chunks(share).map(move |some| (part, some)))
+            .collect();
         let request = InterruptRequest::current();
-        let slopes_of =
-            |(part, some): &(&Part, &[&ModelParameter])| request.within(|| self.part_slopes(part, model, some));
+        let slopes_of = |(part, some): &(&Part, &[&ModelParameter])| {
+            request.within(|| self.part_slopes(part, model, some))
+        };
         let each: Vec<PartSlopes> = jobs.par_iter().map(slopes_of).collect::<Option<_>>()?;
-        let each: Vec<PartSlopes> = each.chunks(variables.len().div_ceil(share)).map(joined).collect();
+        let each: Vec<PartSlopes> =
+            each.chunks(variables.len().div_ceil(share)).map(joined).collect();
         let mut positions = vec![None; self.sightings.len()];
         let mut slopes = DMatrix::zeros(3 * self.sightings.len(), numbers.len());
         for (part, part_slopes) in self.parts.iter().zip(&each) {
@@ -43,7 +52,9 @@ impl Comparison<'_> {
                 for (column, number) in numbers.iter().enumerate() {
                     for (member, rate) in rates.by_ref().take(number.members.len()).enumerate() {
                         let slope = number.slope(member, x[column]);
-                        (0..3).for_each(|axis| slopes[(3 * index + axis, column)] += slope * rate[axis]);
+                        (0..3).for_each(|axis| {
+                            slopes[(3 * index + axis, column)] += slope * rate[axis]
+                        });
                     }
                 }
             }
@@ -52,7 +63,12 @@ impl Comparison<'_> {
     }
 
     /// For each sighting of a part: position, and its derivative with respect to each variable.
-    fn part_slopes(&self, part: &Part, model: &Model, parameters: &[&ModelParameter]) -> Option<PartSlopes> {
+    fn part_slopes(
+        &self,
+        part: &Part,
+        model: &Model,
+        parameters: &[&ModelParameter],
+    ) -> Option<PartSlopes> {
         let (varied, commands) = self.driven(part, model);
         let variables: Vec<Variable> =
             parameters.iter().map(|&parameter| Variable::Parameter(parameter.clone())).collect();
@@ -63,7 +79,11 @@ impl Comparison<'_> {
         let simulated = |candidate: &Model| -> Result<Vec<Point3>, VariationError> {
             let mut there = vec![None; self.sightings.len()];
             self.take(part, &tracks(&self.simulated(part, candidate)), &mut there);
-            Ok(part.sightings.iter().map(|&(index, _)| there[index].unwrap_or([f64::NAN; 3])).collect())
+            Ok(part
+                .sightings
+                .iter()
+                .map(|&(index, _)| there[index].unwrap_or([f64::NAN; 3]))
+                .collect())
         };
         let mut differences = Vec::new();
         for &variable in &left_out {
@@ -80,7 +100,9 @@ impl Comparison<'_> {
                 let rate = far.map_or_else(
                     || {
                         along += 1;
-                        rates[row].get(along - 1).map_or([f64::NAN; 3], |rate| marker_rate(rate, point))
+                        rates[row]
+                            .get(along - 1)
+                            .map_or([f64::NAN; 3], |rate| marker_rate(rate, point))
                     },
                     |far| differences[far][k],
                 );

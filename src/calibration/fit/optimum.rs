@@ -1,5 +1,6 @@
-//! The fit: Levenberg–Marquardt with bounds, priors and weights (Nocedal & Wright, Numerical Optimization, sections 10.3 and
-//! 16.7: coordinates at a bound that the gradient pushes against are held).
+//! The fit: Levenberg–Marquardt with bounds, priors and weights (Nocedal & Wright, Numerical
+//! Optimization, sections 10.3 and 16.7: coordinates at a bound that the gradient pushes against
+//! are held).
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
@@ -10,14 +11,15 @@ use crate::calibration::numbers::number::{FitNumber, with_coordinates};
 use crate::effects::Model;
 use crate::math::optimise::least_squares::{damped, unseen_left_out};
 
-/// A number that moves no point by more than [`POINT_ACCURACY_M`] when its coordinate changes by this is not observable.
+/// A number that moves no point by more than [`POINT_ACCURACY_M`] when its coordinate changes by
+/// this is not observable.
 const OBSERVABLE_CHANGE: f64 = 1e-3;
 /// Accuracy of a simulated point, metres: the rod's tolerance.
 const POINT_ACCURACY_M: f64 = 1e-8;
 /// Largest damping: then a step is a hundred-thousandth of the undamped one.
 const MAX_DAMPING: f64 = 1e5;
-/// Improvement of the sum of squares below which a fit has converged, in variances of one coordinate: a thirtieth of a
-/// standard error, or, for a start of another fit, a tenth.
+/// Improvement of the sum of squares below which a fit has converged, in variances of one
+/// coordinate: a thirtieth of a standard error, or, for a start of another fit, a tenth.
 pub(crate) const CONVERGED: f64 = 1e-3;
 pub(crate) const ROUGHLY_CONVERGED: f64 = 1e-2;
 /// Largest share of rows that the model may leave without a solution.
@@ -32,7 +34,8 @@ pub(crate) struct Optimum {
     pub(crate) x: Vec<f64>,
     /// What the model says of each sighting.
     pub(crate) positions: Positions,
-    /// Derivative of the positions, three rows a sighting; zero for numbers without influence and sightings without solution.
+    /// Derivative of the positions, three rows a sighting; zero for numbers without influence and
+    /// sightings without solution.
     pub(crate) slopes: DMatrix<f64>,
     /// Simulated minus measured, three a sighting, metres; zero where there is no solution.
     pub(crate) residual_m: DVector<f64>,
@@ -59,10 +62,12 @@ impl CalibrationProblem<'_> {
         with_coordinates(self.model, self.numbers, x)
     }
 
-    /// Fits from `start` in at most `iterations` steps, until one gains less than `converged` variances of a coordinate.
+    /// Fits from `start` in at most `iterations` steps, until one gains less than `converged`
+    /// variances of a coordinate.
     ///
     /// # Errors
-    /// [`CalibrationError::NotSimulated`] when the model has no solution for many of the rows at the start.
+    /// [`CalibrationError::NotSimulated`] when the model has no solution for many of the rows at
+    /// the start.
     pub(crate) fn fit(
         &self,
         start: &[f64],
@@ -101,18 +106,28 @@ impl CalibrationProblem<'_> {
     pub(crate) fn evaluated(&self, x: &[f64]) -> Option<Optimum> {
         let (positions, slopes) = self.comparison.with_slopes(&self.at(x)?, self.numbers, x)?;
         let residual_m = self.residual_m(&positions);
-        let (weights, variance_m2) = weights(self.likelihood, &residual_m, &positions, self.numbers.len());
+        let (weights, variance_m2) =
+            weights(self.likelihood, &residual_m, &positions, self.numbers.len());
         // Slopes below the solver's accuracy are rounding and would look like information.
         let slopes = unseen_left_out(slopes, OBSERVABLE_CHANGE, POINT_ACCURACY_M);
-        Some(Optimum { x: x.to_vec(), positions, slopes, residual_m, weights, variance_m2, converged: false })
+        Some(Optimum {
+            x: x.to_vec(),
+            positions,
+            slopes,
+            residual_m,
+            weights,
+            variance_m2,
+            converged: false,
+        })
     }
 
     /// Simulated minus measured; zero where there is no solution.
     pub(crate) fn residual_m(&self, positions: &Positions) -> DVector<f64> {
-        let each = positions.iter().zip(&self.comparison.sightings).flat_map(|(at, sighting)| match at {
-            Some(at) => [0, 1, 2].map(|axis| at[axis] - sighting.at_m[axis]),
-            None => [0.0; 3],
-        });
+        let each =
+            positions.iter().zip(&self.comparison.sightings).flat_map(|(at, sighting)| match at {
+                Some(at) => [0, 1, 2].map(|axis| at[axis] - sighting.at_m[axis]),
+                None => [0.0; 3],
+            });
         DVector::from_iterator(3 * positions.len(), each)
     }
 
@@ -150,7 +165,8 @@ impl CalibrationProblem<'_> {
         accepted.filter(|(x, _)| *x != here.x)
     }
 
-    /// Half the second derivative and half the gradient of the weighted sum of squares, priors included.
+    /// Half the second derivative and half the gradient of the weighted sum of squares, priors
+    /// included.
     pub(crate) fn normal(&self, here: &Optimum) -> (DMatrix<f64>, DVector<f64>) {
         let mut weighted = here.slopes.clone();
         for (index, &weight) in here.weights.iter().enumerate() {
@@ -169,11 +185,14 @@ impl CalibrationProblem<'_> {
         (normal, gradient)
     }
 
-    /// By how much an undamped step would lower the weighted sum of squares if the model were linear.
+    /// By how much an undamped step would lower the weighted sum of squares if the model were
+    /// linear.
     fn expected_gain(&self, here: &Optimum) -> f64 {
         let (normal, gradient) = self.normal(here);
         let free = self.free(here, &gradient);
-        let part = DMatrix::from_fn(free.len(), free.len(), |row, column| normal[(free[row], free[column])]);
+        let part = DMatrix::from_fn(free.len(), free.len(), |row, column| {
+            normal[(free[row], free[column])]
+        });
         let right = DVector::from_fn(free.len(), |row, _| gradient[free[row]]);
         Cholesky::new(part).map_or(f64::INFINITY, |factor| factor.solve(&right).dot(&right))
     }
@@ -210,8 +229,8 @@ impl CalibrationProblem<'_> {
         Some(x)
     }
 
-    /// By how much the weighted sum of squares is lower at `x`, over the sightings that have a solution at both; `None` when
-    /// too many have lost theirs.
+    /// By how much the weighted sum of squares is lower at `x`, over the sightings that have a
+    /// solution at both; `None` when too many have lost theirs.
     fn gain(&self, here: &Optimum, x: &[f64], positions: &Positions) -> Option<f64> {
         let solved = here.positions.iter().filter(|at| at.is_some()).count();
         let both = |index: usize| here.positions[index].is_some() && positions[index].is_some();
@@ -221,11 +240,16 @@ impl CalibrationProblem<'_> {
             return None;
         }
         let there = self.residual_m(positions);
-        let square = |residual: &DVector<f64>, index: usize| residual.rows(3 * index, 3).norm_squared();
-        let lower = |index: usize| here.weights[index] * (square(&here.residual_m, index) - square(&there, index));
+        let square =
+            |residual: &DVector<f64>, index: usize| residual.rows(3 * index, 3).norm_squared();
+        let lower = |index: usize| {
+            here.weights[index] * (square(&here.residual_m, index) - square(&there, index))
+        };
         let data: f64 = (0..positions.len()).filter(|&index| both(index)).map(lower).sum();
         let prior = |(k, number): (usize, &FitNumber)| {
-            number.prior.map_or(0.0, |deviation| (here.x[k] * here.x[k] - x[k] * x[k]) / (deviation * deviation))
+            number.prior.map_or(0.0, |deviation| {
+                (here.x[k] * here.x[k] - x[k] * x[k]) / (deviation * deviation)
+            })
         };
         let priors: f64 = self.numbers.iter().enumerate().map(prior).sum();
         let gain = data + here.variance_m2 * priors;

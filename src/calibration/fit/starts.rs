@@ -20,8 +20,8 @@ pub(crate) const MAX_STEPS: usize = 60;
 /// Another start is taken when it leaves less than this share of the sum of squares.
 const BETTER: f64 = 0.9;
 
-/// The best fit, and whether another start than the given one led to it. Other starts are only tried when `is_good` says that
-/// the given one leaves more than noise.
+/// The best fit, and whether another start than the given one led to it. Other starts are only
+/// tried when `is_good` says that the given one leaves more than noise.
 pub(crate) fn best(
     problem: &CalibrationProblem,
     start: &[f64],
@@ -50,7 +50,8 @@ fn coarse(problem: &CalibrationProblem, start: &[f64]) -> Vec<f64> {
     }
     let comparison = problem.comparison.only(&evenly(problem.comparison, wanted));
     let part = CalibrationProblem { comparison: &comparison, ..*problem };
-    part.fit(start, MAX_STEPS, ROUGHLY_CONVERGED).map_or_else(|_| start.to_vec(), |optimum| optimum.x)
+    part.fit(start, MAX_STEPS, ROUGHLY_CONVERGED)
+        .map_or_else(|_| start.to_vec(), |optimum| optimum.x)
 }
 
 /// Where a cheap fit from another start came clearly lower than `first`.
@@ -63,12 +64,17 @@ fn rival(problem: &CalibrationProblem, first: &Optimum) -> Option<Vec<f64>> {
     let rivals = (0..STARTS).filter_map(|number| {
         // A fixed seed: the same recording gives the same numbers.
         let mut random = Seed(0).child("calibration start").index(number).rng();
-        let drawn = problem.numbers.iter().map(|number| (SPREAD * random.random_range(-1.0..1.0)).max(number.low()));
+        let drawn = problem
+            .numbers
+            .iter()
+            .map(|number| (SPREAD * random.random_range(-1.0..1.0)).max(number.low()));
         let start: Vec<f64> = drawn.collect();
         let there = cheap.fit(&start, CHEAP_STEPS, ROUGHLY_CONVERGED).ok()?;
         Some((there.rms_m().powi(2), there.x))
     });
-    let winner = rivals.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(square_m2, _)| *square_m2 < BETTER * reached);
+    let winner = rivals
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .filter(|(square_m2, _)| *square_m2 < BETTER * reached);
     winner.map(|(_, start)| start)
 }
 

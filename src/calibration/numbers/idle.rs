@@ -36,12 +36,16 @@ pub(crate) fn check(model: &Model, numbers: &[FitNumber]) -> Result<(), Calibrat
         let unused = |member: &ModelParameter| {
             let path = member.path();
             // What acts on commands and measurements is not in the rod.
-            path.starts_with("robot.") && path != "robot.drive_time_s" && is_idle(model, member, &rod)
+            path.starts_with("robot.")
+                && path != "robot.drive_time_s"
+                && is_idle(model, member, &rod)
         };
         if number.members.iter().all(unused) {
             let path = number.members[0].path();
-            let reason = instead(model, path)
-                .map_or_else(|| "; other numbers stand in its place".to_owned(), |other| format!(": {other}"));
+            let reason = instead(model, path).map_or_else(
+                || "; other numbers stand in its place".to_owned(),
+                |other| format!(": {other}"),
+            );
             return Err(CalibrationError::Idle { name: number.name.clone(), reason });
         }
     }
@@ -53,7 +57,10 @@ fn is_idle(model: &Model, member: &ModelParameter, rod: &str) -> bool {
     let (Ok(value), Ok(scale)) = (member.value(model), member.scale(model)) else { return false };
     // At the end of its range a number can only move one way.
     [0.01, -0.01].iter().all(|step| {
-        let changed = member.with_value(model, value + step * scale).ok().filter(|changed| changed.check().is_ok());
+        let changed = member
+            .with_value(model, value + step * scale)
+            .ok()
+            .filter(|changed| changed.check().is_ok());
         changed.is_none_or(|changed| format!("{:?}", changed.rod(&[])) == rod)
     })
 }
@@ -62,6 +69,7 @@ fn is_idle(model: &Model, member: &ModelParameter, rod: &str) -> bool {
 pub(crate) fn instead(model: &Model, path: &str) -> Option<String> {
     let (_, others) = INSTEAD.iter().find(|(key, _)| *key == path)?;
     let all = ModelParameter::all(model);
-    let replacement = others.iter().find(|other| all.iter().any(|parameter| like(other, parameter.path())))?;
+    let replacement =
+        others.iter().find(|other| all.iter().any(|parameter| like(other, parameter.path())))?;
     Some(format!("this model gives `{replacement}` in its place, so fit that"))
 }

@@ -37,7 +37,9 @@ impl FitNumber {
     fn member_value(&self, member: usize, x: f64) -> f64 {
         match self.scale {
             Coordinate::Logarithm => self.start[member] * x.exp(),
-            Coordinate::Linear { unit, low } if low.is_finite() => (self.start[member] + unit * x).max(0.0),
+            Coordinate::Linear { unit, low } if low.is_finite() => {
+                (self.start[member] + unit * x).max(0.0)
+            }
             Coordinate::Linear { unit, .. } => self.start[member] + unit * x,
         }
     }
@@ -95,13 +97,19 @@ impl FitNumber {
     /// `model` with this number at a coordinate.
     fn applied(&self, model: Model, x: f64) -> Option<Model> {
         let mut members = self.members.iter().enumerate();
-        members.try_fold(model, |model, (index, member)| member.with_value(&model, self.member_value(index, x)).ok())
+        members.try_fold(model, |model, (index, member)| {
+            member.with_value(&model, self.member_value(index, x)).ok()
+        })
     }
 }
 
 /// `model` with all numbers at their coordinates; `None` when that is no model.
 pub(crate) fn with_coordinates(model: &Model, numbers: &[FitNumber], x: &[f64]) -> Option<Model> {
-    let changed = numbers.iter().zip(x).try_fold(model.clone(), |model, (number, &x)| number.applied(model, x))?;
-    // A step may leave the range of a number, or of two together (sections longer than the backbone).
+    let changed = numbers
+        .iter()
+        .zip(x)
+        .try_fold(model.clone(), |model, (number, &x)| number.applied(model, x))?;
+    // A step may leave the range of a number, or of two together (sections longer than the
+    // backbone).
     changed.check().is_ok().then_some(changed)
 }

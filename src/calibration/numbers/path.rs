@@ -6,18 +6,22 @@ use strsim::levenshtein;
 use crate::calibration::error::CalibrationError;
 use crate::effects::{Model, ModelParameter};
 
-/// The parameters of `model` that `pattern` names: a path such as `robot.tendons.angles_deg[3]`, where `*` stands for any
-/// name or index and everything below the last one is included. `robot.` may be left out, and the effect's name may stand
-/// after its index (`effects[0].tip_load.mass_kg`).
+/// The parameters of `model` that `pattern` names: a path such as `robot.tendons.angles_deg[3]`,
+/// where `*` stands for any name or index and everything below the last one is included. `robot.`
+/// may be left out, and the effect's name may stand after its index
+/// (`effects[0].tip_load.mass_kg`).
 ///
 /// # Errors
-/// [`CalibrationError::Unknown`] with the nearest path, [`CalibrationError::NoNumber`] for a path of something else.
+/// [`CalibrationError::Unknown`] with the nearest path, [`CalibrationError::NoNumber`] for a path
+/// of something else.
 pub(crate) fn named(model: &Model, pattern: &str) -> Result<Vec<ModelParameter>, CalibrationError> {
     let all = ModelParameter::all(model);
     for candidate in [pattern.to_owned(), format!("robot.{pattern}")] {
         let parameters: Vec<ModelParameter> = all
             .iter()
-            .filter(|parameter| spellings(model, parameter.path()).iter().any(|path| matches(&candidate, path)))
+            .filter(|parameter| {
+                spellings(model, parameter.path()).iter().any(|path| matches(&candidate, path))
+            })
             .cloned()
             .collect();
         if !parameters.is_empty() {
@@ -29,7 +33,10 @@ pub(crate) fn named(model: &Model, pattern: &str) -> Result<Vec<ModelParameter>,
             return Err(CalibrationError::NoNumber { name: pattern.to_owned(), found });
         }
     }
-    Err(CalibrationError::Unknown { name: pattern.to_owned(), suggestion: suggestion(model, pattern, &all) })
+    Err(CalibrationError::Unknown {
+        name: pattern.to_owned(),
+        suggestion: suggestion(model, pattern, &all),
+    })
 }
 
 /// A path, and for an effect the one with its name after the index.
@@ -52,7 +59,8 @@ fn steps(path: &str) -> Vec<String> {
 /// Whether `path` is `pattern`, or below it when `pattern` has a `*`.
 fn matches(pattern: &str, path: &str) -> bool {
     let (pattern, path) = (steps(pattern), steps(path));
-    let complete = pattern.len() == path.len() || pattern.len() < path.len() && pattern.iter().any(|p| p.contains('*'));
+    let complete = pattern.len() == path.len()
+        || pattern.len() < path.len() && pattern.iter().any(|p| p.contains('*'));
     complete && pattern.iter().zip(&path).all(|(pattern, step)| like(pattern, step))
 }
 
@@ -82,7 +90,9 @@ fn something_else(model: &Model, path: &str) -> Option<String> {
     }
     let pointer = format!("/{}", path.replace(']', "").replace(['.', '['], "/"));
     match root.pointer(&pointer)? {
-        Value::Array(items) => Some(format!("a list of {}; `{path}[*]` names all in it", items.len())),
+        Value::Array(items) => {
+            Some(format!("a list of {}; `{path}[*]` names all in it", items.len()))
+        }
         Value::Object(_) => Some(format!("a group of keys; `{path}.*` names all numbers in it")),
         Value::Number(number) => Some(format!("{number}, a whole number, which is not fitted")),
         Value::Null => None,
@@ -95,7 +105,9 @@ fn suggestion(model: &Model, pattern: &str, all: &[ModelParameter]) -> String {
     if let Some(why) = left_out_key(model, pattern) {
         return why;
     }
-    let last = |path: &str| steps(path).into_iter().rfind(|step| !step.starts_with('[')).unwrap_or_default();
+    let last = |path: &str| {
+        steps(path).into_iter().rfind(|step| !step.starts_with('[')).unwrap_or_default()
+    };
     let distance = |path: &str| {
         let whole = levenshtein(pattern, path).min(levenshtein(&format!("robot.{pattern}"), path));
         // The last word carries the meaning, so a typing error there counts more.
@@ -129,7 +141,9 @@ fn left_out_key(model: &Model, pattern: &str) -> Option<String> {
     let present = ModelParameter::all(model);
     let step = steps(pattern).into_iter().find(|step| OPTIONAL.contains(&step.as_str()))?;
     let absent = !present.iter().any(|parameter| steps(parameter.path()).contains(&step));
-    absent.then(|| format!("; this model file leaves out `{step}`: write it into the file with a start value"))
+    absent.then(|| {
+        format!("; this model file leaves out `{step}`: write it into the file with a start value")
+    })
 }
 
 #[cfg(test)]
@@ -139,7 +153,11 @@ mod tests {
 
     fn paths(pattern: &str) -> Vec<String> {
         let model = Model { effects: vec![EffectSpec::tip_load(0.02)], ..Model::default() };
-        named(&model, pattern).unwrap().iter().map(|parameter| parameter.path().to_owned()).collect()
+        named(&model, pattern)
+            .unwrap()
+            .iter()
+            .map(|parameter| parameter.path().to_owned())
+            .collect()
     }
 
     #[test]
@@ -151,15 +169,25 @@ mod tests {
         assert_eq!(paths("effects[*].*"), ["effects[0].mass_kg"]);
         assert_eq!(
             paths("robot.sections.*"),
-            ["robot.sections.compliance_m_per_n", "robot.sections.length_m", "robot.sections.saturation_n"]
+            [
+                "robot.sections.compliance_m_per_n",
+                "robot.sections.length_m",
+                "robot.sections.saturation_n"
+            ]
         );
     }
 
     #[test]
     fn what_is_no_number_is_told_and_the_nearest_proposed() {
         let words = |pattern: &str| named(&Model::default(), pattern).unwrap_err().to_string();
-        assert!(words("robot.backbone.youngs_modulus").ends_with("`robot.backbone.youngs_modulus_pa`"));
-        assert!(words("poisson_ratio").ends_with("`robot.backbone.poisson_ratio`"), "{}", words("poisson_ratio"));
+        assert!(
+            words("robot.backbone.youngs_modulus").ends_with("`robot.backbone.youngs_modulus_pa`")
+        );
+        assert!(
+            words("poisson_ratio").ends_with("`robot.backbone.poisson_ratio`"),
+            "{}",
+            words("poisson_ratio")
+        );
         assert!(words("robot.tendons.angles_deg").contains("`robot.tendons.angles_deg[*]`"));
         assert!(words("robot.sections").contains("a group of keys"));
         assert!(words("robot.disks.count").contains("a whole number"));
@@ -170,7 +198,12 @@ mod tests {
 
     #[test]
     fn a_star_stands_for_any_text() {
-        assert!(like("rep*_pair*", "rep1_pair12_same") && like("*", "") && like("a*c", "abc") && like("ab", "ab"));
+        assert!(
+            like("rep*_pair*", "rep1_pair12_same")
+                && like("*", "")
+                && like("a*c", "abc")
+                && like("ab", "ab")
+        );
         assert!(!like("a*c", "abd") && !like("ab", "abc") && !like("*x*", "abc"));
     }
 }

@@ -1,4 +1,5 @@
-//! What a laboratory would use instead of a rod: maps from commands to positions, fitted to the same rows.
+//! What a laboratory would use instead of a rod: maps from commands to positions, fitted to the
+//! same rows.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -9,10 +10,12 @@ use crate::calibration::compare::comparison::Comparison;
 use crate::effects::Model;
 use crate::learn::gp::{Gp, GpConfig};
 
-/// Rows to which the hyper-parameters of a Gaussian process are fitted, and rows that it is conditioned on.
+/// Rows to which the hyper-parameters of a Gaussian process are fitted, and rows that it is
+/// conditioned on.
 const SEARCH_ROWS: usize = 250;
 const MAX_ROWS: usize = 1200;
-/// Ridge of a regression, as a share of the mean square of the features: enough to leave out directions without data.
+/// Ridge of a regression, as a share of the mean square of the features: enough to leave out
+/// directions without data.
 const RIDGE: f64 = 1e-6;
 
 /// A reference model and what it says of sightings that it has not seen.
@@ -39,12 +42,21 @@ pub(crate) fn references(
     let (quadratic_m, quadratic_numbers) = linear(true);
     let gp = data.each_marker(split, &|x, y, query| gaussian_process(x, y, query));
     let arcs = constant_curvature::predictions(model, comparison, &data.commands, split);
-    let (arcs_m, arcs_numbers) = arcs.map_or((None, 0), |(positions, numbers)| (Some(positions), numbers));
+    let (arcs_m, arcs_numbers) =
+        arcs.map_or((None, 0), |(positions, numbers)| (Some(positions), numbers));
     vec![
         Reference { name: "constant curvature", numbers: arcs_numbers, positions: arcs_m },
         Reference { name: "linear regression", numbers: linear_numbers, positions: linear_m },
-        Reference { name: "quadratic regression", numbers: quadratic_numbers, positions: quadratic_m },
-        Reference { name: "Gaussian process", numbers: 0, positions: gp.map(|(positions, _)| positions) },
+        Reference {
+            name: "quadratic regression",
+            numbers: quadratic_numbers,
+            positions: quadratic_m,
+        },
+        Reference {
+            name: "Gaussian process",
+            numbers: 0,
+            positions: gp.map(|(positions, _)| positions),
+        },
     ]
 }
 
@@ -54,7 +66,8 @@ struct Data<'a, 'b> {
     commands: Vec<Vec<f64>>,
 }
 
-/// A map fitted to rows of inputs and positions and asked for other inputs: its answers and its numbers.
+/// A map fitted to rows of inputs and positions and asked for other inputs: its answers and its
+/// numbers.
 type Map<'a> = dyn Fn(&[&[f64]], &[Point3], &[&[f64]]) -> Option<(Vec<Point3>, usize)> + 'a;
 
 impl<'a, 'b> Data<'a, 'b> {
@@ -63,20 +76,27 @@ impl<'a, 'b> Data<'a, 'b> {
     }
 
     /// One map a tracked point.
-    fn each_marker(&self, SightingSplit { fitted, unseen }: SightingSplit, map: &Map) -> Option<(Vec<Point3>, usize)> {
+    fn each_marker(
+        &self,
+        SightingSplit { fitted, unseen }: SightingSplit,
+        map: &Map,
+    ) -> Option<(Vec<Point3>, usize)> {
         let mut answers = vec![[f64::NAN; 3]; unseen.len()];
         let mut numbers = 0;
         for marker in 0..self.comparison.markers.len() {
             let of_marker = |index: &&usize| self.comparison.sightings[**index].marker == marker;
             let train: Vec<usize> = fitted.iter().filter(of_marker).copied().collect();
-            let places: Vec<usize> =
-                (0..unseen.len()).filter(|&k| self.comparison.sightings[unseen[k]].marker == marker).collect();
+            let places: Vec<usize> = (0..unseen.len())
+                .filter(|&k| self.comparison.sightings[unseen[k]].marker == marker)
+                .collect();
             if places.is_empty() {
                 continue;
             }
-            let input = |index: usize| self.commands[self.comparison.sightings[index].row].as_slice();
+            let input =
+                |index: usize| self.commands[self.comparison.sightings[index].row].as_slice();
             let x: Vec<&[f64]> = train.iter().map(|&index| input(index)).collect();
-            let y: Vec<Point3> = train.iter().map(|&index| self.comparison.sightings[index].at_m).collect();
+            let y: Vec<Point3> =
+                train.iter().map(|&index| self.comparison.sightings[index].at_m).collect();
             let query: Vec<&[f64]> = places.iter().map(|&k| input(unseen[k])).collect();
             let (predicted_m, map_numbers) = map(&x, &y, &query)?;
             numbers += map_numbers;
@@ -86,11 +106,12 @@ impl<'a, 'b> Data<'a, 'b> {
     }
 }
 
-/// For each row the commands that led to its pose: its own at rest, else those of the row before; with the hung weight where
-/// that changes.
+/// For each row the commands that led to its pose: its own at rest, else those of the row before;
+/// with the hung weight where that changes.
 pub(crate) fn commands_in_force(comparison: &Comparison) -> Vec<Vec<f64>> {
     let recording = comparison.recording;
-    let weights = recording.known_load_kg.as_ref().filter(|all| all.iter().any(|mass_kg| *mass_kg != all[0]));
+    let weights =
+        recording.known_load_kg.as_ref().filter(|all| all.iter().any(|mass_kg| *mass_kg != all[0]));
     let row = |row: usize| {
         let first = row == 0 || recording.trial[row] != recording.trial[row - 1];
         let mut command = match (comparison.at_rest, first) {
@@ -105,13 +126,23 @@ pub(crate) fn commands_in_force(comparison: &Comparison) -> Vec<Vec<f64>> {
     (0..recording.len()).map(row).collect()
 }
 
-/// Least squares on the commands, or on them and their products, with a ridge that only matters without data.
-fn regression(x: &[&[f64]], y: &[Point3], query: &[&[f64]], quadratic: bool) -> Option<(Vec<Point3>, usize)> {
+/// Least squares on the commands, or on them and their products, with a ridge that only matters
+/// without data.
+fn regression(
+    x: &[&[f64]],
+    y: &[Point3],
+    query: &[&[f64]],
+    quadratic: bool,
+) -> Option<(Vec<Point3>, usize)> {
     let width = x.first()?.len();
-    let largest: Vec<f64> = (0..width).map(|d| x.iter().map(|row| row[d].abs()).fold(0.0, f64::max)).collect();
+    let largest: Vec<f64> =
+        (0..width).map(|d| x.iter().map(|row| row[d].abs()).fold(0.0, f64::max)).collect();
     let features = |row: &[f64]| -> Vec<f64> {
-        let scaled: Vec<f64> =
-            row.iter().zip(&largest).map(|(value, size)| if *size > 0.0 { value / size } else { 0.0 }).collect();
+        let scaled: Vec<f64> = row
+            .iter()
+            .zip(&largest)
+            .map(|(value, size)| if *size > 0.0 { value / size } else { 0.0 })
+            .collect();
         let mut all = vec![1.0];
         all.extend(&scaled);
         if quadratic {
@@ -135,7 +166,8 @@ fn regression(x: &[&[f64]], y: &[Point3], query: &[&[f64]], quadratic: bool) -> 
     Some((query.iter().map(answer).collect(), 3 * count))
 }
 
-/// A Gaussian process (squared exponential, one length a command): hyper-parameters from some rows, conditioned on all.
+/// A Gaussian process (squared exponential, one length a command): hyper-parameters from some rows,
+/// conditioned on all.
 fn gaussian_process(x: &[&[f64]], y: &[Point3], query: &[&[f64]]) -> Option<(Vec<Point3>, usize)> {
     let table = |rows: &[usize]| {
         let (mut inputs, mut outputs) = (Rows::new(x.first()?.len()), Rows::new(3));

@@ -1,5 +1,6 @@
-//! Piecewise constant curvature (Webster & Jones 2010) with fitted gains, the usual model of a laboratory without a rod: each
-//! segment is an arc whose bending is proportional to the mean displacement (or tension) of its tendons along their angles.
+//! Piecewise constant curvature (Webster & Jones 2010) with fitted gains, the usual model of a
+//! laboratory without a rod: each segment is an arc whose bending is proportional to the mean
+//! displacement (or tension) of its tendons along their angles.
 
 use nalgebra::{DMatrix, DVector, UnitQuaternion, Vector2, Vector3};
 
@@ -51,7 +52,8 @@ pub(crate) fn predictions(
     };
     let residuals = |parameters: &[f64]| -> Option<Vec<f64>> {
         let each = rows.iter().flat_map(|&index| {
-            let difference = at(parameters, index) - Vector3::from(comparison.sightings[index].at_m);
+            let difference =
+                at(parameters, index) - Vector3::from(comparison.sightings[index].at_m);
             [difference.x, difference.y, difference.z]
         });
         let all: Vec<f64> = each.collect();
@@ -91,7 +93,10 @@ impl Arcs {
         let lengths_m: Vec<f64> = ends.iter().zip(starts).map(|(end, start)| end - start).collect();
         let segment = |i: usize| {
             let nearest = |a: &&f64, b: &&f64| (*a - end(i)).abs().total_cmp(&(*b - end(i)).abs());
-            let at = ends.iter().min_by(nearest).and_then(|nearest| ends.iter().position(|end| end == nearest));
+            let at = ends
+                .iter()
+                .min_by(nearest)
+                .and_then(|nearest| ends.iter().position(|end| end == nearest));
             let angle = tendons.angles_deg[i].to_radians();
             at.map(|at| (at, Vector2::new(angle.cos(), angle.sin())))
         };
@@ -125,24 +130,37 @@ impl Arcs {
             .zip(&holes)
             .map(|(pull, holes): (&Vector2<f64>, &f64)| pull * (self.gain / holes.max(0.5)))
             .collect();
-        let vector = |at: usize| Vector3::new(parameters[at], parameters[at + 1], parameters[at + 2]);
+        let vector =
+            |at: usize| Vector3::new(parameters[at], parameters[at + 1], parameters[at + 2]);
         let mut at = self.base_m + vector(0) * self.lengths_m.iter().sum::<f64>();
-        let mut turn =
-            UnitQuaternion::from_scaled_axis(self.base_rotation_rad) * UnitQuaternion::from_scaled_axis(vector(3));
+        let mut turn = UnitQuaternion::from_scaled_axis(self.base_rotation_rad)
+            * UnitQuaternion::from_scaled_axis(vector(3));
         let (mut start_m, mut bent) = (0.0, Vector2::zeros());
         for segment in 0..count {
-            let numbers = &parameters[POSE + OF_SEGMENT * segment..POSE + OF_SEGMENT * (segment + 1)];
-            // Displacement: what earlier segments took is not left for this one. Tension: all that end further on bend it.
-            let commanded = if self.tensions { angles_rad[segment..].iter().sum() } else { angles_rad[segment] - bent };
+            let numbers =
+                &parameters[POSE + OF_SEGMENT * segment..POSE + OF_SEGMENT * (segment + 1)];
+            // Displacement: what earlier segments took is not left for this one. Tension: all that
+            // end further on bend it.
+            let commanded = if self.tensions {
+                angles_rad[segment..].iter().sum()
+            } else {
+                angles_rad[segment] - bent
+            };
             let (sin, cos) = numbers[1].sin_cos();
             let bend = numbers[0]
-                * Vector2::new(cos * commanded.x - sin * commanded.y, sin * commanded.x + cos * commanded.y)
+                * Vector2::new(
+                    cos * commanded.x - sin * commanded.y,
+                    sin * commanded.x + cos * commanded.y,
+                )
                 + Vector2::new(numbers[2], numbers[3]);
             let last = segment + 1 == count;
             // Beyond the last segment the robot is straight, along the tangent.
-            let share =
-                ((place_m - start_m) / self.lengths_m[segment]).clamp(0.0, if last { f64::INFINITY } else { 1.0 });
-            let arc = ConstantCurvatureOptions { length_m: share * self.lengths_m[segment], ..Default::default() };
+            let share = ((place_m - start_m) / self.lengths_m[segment])
+                .clamp(0.0, if last { f64::INFINITY } else { 1.0 });
+            let arc = ConstantCurvatureOptions {
+                length_m: share * self.lengths_m[segment],
+                ..Default::default()
+            };
             at += turn * Vector3::from(ConstantCurvature::tip_m(&arc, (share * bend).into()));
             turn *= UnitQuaternion::from_scaled_axis(Vector3::new(-bend.y, bend.x, 0.0));
             bent += bend;

@@ -8,11 +8,17 @@ use crate::calibration::fit::optimum::Optimum;
 use crate::data::calibration::{ResidualGroup, SightingRow};
 
 /// Root mean square and mean error of groups of sightings.
-pub(crate) fn groups(comparison: &Comparison, blocks: &Blocks, best: &Optimum) -> Vec<ResidualGroup> {
+pub(crate) fn groups(
+    comparison: &Comparison,
+    blocks: &Blocks,
+    best: &Optimum,
+) -> Vec<ResidualGroup> {
     let mut all = Vec::new();
     let mut by = |kind: &str, name: &dyn Fn(usize) -> String| {
         let mut groups: BTreeMap<String, Vec<usize>> = BTreeMap::new();
-        for index in (0..comparison.sightings.len()).filter(|&index| best.positions[index].is_some()) {
+        for index in
+            (0..comparison.sightings.len()).filter(|&index| best.positions[index].is_some())
+        {
             groups.entry(name(index)).or_default().push(index);
         }
         let mut of_kind: Vec<ResidualGroup> =
@@ -31,8 +37,10 @@ pub(crate) fn groups(comparison: &Comparison, blocks: &Blocks, best: &Optimum) -
 fn group(kind: &str, name: String, members: &[usize], best: &Optimum) -> ResidualGroup {
     let count = members.len() as f64;
     let residual = |index: usize, axis: usize| best.residual_m[3 * index + axis];
-    let mean = |axis: usize| members.iter().map(|&index| residual(index, axis)).sum::<f64>() / count;
-    let squares = members.iter().map(|&index| best.residual_m.rows(3 * index, 3).norm_squared()).sum::<f64>();
+    let mean =
+        |axis: usize| members.iter().map(|&index| residual(index, axis)).sum::<f64>() / count;
+    let squares =
+        members.iter().map(|&index| best.residual_m.rows(3 * index, 3).norm_squared()).sum::<f64>();
     ResidualGroup {
         kind: kind.to_owned(),
         name,
@@ -47,8 +55,11 @@ fn group(kind: &str, name: String, members: &[usize], best: &Optimum) -> Residua
 /// Middle of the sightings of each point across the robot, and how far out they reach, metres.
 fn extents(comparison: &Comparison) -> Vec<([f64; 2], f64)> {
     let of = |marker: usize| {
-        let same: Vec<_> = comparison.sightings.iter().filter(|sighting| sighting.marker == marker).collect();
-        let mean = |axis: usize| same.iter().map(|sighting| sighting.at_m[axis]).sum::<f64>() / same.len() as f64;
+        let same: Vec<_> =
+            comparison.sightings.iter().filter(|sighting| sighting.marker == marker).collect();
+        let mean = |axis: usize| {
+            same.iter().map(|sighting| sighting.at_m[axis]).sum::<f64>() / same.len() as f64
+        };
         let middle = [mean(0), mean(1)];
         let out = |at: &[f64; 3]| (at[0] - middle[0]).hypot(at[1] - middle[1]);
         (middle, same.iter().map(|sighting| out(&sighting.at_m)).fold(0.0, f64::max))
@@ -76,7 +87,8 @@ pub(crate) fn rows(comparison: &Comparison, blocks: &Blocks, best: &Optimum) -> 
     let row = |index: usize| {
         let sighting = comparison.sightings[index];
         let solved = best.positions[index].is_some();
-        let residual = |axis: usize| if solved { best.residual_m[3 * index + axis] } else { f64::NAN };
+        let residual =
+            |axis: usize| if solved { best.residual_m[3 * index + axis] } else { f64::NAN };
         SightingRow {
             trial: comparison.recording.trial[sighting.row],
             time_s: comparison.recording.time_s[sighting.row],

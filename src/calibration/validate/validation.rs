@@ -21,9 +21,9 @@ struct Unseen {
     complete: bool,
 }
 
-/// Blocked cross-validation. For each part the numbers are those of a fit without it, from one Gauss–Newton step at the
-/// optimum of all rows (exact where the model is linear; Giordano et al. 2019, the infinitesimal jackknife), and the part is
-/// then simulated with them.
+/// Blocked cross-validation. For each part the numbers are those of a fit without it, from one
+/// Gauss–Newton step at the optimum of all rows (exact where the model is linear; Giordano et al.
+/// 2019, the infinitesimal jackknife), and the part is then simulated with them.
 pub(crate) fn cross_validated(
     problem: &CalibrationProblem,
     best: &Optimum,
@@ -36,13 +36,30 @@ pub(crate) fn cross_validated(
         let part = problem.comparison.only(&unseen);
         let x = without(problem, best, &unseen);
         let model = problem.at(&x).or_else(|| problem.at(&best.x));
-        let fitted_m = model.map_or_else(|| vec![None; unseen.len()], |model| part.positions(&model));
+        let fitted_m =
+            model.map_or_else(|| vec![None; unseen.len()], |model| part.positions(&model));
         add(&mut all, "this model, fitted", problem.numbers.len(), &unseen, Some(fitted_m));
         let start = problem.at(&vec![0.0; best.x.len()]);
-        add(&mut all, "this model, as given", 0, &unseen, start.map(|model| part.positions(&model)));
-        add_references(&mut all, problem.model, problem.comparison, SightingSplit { fitted: &fitted, unseen: &unseen });
+        add(
+            &mut all,
+            "this model, as given",
+            0,
+            &unseen,
+            start.map(|model| part.positions(&model)),
+        );
+        add_references(
+            &mut all,
+            problem.model,
+            problem.comparison,
+            SightingSplit { fitted: &fitted, unseen: &unseen },
+        );
     }
-    let how = format!("blocked cross-validation: {} parts of the {} {}s", folds.len(), blocks.names.len(), blocks.kind);
+    let how = format!(
+        "blocked cross-validation: {} parts of the {} {}s",
+        folds.len(),
+        blocks.names.len(),
+        blocks.kind
+    );
     error(problem.comparison, how, Vec::new(), all)
 }
 
@@ -64,7 +81,11 @@ pub(crate) fn held_out(
 }
 
 /// Coordinates of a fit without some sightings.
-pub(crate) fn without(problem: &CalibrationProblem, best: &Optimum, left_out: &[usize]) -> Vec<f64> {
+pub(crate) fn without(
+    problem: &CalibrationProblem,
+    best: &Optimum,
+    left_out: &[usize],
+) -> Vec<f64> {
     let (mut normal, mut gradient) = problem.normal(best);
     for &index in left_out {
         // Downdate the normal equations by the equations that are left out.
@@ -74,22 +95,34 @@ pub(crate) fn without(problem: &CalibrationProblem, best: &Optimum, left_out: &[
     }
     let Some(inverse) = inverse(&normal) else { return best.x.clone() };
     let step: DVector<f64> = -(inverse.inverse * gradient);
-    let longest =
-        |(number, step): (&crate::calibration::numbers::number::FitNumber, &f64)| step.abs() / number.longest_step();
+    let longest = |(number, step): (&crate::calibration::numbers::number::FitNumber, &f64)| {
+        step.abs() / number.longest_step()
+    };
     // A linear step may lead far outside where the model is linear.
     let shorten = problem.numbers.iter().zip(step.iter()).map(longest).fold(1.0, f64::max);
     let moved = best.x.iter().zip(step.iter()).zip(problem.numbers);
     moved.map(|((x, step), number)| (x + step / shorten).max(number.low())).collect()
 }
 
-fn add_references(all: &mut Vec<Unseen>, model: &Model, comparison: &Comparison, split: SightingSplit) {
+fn add_references(
+    all: &mut Vec<Unseen>,
+    model: &Model,
+    comparison: &Comparison,
+    split: SightingSplit,
+) {
     for Reference { name, numbers, positions } in references(model, comparison, split) {
         let positions = positions.map(|all| all.into_iter().map(Some).collect());
         add(all, name, numbers, split.unseen, positions);
     }
 }
 
-fn add(all: &mut Vec<Unseen>, name: &'static str, numbers: usize, unseen: &[usize], positions: Option<Positions>) {
+fn add(
+    all: &mut Vec<Unseen>,
+    name: &'static str,
+    numbers: usize,
+    unseen: &[usize],
+    positions: Option<Positions>,
+) {
     let place = all.iter().position(|one| one.name == name).unwrap_or_else(|| {
         all.push(Unseen { name, numbers, positions: Vec::new(), complete: true });
         all.len() - 1
@@ -102,20 +135,29 @@ fn add(all: &mut Vec<Unseen>, name: &'static str, numbers: usize, unseen: &[usiz
     }
 }
 
-fn error(comparison: &Comparison, how: String, names: Vec<String>, all: Vec<Unseen>) -> HeldOutError {
+fn error(
+    comparison: &Comparison,
+    how: String,
+    names: Vec<String>,
+    all: Vec<Unseen>,
+) -> HeldOutError {
     let rms_m = |one: &Unseen, marker: Option<usize>| {
-        let wanted = |index: usize| marker.is_none_or(|marker| comparison.sightings[index].marker == marker);
+        let wanted =
+            |index: usize| marker.is_none_or(|marker| comparison.sightings[index].marker == marker);
         let squares: Vec<f64> = one
             .positions
             .iter()
             .filter(|(index, _)| wanted(*index))
-            .filter_map(|(index, at)| Some(distance_m(&(*at)?, &comparison.sightings[*index].at_m).powi(2)))
+            .filter_map(|(index, at)| {
+                Some(distance_m(&(*at)?, &comparison.sightings[*index].at_m).powi(2))
+            })
             .collect();
         (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
     };
     // A model that failed in one part must not be compared on the easier rest.
     let of = |one: &Unseen, marker| if one.complete { rms_m(one, marker) } else { f64::NAN };
-    let by_point = |one: &Unseen| (0..comparison.markers.len()).map(|marker| of(one, Some(marker))).collect();
+    let by_point =
+        |one: &Unseen| (0..comparison.markers.len()).map(|marker| of(one, Some(marker))).collect();
     let model = |one: &Unseen| ModelError {
         name: one.name.to_owned(),
         numbers: one.numbers,

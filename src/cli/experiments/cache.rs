@@ -30,7 +30,8 @@ enum CacheAction {
     Size,
     /// Read and check every entry; exit with status 1 when one is damaged.
     Verify,
-    /// Remove damaged entries, entries that other code computed, and unfinished files of dead processes.
+    /// Remove damaged entries, entries that other code computed, and unfinished files of dead
+    /// processes.
     Prune {
         /// Also remove entries older than this many days.
         #[arg(long, value_name = "DAYS")]
@@ -44,8 +45,12 @@ enum CacheAction {
 impl CacheCommand {
     pub(crate) fn execute(self) -> CommandResult {
         let store = self.cache.store();
-        let unreadable =
-            |error| CommandError::BadInput(format!("{}: found {error}, expected a store", store.root().display()));
+        let unreadable = |error| {
+            CommandError::BadInput(format!(
+                "{}: found {error}, expected a store",
+                store.root().display()
+            ))
+        };
         let entries = store.entries().map_err(unreadable)?;
         let mut text = String::new();
         let outcome = match &self.action {
@@ -58,7 +63,9 @@ impl CacheCommand {
                 Ok(())
             }
             CacheAction::Verify => verify(&store, &entries, &mut text),
-            CacheAction::Prune { older_than, dry_run } => prune(&store, &entries, *older_than, *dry_run, &mut text),
+            CacheAction::Prune { older_than, dry_run } => {
+                prune(&store, &entries, *older_than, *dry_run, &mut text)
+            }
         };
         print_all(text.as_bytes());
         outcome
@@ -70,7 +77,8 @@ fn list(entries: &[StoredEntry], stage: Option<&str>, text: &mut String) {
     for entry in entries.iter().filter(|entry| stage.is_none_or(|stage| entry.stage == stage)) {
         let state = if entry.state(&codes) == EntryState::Current { "current" } else { "stale" };
         let label = entry.note.as_ref().map_or("", |note| note.label.as_str());
-        let (stage, key, bytes, age) = (&entry.stage, entry.key.short(), entry.bytes, days(entry.age));
+        let (stage, key, bytes, age) =
+            (&entry.stage, entry.key.short(), entry.bytes, days(entry.age));
         let _ = writeln!(text, "{stage:16} {key} {bytes:>10} B {age:8.2} days {state:7} {label}");
     }
 }
@@ -86,7 +94,10 @@ fn size(entries: &[StoredEntry], text: &mut String) {
     }
     let mut line = |kind: &str, [count, bytes, stale, stale_bytes]: [u64; 4]| {
         let (all, old) = (megabytes(bytes), megabytes(stale_bytes));
-        let _ = writeln!(text, "{kind:16} {count:7} entries {all:10.3} MB, stale {stale:7} {old:10.3} MB");
+        let _ = writeln!(
+            text,
+            "{kind:16} {count:7} entries {all:10.3} MB, stale {stale:7} {old:10.3} MB"
+        );
     };
     let mut sum = [0; 4];
     for (kind, counts) in kinds {
@@ -106,7 +117,9 @@ fn verify(store: &Store, entries: &[StoredEntry], text: &mut String) -> CommandR
     let _ = writeln!(text, "{good} good, {} damaged", damaged.len());
     match damaged.len() {
         0 => Ok(()),
-        count => Err(CommandError::Failed(format!("{count} entries are damaged; the next run recomputes them"))),
+        count => Err(CommandError::Failed(format!(
+            "{count} entries are damaged; the next run recomputes them"
+        ))),
     }
 }
 
@@ -127,14 +140,24 @@ fn prune(
     };
     let useless: Vec<&StoredEntry> = entries.iter().filter(useless).collect();
     let leftover_files = store.leftovers().map_err(CommandError::failed)?;
-    let bytes = useless.iter().map(|entry| entry.bytes).chain(leftover_files.iter().map(|(_, bytes)| *bytes)).sum();
+    let bytes = useless
+        .iter()
+        .map(|entry| entry.bytes)
+        .chain(leftover_files.iter().map(|(_, bytes)| *bytes))
+        .sum();
     if !dry_run {
         useless.iter().try_for_each(|entry| store.remove(entry)).map_err(CommandError::failed)?;
-        leftover_files.iter().try_for_each(|(path, _)| std::fs::remove_file(path)).map_err(CommandError::failed)?;
+        leftover_files
+            .iter()
+            .try_for_each(|(path, _)| std::fs::remove_file(path))
+            .map_err(CommandError::failed)?;
     }
     let (entries, leftovers, megabytes) = (useless.len(), leftover_files.len(), megabytes(bytes));
     let verb = if dry_run { "would remove" } else { "removed" };
-    let _ = writeln!(text, "{verb} {entries} entries and {leftovers} unfinished files, {megabytes:.3} MB");
+    let _ = writeln!(
+        text,
+        "{verb} {entries} entries and {leftovers} unfinished files, {megabytes:.3} MB"
+    );
     Ok(())
 }
 

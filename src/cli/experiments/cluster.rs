@@ -1,4 +1,5 @@
-//! Runs on a Slurm cluster: `run --executor slurm`, `status`, `cancel`, and `work`, which the cluster starts.
+//! Runs on a Slurm cluster: `run --executor slurm`, `status`, `cancel`, and `work`, which the
+//! cluster starts.
 
 use crate::cli::program::shared::{CacheArgs, ThreadArgs, print_all};
 use crate::cli::{CommandError, CommandResult};
@@ -34,7 +35,8 @@ pub(crate) struct SlurmArgs {
 }
 
 impl SlurmArgs {
-    /// Computes what is missing on the cluster; the campaign's folder, or nothing when the jobs continue unattended.
+    /// Computes what is missing on the cluster; the campaign's folder, or nothing when the jobs
+    /// continue unattended.
     pub(crate) fn fill(
         &self,
         campaign: &Campaign,
@@ -44,20 +46,30 @@ impl SlurmArgs {
     ) -> Result<Option<CampaignFolder>, CommandError> {
         let options = self.options(campaign)?;
         if options.task_s.is_some() {
-            progress.notice("slurm.task_s has no effect: workers take single stages; remove it from the spec");
+            progress.notice(
+                "slurm.task_s has no effect: workers take single stages; remove it from the spec",
+            );
         }
         let root = std::path::absolute(store.root()).map_err(CommandError::failed)?;
         let store = Store::at(root);
-        let monitor =
-            CampaignMonitor { campaign, store: &store, options: &options, workers, detach: self.detach, progress };
+        let monitor = CampaignMonitor {
+            campaign,
+            store: &store,
+            options: &options,
+            workers,
+            detach: self.detach,
+            progress,
+        };
         match monitor.run().map_err(CommandError::Failed)? {
             CampaignEnd::Complete(folder) => Ok(Some(folder)),
-            CampaignEnd::Cancelled => Err(CommandError::Failed(format!("campaign {} was cancelled", monitor.id()))),
+            CampaignEnd::Cancelled => {
+                Err(CommandError::Failed(format!("campaign {} was cancelled", monitor.id())))
+            }
             CampaignEnd::Detached => {
                 let id = monitor.id();
                 progress.say(&format!(
-                    "the jobs continue; use `spinebench status` or `spinebench cancel {id}`, or run the same command again to \
-                     wait and publish"
+                    "the jobs continue; use `spinebench status` or `spinebench cancel {id}`, or \
+                     run the same command again to wait and publish"
                 ));
                 Ok(None)
             }
@@ -83,7 +95,10 @@ impl SlurmArgs {
         };
         let refuse = |bad: spinebench::base::BadOption| {
             let option = bad.key.replace('_', "-");
-            CommandError::BadInput(format!("--{option}: found {}, expected {}", bad.found, bad.expected))
+            CommandError::BadInput(format!(
+                "--{option}: found {}, expected {}",
+                bad.found, bad.expected
+            ))
         };
         options.check().map_err(refuse)?;
         Ok(options)
@@ -102,9 +117,14 @@ impl StatusCommand {
         let mut text = String::new();
         for one in slurm::campaigns(&self.cache.store()) {
             let (id, names, done, all) = (&one.id, one.experiments.join(" "), one.done, one.stages);
-            let failed = if one.failed > 0 { format!(", {} failed", one.failed) } else { String::new() };
+            let failed =
+                if one.failed > 0 { format!(", {} failed", one.failed) } else { String::new() };
             let cancelled = if one.cancelled { ", cancelled" } else { "" };
-            let _ = writeln!(text, "{id}  {names}: {done} of {all} stages{failed}{cancelled}; {}", one.queue);
+            let _ = writeln!(
+                text,
+                "{id}  {names}: {done} of {all} stages{failed}{cancelled}; {}",
+                one.queue
+            );
         }
         if text.is_empty() {
             text = "no campaigns\n".to_owned();
@@ -147,16 +167,20 @@ impl WorkCommand {
         let number = |name: &str| {
             let number = std::env::var(name).ok().and_then(|text| text.parse::<usize>().ok());
             let expected = "expected a task of a Slurm job array";
-            number.ok_or_else(|| CommandError::BadInput(format!("{name}: found no number, {expected}")))
+            number.ok_or_else(|| {
+                CommandError::BadInput(format!("{name}: found no number, {expected}"))
+            })
         };
         // The number of this process among all tasks of all jobs of the array.
-        let worker = number("SLURM_ARRAY_TASK_ID")? * number("SLURM_NTASKS")? + number("SLURM_PROCID")?;
+        let worker =
+            number("SLURM_ARRAY_TASK_ID")? * number("SLURM_NTASKS")? + number("SLURM_PROCID")?;
         let threads = match self.threads.jobs {
             0 => number("SLURM_CPUS_PER_TASK").unwrap_or(1),
             threads => threads,
         };
         let folder = CampaignFolder::at(&self.folder);
-        let summary = slurm::work(&folder, worker, self.workers, threads, progress).map_err(CommandError::Failed)?;
+        let summary = slurm::work(&folder, worker, self.workers, threads, progress)
+            .map_err(CommandError::Failed)?;
         if summary.stopped {
             std::process::exit(i32::from(slurm::STAGES_LEFT_STATUS));
         }

@@ -8,8 +8,9 @@ use spinebench::runner::{self, MergeError, Progress};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// Merge repetitions of one experiment that were run on machines without a common store (`--set first_seed=N`), and write
-/// tables, claims and figures of all of them. For a single folder, write its claims and figures again from its tables.
+/// Merge repetitions of one experiment that were run on machines without a common store (`--set
+/// first_seed=N`), and write tables, claims and figures of all of them. For a single folder, write
+/// its claims and figures again from its tables.
 #[derive(Args)]
 pub(crate) struct GatherCommand {
     /// Folder of the experiment under `results/`, one for each machine.

@@ -5,7 +5,8 @@ use clap::Args;
 use spinebench::data::packed::{pack, unpack};
 use std::path::PathBuf;
 
-/// Replace tables `x.csv` of results by `x.parquet`, a fifth of the size. Every command reads a table of results either way.
+/// Replace tables `x.csv` of results by `x.parquet`, a fifth of the size. Every command reads a
+/// table of results either way.
 #[derive(Args)]
 pub(crate) struct PackCommand {
     /// Tables: CSV, or Parquet with `--undo`.

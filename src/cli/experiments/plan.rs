@@ -26,7 +26,8 @@ impl PlanCommand {
         }
         stages(&campaign, &needs, &mut text);
         print_all(text.as_bytes());
-        // Dropping a hundred thousand stages takes a tenth of the run time, and the process ends here.
+        // Dropping a hundred thousand stages takes a tenth of the run time, and the process ends
+        // here.
         std::mem::forget(campaign);
         Ok(())
     }
@@ -37,7 +38,11 @@ fn describe(entry: &CampaignEntry, needs: &[Need], text: &mut String) {
     let cells = entry.cells();
     let to_compute = cells.iter().filter(|cell| needs[cell.stage] == Need::Compute).count();
     let (name, seeds, all) = (&experiment.name, experiment.seeds, cells.len());
-    let _ = writeln!(text, "{name}: {all} runs over {seeds} seeds, {} stored, {to_compute} left", all - to_compute);
+    let _ = writeln!(
+        text,
+        "{name}: {all} runs over {seeds} seeds, {} stored, {to_compute} left",
+        all - to_compute
+    );
     for cell in cells {
         let state = if needs[cell.stage] == Need::Compute { "left" } else { "stored" };
         let _ = writeln!(text, "  {state:6} {}", cell.label);
@@ -55,7 +60,8 @@ fn stages(campaign: &Campaign, needs: &[Need], text: &mut String) {
             Need::Compute => counts[1] += 1,
         }
     }
-    let [stored, to_compute] = kinds.values().fold([0, 0], |sum, counts| [sum[0] + counts[0], sum[1] + counts[1]]);
+    let [stored, to_compute] =
+        kinds.values().fold([0, 0], |sum, counts| [sum[0] + counts[0], sum[1] + counts[1]]);
     let _ = writeln!(text, "stages: {stored} stored, {to_compute} left");
     for (kind, [stored, to_compute]) in kinds {
         let _ = writeln!(text, "  {kind:16} {stored:6} stored {to_compute:6} left");

@@ -7,7 +7,8 @@ use crate::cli::program::shared::{CacheArgs, ResultsArg, SpecArgs, ThreadArgs};
 use crate::cli::{CommandError, CommandResult};
 use clap::{Args, ValueEnum};
 use spinebench::runner::{
-    self, Campaign, CampaignEntry, Outcomes, Progress, Publication, RunFacts, RunOptions, StageTimes,
+    self, Campaign, CampaignEntry, Outcomes, Progress, Publication, RunFacts, RunOptions,
+    StageTimes,
 };
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -30,7 +31,8 @@ pub(crate) struct RunCommand {
     executor: Executor,
     #[command(flatten)]
     cluster: SlurmArgs,
-    /// Exit with status 1 when a claim is not reproduced or a trial failed (a failed stage always does).
+    /// Exit with status 1 when a claim is not reproduced or a trial failed (a failed stage always
+    /// does).
     #[arg(long)]
     strict: bool,
 }
@@ -67,7 +69,9 @@ impl RunCommand {
         }
         // The monitor of a cluster tells itself what Ctrl-C means.
         if folder.is_none() {
-            exit_on_interrupt("interrupted; what is computed is stored, and the same command goes on from there");
+            exit_on_interrupt(
+                "interrupted; what is computed is stored, and the same command goes on from there",
+            );
         }
         let options = match &folder {
             Some(folder) => RunOptions { record: folder, ..RunOptions::new(1, progress) },
@@ -77,15 +81,17 @@ impl RunCommand {
             .map_err(|failure| CommandError::Failed(failure.to_string()))?;
         let wall_s = began.elapsed().as_secs_f64();
         let about = RunFacts { revision: &revision, threads: &|entry| self.threads(entry), wall_s };
-        let published =
-            runner::publish_all(&campaign, &outcomes, &store, &out, &about).map_err(CommandError::Failed)?;
+        let published = runner::publish_all(&campaign, &outcomes, &store, &out, &about)
+            .map_err(CommandError::Failed)?;
         summarise(progress, &campaign, &outcomes, &published, wall_s);
         tell_files(progress, &campaign, &published, &out);
         folder.iter().for_each(|folder| progress.say(&folder.describe_workers()));
         if let [first, ..] = outcomes.failures.as_slice() {
             let count = outcomes.failures.len();
-            let words =
-                format!("{count} stages failed, the first is {first}; rows of dependent trials name the failure");
+            let words = format!(
+                "{count} stages failed, the first is {first}; rows of dependent trials name the \
+                 failure"
+            );
             return Err(CommandError::Failed(words));
         }
         self.verdict(&published)
@@ -103,8 +109,10 @@ impl RunCommand {
     fn verdict(&self, published: &[Publication]) -> CommandResult {
         let failed: usize = published.iter().map(|publication| publication.failed).sum();
         let claims = published.iter().flat_map(|publication| &publication.claims);
-        let denied: Vec<&str> =
-            claims.filter(|row| row.verdict == "not reproduced").map(|row| row.claim.as_str()).collect();
+        let denied: Vec<&str> = claims
+            .filter(|row| row.verdict == "not reproduced")
+            .map(|row| row.claim.as_str())
+            .collect();
         if self.strict && failed > 0 {
             return Err(CommandError::Failed(format!("{failed} trials failed")));
         }
@@ -115,22 +123,36 @@ impl RunCommand {
     }
 }
 
-fn summarise(progress: &Progress, campaign: &Campaign, outcomes: &Outcomes, published: &[Publication], wall_s: f64) {
+fn summarise(
+    progress: &Progress,
+    campaign: &Campaign,
+    outcomes: &Outcomes,
+    published: &[Publication],
+    wall_s: f64,
+) {
     let failed: usize = published.iter().map(|publication| publication.failed).sum();
-    published.iter().flat_map(|publication| &publication.notices).for_each(|notice| progress.notice(notice));
+    published
+        .iter()
+        .flat_map(|publication| &publication.notices)
+        .for_each(|notice| progress.notice(notice));
     let (computed, cached) = (outcomes.computed, outcomes.cached);
-    progress.say(&format!("{computed} stages computed, {cached} read, {failed} trials failed, {wall_s:.1} s"));
+    progress.say(&format!(
+        "{computed} stages computed, {cached} read, {failed} trials failed, {wall_s:.1} s"
+    ));
     for (kind, times) in times_by_kind(campaign, outcomes) {
         let StageTimes { count, computed, wall_s, cpu_s } = times;
-        progress
-            .say(&format!("  {kind:16} {count:5} stages {computed:5} computed {wall_s:9.2} s {cpu_s:9.2} s processor"));
+        progress.say(&format!(
+            "  {kind:16} {count:5} stages {computed:5} computed {wall_s:9.2} s \
+                           {cpu_s:9.2} s processor"
+        ));
     }
     let mut verdicts: BTreeMap<&str, usize> = BTreeMap::new();
     for row in published.iter().flat_map(|publication| &publication.claims) {
         *verdicts.entry(&row.verdict).or_default() += 1;
     }
     if !verdicts.is_empty() {
-        let counts: Vec<String> = verdicts.iter().map(|(verdict, count)| format!("{count} {verdict}")).collect();
+        let counts: Vec<String> =
+            verdicts.iter().map(|(verdict, count)| format!("{count} {verdict}")).collect();
         progress.say(&format!("claims: {}", counts.join(", ")));
     }
 }
@@ -139,8 +161,13 @@ fn summarise(progress: &Progress, campaign: &Campaign, outcomes: &Outcomes, publ
 fn tell_files(progress: &Progress, campaign: &Campaign, published: &[Publication], out: &Path) {
     for (entry, publication) in campaign.entries.iter().zip(published) {
         let name = &entry.experiment.name;
-        let is_shown = |path: &&PathBuf| path.extension().is_some_and(|end| end == "md" || end == "png");
-        let shown = publication.files.keys().filter(is_shown).map(|path| out.join(path).display().to_string());
+        let is_shown =
+            |path: &&PathBuf| path.extension().is_some_and(|end| end == "md" || end == "png");
+        let shown = publication
+            .files
+            .keys()
+            .filter(is_shown)
+            .map(|path| out.join(path).display().to_string());
         let mut places = vec![format!("{}/", out.join("results").join(name).display())];
         places.extend(shown);
         progress.say(&format!("{name}: {}", places.join(", ").replace("./", "")));
@@ -150,7 +177,8 @@ fn tell_files(progress: &Progress, campaign: &Campaign, published: &[Publication
 /// Run time by kind of stage, longest first, without kinds of which nothing was computed.
 fn times_by_kind<'a>(campaign: &'a Campaign, outcomes: &Outcomes) -> Vec<(&'a str, StageTimes)> {
     let times = runner::stage_times(campaign, 0..campaign.graph.len(), outcomes);
-    let mut times: Vec<(&str, StageTimes)> = times.into_iter().filter(|(_, times)| times.computed > 0).collect();
+    let mut times: Vec<(&str, StageTimes)> =
+        times.into_iter().filter(|(_, times)| times.computed > 0).collect();
     times.sort_by(|(_, left), (_, right)| right.wall_s.total_cmp(&left.wall_s));
     times
 }

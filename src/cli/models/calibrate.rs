@@ -5,7 +5,9 @@ use crate::cli::program::outputs::{REPORT_BYTES, check_folder, check_yaml};
 use crate::cli::program::shared::StartsArg;
 use crate::cli::{CommandError, CommandResult};
 use clap::Args;
-use spinebench::calibration::{AUTO, Calibration, CalibrationError, CalibrationOptions, ErrorLaw, HoldOut, calibrate};
+use spinebench::calibration::{
+    AUTO, Calibration, CalibrationError, CalibrationOptions, ErrorLaw, HoldOut, calibrate,
+};
 use spinebench::data::calibration::{CalibrationFindings, HeldOutError};
 use spinebench::data::write_atomic;
 use spinebench::report::calibration::{CalibrationReport, calibration_artifacts};
@@ -21,15 +23,16 @@ pub(crate) struct CalibrateCommand {
     /// Model to start from.
     #[arg(long, value_name = "MODEL.yaml")]
     model: PathBuf,
-    /// Recording of the robot: tendon tensions (`tendon_1_n`…) or displacements (`tendon_1_m`…), and what was tracked.
+    /// Recording of the robot: tendon tensions (`tendon_1_n`…) or displacements (`tendon_1_m`…),
+    /// and what was tracked.
     #[arg(long, value_name = "REC.csv")]
     measured: PathBuf,
     /// Model to write.
     #[arg(long, value_name = "MODEL2.yaml")]
     out: PathBuf,
-    /// Fit these numbers of the model file (comma-separated): paths such as `robot.tendons.angles_deg[3]`, groups with `*`,
-    /// `PATH=start` and `PATH~deviation`; or `auto`, a staged set of which the data decide how much stays. See
-    /// docs/calibration.md.
+    /// Fit these numbers of the model file (comma-separated): paths such as
+    /// `robot.tendons.angles_deg[3]`, groups with `*`, `PATH=start` and `PATH~deviation`; or
+    /// `auto`, a staged set of which the data decide how much stays. See docs/calibration.md.
     #[arg(long, value_name = "PATH,…", value_delimiter = ',', default_value = "youngs_modulus_pa")]
     fit: Vec<String>,
     /// Keep an entry of --fit only where it lowers the blocked cross-validation error.
@@ -46,7 +49,8 @@ pub(crate) struct CalibrateCommand {
     /// Hold the rows of these patterns out of the fit (comma-separated; `*` stands for any text).
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     hold_out_patterns: Vec<String>,
-    /// Assume this distribution of the errors. Default: normal, or Student's t where least squares leaves outliers.
+    /// Assume this distribution of the errors. Default: normal, or Student's t where least squares
+    /// leaves outliers.
     #[arg(long, value_name = "NAME", value_parser = ["normal", "student_t"])]
     likelihood: Option<String>,
     /// Write calibration.json, report.html, figures and tables to this folder.
@@ -62,20 +66,26 @@ fn share(text: &str) -> Result<f64, String> {
 impl CalibrateCommand {
     pub(crate) fn execute(self, progress: &Progress) -> CommandResult {
         let model = self.starts.applied(read_model(&self.model).map_err(CommandError::bad_input)?);
-        let measured = read_to_calibrate(&self.measured, &model, self.at_rest).map_err(CommandError::bad_input)?;
+        let measured = read_to_calibrate(&self.measured, &model, self.at_rest)
+            .map_err(CommandError::bad_input)?;
         check_yaml(&self.out)?;
         self.report.as_ref().map_or(Ok(()), |folder| check_folder(folder, REPORT_BYTES))?;
         exit_on_interrupt("interrupted; nothing was written, and the same command begins again");
         progress.step("fitting");
-        let calibration = calibrate(&model, &measured, &self.options()).map_err(|error| self.refusal(&error))?;
+        let calibration =
+            calibrate(&model, &measured, &self.options()).map_err(|error| self.refusal(&error))?;
         progress.done();
         let text = model_text(&calibration.model).map_err(CommandError::failed)?;
-        let report = CalibrationReport { findings: &calibration.findings, sightings: &calibration.sightings };
+        let report = CalibrationReport {
+            findings: &calibration.findings,
+            sightings: &calibration.sightings,
+        };
         let files = calibration_artifacts(&report).map_err(CommandError::failed)?;
         write_atomic(&self.out, text.as_bytes()).map_err(CommandError::bad_input)?;
         if let Some(folder) = &self.report {
-            std::fs::create_dir_all(folder)
-                .map_err(|error| CommandError::BadInput(format!("{}: {error}", folder.display())))?;
+            std::fs::create_dir_all(folder).map_err(|error| {
+                CommandError::BadInput(format!("{}: {error}", folder.display()))
+            })?;
             write(&files, folder, folder).map_err(CommandError::bad_input)?;
         }
         if let Some(words) = model.tracking.starts.told() {
@@ -101,7 +111,14 @@ impl CalibrateCommand {
         });
         let select = self.select;
         let validate = self.report.is_some() || select || self.fit == [AUTO];
-        CalibrationOptions { fit: self.fit.clone(), select, at_rest: self.at_rest, hold_out, likelihood, validate }
+        CalibrationOptions {
+            fit: self.fit.clone(),
+            select,
+            at_rest: self.at_rest,
+            hold_out,
+            likelihood,
+            validate,
+        }
     }
 
     /// An error with the file or the argument that it is about.
@@ -120,7 +137,8 @@ impl CalibrateCommand {
 
 /// Prints the result.
 fn print(calibration: &Calibration) {
-    let CalibrationFindings { numbers, before_m, after_m, positions, rows, .. } = &calibration.findings;
+    let CalibrationFindings { numbers, before_m, after_m, positions, rows, .. } =
+        &calibration.findings;
     for number in numbers {
         let (name, value, low, high) = (&number.name, number.value, number.low, number.high);
         println!("{name}: {value:.5e}, 95 % interval {low:.5e} to {high:.5e}");
@@ -134,13 +152,19 @@ fn print(calibration: &Calibration) {
     for stage in &calibration.findings.stages {
         let kept = if stage.kept { "kept" } else { "left out" };
         let error_mm = 1e3 * stage.cross_validated_m;
-        println!("  {:<32} {:3} numbers, cross-validated {error_mm:8.3} mm: {kept}", stage.name, stage.numbers);
+        println!(
+            "  {:<32} {:3} numbers, cross-validated {error_mm:8.3} mm: {kept}",
+            stage.name, stage.numbers
+        );
     }
     if let Some(held_out) = &calibration.findings.held_out {
         print_held_out(held_out);
     }
     for pair in &calibration.findings.trade_offs {
-        println!("{} and {} trade against each other (correlation {:.3})", pair.first, pair.second, pair.correlation);
+        println!(
+            "{} and {} trade against each other (correlation {:.3})",
+            pair.first, pair.second, pair.correlation
+        );
     }
     for limitation in &calibration.findings.limitations {
         println!("note: {limitation}");

@@ -9,20 +9,23 @@ use clap::builder::PossibleValuesParser;
 use spinebench::base::Seed;
 use spinebench::data::{Recording, write_atomic};
 use spinebench::discovery::{
-    Discovery, DiscoveryError, Options, Question, Round, Rounds, RoundsError, discover_until_named, with_step_listener,
+    Discovery, DiscoveryError, Options, Question, Round, Rounds, RoundsError, discover_until_named,
+    with_step_listener,
 };
 use spinebench::effects::{CATALOGUE, Model};
 use spinebench::report::discovery::{DiscoveryReport, EffectText, artifacts};
 use spinebench::runner::Progress;
 use spinebench::specs::{
-    PlantSpec, SimulatedSpec, extended_text, files_behind, model_text, read_model, read_options, read_plant,
+    PlantSpec, SimulatedSpec, extended_text, files_behind, model_text, read_model, read_options,
+    read_plant,
 };
 use spinebench::tasks::{SimulationOptions, read_to_explain, simulate_recording};
 use std::convert::Infallible;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Find the effect that a model lacks: compare it with measured data, name the effect, fit it and add it to the model.
+/// Find the effect that a model lacks: compare it with measured data, name the effect, fit it and
+/// add it to the model.
 #[derive(Args)]
 pub(crate) struct DiscoverCommand {
     /// Model of the robot.
@@ -31,20 +34,22 @@ pub(crate) struct DiscoverCommand {
     /// Recordings to explain (CSV or Parquet).
     #[arg(long, value_name = "REC.csv", num_args = 1.., required = true)]
     measured: Vec<PathBuf>,
-    /// Recording of the robot as built. Calibrate the model on it and ignore errors that both recordings
-    /// share.
+    /// Recording of the robot as built. Calibrate the model on it and ignore errors that both
+    /// recordings share.
     #[arg(long, value_name = "REC.csv")]
     baseline: Option<PathBuf>,
     /// Write findings.json, model.yaml, report.html, figures and tables to this folder.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Read settings of the search, such as `most_effects: 2`, from this file; see docs/discovery.md.
+    /// Read settings of the search, such as `most_effects: 2`, from this file; see
+    /// docs/discovery.md.
     #[arg(long, value_name = "OPTIONS.yaml")]
     options: Option<PathBuf>,
     /// Exclude these effects from the search (comma-separated).
     #[arg(long, value_name = "NAME,…", value_delimiter = ',', value_parser = names())]
     leave_out: Vec<String>,
-    /// While the verdict is `ambiguous`, record the proposed next measurement on this simulated plant.
+    /// While the verdict is `ambiguous`, record the proposed next measurement on this simulated
+    /// plant.
     #[arg(long, value_name = "PLANT.yaml")]
     plant: Option<PathBuf>,
     /// Maximum number of recordings on the plant.
@@ -80,23 +85,31 @@ impl DiscoverCommand {
             .map_err(CommandError::bad_input)?;
         self.refuse_twins(&parts)?;
         let measured = Recording::joined(&parts).map_err(|error| {
-            CommandError::BadInput(format!("{}, line 1: {error}", self.measured[error.index].display()))
+            CommandError::BadInput(format!(
+                "{}, line 1: {error}",
+                self.measured[error.index].display()
+            ))
         })?;
-        let baseline = self.baseline.as_ref().map(|file| read_to_explain(file, &model, options.at_rest)).transpose();
+        let baseline = self
+            .baseline
+            .as_ref()
+            .map(|file| read_to_explain(file, &model, options.at_rest))
+            .transpose();
         let baseline = baseline.map_err(CommandError::bad_input)?;
         self.refuse_own_baseline(&measured, baseline.as_ref())?;
         let plant = self.plant.as_ref().map(|file| simulated(file, &model)).transpose()?;
         check_folder(&self.out, REPORT_BYTES)?;
         exit_on_interrupt("interrupted; nothing was written, and the same command begins again");
-        let trials = self
-            .measured
-            .iter()
-            .zip(&parts)
-            .flat_map(|(file, part)| part.trials().into_iter().map(move |(number, _)| (file.clone(), number)));
+        let trials = self.measured.iter().zip(&parts).flat_map(|(file, part)| {
+            part.trials().into_iter().map(move |(number, _)| (file.clone(), number))
+        });
         let question = Question { model: &model, baseline: baseline.as_ref(), options: &options };
-        let (mut answer, recorded) = self.answer(question, measured, trials.collect(), plant.as_ref(), progress)?;
+        let (mut answer, recorded) =
+            self.answer(question, measured, trials.collect(), plant.as_ref(), progress)?;
         progress.done();
-        if baseline.is_some_and(|baseline| parts.iter().any(|part| baseline.holds(part) || part.holds(&baseline))) {
+        if baseline.is_some_and(|baseline| {
+            parts.iter().any(|part| baseline.holds(part) || part.holds(&baseline))
+        }) {
             answer.findings.limitations.push(OWN_BASELINE.to_owned());
         }
         answer.findings.limitations.extend(model.tracking.starts.told().map(str::to_owned));
@@ -111,13 +124,23 @@ impl DiscoverCommand {
         Ok(())
     }
 
-    /// Refuses an output path that is a file, and a folder in which an output would overwrite an input.
+    /// Refuses an output path that is a file, and a folder in which an output would overwrite an
+    /// input.
     fn check_out(&self) -> CommandResult {
         let refuse = |found: String, expected: &str| {
-            Err(CommandError::BadInput(format!("{}: found {found}, expected {expected}", self.out.display())))
+            Err(CommandError::BadInput(format!(
+                "{}: found {found}, expected {expected}",
+                self.out.display()
+            )))
         };
-        if let Some(there) = self.out.ancestors().find(|place| place.exists()).filter(|place| !place.is_dir()) {
-            let what = if there == self.out { "a file".to_owned() } else { format!("the file {}", there.display()) };
+        if let Some(there) =
+            self.out.ancestors().find(|place| place.exists()).filter(|place| !place.is_dir())
+        {
+            let what = if there == self.out {
+                "a file".to_owned()
+            } else {
+                format!("the file {}", there.display())
+            };
             return refuse(what, "a folder, or a path that does not exist");
         }
         let Ok(out) = self.out.canonicalize() else { return Ok(()) };
@@ -125,7 +148,10 @@ impl DiscoverCommand {
         let behind = specs.into_iter().flatten().flat_map(|file| files_behind(file));
         for file in self.measured.iter().chain(&self.baseline).cloned().chain(behind) {
             let Ok(place) = file.canonicalize() else { continue };
-            let name = place.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+            let name = place
+                .file_name()
+                .map(|name| name.to_string_lossy().into_owned())
+                .unwrap_or_default();
             if place.parent() == Some(&*out) && is_written(&name) {
                 return refuse(format!("input file {name} in it"), "a folder without input files");
             }
@@ -136,7 +162,9 @@ impl DiscoverCommand {
     /// Refuses a recording that is given twice: its copy would appear in the held-out trials.
     fn refuse_twins(&self, parts: &[Recording]) -> CommandResult {
         for (k, part) in parts.iter().enumerate() {
-            if let Some(first) = parts[..k].iter().position(|earlier| earlier.holds(part) || part.holds(earlier)) {
+            if let Some(first) =
+                parts[..k].iter().position(|earlier| earlier.holds(part) || part.holds(earlier))
+            {
                 let [again, first] = [k, first].map(|index| self.measured[index].display());
                 refuse!("{again}: found the trials of {first} again, expected another recording");
             }
@@ -145,18 +173,25 @@ impl DiscoverCommand {
     }
 
     /// Refuses a baseline that contains the whole recording.
-    fn refuse_own_baseline(&self, measured: &Recording, baseline: Option<&Recording>) -> CommandResult {
+    fn refuse_own_baseline(
+        &self,
+        measured: &Recording,
+        baseline: Option<&Recording>,
+    ) -> CommandResult {
         match (&self.baseline, baseline) {
-            (Some(file), Some(baseline)) if baseline.holds(measured) => Err(CommandError::BadInput(format!(
-                "{}: found all trials of the measured recording, expected another recording, of the robot as built",
-                file.display()
-            ))),
+            (Some(file), Some(baseline)) if baseline.holds(measured) => {
+                Err(CommandError::BadInput(format!(
+                    "{}: found all trials of the measured recording, expected another recording, \
+                     of the robot as built",
+                    file.display()
+                )))
+            }
             _ => Ok(()),
         }
     }
 
-    /// The answer, with more recordings from the plant as long as it is ambiguous, and these with their files. `trials`:
-    /// file and number of those that were measured.
+    /// The answer, with more recordings from the plant as long as it is ambiguous, and these with
+    /// their files. `trials`: file and number of those that were measured.
     fn answer(
         &self,
         question: Question,
@@ -168,7 +203,9 @@ impl DiscoverCommand {
         let mut files = Vec::new();
         let record = |round: &Round| -> Result<Option<Recording>, Infallible> {
             // The plant file defines the base pose, so the base cannot be remounted.
-            let (Some(plant), Some(next)) = (plant, round.proposal_without_remounting()) else { return Ok(None) };
+            let (Some(plant), Some(next)) = (plant, round.proposal_without_remounting()) else {
+                return Ok(None);
+            };
             if !progress.is_quiet() {
                 println!("round {}: {}", round.number, round.answer.findings.summary);
                 println!("recording on the plant: {}", next.proposal.what);
@@ -178,13 +215,19 @@ impl DiscoverCommand {
                 noise_m: plant.noise_m,
                 travel_m: plant.travel_m,
                 // The seed differs from that of recordings made by an earlier call.
-                seed: Seed(question.options.seed).child("plant").index(round.measured.trials().len() as u64),
+                seed: Seed(question.options.seed)
+                    .child("plant")
+                    .index(round.measured.trials().len() as u64),
             };
             let mut recorded = simulate_recording(&plant.model, &next.commands, &play_options);
             recorded.forget_orientations();
             recorded.extra.clear();
-            let file = self.out.join(format!("recorded_{}_{}.csv", round.number, next.proposal.name));
-            trials.splice(0..0, recorded.trials().into_iter().map(|(number, _)| (file.clone(), number)));
+            let file =
+                self.out.join(format!("recorded_{}_{}.csv", round.number, next.proposal.name));
+            trials.splice(
+                0..0,
+                recorded.trials().into_iter().map(|(number, _)| (file.clone(), number)),
+            );
             files.push(file);
             Ok(Some(recorded))
         };
@@ -203,20 +246,38 @@ impl DiscoverCommand {
         Ok((answer, files.into_iter().zip(recorded).collect()))
     }
 
-    /// Data that allow no answer, with the file that they are in and the number of a trial there; with all files where it is
-    /// all of them.
-    fn refusal(&self, error: &DiscoveryError, measured: &Recording, trials: &[(PathBuf, u64)]) -> CommandError {
-        let refused =
-            |file: &Path, error: &DiscoveryError| CommandError::BadInput(format!("{}: {error}", file.display()));
-        let all = || self.measured.iter().map(|file| file.display().to_string()).collect::<Vec<_>>().join(", ");
+    /// Data that allow no answer, with the file that they are in and the number of a trial there;
+    /// with all files where it is all of them.
+    fn refusal(
+        &self,
+        error: &DiscoveryError,
+        measured: &Recording,
+        trials: &[(PathBuf, u64)],
+    ) -> CommandError {
+        let refused = |file: &Path, error: &DiscoveryError| {
+            CommandError::BadInput(format!("{}: {error}", file.display()))
+        };
+        let all = || {
+            self.measured
+                .iter()
+                .map(|file| file.display().to_string())
+                .collect::<Vec<_>>()
+                .join(", ")
+        };
         match error {
-            DiscoveryError::Baseline(_) => refused(self.baseline.as_ref().unwrap_or(&self.model), error),
-            DiscoveryError::Option(_) => refused(self.options.as_ref().unwrap_or(&self.model), error),
+            DiscoveryError::Baseline(_) => {
+                refused(self.baseline.as_ref().unwrap_or(&self.model), error)
+            }
+            DiscoveryError::Option(_) => {
+                refused(self.options.as_ref().unwrap_or(&self.model), error)
+            }
             DiscoveryError::CannotFollow(number) => {
                 let place = measured.trials().iter().position(|(other, _)| other == number);
                 let is_measured = |(file, _): &&(PathBuf, u64)| self.measured.contains(file);
                 match place.and_then(|place| trials.get(place)).filter(is_measured) {
-                    Some((file, number_there)) => refused(file, &DiscoveryError::CannotFollow(*number_there)),
+                    Some((file, number_there)) => {
+                        refused(file, &DiscoveryError::CannotFollow(*number_there))
+                    }
                     None => CommandError::BadInput(format!("{}: {error}", all())),
                 }
             }
@@ -225,12 +286,19 @@ impl DiscoverCommand {
     }
 
     /// Writes all outputs after all of them are computed; `findings.json` last.
-    fn write(&self, model: &Model, answer: &Discovery, recorded: &[(PathBuf, Recording)]) -> CommandResult {
+    fn write(
+        &self,
+        model: &Model,
+        answer: &Discovery,
+        recorded: &[(PathBuf, Recording)],
+    ) -> CommandResult {
         let added = answer.model.effects.len() - model.effects.len();
         let model_bytes = if added == 0 {
             std::fs::read(&self.model).map_err(CommandError::bad_input)?
         } else {
-            extended_text(&self.model, &answer.model, added).map_err(CommandError::failed)?.into_bytes()
+            extended_text(&self.model, &answer.model, added)
+                .map_err(CommandError::failed)?
+                .into_bytes()
         };
         let texts: Vec<EffectText> = CATALOGUE
             .iter()
@@ -242,8 +310,11 @@ impl DiscoverCommand {
             })
             .collect();
         let before = model_text(model).map_err(CommandError::failed)?;
-        let after =
-            if added == 0 { before.clone() } else { model_text(&answer.model).map_err(CommandError::failed)? };
+        let after = if added == 0 {
+            before.clone()
+        } else {
+            model_text(&answer.model).map_err(CommandError::failed)?
+        };
         let files = artifacts(&DiscoveryReport {
             findings: &answer.findings,
             residuals: &answer.residuals,
@@ -264,9 +335,13 @@ impl DiscoverCommand {
             recording.write(file).map_err(CommandError::failed)?;
         }
         for next in &answer.next_experiments {
-            next.commands.write(&self.out.join(&next.proposal.file)).map_err(CommandError::failed)?;
+            next.commands
+                .write(&self.out.join(&next.proposal.file))
+                .map_err(CommandError::failed)?;
         }
-        let proposed = |file: &&String| answer.next_experiments.iter().any(|next| next.proposal.file == **file);
+        let proposed = |file: &&String| {
+            answer.next_experiments.iter().any(|next| next.proposal.file == **file)
+        };
         for file in old_files.iter().filter(|file| !proposed(file)) {
             let _ = std::fs::remove_file(self.out.join(file));
         }
@@ -285,15 +360,22 @@ impl DiscoverCommand {
 }
 
 /// Limitation if the baseline shares trials with the recording.
-const OWN_BASELINE: &str = "The baseline contains trials of the measured recording: errors that both share are not attributed to \
-         an effect, and trials used for calibration are no independent test.";
+const OWN_BASELINE: &str = "The baseline contains trials of the measured recording: errors that \
+                            both share are not attributed to an effect, and trials used for \
+                            calibration are no independent test.";
 
-/// The answer with a word on which trial is whose, where recordings were joined under new numbers or `made` on a plant.
-/// `trials`: file and number there of those of `measured`.
-fn numbered(mut answer: Discovery, measured: &Recording, trials: &[(PathBuf, u64)], made: bool) -> Discovery {
+/// The answer with a word on which trial is whose, where recordings were joined under new numbers
+/// or `made` on a plant. `trials`: file and number there of those of `measured`.
+fn numbered(
+    mut answer: Discovery,
+    measured: &Recording,
+    trials: &[(PathBuf, u64)],
+    made: bool,
+) -> Discovery {
     let now: Vec<u64> = measured.trials().into_iter().map(|(number, _)| number).collect();
     if made || now.iter().zip(trials).any(|(now, (_, before))| now != before) {
-        let numbers: Vec<(&Path, u64)> = trials.iter().zip(now).map(|((file, _), now)| (file.as_path(), now)).collect();
+        let numbers: Vec<(&Path, u64)> =
+            trials.iter().zip(now).map(|((file, _), now)| (file.as_path(), now)).collect();
         let each = numbers.chunk_by(|(a, _), (b, _)| a == b).map(|of| {
             let name = of[0].0.file_name().unwrap_or(of[0].0.as_os_str()).to_string_lossy();
             format!("{} to {} are from {name}", of[0].1, of[of.len() - 1].1)
@@ -311,8 +393,11 @@ fn is_commands(name: &str) -> bool {
 
 /// Whether `discover` writes a file of this name.
 fn is_written(name: &str) -> bool {
-    let always = ["findings.json", "model.yaml", "residuals.csv", "disagreement.csv", "candidates.csv"];
-    always.contains(&name) || is_commands(name) || name.starts_with("recorded_") && name.ends_with(".csv")
+    let always =
+        ["findings.json", "model.yaml", "residuals.csv", "disagreement.csv", "candidates.csv"];
+    always.contains(&name)
+        || is_commands(name)
+        || name.starts_with("recorded_") && name.ends_with(".csv")
 }
 
 /// Reads a simulated plant with as many tendons as the model.
@@ -328,7 +413,10 @@ fn simulated(file: &Path, model: &Model) -> Result<SimulatedSpec, CommandError> 
             if tendons == expected {
                 return Ok(plant);
             }
-            Err(refuse(format!("{tendons} tendons"), format!("{expected}, the number of tendons of the model")))
+            Err(refuse(
+                format!("{tendons} tendons"),
+                format!("{expected}, the number of tendons of the model"),
+            ))
         }
         other => Err(refuse(other.kind().to_owned(), "a simulated plant".to_owned())),
     }

@@ -6,7 +6,8 @@ use clap::Args;
 use spinebench::effects::{CATALOGUE, Card};
 use std::fmt::Write as _;
 
-/// Print the catalogue: each effect with its parameters and units, equation, source, and the effects it is confused with.
+/// Print the catalogue: each effect with its parameters and units, equation, source, and the
+/// effects it is confused with.
 #[derive(Args)]
 pub(crate) struct EffectsCommand {
     /// Print only this effect.
@@ -21,7 +22,10 @@ impl EffectsCommand {
             Some(name) => {
                 let card = CATALOGUE.iter().find(|card| card.name == name).ok_or_else(|| {
                     let all: Vec<&str> = CATALOGUE.iter().map(|card| card.name).collect();
-                    CommandError::BadInput(format!("NAME: found `{name}`, expected one of {}", all.join(", ")))
+                    CommandError::BadInput(format!(
+                        "NAME: found `{name}`, expected one of {}",
+                        all.join(", ")
+                    ))
                 })?;
                 describe(card, &mut text);
             }
@@ -32,10 +36,23 @@ impl EffectsCommand {
 }
 
 fn describe(card: &Card, text: &mut String) {
-    let _ = writeln!(text, "{}\n  missing:       {}\n  equation:      {}", card.name, card.missing, card.equation);
+    let _ = writeln!(
+        text,
+        "{}\n  missing:       {}\n  equation:      {}",
+        card.name, card.missing, card.equation
+    );
     for parameter in card.parameters {
         let unit = if parameter.unit == "1" { "ratio" } else { parameter.unit };
-        let _ = writeln!(text, "  parameter:     {} ({unit}; nothing changes at {})", parameter.name, parameter.null);
+        let _ = writeln!(
+            text,
+            "  parameter:     {} ({unit}; nothing changes at {})",
+            parameter.name, parameter.null
+        );
     }
-    let _ = writeln!(text, "  source:        {}\n  confused with: {}\n", card.source, card.confused_with.join(", "));
+    let _ = writeln!(
+        text,
+        "  source:        {}\n  confused with: {}\n",
+        card.source,
+        card.confused_with.join(", ")
+    );
 }

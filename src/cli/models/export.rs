@@ -23,7 +23,8 @@ enum To {
     Mcap(McapExport),
 }
 
-/// Export a recording as MCAP, which Foxglove and other viewers open: poses, commands, the robot as a line, residuals.
+/// Export a recording as MCAP, which Foxglove and other viewers open: poses, commands, the robot as
+/// a line, residuals.
 #[derive(Args)]
 struct McapExport {
     /// Recording, measured or simulated; CSV or Parquet.
@@ -32,7 +33,8 @@ struct McapExport {
     /// File to write.
     #[arg(long, value_name = "REC.mcap")]
     out: PathBuf,
-    /// Show the robot that this model has under the recording's commands as a line from base to tip.
+    /// Show the robot that this model has under the recording's commands as a line from base to
+    /// tip.
     #[arg(long, value_name = "MODEL.yaml")]
     model: Option<PathBuf>,
     /// Show what the models of a discovery on this recording leave: its `residuals.csv`.
@@ -58,7 +60,8 @@ impl McapExport {
         check_ending(&self.out, &["mcap"])?;
         let read = if self.at_rest { Recording::read_poses } else { Recording::read };
         let recording = read(&self.recording).map_err(CommandError::bad_input)?;
-        let model = self.model.as_deref().map(read_model).transpose().map_err(CommandError::bad_input)?;
+        let model =
+            self.model.as_deref().map(read_model).transpose().map_err(CommandError::bad_input)?;
         let residuals = self.residuals.as_deref().map(tables::read_csv::<ResidualRow>).transpose();
         let residuals = residuals.map_err(CommandError::bad_input)?.unwrap_or_default();
         check_file(&self.out, recording.len() * ROW_BYTES)?;
@@ -72,7 +75,12 @@ impl McapExport {
             }
             None => Vec::new(),
         };
-        let shown = Shown { recording: &recording, at_rest: self.at_rest, shape_m: &shape_m, residuals: &residuals };
+        let shown = Shown {
+            recording: &recording,
+            at_rest: self.at_rest,
+            shape_m: &shape_m,
+            residuals: &residuals,
+        };
         write_atomic(&self.out, &to_mcap(&shown)).map_err(CommandError::bad_input)?;
         let (rows, out) = (recording.len(), self.out.display());
         progress.say(&format!("wrote {out}: {rows} row{}", if rows == 1 { "" } else { "s" }));

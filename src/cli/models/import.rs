@@ -7,11 +7,14 @@ use crate::cli::program::outputs::check_recording;
 use crate::cli::{CommandError, CommandResult};
 use clap::{Args, Subcommand, ValueEnum};
 use spinebench::data::import::motive::{Body, Export};
-use spinebench::data::import::{Axes, ImportOptions, Imported, ImportedBodies, Log, TipFrame, import};
+use spinebench::data::import::{
+    Axes, ImportOptions, Imported, ImportedBodies, Log, TipFrame, import,
+};
 use spinebench::runner::Progress;
 use std::path::PathBuf;
 
-/// Import other people's files as a recording: a tracking system's export, any logger's text files, a bag.
+/// Import other people's files as a recording: a tracking system's export, any logger's text files,
+/// a bag.
 #[derive(Args)]
 pub(crate) struct ImportCommand {
     #[command(subcommand)]
@@ -25,15 +28,16 @@ enum From {
     Mcap(McapImport),
 }
 
-/// Import OptiTrack Motive's CSV export (format versions 1.2x) with a rigid body or a single marker on the robot's base and
-/// on its tip, and any along its body.
+/// Import OptiTrack Motive's CSV export (format versions 1.2x) with a rigid body or a single marker
+/// on the robot's base and on its tip, and any along its body.
 ///
-/// The tip is expressed relative to the base body's pivot and interpolated at the times of the commands; rows without
-/// tracking get valid = 0. The log is placed on the export's clock by a column export_time_s (the export's time at each
-/// row) or by --offset-s.
+/// The tip is expressed relative to the base body's pivot and interpolated at the times of the
+/// commands; rows without tracking get valid = 0. The log is placed on the export's clock by a
+/// column export_time_s (the export's time at each row) or by --offset-s.
 #[derive(Args)]
 struct Motive {
-    /// Export with header and rigid bodies or markers, orientations as quaternions or Euler angles XYZ.
+    /// Export with header and rigid bodies or markers, orientations as quaternions or Euler angles
+    /// XYZ.
     #[arg(value_name = "EXPORT.csv")]
     export: PathBuf,
     /// Commands: a recording, with or without tip columns; CSV or Parquet.
@@ -48,15 +52,16 @@ struct Motive {
     /// Rigid body or marker on the tip [default: `tip`, or the only one whose name begins so].
     #[arg(long, value_name = "NAME")]
     tip: Option<String>,
-    /// Rigid bodies or markers along the robot, as `NAME` or `NAME=MOTIVE NAME`: columns point_NAME_x_m … in the recording,
-    /// NAME in the model's tracking.points.
+    /// Rigid bodies or markers along the robot, as `NAME` or `NAME=MOTIVE NAME`: columns
+    /// point_NAME_x_m … in the recording, NAME in the model's tracking.points.
     #[arg(long, value_name = "NAME[=MOTIVE NAME],…", value_delimiter = ',')]
     points: Vec<String>,
-    /// Export time at which each trial began, seconds, one number per trial. For a log with a column wall_time_s (one clock
-    /// for all trials): the export time of the first row.
+    /// Export time at which each trial began, seconds, one number per trial. For a log with a
+    /// column wall_time_s (one clock for all trials): the export time of the first row.
     #[arg(long, value_name = "S[,S…]", value_delimiter = ',', allow_hyphen_values = true, value_parser = seconds)]
     offset_s: Vec<f64>,
-    /// Axes of the base frame (x up, z along the straight robot) in Motive's; by default Motive's y is up and the robot lies along its z.
+    /// Axes of the base frame (x up, z along the straight robot) in Motive's; by default Motive's y
+    /// is up and the robot lies along its z.
     #[arg(long, default_value = Axes::Y_UP)]
     axes: Axes,
     /// Frame in which the tip is expressed.
@@ -97,9 +102,14 @@ impl Motive {
             let (file, name) = (self.export.display(), &base.name);
             refuse!("{file}: found `{name}` as base and as tip, expected two different bodies");
         }
-        let points = self.points.iter().map(|named| point(&export, named)).collect::<Result<Vec<_>, _>>()?;
-        let twice = |(k, (name, _)): (usize, &(String, &Body))| points[..k].iter().any(|(earlier, _)| earlier == name);
-        if let Some((name, _)) = points.iter().enumerate().find(|indexed| twice(*indexed)).map(|(_, point)| point) {
+        let points =
+            self.points.iter().map(|named| point(&export, named)).collect::<Result<Vec<_>, _>>()?;
+        let twice = |(k, (name, _)): (usize, &(String, &Body))| {
+            points[..k].iter().any(|(earlier, _)| earlier == name)
+        };
+        if let Some((name, _)) =
+            points.iter().enumerate().find(|indexed| twice(*indexed)).map(|(_, point)| point)
+        {
             refuse!("--points: found `{name}` twice, expected every name once");
         }
         let bodies = ImportedBodies { base, tip, points };
@@ -108,7 +118,12 @@ impl Motive {
             TipFrameArg::Base => TipFrame::Base,
             TipFrameArg::Tracking => TipFrame::Tracking,
         };
-        let options = ImportOptions { axes: self.axes, frame, max_gap_s: self.max_gap_s, gap_key: "--max-gap-s" };
+        let options = ImportOptions {
+            axes: self.axes,
+            frame,
+            max_gap_s: self.max_gap_s,
+            gap_key: "--max-gap-s",
+        };
         check_recording(&self.out, export.time_s.len())?;
         let imported = import(&export, &bodies, &log, &options).map_err(CommandError::bad_input)?;
         imported.recording.write(&self.out).map_err(CommandError::bad_input)?;
@@ -122,14 +137,16 @@ impl Motive {
         let frames = export.time_s.len();
         if let Some(promised) = export.promised_frames.filter(|&promised| promised > frames) {
             let file = export.file.display();
-            eprintln!("note: {file} has {frames} of the {promised} frames that its header announces");
+            eprintln!(
+                "note: {file} has {frames} of the {promised} frames that its header announces"
+            );
         }
         print_lost(imported.lost, imported.recording.len(), &self.out);
         print_doubts(&imported.doubts, &imported.recording, &OPTIONS);
         if !base.has_orientation {
             eprintln!(
-                "note: `{}` is a single marker: the tip is expressed along the tracking frame's axes, and a base that tilts \
-                 is not seen",
+                "note: `{}` is a single marker: the tip is expressed along the tracking frame's \
+                 axes, and a base that tilts is not seen",
                 base.name
             );
         }
@@ -137,17 +154,23 @@ impl Motive {
         if turn_deg > MIN_REPORTED_TURN_DEG {
             let (axes_words, alternative) = match self.frame {
                 TipFrameArg::Base => ("the base's", "--frame tracking shows a tilted base"),
-                TipFrameArg::Tracking => ("the tracking frame's", "--frame base removes a rotated tracking frame"),
+                TipFrameArg::Tracking => {
+                    ("the tracking frame's", "--frame base removes a rotated tracking frame")
+                }
             };
             eprintln!(
-                "note: the base body is rotated by {turn_deg:.1}° relative to the tracking frame; the tip is expressed along {axes_words} axes ({alternative})"
+                "note: the base body is rotated by {turn_deg:.1}° relative to the tracking frame; \
+                 the tip is expressed along {axes_words} axes ({alternative})"
             );
         }
     }
 }
 
-const OPTIONS: SettingNames =
-    SettingNames { axes: "--axes ", bodies: "--base and --tip", clock: "subtract it from --offset-s or export_time_s" };
+const OPTIONS: SettingNames = SettingNames {
+    axes: "--axes ",
+    bodies: "--base and --tip",
+    clock: "subtract it from --offset-s or export_time_s",
+};
 
 /// The body of this name; without one, the only body whose name begins with `usual`.
 fn body<'a>(export: &'a Export, name: Option<&str>, usual: &str) -> Result<&'a Body, CommandError> {
@@ -163,10 +186,14 @@ fn point<'a>(export: &'a Export, named: &str) -> Result<(String, &'a Body), Comm
     let (name, asset) = named.split_once('=').unwrap_or((named, named));
     let is_plain = |c: char| c.is_ascii_alphanumeric() || c == '_';
     if name.is_empty() || !name.chars().all(is_plain) {
-        refuse!("--points: found `{name}`, expected a name of letters, digits and _, such as `p1=Marker 1`");
+        refuse!(
+            "--points: found `{name}`, expected a name of letters, digits and _, such as \
+             `p1=Marker 1`"
+        );
     }
-    let body =
-        export.body(asset).map_err(|error| CommandError::BadInput(format!("{error} (--points {name}={asset})")))?;
+    let body = export
+        .body(asset)
+        .map_err(|error| CommandError::BadInput(format!("{error} (--points {name}={asset})")))?;
     Ok((name.to_owned(), body))
 }
 

@@ -14,13 +14,14 @@ use std::path::{Path, PathBuf};
 
 /// Import text files of any logger by a map of columns, units, axes, rates and clocks.
 ///
-/// The map is a YAML file (`spinebench schema map`, docs/importing.md). The rows of the recording are those of the commands;
-/// poses of another file, rate or clock are interpolated at their times. An offset between the clocks is given in the map, or
-/// estimated from the motion and printed with its interval.
+/// The map is a YAML file (`spinebench schema map`, docs/importing.md). The rows of the recording
+/// are those of the commands; poses of another file, rate or clock are interpolated at their times.
+/// An offset between the clocks is given in the map, or estimated from the motion and printed with
+/// its interval.
 #[derive(Args)]
 pub(crate) struct CsvImport {
-    /// Text files, in the order in which the map counts them; or a folder or a name with * and ?, where `trial_files` of the map
-    /// says which of the files are trials.
+    /// Text files, in the order in which the map counts them; or a folder or a name with * and ?,
+    /// where `trial_files` of the map says which of the files are trials.
     #[arg(value_name = "LOG.csv", required = true)]
     logs: Vec<PathBuf>,
     #[command(flatten)]
@@ -29,8 +30,8 @@ pub(crate) struct CsvImport {
 
 /// Import a bag of ROS 2 (MCAP) by a map of topics and fields.
 ///
-/// Messages in CDR: PoseStamped, TransformStamped, TFMessage, Odometry, JointState and Float64MultiArray. The map is as for
-/// `import csv`, with `topic` in place of `file`.
+/// Messages in CDR: PoseStamped, TransformStamped, TFMessage, Odometry, JointState and
+/// Float64MultiArray. The map is as for `import csv`, with `topic` in place of `file`.
 #[derive(Args)]
 pub(crate) struct McapImport {
     /// Bag.
@@ -53,7 +54,8 @@ struct ByMap {
 impl CsvImport {
     pub(crate) fn execute(self, progress: &Progress) -> CommandResult {
         let logs = LogFiles::find(&self.logs).map_err(CommandError::bad_input)?;
-        let map = read_map(&self.by.map, SourceKind::from(&logs)).map_err(CommandError::bad_input)?;
+        let map =
+            read_map(&self.by.map, SourceKind::from(&logs)).map_err(CommandError::bad_input)?;
         check_recording(&self.by.out, 0)?;
         let mapped = import_text(&logs.files, &map).map_err(CommandError::bad_input)?;
         finish(&mapped, &self.by.out, progress)
@@ -83,7 +85,8 @@ fn finish(mapped: &MappedImport, out: &Path, progress: &Progress) -> CommandResu
     if let Some(first) = mapped.passed_over.first() {
         let (count, first) = (mapped.passed_over.len(), first.display());
         eprintln!(
-            "note: the names of {count} files fit no pattern of `trial_files` (the first is {first}); they were not read"
+            "note: the names of {count} files fit no pattern of `trial_files` (the first is \
+             {first}); they were not read"
         );
     }
     if let Some(imported) = &mapped.imported {
@@ -100,13 +103,14 @@ fn print_clock(TrialClock { trial, fit }: &TrialClock) {
     let dead_time = if *dead_time_s > 0.0 {
         format!("The interval is for a dead time of the drive up to {dead_time_s} s.")
     } else {
-        "A drive that waits before it moves would make it larger by that time, which no recording tells from an offset \
-         (`tracking.clock.estimate.dead_time_s` widens the interval)."
+        "A drive that waits before it moves would make it larger by that time, which no recording \
+         tells from an offset (`tracking.clock.estimate.dead_time_s` widens the interval)."
             .to_owned()
     };
     eprintln!(
-        "note: {prefix}the tracker's times are shifted by {offset_s:.4} s (95 % interval {low_s:.4} to {high_s:.4} s): at this \
-         offset the commands, with a lag of {lag_s:.3} s, explain {:.1} % of the tip's motion. {dead_time}",
+        "note: {prefix}the tracker's times are shifted by {offset_s:.4} s (95 % interval \
+         {low_s:.4} to {high_s:.4} s): at this offset the commands, with a lag of {lag_s:.3} s, \
+         explain {:.1} % of the tip's motion. {dead_time}",
         100.0 * explained
     );
 }

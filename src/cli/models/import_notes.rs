@@ -22,7 +22,10 @@ pub(crate) struct SettingNames {
 /// Prints a note about rows without tracking.
 pub(crate) fn print_lost(lost: usize, all: usize, out: &Path) {
     if lost > 0 {
-        eprintln!("note: {lost} of {all} rows were not tracked; they have valid = 0 in {}", out.display());
+        eprintln!(
+            "note: {lost} of {all} rows were not tracked; they have valid = 0 in {}",
+            out.display()
+        );
     }
 }
 
@@ -30,31 +33,35 @@ pub(crate) fn print_lost(lost: usize, all: usize, out: &Path) {
 pub(crate) fn print_doubts(doubts: &ImportDoubts, recording: &Recording, names: &SettingNames) {
     let SettingNames { axes: key, bodies, clock } = names;
     if doubts.exchanged {
-        eprintln!("note: the base body moves and the tip body hardly does; are {bodies} exchanged?");
+        eprintln!(
+            "note: the base body moves and the tip body hardly does; are {bodies} exchanged?"
+        );
     }
     if let (Some(home_m), Some(axes)) = (doubts.home_m, doubts.axes) {
         let [x, y, z] = home_m.map(|x| 1e3 * x);
         eprintln!(
-            "note: at the start of the trials the tip is at ({x:.0}, {y:.0}, {z:.0}) mm, where no robot that lies along z \
-             has it; {key}{axes} would turn it along z, or {bodies} are exchanged"
+            "note: at the start of the trials the tip is at ({x:.0}, {y:.0}, {z:.0}) mm, where no \
+             robot that lies along z has it; {key}{axes} would turn it along z, or {bodies} are \
+             exchanged"
         );
     }
     if let Some((away_m, row)) = doubts.base_moves {
         let (trial, time_s) = (recording.trial[row], recording.time_s[row]);
         eprintln!(
-            "note: the base moves by up to {:.1} mm (trial {trial} at {time_s} s); the robot's model has a base at rest",
+            "note: the base moves by up to {:.1} mm (trial {trial} at {time_s} s); the robot's \
+             model has a base at rest",
             1e3 * away_m
         );
     }
     match doubts.onset_s {
         Some(onset_s) if onset_s < -MAX_LEAD_S => eprintln!(
-            "note: the tip begins to move {:.2} s before its commands: the tracker's clock is ahead of the log's by at \
-             least that ({clock})",
+            "note: the tip begins to move {:.2} s before its commands: the tracker's clock is \
+             ahead of the log's by at least that ({clock})",
             -onset_s
         ),
         Some(onset_s) if onset_s > MAX_ONSET_S => eprintln!(
-            "note: the tip begins to follow its commands {onset_s:.2} s late: the tracker's clock is behind the log's, or \
-             the drive is late"
+            "note: the tip begins to follow its commands {onset_s:.2} s late: the tracker's clock \
+             is behind the log's, or the drive is late"
         ),
         _ => {}
     }

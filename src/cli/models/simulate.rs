@@ -13,7 +13,8 @@ use spinebench::specs::read_model;
 use spinebench::tasks::{SimulationOptions, TOUCHES_ITSELF, read_commands, simulate_recording};
 use std::path::{Path, PathBuf};
 
-/// Drive the rod model with the commands of a recording (displacements or tensions) and write a recording.
+/// Drive the rod model with the commands of a recording (displacements or tensions) and write a
+/// recording.
 #[derive(Args)]
 pub(crate) struct SimulateCommand {
     /// Model file.
@@ -22,8 +23,8 @@ pub(crate) struct SimulateCommand {
     /// Commands: a recording, with or without tip columns; CSV or Parquet.
     #[arg(long, value_name = "IN.csv")]
     commands: PathBuf,
-    /// Recording to write, with tip, tracked points, orientations, tensions and solver status in full precision; CSV or
-    /// Parquet.
+    /// Recording to write, with tip, tracked points, orientations, tensions and solver status in
+    /// full precision; CSV or Parquet.
     #[arg(long, value_name = "OUT.csv")]
     out: PathBuf,
     /// Compute each row as the equilibrium under its own command.
@@ -36,7 +37,8 @@ pub(crate) struct SimulateCommand {
 impl SimulateCommand {
     pub(crate) fn execute(self, progress: &Progress) -> CommandResult {
         let model = self.starts.applied(read_model(&self.model).map_err(CommandError::bad_input)?);
-        let commands = read_commands(&self.commands, &model, self.at_rest).map_err(CommandError::bad_input)?;
+        let commands =
+            read_commands(&self.commands, &model, self.at_rest).map_err(CommandError::bad_input)?;
         check_recording(&self.out, commands.len())?;
         progress.step("simulating");
         let played = simulate_recording(
@@ -55,15 +57,16 @@ impl SimulateCommand {
         }
         if failed > 0 {
             let (all, out) = (played.len(), self.out.display());
-            progress
-                .notice(&format!("{failed} of {all} rows could not be solved; see the column solver_status of {out}"));
+            progress.notice(&format!(
+                "{failed} of {all} rows could not be solved; see the column solver_status of {out}"
+            ));
         }
         let itself = touching_itself(&played);
         if itself > 0 {
             let (all, out) = (played.len(), self.out.display());
             progress.notice(&format!(
-                "in {itself} of {all} rows the robot touches itself, which the model does not prevent; see the column \
-                 {TOUCHES_ITSELF} of {out}"
+                "in {itself} of {all} rows the robot touches itself, which the model does not \
+                 prevent; see the column {TOUCHES_ITSELF} of {out}"
             ));
         }
         progress.say(&written(&self.out, &played));
@@ -71,27 +74,40 @@ impl SimulateCommand {
     }
 }
 
-/// The error of a recording in which no row could be solved, with the number of the model that is most unusual, or the
-/// accuracy that the finest grid does not reach.
-pub(crate) fn nothing_solved(file: &Path, model: &Model, out: &Path, played: &Recording) -> CommandError {
+/// The error of a recording in which no row could be solved, with the number of the model that is
+/// most unusual, or the accuracy that the finest grid does not reach.
+pub(crate) fn nothing_solved(
+    file: &Path,
+    model: &Model,
+    out: &Path,
+    played: &Recording,
+) -> CommandError {
     let (out, file, rows) = (out.display(), file.display(), played.len());
     let statuses = statuses(played);
-    let all_are = |name: SolveStatus| !statuses.is_empty() && statuses.iter().all(|status| status == name.name());
+    let all_are = |name: SolveStatus| {
+        !statuses.is_empty() && statuses.iter().all(|status| status == name.name())
+    };
     let too_coarse = all_are(SolveStatus::UnderResolved);
     let suspect = match model.robot.suspect() {
-        Some((key, value)) => format!("{file}: {key}: found {value}, which few robots have; check its unit"),
+        Some((key, value)) => {
+            format!("{file}: {key}: found {value}, which few robots have; check its unit")
+        }
         None if too_coarse => format!(
-            "{file}: robot.resolution.static_tolerance_m: found {}, which the finest grid does not reach where a robot bends \
-             this sharply; expected ten times as much",
+            "{file}: robot.resolution.static_tolerance_m: found {}, which the finest grid does not \
+             reach where a robot bends this sharply; expected ten times as much",
             model.robot.resolution.static_tolerance_m
         ),
         None if all_are(SolveStatus::Flutters) => format!(
-            "{file}: robot.loads: oscillations grow about every rest under these follower loads; expected smaller loads, or \
-             a simulation without --static, in which they grow"
+            "{file}: robot.loads: oscillations grow about every rest under these follower loads; \
+             expected smaller loads, or a simulation without --static, in which they grow"
         ),
-        None => format!("no number of {file} is unusual; check the sizes of the commands against the robot's"),
+        None => format!(
+            "no number of {file} is unusual; check the sizes of the commands against the robot's"
+        ),
     };
-    CommandError::Failed(format!("none of {rows} rows could be solved (written to {out}); {suspect}"))
+    CommandError::Failed(format!(
+        "none of {rows} rows could be solved (written to {out}); {suspect}"
+    ))
 }
 
 /// What was written, in one line.

@@ -8,8 +8,8 @@ const POLL_PERIOD: Duration = Duration::from_millis(20);
 /// Exit status of a program that was ended by SIGINT.
 const SIGINT_STATUS: i32 = 130;
 
-/// From now on the first Ctrl-C (or SIGTERM) ends the process with these words, at once: whoever calls this keeps nothing
-/// half-written. A system that refuses the handlers ends it without words.
+/// From now on the first Ctrl-C (or SIGTERM) ends the process with these words, at once: whoever
+/// calls this keeps nothing half-written. A system that refuses the handlers ends it without words.
 pub(crate) fn exit_on_interrupt(words: &'static str) {
     let Ok(interrupt) = Interrupt::of_process() else { return };
     let watch = move || {

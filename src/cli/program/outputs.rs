@@ -1,4 +1,5 @@
-//! Checks of outputs before the work: the folder takes files, there is room, the name fits what is written.
+//! Checks of outputs before the work: the folder takes files, there is room, the name fits what is
+//! written.
 
 use crate::cli::{CommandError, CommandResult};
 use spinebench::data::Recording;
@@ -15,8 +16,8 @@ const YAML_BYTES: usize = 64 << 10;
 /// Checks that a recording of `rows` rows can be written to `file`.
 ///
 /// # Errors
-/// [`CommandError::BadInput`] for another ending than `.csv` and `.parquet` and for a place that takes no file,
-/// [`CommandError::Failed`] for a full disk.
+/// [`CommandError::BadInput`] for another ending than `.csv` and `.parquet` and for a place that
+/// takes no file, [`CommandError::Failed`] for a full disk.
 pub(crate) fn check_recording(file: &Path, rows: usize) -> CommandResult {
     Recording::check_name(file).map_err(CommandError::bad_input)?;
     check_file(file, rows * ROW_BYTES)
@@ -42,14 +43,18 @@ pub(crate) fn check_file(file: &Path, bytes: usize) -> CommandResult {
     if file.is_dir() {
         refuse!("{}: found a folder, expected the name of a file", file.display());
     }
-    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    probe(folder, bytes).map_err(|error| write_error(file, &error, "a file in a folder that can be written to"))
+    let folder =
+        file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    probe(folder, bytes)
+        .map_err(|error| write_error(file, &error, "a file in a folder that can be written to"))
 }
 
-/// Checks that files of `bytes` bytes together can be written to `folder`, which need not exist. Leaves nothing behind.
+/// Checks that files of `bytes` bytes together can be written to `folder`, which need not exist.
+/// Leaves nothing behind.
 ///
 /// # Errors
-/// [`CommandError::BadInput`] for a folder that cannot be made or written to, [`CommandError::Failed`] for a full disk.
+/// [`CommandError::BadInput`] for a folder that cannot be made or written to,
+/// [`CommandError::Failed`] for a full disk.
 pub(crate) fn check_folder(folder: &Path, bytes: usize) -> CommandResult {
     probe(folder, bytes).map_err(|error| write_error(folder, &error, "a writable folder"))
 }
@@ -64,8 +69,8 @@ fn write_error(place: &Path, error: &io::Error, expected: &str) -> CommandError 
     }
 }
 
-/// Writes `bytes` bytes to a new file in `folder` and removes everything again. Quotas and file systems that are mounted
-/// without the right to write show in no other way.
+/// Writes `bytes` bytes to a new file in `folder` and removes everything again. Quotas and file
+/// systems that are mounted without the right to write show in no other way.
 fn probe(folder: &Path, bytes: usize) -> io::Result<()> {
     let missing: Vec<PathBuf> = folder
         .ancestors()
@@ -90,9 +95,11 @@ fn write_probe(folder: &Path, bytes: usize) -> io::Result<()> {
         }
     };
     let block = [0x5a; 1 << 16];
-    let written =
-        (0..bytes.div_ceil(block.len())).try_for_each(|_| file.write_all(&block)).and_then(|()| file.sync_all());
+    let written = (0..bytes.div_ceil(block.len()))
+        .try_for_each(|_| file.write_all(&block))
+        .and_then(|()| file.sync_all());
     // A process with the same id on another machine may have removed the file already.
-    let removed = std::fs::remove_file(&probe).or_else(|error| if probe.exists() { Err(error) } else { Ok(()) });
+    let removed = std::fs::remove_file(&probe)
+        .or_else(|error| if probe.exists() { Err(error) } else { Ok(()) });
     written.and(removed)
 }

@@ -26,8 +26,8 @@ pub(crate) struct SpecArgs {
     /// Override a key of every spec, such as `gp.starts=21`; repeatable.
     #[arg(long, value_name = "KEY=VALUE")]
     set: Vec<String>,
-    /// Sweep a field of every spec: `gp.kernel=matern32,matern52`, or `from:to:count`, `log:from:to:count`,
-    /// `random:from:to:count`; repeatable, the sweeps form a product.
+    /// Sweep a field of every spec: `gp.kernel=matern32,matern52`, or `from:to:count`,
+    /// `log:from:to:count`, `random:from:to:count`; repeatable, the sweeps form a product.
     #[arg(long, value_name = "KEY=VALUES")]
     sweep: Vec<String>,
 }
@@ -38,14 +38,17 @@ impl SpecArgs {
         let mut sets = self.set.clone();
         sets.extend(self.seeds.map(|seeds| format!("seeds={seeds}")));
         let read = |file: &PathBuf| ExperimentSet::read(file, &sets, &self.sweep);
-        let experiments: Result<Vec<ExperimentSet>, SpecError> = self.specs.iter().map(read).collect();
+        let experiments: Result<Vec<ExperimentSet>, SpecError> =
+            self.specs.iter().map(read).collect();
         let experiments = experiments.map_err(|error| CommandError::BadInput(error.to_string()))?;
         experiments.iter().flat_map(|set| &set.notes).for_each(|text| note(text));
         let mut names = BTreeSet::new();
         for (study, file) in experiments.iter().zip(&self.specs) {
             if !names.insert(&study.experiment.name) {
                 let (name, file) = (&study.experiment.name, file.display());
-                refuse!("{file}: name: found `{name}`, expected a name that no other given spec has");
+                refuse!(
+                    "{file}: name: found `{name}`, expected a name that no other given spec has"
+                );
             }
         }
         Campaign::expand(experiments).map_err(|failure| CommandError::BadInput(failure.to_string()))
@@ -62,8 +65,14 @@ pub(crate) struct CacheArgs {
 
 impl CacheArgs {
     pub(crate) fn store(&self) -> Store {
-        let set = || std::env::var_os("SPINEBENCH_CACHE").filter(|folder| !folder.is_empty()).map(PathBuf::from);
-        Store::at(self.cache.clone().or_else(set).unwrap_or_else(|| PathBuf::from(".spinebench/cache")))
+        let set = || {
+            std::env::var_os("SPINEBENCH_CACHE")
+                .filter(|folder| !folder.is_empty())
+                .map(PathBuf::from)
+        };
+        Store::at(
+            self.cache.clone().or_else(set).unwrap_or_else(|| PathBuf::from(".spinebench/cache")),
+        )
     }
 }
 
@@ -89,8 +98,8 @@ pub(crate) struct ThreadArgs {
 /// Where experiments are written.
 #[derive(Args)]
 pub(crate) struct ResultsArg {
-    /// Folder to write `results/` and `plots/` in [default: the current one; `out` where the file `results/PUBLISHED` says
-    /// that the results there are published].
+    /// Folder to write `results/` and `plots/` in [default: the current one; `out` where the file
+    /// `results/PUBLISHED` says that the results there are published].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -104,7 +113,10 @@ impl ResultsArg {
         if !Path::new("results/PUBLISHED").is_file() {
             return PathBuf::from(".");
         }
-        progress.notice("results/ and plots/ here are published; this run writes to out/ (`--out .` replaces them)");
+        progress.notice(
+            "results/ and plots/ here are published; this run writes to out/ (`--out \
+                         .` replaces them)",
+        );
         PathBuf::from("out")
     }
 }
@@ -112,8 +124,8 @@ impl ResultsArg {
 /// How trials start.
 #[derive(Args)]
 pub(crate) struct StartsArg {
-    /// State at the start of a trial, in place of the model's `tracking.starts`: at rest at home, at rest under the trial's
-    /// first command, or as the trial before has left it.
+    /// State at the start of a trial, in place of the model's `tracking.starts`: at rest at home,
+    /// at rest under the trial's first command, or as the trial before has left it.
     #[arg(long, value_enum)]
     starts: Option<StartsChoice>,
 }

@@ -10,7 +10,9 @@ use spinebench::data::{Actuation, Recording};
 use spinebench::plants::hardware::{DryRun, HardwareOptions, RefusedRow, dry_run};
 use spinebench::runner::Progress;
 use spinebench::specs::{PlantSpec, SimulatedSpec, read_plant};
-use spinebench::tasks::{SimulationOptions, check_one_gravity, of_tendons, record_trial, simulate_recording, step_s};
+use spinebench::tasks::{
+    SimulationOptions, check_one_gravity, of_tendons, record_trial, simulate_recording, step_s,
+};
 use std::path::{Path, PathBuf};
 
 /// Play commands on a plant and record what its tracker measures.
@@ -31,7 +33,8 @@ pub(crate) struct CollectCommand {
     /// Measure every row after the robot has come to rest under its command.
     #[arg(long = "static")]
     at_rest: bool,
-    /// Check the commands against the limits of a `hardware` plant and print a summary; open and move nothing.
+    /// Check the commands against the limits of a `hardware` plant and print a summary; open and
+    /// move nothing.
     #[arg(long)]
     dry_run: bool,
 }
@@ -39,21 +42,32 @@ pub(crate) struct CollectCommand {
 impl CollectCommand {
     pub(crate) fn execute(self, progress: &Progress) -> CommandResult {
         let plant = read_plant(&self.plant).map_err(CommandError::bad_input)?;
-        let read = if self.at_rest { Recording::read_pose_commands } else { Recording::read_commands };
+        let read =
+            if self.at_rest { Recording::read_pose_commands } else { Recording::read_commands };
         let mut commands = read(&self.commands).map_err(CommandError::bad_input)?;
         of_tendons(&mut commands, &self.commands, &plant.drive_gains(), plant.tendons())
             .map_err(CommandError::bad_input)?;
         match plant {
-            PlantSpec::Simulated(plant) if !self.dry_run => self.simulate(&plant, &commands, progress),
+            PlantSpec::Simulated(plant) if !self.dry_run => {
+                self.simulate(&plant, &commands, progress)
+            }
             other => self.record(&other, &commands, progress),
         }
     }
 
     /// A simulated robot is solved as accurately as in `simulate`, at the times of the commands.
-    fn simulate(&self, plant: &SimulatedSpec, commands: &Recording, progress: &Progress) -> CommandResult {
+    fn simulate(
+        &self,
+        plant: &SimulatedSpec,
+        commands: &Recording,
+        progress: &Progress,
+    ) -> CommandResult {
         let out = self.out()?;
-        check_one_gravity(&self.commands, commands, &plant.model).map_err(CommandError::bad_input)?;
-        commands.check_points(&self.commands, &plant.model.tracking.names()).map_err(CommandError::bad_input)?;
+        check_one_gravity(&self.commands, commands, &plant.model)
+            .map_err(CommandError::bad_input)?;
+        commands
+            .check_points(&self.commands, &plant.model.tracking.names())
+            .map_err(CommandError::bad_input)?;
         check_recording(out, commands.len())?;
         let options = SimulationOptions {
             at_rest: self.at_rest,
@@ -77,14 +91,21 @@ impl CollectCommand {
         }
         if failed > 0 {
             let (all, out) = (recorded.len(), out.display());
-            progress.notice(&format!("{failed} of {all} rows could not be measured; they have valid = 0 in {out}"));
+            progress.notice(&format!(
+                "{failed} of {all} rows could not be measured; they have valid = 0 in {out}"
+            ));
         }
         progress.say(&written(out, &recorded));
         Ok(())
     }
 
     /// Any other plant is driven trial by trial.
-    fn record(&self, plant: &PlantSpec, commands: &Recording, progress: &Progress) -> CommandResult {
+    fn record(
+        &self,
+        plant: &PlantSpec,
+        commands: &Recording,
+        progress: &Progress,
+    ) -> CommandResult {
         let file = self.commands.display();
         if self.at_rest {
             let kind = plant.kind();
@@ -94,14 +115,19 @@ impl CollectCommand {
             refuse!("{file}, line 1: found tensions, expected displacements (tendon_1_m…)");
         }
         if commands.gravity_m_s2.is_some() {
-            refuse!("{file}, line 1: found a gravity (gravity_x_m_s2…), expected none: only a simulated plant has one");
+            refuse!(
+                "{file}, line 1: found a gravity (gravity_x_m_s2…), expected none: only a \
+                 simulated plant has one"
+            );
         }
         if commands.tip_load.is_some() {
             refuse!(
-                "{file}, line 1: found loads on the tip (tip_force_x_n…), expected none: only a simulated plant has them"
+                "{file}, line 1: found loads on the tip (tip_force_x_n…), expected none: only a \
+                 simulated plant has them"
             );
         }
-        let step_s = step_s(commands).map_err(|error| CommandError::BadInput(format!("{file}: {error}")))?;
+        let step_s =
+            step_s(commands).map_err(|error| CommandError::BadInput(format!("{file}: {error}")))?;
         let summary = match plant {
             PlantSpec::Hardware(options) => Some(self.check_limits(options, commands, step_s)?),
             _ => None,
@@ -121,7 +147,8 @@ impl CollectCommand {
         Ok(())
     }
 
-    /// Summary of the commands; a command that the robot would refuse is an error before anything is opened.
+    /// Summary of the commands; a command that the robot would refuse is an error before anything
+    /// is opened.
     fn check_limits(
         &self,
         options: &HardwareOptions,
@@ -129,20 +156,31 @@ impl CollectCommand {
         step_s: f64,
     ) -> Result<DryRun, CommandError> {
         dry_run(&options.safety, commands, step_s).map_err(|RefusedRow { row, refusal }| {
-            CommandError::BadInput(format!("{}, line {}: {refusal}", self.commands.display(), row + 2))
+            CommandError::BadInput(format!(
+                "{}, line {}: {refusal}",
+                self.commands.display(),
+                row + 2
+            ))
         })
     }
 
     fn out(&self) -> Result<&Path, CommandError> {
-        self.out
-            .as_deref()
-            .ok_or_else(|| CommandError::BadInput("--out: found nothing, expected the recording to write".into()))
+        self.out.as_deref().ok_or_else(|| {
+            CommandError::BadInput("--out: found nothing, expected the recording to write".into())
+        })
     }
 }
 
 /// Prints the summary of a dry run.
 fn print_summary(summary: &DryRun, options: &HardwareOptions, commands: &Recording, step_s: f64) {
-    let DryRun { trials, commands: count, ticks, largest_step_m, largest_row, reach_m: [low_m, high_m] } = summary;
+    let DryRun {
+        trials,
+        commands: count,
+        ticks,
+        largest_step_m,
+        largest_row,
+        reach_m: [low_m, high_m],
+    } = summary;
     let duration_s = *ticks as f64 * step_s + *trials as f64 * options.settle_s;
     println!("trials: {trials}, commands: {count}, ticks of {step_s} s: {ticks}");
     println!("duration: {:.1} minutes, without homing and returning home", duration_s / 60.0);

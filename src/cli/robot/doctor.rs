@@ -18,21 +18,24 @@ const PULL_M: f64 = 0.006;
 /// Smallest motion of the tip that counts as motion, metres.
 const MIN_MOTION_M: f64 = 0.002;
 
-/// Largest ratio, either way, and largest angle, degrees, between the measured and the predicted motion of one tendon: sag,
-/// creep and a tilted base change both by so much, swapped tendons by ninety degrees and more.
+/// Largest ratio, either way, and largest angle, degrees, between the measured and the predicted
+/// motion of one tendon: sag, creep and a tilted base change both by so much, swapped tendons by
+/// ninety degrees and more.
 const ONE_TENDON: Agreement = Agreement { max_ratio: 3.0, max_apart_deg: 60.0 };
 
-/// The same of two opposite tendons, whose difference sag and creep do not change: beyond it, the model's dimensions, the
-/// screws' `$100`… or the tracker's unit are wrong, or the alignment.
+/// The same of two opposite tendons, whose difference sag and creep do not change: beyond it, the
+/// model's dimensions, the screws' `$100`… or the tracker's unit are wrong, or the alignment.
 const PAIR: Agreement = Agreement { max_ratio: 1.6, max_apart_deg: 30.0 };
 
-/// Check a robot's hardware: ports, versions, settings, rates, frames. Moves nothing without --move.
+/// Check a robot's hardware: ports, versions, settings, rates, frames. Moves nothing without
+/// --move.
 #[derive(Args)]
 pub(crate) struct DoctorCommand {
     /// Plant file with `hardware:`.
     #[arg(long, value_name = "PLANT.yaml")]
     plant: PathBuf,
-    /// Home the axes and pull each tendon by 6 mm, to check that the tip moves as the model predicts.
+    /// Home the axes and pull each tendon by 6 mm, to check that the tip moves as the model
+    /// predicts.
     #[arg(long = "move")]
     moving: bool,
 }
@@ -46,9 +49,15 @@ impl DoctorCommand {
         if self.moving {
             wrong += test_tendons(&mut plant)?;
         } else {
-            println!("       nothing was moved; use --move to home the axes and pull each tendon by 6 mm");
+            println!(
+                "       nothing was moved; use --move to home the axes and pull each tendon by 6 mm"
+            );
         }
-        if wrong > 0 { Err(CommandError::Failed(format!("failed checks: {wrong}"))) } else { Ok(()) }
+        if wrong > 0 {
+            Err(CommandError::Failed(format!("failed checks: {wrong}")))
+        } else {
+            Ok(())
+        }
     }
 }
 
@@ -74,28 +83,31 @@ fn half_difference(one: &Point3, other: &Point3) -> Point3 {
 }
 
 impl Agreement {
-    /// Prints how far the tip moved and in which direction, against the prediction; returns 1 if either is wrong.
+    /// Prints how far the tip moved and in which direction, against the prediction; returns 1 if
+    /// either is wrong.
     fn print(&self, what: &str, moved_m: &Point3, predicted_m: &Point3) -> usize {
-        let (ratio, apart_deg) = (length_m(moved_m) / length_m(predicted_m), angle_deg(moved_m, predicted_m));
+        let (ratio, apart_deg) =
+            (length_m(moved_m) / length_m(predicted_m), angle_deg(moved_m, predicted_m));
         let min_ratio = 1.0 / self.max_ratio;
-        let sized = length_m(moved_m) > MIN_MOTION_M && (min_ratio..=self.max_ratio).contains(&ratio);
+        let sized =
+            length_m(moved_m) > MIN_MOTION_M && (min_ratio..=self.max_ratio).contains(&ratio);
         let directed = apart_deg <= self.max_apart_deg;
         let advice = match (sized, directed) {
             (true, true) => String::new(),
             (false, true) => format!(
-                "; expected a ratio of {min_ratio:.2} to {}: check the model's dimensions and stiffness, $100 to $103 and the \
-                 tracker's unit",
+                "; expected a ratio of {min_ratio:.2} to {}: check the model's dimensions and \
+                 stiffness, $100 to $103 and the tracker's unit",
                 self.max_ratio
             ),
             (_, false) => format!(
-                "; expected at most {} degrees: check the order of the tendons, up_axis and the alignment (`spinebench \
-                 align`)",
+                "; expected at most {} degrees: check the order of the tendons, up_axis and the \
+                 alignment (`spinebench align`)",
                 self.max_apart_deg
             ),
         };
         let words = format!(
-            "{what}: pulled {:.0} mm, tip moved {:.1} mm, predicted {:.1} mm, ratio {ratio:.2}, {apart_deg:.0} degrees \
-             apart{advice}",
+            "{what}: pulled {:.0} mm, tip moved {:.1} mm, predicted {:.1} mm, ratio {ratio:.2}, \
+             {apart_deg:.0} degrees apart{advice}",
             PULL_M * 1e3,
             length_m(moved_m) * 1e3,
             length_m(predicted_m) * 1e3
@@ -124,9 +136,9 @@ fn alarm_text(code: u16) -> String {
 /// Names limit switches that are closed, and what opens them.
 fn closed_text(axes: &str) -> String {
     format!(
-        "controller: limit switch closed: {axes}; an axis that stands on its switch leaves it when it is homed (`doctor \
-         --move` resets, unlocks and homes); if it stays closed, check the switch, its cable and $5, or turn the screw \
-         by hand with the power off"
+        "controller: limit switch closed: {axes}; an axis that stands on its switch leaves it when \
+         it is homed (`doctor --move` resets, unlocks and homes); if it stays closed, check the \
+         switch, its cable and $5, or turn the screw by hand with the power off"
     )
 }
 
@@ -158,8 +170,10 @@ fn report(diagnostics: &Diagnostics, options: &HardwareOptions) -> usize {
         wrong += print_check(false, &closed_text(&closed.join(", ")));
     }
     let position = position_mm.map(|mm| format!("{mm:.3}")).join(", ");
-    wrong +=
-        print_check(true, &format!("axes: {}, position {position} mm", if *homed { "homed" } else { "not homed" }));
+    wrong += print_check(
+        true,
+        &format!("axes: {}, position {position} mm", if *homed { "homed" } else { "not homed" }),
+    );
     wrong += print_check(true, &format!("tracker: {server}"));
     wrong += report_frames(tracking, rate_hz);
     match tip {
@@ -178,8 +192,11 @@ fn report(diagnostics: &Diagnostics, options: &HardwareOptions) -> usize {
         }
     }
     if let Some(granted) = real_time {
-        let words =
-            if *granted { "granted" } else { "not granted: other programs can delay commands; see docs/hardware.md" };
+        let words = if *granted {
+            "granted"
+        } else {
+            "not granted: other programs can delay commands; see docs/hardware.md"
+        };
         println!("       real-time priority: {words}");
     }
     wrong
@@ -188,29 +205,44 @@ fn report(diagnostics: &Diagnostics, options: &HardwareOptions) -> usize {
 /// Reports rate, losses, delays and sources of the frames.
 fn report_frames(tracking: &TrackingStatus, rate_hz: f64) -> usize {
     let rate = tracking.rate_hz.unwrap_or(0.0);
-    let mut wrong =
-        print_check((rate - rate_hz).abs() < 0.05 * rate_hz, &format!("frames: {rate:.1} Hz, expected {rate_hz}"));
+    let mut wrong = print_check(
+        (rate - rate_hz).abs() < 0.05 * rate_hz,
+        &format!("frames: {rate:.1} Hz, expected {rate_hz}"),
+    );
     let lost = tracking.lost as f64 / (tracking.lost + tracking.received).max(1) as f64;
-    wrong += print_check(lost < 0.05, &format!("frames lost: {:.1} %, expected below 5", 100.0 * lost));
-    let jitter_ms = tracking.latency_jitter_s * 1e3;
-    wrong += print_check(jitter_ms < 20.0, &format!("frame jitter: {jitter_ms:.1} ms, expected below 20"));
     wrong +=
-        print_check(tracking.foreign == 0, &format!("frames from other servers: {}, expected 0", tracking.foreign));
+        print_check(lost < 0.05, &format!("frames lost: {:.1} %, expected below 5", 100.0 * lost));
+    let jitter_ms = tracking.latency_jitter_s * 1e3;
+    wrong += print_check(
+        jitter_ms < 20.0,
+        &format!("frame jitter: {jitter_ms:.1} ms, expected below 20"),
+    );
+    wrong += print_check(
+        tracking.foreign == 0,
+        &format!("frames from other servers: {}, expected 0", tracking.foreign),
+    );
     if let Some((_, sources)) = &tracking.second_source_last {
         wrong += print_check(false, &format!("two sources of frames: {sources}; stop one of them"));
     }
-    wrong += print_check(tracking.malformed == 0, &format!("unreadable frames: {}, expected 0", tracking.malformed));
+    wrong += print_check(
+        tracking.malformed == 0,
+        &format!("unreadable frames: {}, expected 0", tracking.malformed),
+    );
     wrong
 }
 
-/// Homes the robot and pulls each tendon; returns the number of motions that are not as the model predicts.
+/// Homes the robot and pulls each tendon; returns the number of motions that are not as the model
+/// predicts.
 fn test_tendons(plant: &mut Hardware) -> Result<usize, CommandError> {
     let failed = |error: spinebench::base::PlantError| CommandError::Failed(error.to_string());
     let mut wrong = 0;
     let home_m = plant.reset(Seed(1)).map_err(failed)?.tip_m;
-    // The difference of two predictions: that of home errs by what gravity and the base differ from the model.
+    // The difference of two predictions: that of home errs by what gravity and the base differ from
+    // the model.
     let predicted_home_m = plant.expected_m();
-    let between = |from_m: &Point3, to_m: &Point3| -> Point3 { std::array::from_fn(|axis| to_m[axis] - from_m[axis]) };
+    let between = |from_m: &Point3, to_m: &Point3| -> Point3 {
+        std::array::from_fn(|axis| to_m[axis] - from_m[axis])
+    };
     let mut motions = Vec::new();
     for tendon in 0..plant.tendons() {
         let mut seen_m = [f64::NAN; 3];
@@ -221,19 +253,28 @@ fn test_tendons(plant: &mut Hardware) -> Result<usize, CommandError> {
             pulls_m[(tendon + 2) % 4] = -PULL_M * share / 3.0;
             seen_m = plant.step(&pulls_m).map_err(failed)?.tip_m;
         }
-        let (moved_m, predicted_m) = (between(&home_m, &seen_m), between(&predicted_home_m, &plant.expected_m()));
+        let (moved_m, predicted_m) =
+            (between(&home_m, &seen_m), between(&predicted_home_m, &plant.expected_m()));
         wrong += ONE_TENDON.print(&format!("tendon {}", tendon + 1), &moved_m, &predicted_m);
         motions.push((moved_m, predicted_m));
         plant.reset(Seed(1)).map_err(failed)?;
     }
     for (first, (one, opposite)) in motions.iter().zip(&motions[2..]).enumerate() {
         let what = format!("tendons {} and {}", first + 1, first + 3);
-        let (moved_m, predicted_m) = (half_difference(&one.0, &opposite.0), half_difference(&one.1, &opposite.1));
+        let (moved_m, predicted_m) =
+            (half_difference(&one.0, &opposite.0), half_difference(&one.1, &opposite.1));
         wrong += PAIR.print(&what, &moved_m, &predicted_m);
     }
     let timing = plant.timing();
-    let (latency_ms, jitter_ms) = (1e3 * timing.latency.quantile_s(0.99), 1e3 * timing.jitter.quantile_s(0.99));
-    wrong += print_check(latency_ms <= 2.0, &format!("command latency: 99 % within {latency_ms:.2} ms, expected 2"));
-    wrong += print_check(jitter_ms <= 5.0, &format!("tick jitter: 99 % within {jitter_ms:.2} ms, expected 5"));
+    let (latency_ms, jitter_ms) =
+        (1e3 * timing.latency.quantile_s(0.99), 1e3 * timing.jitter.quantile_s(0.99));
+    wrong += print_check(
+        latency_ms <= 2.0,
+        &format!("command latency: 99 % within {latency_ms:.2} ms, expected 2"),
+    );
+    wrong += print_check(
+        jitter_ms <= 5.0,
+        &format!("tick jitter: 99 % within {jitter_ms:.2} ms, expected 5"),
+    );
     Ok(wrong)
 }

@@ -30,7 +30,11 @@ pub(crate) enum RecordedPlant {
 }
 
 impl RecordedPlant {
-    pub(crate) fn open(plant: &PlantSpec, step_s: f64, seed: Seed) -> Result<RecordedPlant, CommandError> {
+    pub(crate) fn open(
+        plant: &PlantSpec,
+        step_s: f64,
+        seed: Seed,
+    ) -> Result<RecordedPlant, CommandError> {
         match plant {
             PlantSpec::Hardware(options) => RecordedPlant::open_hardware(options, step_s, seed),
             other => Ok(RecordedPlant::Other(other.build(step_s).map_err(CommandError::Failed)?)),
@@ -53,7 +57,8 @@ impl RecordedPlant {
         }
     }
 
-    /// Hangs a weight on the tip, in place of whatever hangs there. A simulated robot takes it by itself.
+    /// Hangs a weight on the tip, in place of whatever hangs there. A simulated robot takes it by
+    /// itself.
     fn hang_weight(&mut self, trial: u64, load_kg: f64, assume_done: bool) -> CommandResult {
         let grams = load_kg * 1e3;
         let what = if load_kg > 0.0 {
@@ -77,8 +82,8 @@ impl RecordedPlant {
 pub(crate) type RecordTrial<'a> =
     &'a dyn Fn(&mut dyn Plant, &Recording, Range<usize>, Seed) -> Result<Recording, PlantError>;
 
-/// A recording in progress. Finished trials are stored in a `.part` file, so that an interrupted recording can be
-/// resumed.
+/// A recording in progress. Finished trials are stored in a `.part` file, so that an interrupted
+/// recording can be resumed.
 pub(crate) struct RecordingSession<'a> {
     out: &'a Path,
     part: PathBuf,
@@ -89,11 +94,16 @@ pub(crate) struct RecordingSession<'a> {
 }
 
 impl<'a> RecordingSession<'a> {
-    /// Opens the recording `out` of these `commands`, with the trials that an earlier run has left. Refuses a place that
-    /// takes no recording before a robot moves.
-    pub(crate) fn open(out: &'a Path, commands: &'a Recording) -> Result<RecordingSession<'a>, CommandError> {
+    /// Opens the recording `out` of these `commands`, with the trials that an earlier run has left.
+    /// Refuses a place that takes no recording before a robot moves.
+    pub(crate) fn open(
+        out: &'a Path,
+        commands: &'a Recording,
+    ) -> Result<RecordingSession<'a>, CommandError> {
         check_recording(out, commands.len())?;
-        let extension = out.extension().map_or("csv".into(), |extension| extension.to_string_lossy().into_owned());
+        let extension = out
+            .extension()
+            .map_or("csv".into(), |extension| extension.to_string_lossy().into_owned());
         let part = out.with_extension(format!("part.{extension}"));
         let mut session = RecordingSession { out, part, commands, done: None, assume_done: false };
         if !session.part.exists() {
@@ -103,8 +113,8 @@ impl<'a> RecordingSession<'a> {
         if !session.begins_with(&earlier) {
             let part = session.part.display();
             refuse!(
-                "{part}: found a recording of other commands, expected the first trials of these; remove it to \
-                 start over"
+                "{part}: found a recording of other commands, expected the first trials of these; \
+                 remove it to start over"
             );
         }
         // A file with commands of drives holds none of tendons.
@@ -117,9 +127,12 @@ impl<'a> RecordingSession<'a> {
 
     fn begins_with(&self, earlier: &Recording) -> bool {
         let (count, commands) = (earlier.len(), self.commands);
-        let hung_kg =
-            |recording: &Recording, row: usize| recording.known_load_kg.as_ref().map_or(0.0, |load| load[row]);
-        let columns = |recording: &Recording| recording.drives.iter().map(DriveTrack::column).collect::<Vec<_>>();
+        let hung_kg = |recording: &Recording, row: usize| {
+            recording.known_load_kg.as_ref().map_or(0.0, |load| load[row])
+        };
+        let columns = |recording: &Recording| {
+            recording.drives.iter().map(DriveTrack::column).collect::<Vec<_>>()
+        };
         count <= commands.len()
             && columns(earlier) == columns(commands)
             && earlier.trial == commands.trial[..count]
@@ -140,7 +153,8 @@ impl<'a> RecordingSession<'a> {
         seed: Seed,
         record: RecordTrial,
     ) -> Result<Recording, CommandError> {
-        let (trials, recorded) = (self.commands.trials(), self.done.as_ref().map_or(0, Recording::len));
+        let (trials, recorded) =
+            (self.commands.trials(), self.done.as_ref().map_or(0, Recording::len));
         // After an interruption it is unknown which weight is attached.
         let mut hung_kg = if recorded == 0 { Some(0.0) } else { None };
         for (number, rows) in trials.iter().filter(|(_, rows)| rows.start >= recorded) {
@@ -166,8 +180,9 @@ impl<'a> RecordingSession<'a> {
         whole.extra.clone_from(&self.commands.extra);
         whole.write(self.out).map_err(CommandError::bad_input)?;
         if self.part.exists() {
-            std::fs::remove_file(&self.part)
-                .map_err(|error| CommandError::Failed(format!("{}: {error}", self.part.display())))?;
+            std::fs::remove_file(&self.part).map_err(|error| {
+                CommandError::Failed(format!("{}: {error}", self.part.display()))
+            })?;
         }
         Ok(whole)
     }

@@ -8,16 +8,19 @@ use spinebench::base::Seed;
 use spinebench::data::{Actuation, Recording};
 use spinebench::plants::hardware::HardwareOptions;
 use spinebench::runner::Progress;
-use spinebench::tasks::{StaticPoseOptions, of_tendons, plan_static_poses, record_static_poses, star_m};
+use spinebench::tasks::{
+    StaticPoseOptions, of_tendons, plan_static_poses, record_static_poses, star_m,
+};
 use std::path::PathBuf;
 
 /// Control step of the session, s.
 pub(crate) const STEP_S: f64 = 0.2;
 
-/// Record the robot at rest in poses, under one weight after the other, for `spinebench calibrate --static`.
+/// Record the robot at rest in poses, under one weight after the other, for `spinebench calibrate
+/// --static`.
 ///
-/// Asks the operator to hang each weight on the tip. An interrupted recording is resumed by the same command. In a
-/// rehearsal the simulated robot takes the weights and nobody is asked.
+/// Asks the operator to hang each weight on the tip. An interrupted recording is resumed by the
+/// same command. In a rehearsal the simulated robot takes the weights and nobody is asked.
 #[derive(Args)]
 pub(crate) struct WeighCommand {
     /// Plant file with `hardware:`.
@@ -58,13 +61,18 @@ impl WeighCommand {
         session.assume_done = self.yes;
         let mut robot = RecordedPlant::open_hardware(&options, STEP_S, Seed(1))?;
         let (poses, minutes) = (poses_m.len(), minutes(&planned));
-        eprintln!("note: {poses} poses with each of {} weights, about {minutes:.0} minutes", self.weights.len());
-        let recorded = session.record_missing(&mut robot, Seed(1), &|plant, planned, rows, seed| {
-            record_static_poses(plant, planned, rows, &visiting, seed)
-        })?;
+        eprintln!(
+            "note: {poses} poses with each of {} weights, about {minutes:.0} minutes",
+            self.weights.len()
+        );
+        let recorded =
+            session.record_missing(&mut robot, Seed(1), &|plant, planned, rows, seed| {
+                record_static_poses(plant, planned, rows, &visiting, seed)
+            })?;
         progress.say(&written(&self.out, &recorded));
         println!(
-            "next: spinebench calibrate --static --model MODEL.yaml --measured {} --out CALIBRATED.yaml",
+            "next: spinebench calibrate --static --model MODEL.yaml --measured {} --out \
+             CALIBRATED.yaml",
             self.out.display()
         );
         Ok(())
@@ -73,16 +81,26 @@ impl WeighCommand {
     fn poses_m(&self, options: &HardwareOptions) -> Result<Vec<Vec<f64>>, CommandError> {
         let Some(file) = &self.poses else { return star(self.reach_m, options) };
         let mut commands = Recording::read_commands(file).map_err(CommandError::bad_input)?;
-        of_tendons(&mut commands, file, &options.model.drive_gains(), 4).map_err(CommandError::bad_input)?;
+        of_tendons(&mut commands, file, &options.model.drive_gains(), 4)
+            .map_err(CommandError::bad_input)?;
         if commands.actuation != Actuation::Lengths {
-            refuse!("{}, line 1: found tensions, expected displacements (tendon_1_m…)", file.display());
+            refuse!(
+                "{}, line 1: found tensions, expected displacements (tendon_1_m…)",
+                file.display()
+            );
         }
         let poses_m: Vec<Vec<f64>> = commands.commands.iter().map(<[f64]>::to_vec).collect();
         for (row, pose) in poses_m.iter().enumerate() {
             // The way from home keeps to the step limit; only the pose itself may be out of range.
-            options.safety.check_command(pose, &[0.0; 4], f64::INFINITY, usize::MAX).map_err(|refusal| {
-                CommandError::BadInput(format!("{}, line {}: {refusal}", file.display(), row + 2))
-            })?;
+            options.safety.check_command(pose, &[0.0; 4], f64::INFINITY, usize::MAX).map_err(
+                |refusal| {
+                    CommandError::BadInput(format!(
+                        "{}, line {}: {refusal}",
+                        file.display(),
+                        row + 2
+                    ))
+                },
+            )?;
         }
         Ok(poses_m)
     }
@@ -90,7 +108,11 @@ impl WeighCommand {
 
 /// Options for visiting poses within the limits of a robot.
 pub(crate) fn visiting(options: &HardwareOptions, rest_steps: usize) -> StaticPoseOptions {
-    StaticPoseOptions { max_step_m: options.safety.step_m(STEP_S), rest_steps, ..StaticPoseOptions::default() }
+    StaticPoseOptions {
+        max_step_m: options.safety.step_m(STEP_S),
+        rest_steps,
+        ..StaticPoseOptions::default()
+    }
 }
 
 /// Home, and bent by `reach_m` in eight directions, within the travel of a robot.

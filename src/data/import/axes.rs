@@ -3,8 +3,8 @@
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use std::str::FromStr;
 
-/// The project's axes (x up, z along the straight robot) in terms of the tracker's: a rotation by quarter turns, and a
-/// reflection where the tracker's axes are left-handed.
+/// The project's axes (x up, z along the straight robot) in terms of the tracker's: a rotation by
+/// quarter turns, and a reflection where the tracker's axes are left-handed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axes {
     turn: Matrix3<f64>,
@@ -73,7 +73,8 @@ impl Axes {
         let mut turn = Matrix3::zeros();
         let parts: Vec<&str> = words.split(',').collect();
         for part in &parts {
-            let (own_axis, tracker_axis) = part.split_once('=').ok_or_else(|| bad(&format!("`{part}`")))?;
+            let (own_axis, tracker_axis) =
+                part.split_once('=').ok_or_else(|| bad(&format!("`{part}`")))?;
             let tracker_axis = tracker_axis.trim();
             let sign = if tracker_axis.starts_with('-') { -1.0 } else { 1.0 };
             let tracker_axis = tracker_axis.strip_prefix(['+', '-']).unwrap_or(tracker_axis);
@@ -83,7 +84,9 @@ impl Axes {
         // A repeated axis leaves another without any, and the determinant 0.
         match (parts.len(), turn.determinant() * hand) {
             (3, 1.0) => Ok(Axes { turn }),
-            (3, -1.0) => Err(bad(if left_handed { "right-handed axes" } else { "left-handed axes" })),
+            (3, -1.0) => {
+                Err(bad(if left_handed { "right-handed axes" } else { "left-handed axes" }))
+            }
             _ => Err(bad("an axis twice or none at all")),
         }
     }
@@ -101,7 +104,8 @@ mod tests {
     fn a_turn_and_its_axis_map_alike() {
         let axes: Axes = Axes::Y_UP.parse().unwrap();
         assert_eq!(axes.vector(&Vector3::new(1.0, 2.0, 3.0)), Vector3::new(2.0, -1.0, 3.0));
-        let (turn, arm) = (UnitQuaternion::new(Vector3::new(0.3, -0.2, 0.5)), Vector3::new(0.1, 0.7, -0.4));
+        let (turn, arm) =
+            (UnitQuaternion::new(Vector3::new(0.3, -0.2, 0.5)), Vector3::new(0.1, 0.7, -0.4));
         let turned = axes.rotation(&turn) * axes.vector(&arm);
         assert!((turned - axes.vector(&(turn * arm))).norm() < 1e-15);
     }
@@ -109,10 +113,13 @@ mod tests {
     #[test]
     fn a_reflected_turn_and_its_axis_map_alike() {
         let axes = Axes::of_hand("x=+y,y=+x,z=+z", true).unwrap();
-        let (turn, arm) = (UnitQuaternion::new(Vector3::new(0.3, -0.2, 0.5)), Vector3::new(0.1, 0.7, -0.4));
+        let (turn, arm) =
+            (UnitQuaternion::new(Vector3::new(0.3, -0.2, 0.5)), Vector3::new(0.1, 0.7, -0.4));
         let turned = axes.rotation(&turn) * axes.vector(&arm);
         assert!((turned - axes.vector(&(turn * arm))).norm() < 1e-15);
-        assert!(Axes::of_hand("x=+x,y=+y,z=+z", true).unwrap_err().to_string().contains("right-handed"));
+        assert!(
+            Axes::of_hand("x=+x,y=+y,z=+z", true).unwrap_err().to_string().contains("right-handed")
+        );
     }
 
     #[test]

@@ -27,8 +27,9 @@ pub struct Log {
 }
 
 impl Log {
-    /// Reads a log. Rows are placed in time by the column `export_time_s`, or else by `offsets_s`: the export time of
-    /// the first row, with a column `wall_time_s` for the others, or of the first row of each trial.
+    /// Reads a log. Rows are placed in time by the column `export_time_s`, or else by `offsets_s`:
+    /// the export time of the first row, with a column `wall_time_s` for the others, or of the
+    /// first row of each trial.
     ///
     /// # Errors
     /// [`DataError`] when the file is not a recording or its time in the export is unknown.
@@ -40,10 +41,11 @@ impl Log {
     }
 }
 
-/// Refuses times that do not increase or that run at another rate than the trial's `time_s`: milliseconds, or planned
-/// instead of actual times.
+/// Refuses times that do not increase or that run at another rate than the trial's `time_s`:
+/// milliseconds, or planned instead of actual times.
 fn check_pace(path: &Path, commands: &Recording, at_s: &[f64]) -> Result<(), DataError> {
-    let column = [EXPORT_TIME, WALL_TIME].into_iter().find(|name| has(commands, name)).unwrap_or("time_s");
+    let column =
+        [EXPORT_TIME, WALL_TIME].into_iter().find(|name| has(commands, name)).unwrap_or("time_s");
     let wrong = |row, found, expected| Err(cell_error(path, row, column, found, expected));
     for (_, rows) in commands.trials() {
         for row in rows.clone() {
@@ -54,7 +56,11 @@ fn check_pace(path: &Path, commands: &Recording, at_s: &[f64]) -> Result<(), Dat
             }
             if (in_export_s - in_trial_s).abs() > MAX_JITTER_S + MAX_RATE_ERROR * in_trial_s {
                 let expected = format!("about {in_trial_s} s, as `time_s` says");
-                return wrong(row, format!("{in_export_s:.6} s after the trial's first row"), expected);
+                return wrong(
+                    row,
+                    format!("{in_export_s:.6} s after the trial's first row"),
+                    expected,
+                );
             }
         }
     }
@@ -65,10 +71,20 @@ fn has(commands: &Recording, name: &str) -> bool {
     commands.extra.iter().any(|(column, _)| column == name)
 }
 
-fn export_times(path: &Path, commands: &Recording, offsets_s: &[f64]) -> Result<Vec<f64>, DataError> {
-    if let Some(at_s) = commands.extra_numbers(path, EXPORT_TIME, "seconds in the export, a number")? {
+fn export_times(
+    path: &Path,
+    commands: &Recording,
+    offsets_s: &[f64],
+) -> Result<Vec<f64>, DataError> {
+    if let Some(at_s) =
+        commands.extra_numbers(path, EXPORT_TIME, "seconds in the export, a number")?
+    {
         let found = "the time of each row, and --offset-s besides";
-        return if offsets_s.is_empty() { Ok(at_s) } else { Err(unplaced(path, found.to_owned(), "one of the two")) };
+        return if offsets_s.is_empty() {
+            Ok(at_s)
+        } else {
+            Err(unplaced(path, found.to_owned(), "one of the two"))
+        };
     }
     let trials = commands.trials();
     match offsets_s {
@@ -77,19 +93,21 @@ fn export_times(path: &Path, commands: &Recording, offsets_s: &[f64]) -> Result<
             Err(unplaced(path, "no such column".to_owned(), expected))
         }
         [offset_s] if has(commands, WALL_TIME) => {
-            let wall_s = commands.extra_numbers(path, WALL_TIME, "seconds, a number")?.unwrap_or_default();
+            let wall_s =
+                commands.extra_numbers(path, WALL_TIME, "seconds, a number")?.unwrap_or_default();
             Ok(wall_s.iter().map(|now_s| now_s - wall_s[0] + offset_s).collect())
         }
         _ if offsets_s.len() == trials.len() => {
-            let rows = trials
-                .iter()
-                .zip(offsets_s)
-                .flat_map(|((_, rows), offset_s)| rows.clone().map(move |row| commands.time_s[row] + offset_s));
+            let rows = trials.iter().zip(offsets_s).flat_map(|((_, rows), offset_s)| {
+                rows.clone().map(move |row| commands.time_s[row] + offset_s)
+            });
             Ok(rows.collect())
         }
         _ => {
-            let found = format!("no such column, {} trials and {} offsets", trials.len(), offsets_s.len());
-            let expected = "one --offset-s for each trial (or one and a column `wall_time_s`), or this column";
+            let found =
+                format!("no such column, {} trials and {} offsets", trials.len(), offsets_s.len());
+            let expected =
+                "one --offset-s for each trial (or one and a column `wall_time_s`), or this column";
             Err(unplaced(path, found, expected))
         }
     }

@@ -1,5 +1,5 @@
-//! Import: joins a tracker's export and a command log to a recording of the tip, and of points along the body, relative
-//! to the base.
+//! Import: joins a tracker's export and a command log to a recording of the tip, and of points
+//! along the body, relative to the base.
 
 mod axes;
 mod log;
@@ -26,9 +26,11 @@ use resample::pose_at;
 /// Axes of the tip position; its origin is the base body's pivot in both cases.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TipFrame {
-    /// Axes of the base body, row by row: rotation of the tracking frame and motion of the stand cancel.
+    /// Axes of the base body, row by row: rotation of the tracking frame and motion of the stand
+    /// cancel.
     Base,
-    /// Axes of the tracker, whose up direction opposes gravity: a tilted base is visible at the tip.
+    /// Axes of the tracker, whose up direction opposes gravity: a tilted base is visible at the
+    /// tip.
     Tracking,
 }
 
@@ -69,8 +71,8 @@ pub struct ImportedBodies<'a> {
     pub points: Vec<(String, &'a Body)>,
 }
 
-/// Joins the poses of `bodies` in `export` with the commands of `log`. Without an orientation of the base the axes are
-/// the tracker's, whatever the options say.
+/// Joins the poses of `bodies` in `export` with the commands of `log`. Without an orientation of
+/// the base the axes are the tracker's, whatever the options say.
 ///
 /// # Errors
 /// [`DataError`] when there is no row in which base and tip were tracked.
@@ -83,16 +85,19 @@ pub fn import(
     let (base, tip) = (bodies.base, bodies.tip);
     let frame = if base.has_orientation { options.frame } else { TipFrame::Tracking };
     check_overlap(&export.time_s, &log.file, &log.at_s)?;
-    let pose = |body: &Body, time_s| pose_at(&export.time_s, &body.poses, time_s, options.max_gap_s);
+    let pose =
+        |body: &Body, time_s| pose_at(&export.time_s, &body.poses, time_s, options.max_gap_s);
     let mut recording = log.commands.clone();
-    let (mut tips, mut orientations, mut bases, mut valid) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let (mut tips, mut orientations, mut bases, mut valid) =
+        (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     let mut angles_rad = Vec::new();
     for (row, &time_s) in log.at_s.iter().enumerate() {
         let base = pose(base, time_s);
         let tip_pose = base.zip(pose(tip, time_s)).filter(|_| log.commands.is_valid(row));
         let tip_pose = tip_pose.map(|(base, tip)| from_base(&base, &tip, frame));
         angles_rad.extend(base.map(|base| base.rotation.angle()));
-        let quaternion = |pose: Isometry3<f64>| rotation::parts(&options.axes.rotation(&pose.rotation));
+        let quaternion =
+            |pose: Isometry3<f64>| rotation::parts(&options.axes.rotation(&pose.rotation));
         let place_m = |pose: Isometry3<f64>| options.axes.vector(&pose.translation.vector).into();
         tips.push(tip_pose.map_or([f64::NAN; 3], place_m));
         orientations.push(tip_pose.map_or([f64::NAN; 4], quaternion));
@@ -110,8 +115,13 @@ pub fn import(
                 rotation::parts(&options.axes.rotation(&pose.rotation)),
             ))
         });
-        let (position_m, orientations) = poses.map(|pose| pose.unwrap_or(([f64::NAN; 3], [f64::NAN; 4]))).unzip();
-        PointTrack { name: name.to_owned(), position_m, quaternion: body.has_orientation.then_some(orientations) }
+        let (position_m, orientations) =
+            poses.map(|pose| pose.unwrap_or(([f64::NAN; 3], [f64::NAN; 4]))).unzip();
+        PointTrack {
+            name: name.to_owned(),
+            position_m,
+            quaternion: body.has_orientation.then_some(orientations),
+        }
     };
     let lost = valid.iter().filter(|valid| !**valid).count();
     if lost == valid.len() {
@@ -150,7 +160,9 @@ fn from_base(base: &Isometry3<f64>, tip: &Isometry3<f64>, frame: TipFrame) -> Is
 
 /// Refuses commands of which none is within the tracking.
 fn check_overlap(frames_s: &[f64], file: &Path, at_s: &[f64]) -> Result<(), DataError> {
-    let span = |times_s: &[f64]| times_s.first().copied().zip(times_s.last().copied()).unwrap_or((f64::NAN, f64::NAN));
+    let span = |times_s: &[f64]| {
+        times_s.first().copied().zip(times_s.last().copied()).unwrap_or((f64::NAN, f64::NAN))
+    };
     let ((first_s, last_s), (begin_s, end_s)) = (span(frames_s), span(at_s));
     if begin_s <= last_s && end_s >= first_s {
         return Ok(());
@@ -163,7 +175,10 @@ fn check_overlap(frames_s: &[f64], file: &Path, at_s: &[f64]) -> Result<(), Data
 fn never_seen(export: &Export, options: &ImportOptions) -> DataError {
     let frames = export.time_s.windows(2).map(|pair| pair[1] - pair[0]);
     let step_s = frames.fold(0.0, f64::max);
-    let found = format!("no command with both bodies tracked around it (frames are up to {step_s:.6} s apart)");
-    let expected = format!("tracked frames at most {} s apart ({})", options.max_gap_s, options.gap_key);
+    let found = format!(
+        "no command with both bodies tracked around it (frames are up to {step_s:.6} s apart)"
+    );
+    let expected =
+        format!("tracked frames at most {} s apart ({})", options.max_gap_s, options.gap_key);
     DataError::Line { file: export.file.clone(), place: "all frames".to_owned(), found, expected }
 }

@@ -1,5 +1,5 @@
-//! What an import can see of a mistake without a model: a robot that lies along another axis, a base that moves, bodies
-//! that are exchanged, clocks that are apart.
+//! What an import can see of a mistake without a model: a robot that lies along another axis, a
+//! base that moves, bodies that are exchanged, clocks that are apart.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -8,7 +8,8 @@ use crate::base::Point3;
 use crate::data::Recording;
 use crate::math::summary::quantile;
 
-/// Angle between the tip at home and the z axis above which the axes are in doubt, degrees. A soft robot sags by less.
+/// Angle between the tip at home and the z axis above which the axes are in doubt, degrees. A soft
+/// robot sags by less.
 const MAX_HOME_ANGLE_DEG: f64 = 60.0;
 /// Motion of the base body that is no noise, metres.
 const MAX_BASE_MOTION_M: f64 = 3e-3;
@@ -22,16 +23,18 @@ pub struct ImportDoubts {
     pub home_m: Option<Point3>,
     /// The axes with which it would be along z, and hang down where it sags.
     pub axes: Option<Axes>,
-    /// Largest distance of the base body from its median position, metres, with its row, when it moves.
+    /// Largest distance of the base body from its median position, metres, with its row, when it
+    /// moves.
     pub base_moves: Option<(f64, usize)>,
     /// Whether the base body moves more than the tip body, as when the two are exchanged.
     pub exchanged: bool,
-    /// Time from a command to the first motion of the tip because of it, seconds; none where that cannot be told.
+    /// Time from a command to the first motion of the tip because of it, seconds; none where that
+    /// cannot be told.
     pub onset_s: Option<f64>,
 }
 
-/// Looks for mistakes in an imported `recording` in `axes`. `base_m`, `tip_world_m`: positions of the base body in each row
-/// and of the tip body in each frame, in the tracker's frame.
+/// Looks for mistakes in an imported `recording` in `axes`. `base_m`, `tip_world_m`: positions of
+/// the base body in each row and of the tip body in each frame, in the tracker's frame.
 pub(super) fn doubts(
     recording: &Recording,
     axes: &Axes,
@@ -41,7 +44,12 @@ pub(super) fn doubts(
 ) -> ImportDoubts {
     let starts = recording.trials().into_iter().map(|(_, range)| range.start);
     let tips = recording.tip_m.as_deref().unwrap_or_default();
-    let home_m = median(&starts.filter(|&row| recording.is_valid(row)).map(|row| tips[row]).collect::<Vec<Point3>>());
+    let home_m = median(
+        &starts
+            .filter(|&row| recording.is_valid(row))
+            .map(|row| tips[row])
+            .collect::<Vec<Point3>>(),
+    );
     let home_m = home_m.filter(|home| {
         let home = Vector3::from(*home);
         home.z < home.norm() * MAX_HOME_ANGLE_DEG.to_radians().cos()
@@ -51,14 +59,15 @@ pub(super) fn doubts(
         home_m,
         axes: home_m.map(|home_m| axes.then(&turn_along_z(home_m))),
         base_moves: base_moves.filter(|(away_m, _)| *away_m > MAX_BASE_MOTION_M),
-        exchanged: base_moves
-            .zip(tip_moves)
-            .is_some_and(|((base_m, _), (tip_m, _))| base_m > MAX_BASE_MOTION_M && base_m > 3.0 * tip_m),
+        exchanged: base_moves.zip(tip_moves).is_some_and(|((base_m, _), (tip_m, _))| {
+            base_m > MAX_BASE_MOTION_M && base_m > 3.0 * tip_m
+        }),
         onset_s,
     }
 }
 
-/// The quarter turn that lays `home_m` most along z and, if it sags, down along −x; otherwise the smallest such turn.
+/// The quarter turn that lays `home_m` most along z and, if it sags, down along −x; otherwise the
+/// smallest such turn.
 fn turn_along_z(home_m: Point3) -> Matrix3<f64> {
     let home = Vector3::from(home_m);
     let score = |turn: &Matrix3<f64>| {
@@ -78,7 +87,8 @@ fn quarter_turns() -> Vec<Matrix3<f64>> {
     for order in [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]] {
         for signs in 0..8_u8 {
             let sign = |axis: usize| if signs >> axis & 1 == 1 { -1.0 } else { 1.0 };
-            let turn = Matrix3::from_fn(|row, column| if order[row] == column { sign(row) } else { 0.0 });
+            let turn =
+                Matrix3::from_fn(|row, column| if order[row] == column { sign(row) } else { 0.0 });
             if turn.determinant() > 0.0 {
                 turns.push(turn);
             }
@@ -97,8 +107,10 @@ fn farthest(points_m: &[Point3]) -> Option<(f64, usize)> {
 
 /// The median of each coordinate of the finite points.
 fn median(points_m: &[Point3]) -> Option<Point3> {
-    let finite: Vec<&Point3> = points_m.iter().filter(|point| point.iter().all(|x| x.is_finite())).collect();
-    let middle = |axis: usize| quantile(&finite.iter().map(|point| point[axis]).collect::<Vec<f64>>(), 0.5);
+    let finite: Vec<&Point3> =
+        points_m.iter().filter(|point| point.iter().all(|x| x.is_finite())).collect();
+    let middle =
+        |axis: usize| quantile(&finite.iter().map(|point| point[axis]).collect::<Vec<f64>>(), 0.5);
     (!finite.is_empty()).then(|| std::array::from_fn(middle))
 }
 

@@ -22,9 +22,14 @@ fn between(from: &Isometry3<f64>, to: &Isometry3<f64>, share: f64) -> Isometry3<
     Isometry3::from_parts(place_m.into(), rotation::between(&from.rotation, &to.rotation, share))
 }
 
-/// The pose at a time, interpolated between the nearest tracked frames; `None` when these are more than `max_gap_s`
-/// apart or the time lies outside the export.
-pub(crate) fn pose_at(frames_s: &[f64], poses: &[Option<Pose>], time_s: f64, max_gap_s: f64) -> Option<Isometry3<f64>> {
+/// The pose at a time, interpolated between the nearest tracked frames; `None` when these are more
+/// than `max_gap_s` apart or the time lies outside the export.
+pub(crate) fn pose_at(
+    frames_s: &[f64],
+    poses: &[Option<Pose>],
+    time_s: f64,
+    max_gap_s: f64,
+) -> Option<Isometry3<f64>> {
     let (first_s, last_s) = (*frames_s.first()?, *frames_s.last()?);
     if time_s < first_s - ROUNDING_S || time_s > last_s + ROUNDING_S {
         return None;
@@ -37,8 +42,10 @@ pub(crate) fn pose_at(frames_s: &[f64], poses: &[Option<Pose>], time_s: f64, max
     let to = (next..frames_s.len()).take_while(within_gap).find_map(tracked);
     let from = (0..next).rev().take_while(within_gap).find_map(tracked);
     // A frame at this time needs no neighbour, on whichever side of it rounding has put the time.
-    if let Some((_, pose)) =
-        [to, from].into_iter().flatten().find(|(frame_s, _)| (frame_s - time_s).abs() <= SAME_TIME_S)
+    if let Some((_, pose)) = [to, from]
+        .into_iter()
+        .flatten()
+        .find(|(frame_s, _)| (frame_s - time_s).abs() <= SAME_TIME_S)
     {
         return Some(pose);
     }
@@ -60,17 +67,34 @@ mod tests {
         let frames_s = [0.0, 0.01, 0.02, 0.03, 0.04];
         let poses = [pose(0.0, 3.0), None, pose(2.0, 3.4), None, pose(4.0, 0.0)];
         let bridged = pose_at(&frames_s, &poses, 0.005, 0.02).unwrap();
-        assert!((bridged.translation.x - 0.5).abs() < 1e-12 && (bridged.rotation.angle() - 3.1).abs() < 1e-12);
+        assert!(
+            (bridged.translation.x - 0.5).abs() < 1e-12
+                && (bridged.rotation.angle() - 3.1).abs() < 1e-12
+        );
         assert_eq!(pose_at(&frames_s, &poses, 0.005, 0.019), None);
-        assert_eq!(pose_at(&frames_s, &poses, 0.02, 0.001).unwrap().translation.x, 2.0, "a frame needs no neighbour");
+        assert_eq!(
+            pose_at(&frames_s, &poses, 0.02, 0.001).unwrap().translation.x,
+            2.0,
+            "a frame needs no neighbour"
+        );
         assert_eq!(
             pose_at(&frames_s, &poses, 0.02 + 1e-12, 0.001).unwrap().translation.x,
             2.0,
             "a sum of times is rounded"
         );
-        assert_eq!(pose_at(&frames_s, &poses, 0.04 + 5e-7, 0.05).unwrap().translation.x, 4.0, "rounded times");
-        assert!(pose_at(&frames_s, &poses, -0.01, 1.0).is_none() && pose_at(&frames_s, &poses, 0.05, 1.0).is_none());
-        assert!(pose_at(&frames_s, &[None; 5], 0.01, 1.0).is_none() && pose_at(&[], &[], 0.0, 1.0).is_none());
+        assert_eq!(
+            pose_at(&frames_s, &poses, 0.04 + 5e-7, 0.05).unwrap().translation.x,
+            4.0,
+            "rounded times"
+        );
+        assert!(
+            pose_at(&frames_s, &poses, -0.01, 1.0).is_none()
+                && pose_at(&frames_s, &poses, 0.05, 1.0).is_none()
+        );
+        assert!(
+            pose_at(&frames_s, &[None; 5], 0.01, 1.0).is_none()
+                && pose_at(&[], &[], 0.0, 1.0).is_none()
+        );
         assert!(pose_at(&frames_s, &poses, f64::NAN, 1.0).is_none());
     }
 }

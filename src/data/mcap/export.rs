@@ -1,4 +1,5 @@
-//! Recordings as MCAP files that viewers such as Foxglove open: poses, commands, and lines in space.
+//! Recordings as MCAP files that viewers such as Foxglove open: poses, commands, and lines in
+//! space.
 
 use std::collections::BTreeMap;
 
@@ -37,27 +38,42 @@ pub struct Shown<'a> {
     pub residuals: &'a [ResidualRow],
 }
 
-/// The bytes of an MCAP file: `/tip`, `/base` and `/points/NAME` (`foxglove.PoseInFrame`), `/commands` and `/row` (numbers),
-/// `/robot` (`foxglove.SceneUpdate`, a line) where there is a shape, `/residuals` and `/residual_lines` where there are any.
-/// Trials follow each other with a second between them.
+/// The bytes of an MCAP file: `/tip`, `/base` and `/points/NAME` (`foxglove.PoseInFrame`),
+/// `/commands` and `/row` (numbers), `/robot` (`foxglove.SceneUpdate`, a line) where there is a
+/// shape, `/residuals` and `/residual_lines` where there are any. Trials follow each other with a
+/// second between them.
 pub fn to_mcap(shown: &Shown) -> Vec<u8> {
     let recording = shown.recording;
     let times_ns = times_ns(shown);
     let mut writer = BagWriter::new();
     let mut messages: Vec<(u64, u16, Value)> = Vec::new();
     let mut add = |channel: u16, of_row: &dyn Fn(usize) -> Option<Value>| {
-        messages.extend((0..recording.len()).filter_map(|row| Some((times_ns[row], channel, of_row(row)?))));
+        messages.extend(
+            (0..recording.len()).filter_map(|row| Some((times_ns[row], channel, of_row(row)?))),
+        );
     };
-    let numbers = writer.channel("/commands", "spinebench.Commands", &any_object("The commands in force from now on."));
+    let numbers = writer.channel(
+        "/commands",
+        "spinebench.Commands",
+        &any_object("The commands in force from now on."),
+    );
     add(numbers, &|row| Some(commands(recording, row)));
-    let rows = writer.channel("/row", "spinebench.Row", &any_object("What else the row of the recording holds."));
+    let rows = writer.channel(
+        "/row",
+        "spinebench.Row",
+        &any_object("What else the row of the recording holds."),
+    );
     add(rows, &|row| Some(other_cells(recording, row)));
-    let mut pose = |topic: &str, position_m: &dyn Fn(usize) -> Point3, turn: &dyn Fn(usize) -> Option<[f64; 4]>| {
+    let mut pose = |topic: &str,
+                    position_m: &dyn Fn(usize) -> Point3,
+                    turn: &dyn Fn(usize) -> Option<[f64; 4]>| {
         let channel = writer.channel(topic, "foxglove.PoseInFrame", &pose_schema());
         add(channel, &|row| pose_in_frame(times_ns[row], position_m(row), turn(row)));
     };
     if let Some(tips_m) = &recording.tip_m {
-        pose("/tip", &|row| tips_m[row], &|row| recording.tip_quaternion.as_ref().map(|turns| turns[row]));
+        pose("/tip", &|row| tips_m[row], &|row| {
+            recording.tip_quaternion.as_ref().map(|turns| turns[row])
+        });
     }
     if let Some(base) = &recording.base {
         pose("/base", &|row| base[row].position_m, &|row| Some(base[row].quaternion));
@@ -70,30 +86,45 @@ pub fn to_mcap(shown: &Shown) -> Vec<u8> {
         let channel = writer.channel("/robot", "foxglove.SceneUpdate", &scene_schema());
         let line = |row: usize| {
             let shape_m = shown.shape_m[row].as_slice();
-            (!shape_m.is_empty()).then(|| scene(times_ns[row], "robot", &[line(ROBOT_LINE_M, shape_m, ROBOT_COLOUR)]))
+            (!shape_m.is_empty()).then(|| {
+                scene(times_ns[row], "robot", &[line(ROBOT_LINE_M, shape_m, ROBOT_COLOUR)])
+            })
         };
         add(channel, &line);
     }
     add_residuals(shown, &times_ns, &mut writer, &mut messages);
     messages.sort_by_key(|(time_ns, channel, _)| (*time_ns, *channel));
-    messages.iter().for_each(|(time_ns, channel, message)| writer.message(*channel, *time_ns, message));
+    messages
+        .iter()
+        .for_each(|(time_ns, channel, message)| writer.message(*channel, *time_ns, message));
     writer.finish()
 }
 
 /// Residuals as numbers, and as lines from the measured tip to where each model has it.
-fn add_residuals(shown: &Shown, times_ns: &[u64], writer: &mut BagWriter, messages: &mut Vec<(u64, u16, Value)>) {
+fn add_residuals(
+    shown: &Shown,
+    times_ns: &[u64],
+    writer: &mut BagWriter,
+    messages: &mut Vec<(u64, u16, Value)>,
+) {
     if shown.residuals.is_empty() {
         return;
     }
     let recording = shown.recording;
     // Rows of a discovery's table are rounded: a sample is the nearest row of its trial.
     let trials: BTreeMap<u64, _> = recording.trials().into_iter().collect();
-    let numbers = writer.channel("/residuals", "spinebench.Residual", &any_object("Measured minus model, metres."));
+    let numbers = writer.channel(
+        "/residuals",
+        "spinebench.Residual",
+        &any_object("Measured minus model, metres."),
+    );
     let line_channel = writer.channel("/residual_lines", "foxglove.SceneUpdate", &scene_schema());
     for sample in shown.residuals {
         let Some(rows) = trials.get(&sample.trial) else { continue };
         let distance_s = |row: &usize| (recording.time_s[*row] - sample.time_s).abs();
-        let Some(row) = rows.clone().min_by(|a, b| distance_s(a).total_cmp(&distance_s(b))) else { continue };
+        let Some(row) = rows.clone().min_by(|a, b| distance_s(a).total_cmp(&distance_s(b))) else {
+            continue;
+        };
         let time_ns = times_ns[row];
         let tip = [sample.tip_x_m, sample.tip_y_m, sample.tip_z_m];
         let (before, after) = (sample.before_m(), sample.after_m());
@@ -101,7 +132,9 @@ fn add_residuals(shown: &Shown, times_ns: &[u64], writer: &mut BagWriter, messag
             continue;
         }
         let size = |residual: &Point3| residual.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let model = |residual: &Point3| -> Point3 { std::array::from_fn(|axis| tip[axis] - residual[axis]) };
+        let model = |residual: &Point3| -> Point3 {
+            std::array::from_fn(|axis| tip[axis] - residual[axis])
+        };
         messages.push((
             time_ns,
             numbers,
@@ -115,7 +148,11 @@ fn add_residuals(shown: &Shown, times_ns: &[u64], writer: &mut BagWriter, messag
             line(RESIDUAL_LINE_M, &[tip, model(&before)], BEFORE_COLOUR),
             line(RESIDUAL_LINE_M, &[tip, model(&after)], AFTER_COLOUR),
         ];
-        messages.push((time_ns, line_channel, scene(time_ns, format!("residual {}", sample.point).trim_end(), &lines)));
+        messages.push((
+            time_ns,
+            line_channel,
+            scene(time_ns, format!("residual {}", sample.point).trim_end(), &lines),
+        ));
     }
 }
 
@@ -126,7 +163,9 @@ fn times_ns(shown: &Shown) -> Vec<u64> {
     let mut times_ns = Vec::with_capacity(recording.len());
     for (_, rows) in recording.trials() {
         let last = rows.end - 1;
-        let since = |row: usize| if shown.at_rest { (row - rows.start) as f64 } else { recording.time_s[row] };
+        let since = |row: usize| {
+            if shown.at_rest { (row - rows.start) as f64 } else { recording.time_s[row] }
+        };
         times_ns.extend(rows.clone().map(|row| ((start_s + since(row)) * 1e9).round() as u64));
         start_s += since(last) + PAUSE_S;
     }
@@ -143,7 +182,9 @@ fn point(point: &Point3) -> Value {
 
 /// Unturned where there is no orientation; none where the position is unknown.
 fn pose_in_frame(time_ns: u64, position_m: Point3, turn: Option<[f64; 4]>) -> Option<Value> {
-    let [w, x, y, z] = turn.filter(|turn| turn.iter().all(|part| part.is_finite())).unwrap_or([1.0, 0.0, 0.0, 0.0]);
+    let [w, x, y, z] = turn
+        .filter(|turn| turn.iter().all(|part| part.is_finite()))
+        .unwrap_or([1.0, 0.0, 0.0, 0.0]);
     let pose = json!({ "position": point(&position_m), "orientation": { "x": x, "y": y, "z": z, "w": w } });
     let is_tracked = position_m.iter().all(|x| x.is_finite());
     is_tracked.then(|| json!({ "timestamp": stamp(time_ns), "frame_id": FRAME, "pose": pose }))
@@ -220,16 +261,21 @@ fn numbers_of(names: &[&str]) -> Value {
 }
 
 fn time_schema() -> Value {
-    object(&json!({ "sec": { "type": "integer", "minimum": 0 }, "nsec": { "type": "integer", "minimum": 0 } }))
+    object(
+        &json!({ "sec": { "type": "integer", "minimum": 0 }, "nsec": { "type": "integer", "minimum": 0 } }),
+    )
 }
 
 fn pose_parts() -> Value {
-    object(&json!({ "position": numbers_of(&["x", "y", "z"]), "orientation": numbers_of(&["x", "y", "z", "w"]) }))
+    object(
+        &json!({ "position": numbers_of(&["x", "y", "z"]), "orientation": numbers_of(&["x", "y", "z", "w"]) }),
+    )
 }
 
 fn pose_schema() -> Value {
-    let mut schema =
-        object(&json!({ "timestamp": time_schema(), "frame_id": { "type": "string" }, "pose": pose_parts() }));
+    let mut schema = object(
+        &json!({ "timestamp": time_schema(), "frame_id": { "type": "string" }, "pose": pose_parts() }),
+    );
     schema["title"] = "foxglove.PoseInFrame".into();
     schema
 }

@@ -1,5 +1,5 @@
-//! MCAP files (mcap.dev/spec), the format of ROS 2 bags and of Foxglove: records behind a magic number, messages in chunks
-//! that may be compressed.
+//! MCAP files (mcap.dev/spec), the format of ROS 2 bags and of Foxglove: records behind a magic
+//! number, messages in chunks that may be compressed.
 
 mod export;
 mod read;

@@ -88,12 +88,17 @@ impl Bag {
                 [] => "nothing",
                 _ => "another kind of file",
             };
-            return Err(damaged(path, 0, found, "an MCAP file (other bags are converted by `ros2 bag convert`)"));
+            return Err(damaged(
+                path,
+                0,
+                found,
+                "an MCAP file (other bags are converted by `ros2 bag convert`)",
+            ));
         };
         let mut contents = Contents::default();
-        contents
-            .records(records)
-            .map_err(|(remaining, found, expected)| damaged(path, bytes.len() - remaining, &found, expected))?;
+        contents.records(records).map_err(|(remaining, found, expected)| {
+            damaged(path, bytes.len() - remaining, &found, expected)
+        })?;
         let mut topics = contents.topics;
         topics.values_mut().for_each(|topic| topic.messages.sort_by_key(|message| message.log_ns));
         Ok(Bag { file: path.to_owned(), topics })
@@ -102,7 +107,12 @@ impl Bag {
 
 fn damaged(path: &Path, byte: usize, found: &str, expected: &str) -> DataError {
     let place = format!("byte {byte}");
-    DataError::Line { file: path.to_owned(), place, found: found.to_owned(), expected: expected.to_owned() }
+    DataError::Line {
+        file: path.to_owned(),
+        place,
+        found: found.to_owned(),
+        expected: expected.to_owned(),
+    }
 }
 
 /// How many bytes are left, what was found and what was expected.
@@ -118,17 +128,20 @@ impl Contents {
             let cut = || (remaining, "the end of the file within a record".to_owned(), WHOLE);
             let kind = fields.number::<1>().ok_or_else(cut)? as u8;
             let size = fields.number::<8>().ok_or_else(cut)?;
-            let content = usize::try_from(size).ok().and_then(|size| fields.take(size)).ok_or_else(cut)?;
+            let content =
+                usize::try_from(size).ok().and_then(|size| fields.take(size)).ok_or_else(cut)?;
             // What follows repeats what stands before.
             if matches!(kind, opcode::DATA_END | opcode::FOOTER) {
                 return Ok(());
             }
-            let broken = || (remaining, format!("a damaged record of kind {kind}"), "an intact one");
+            let broken =
+                || (remaining, format!("a damaged record of kind {kind}"), "an intact one");
             if kind == opcode::CHUNK {
-                let chunk =
-                    chunk(&mut RecordFields(content)).map_err(|(found, expected)| (remaining, found, expected))?;
-                self.records(&chunk)
-                    .map_err(|(_, found, expected)| (remaining, format!("{found} of a chunk"), expected))?;
+                let chunk = chunk(&mut RecordFields(content))
+                    .map_err(|(found, expected)| (remaining, found, expected))?;
+                self.records(&chunk).map_err(|(_, found, expected)| {
+                    (remaining, format!("{found} of a chunk"), expected)
+                })?;
             } else {
                 self.record(kind, &mut RecordFields(content)).ok_or_else(broken)?;
             }
@@ -172,7 +185,8 @@ fn chunk(fields: &mut RecordFields) -> Result<Vec<u8>, (String, &'static str)> {
     let mut header = || {
         fields.number::<8>()?;
         fields.number::<8>()?;
-        let (size, _check, compression) = (fields.number::<8>()?, fields.number::<4>()?, fields.text()?);
+        let (size, _check, compression) =
+            (fields.number::<8>()?, fields.number::<4>()?, fields.text()?);
         let count = usize::try_from(fields.number::<8>()?).ok()?;
         Some((size, compression, fields.take(count)?))
     };
@@ -183,8 +197,10 @@ fn chunk(fields: &mut RecordFields) -> Result<Vec<u8>, (String, &'static str)> {
     let mut records = Vec::new();
     let read = match compression.as_str() {
         "" => return Ok(compressed.to_vec()),
-        "zstd" => zstd::Decoder::new(compressed).and_then(|unpack| unpack.take(size).read_to_end(&mut records)),
-        "lz4" => lz4::Decoder::new(compressed).and_then(|unpack| unpack.take(size).read_to_end(&mut records)),
+        "zstd" => zstd::Decoder::new(compressed)
+            .and_then(|unpack| unpack.take(size).read_to_end(&mut records)),
+        "lz4" => lz4::Decoder::new(compressed)
+            .and_then(|unpack| unpack.take(size).read_to_end(&mut records)),
         other => return Err((format!("the compression `{other}`"), "`zstd`, `lz4` or none")),
     };
     match read {

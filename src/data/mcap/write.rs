@@ -42,7 +42,9 @@ fn record(into: &mut Vec<u8>, kind: u8, content: &[u8]) {
 }
 
 fn widened(span_ns: Option<(u64, u64)>, time_ns: u64) -> Option<(u64, u64)> {
-    span_ns.map_or(Some((time_ns, time_ns)), |(first, last)| Some((first.min(time_ns), last.max(time_ns))))
+    span_ns.map_or(Some((time_ns, time_ns)), |(first, last)| {
+        Some((first.min(time_ns), last.max(time_ns)))
+    })
 }
 
 impl BagWriter {
@@ -124,13 +126,15 @@ impl BagWriter {
             index_offsets.extend((self.bytes.len() as u64).to_le_bytes());
             let mut content = channel.to_le_bytes().to_vec();
             content.extend(((messages.len() * 16) as u32).to_le_bytes());
-            messages
-                .iter()
-                .for_each(|(time_ns, place)| content.extend([time_ns.to_le_bytes(), place.to_le_bytes()].concat()));
+            messages.iter().for_each(|(time_ns, place)| {
+                content.extend([time_ns.to_le_bytes(), place.to_le_bytes()].concat())
+            });
             record(&mut self.bytes, opcode::MESSAGE_INDEX, &content);
         }
         let mut content = Vec::new();
-        [first_ns, last_ns, start, end - start].iter().for_each(|number| content.extend(number.to_le_bytes()));
+        [first_ns, last_ns, start, end - start]
+            .iter()
+            .for_each(|number| content.extend(number.to_le_bytes()));
         content.extend((index_offsets.len() as u32).to_le_bytes());
         content.extend(index_offsets);
         content.extend((self.bytes.len() as u64 - end).to_le_bytes());
@@ -210,8 +214,12 @@ mod tests {
         let read = |bytes: &[u8]| Bag::parse(Path::new("a.mcap"), bytes);
         let bag = read(&bytes).unwrap();
         assert_eq!(bag.topics["/a"].kinds, [("A".to_owned(), "json".to_owned())]);
-        let times: Vec<u64> = bag.topics["/b"].messages.iter().map(|message| message.log_ns).collect();
-        assert_eq!((times, &bag.topics["/b"].messages[3].data[..]), (vec![0, 10, 20, 30, 40], &b"3"[..]));
+        let times: Vec<u64> =
+            bag.topics["/b"].messages.iter().map(|message| message.log_ns).collect();
+        assert_eq!(
+            (times, &bag.topics["/b"].messages[3].data[..]),
+            (vec![0, 10, 20, 30, 40], &b"3"[..])
+        );
         let said = read(&bytes[..bytes.len() / 2]).unwrap_err().to_string();
         assert!(said.contains("the end of the file within a record"), "{said}");
         assert!(read(b"SQLite format 3").unwrap_err().to_string().contains("a database of SQLite"));

@@ -71,7 +71,9 @@ pub(super) fn read(table: &Table) -> Result<Vec<DriveTrack>, DataError> {
             DriveUnit::Radians => "radians, a number",
             DriveUnit::Metres => "metres, a number",
         };
-        let number = |row| optional::finite(cells, row).ok_or_else(|| table.cell_error(row, column, expected));
+        let number = |row| {
+            optional::finite(cells, row).ok_or_else(|| table.cell_error(row, column, expected))
+        };
         let displacement = (0..table.rows).map(number).collect::<Result<_, _>>()?;
         drives.push(DriveTrack { name: name.to_owned(), unit, displacement });
     }
@@ -80,13 +82,14 @@ pub(super) fn read(table: &Table) -> Result<Vec<DriveTrack>, DataError> {
 }
 
 impl Recording {
-    /// Converts the commands of drives, if there are any, to displacements of `tendons` tendons: the sum of gain times
-    /// displacement over the drives. `gains` holds for each drive of the model the tendons (from 0) that it moves and the
-    /// gain of each; `path` is the file that the recording was read from. The drives stay in [`Recording::drives`] and
-    /// are what is written.
+    /// Converts the commands of drives, if there are any, to displacements of `tendons` tendons:
+    /// the sum of gain times displacement over the drives. `gains` holds for each drive of the
+    /// model the tendons (from 0) that it moves and the gain of each; `path` is the file that the
+    /// recording was read from. The drives stay in [`Recording::drives`] and are what is written.
     ///
     /// # Errors
-    /// [`DataError::Column`] for a drive that the model lacks, and for one of the model that the recording lacks.
+    /// [`DataError::Column`] for a drive that the model lacks, and for one of the model that the
+    /// recording lacks.
     pub fn convert_drives(
         &mut self,
         path: &Path,
@@ -99,12 +102,20 @@ impl Recording {
         let names: Vec<&str> = gains.keys().map(String::as_str).collect();
         if let Some(drive) = self.drives.iter().find(|drive| !gains.contains_key(&drive.name)) {
             let expected = match names.as_slice() {
-                [] => "displacements of tendons (tendon_1_m…): the model has no `drives`".to_owned(),
+                [] => {
+                    "displacements of tendons (tendon_1_m…): the model has no `drives`".to_owned()
+                }
                 known => format!("a drive of the model: {}", known.join(", ")),
             };
-            return Err(column_error(path, drive.column(), format!("the drive `{}`", drive.name), expected));
+            return Err(column_error(
+                path,
+                drive.column(),
+                format!("the drive `{}`", drive.name),
+                expected,
+            ));
         }
-        let missing_drive = names.iter().find(|name| self.drives.iter().all(|drive| drive.name != **name));
+        let missing_drive =
+            names.iter().find(|name| self.drives.iter().all(|drive| drive.name != **name));
         if let Some(name) = missing_drive {
             let expected = format!("a column `drive_{name}_rad` or `drive_{name}_m`");
             let found = format!("no commands of the drive `{name}`");
@@ -117,22 +128,39 @@ impl Recording {
         Ok(())
     }
 
-    /// The recording with the commands that its drives give with these gains, as [`Recording::convert_drives`] takes them;
-    /// itself where it has no drives, or one without gains.
-    pub fn driven_by(&self, gains: &BTreeMap<String, Vec<(usize, f64)>>, tendons: usize) -> Cow<'_, Recording> {
-        let commands = if self.drives.is_empty() { None } else { self.tendon_commands(gains, tendons) };
-        commands.map_or(Cow::Borrowed(self), |commands| Cow::Owned(Recording { commands, ..self.clone() }))
+    /// The recording with the commands that its drives give with these gains, as
+    /// [`Recording::convert_drives`] takes them; itself where it has no drives, or one without
+    /// gains.
+    pub fn driven_by(
+        &self,
+        gains: &BTreeMap<String, Vec<(usize, f64)>>,
+        tendons: usize,
+    ) -> Cow<'_, Recording> {
+        let commands =
+            if self.drives.is_empty() { None } else { self.tendon_commands(gains, tendons) };
+        commands.map_or(Cow::Borrowed(self), |commands| {
+            Cow::Owned(Recording { commands, ..self.clone() })
+        })
     }
 
     /// Displacements of `tendons` tendons, row by row; `None` where a drive has no gains.
-    fn tendon_commands(&self, gains: &BTreeMap<String, Vec<(usize, f64)>>, tendons: usize) -> Option<Rows> {
-        let driven: Vec<(&DriveTrack, &Vec<(usize, f64)>)> =
-            self.drives.iter().map(|drive| Some((drive, gains.get(&drive.name)?))).collect::<Option<_>>()?;
+    fn tendon_commands(
+        &self,
+        gains: &BTreeMap<String, Vec<(usize, f64)>>,
+        tendons: usize,
+    ) -> Option<Rows> {
+        let driven: Vec<(&DriveTrack, &Vec<(usize, f64)>)> = self
+            .drives
+            .iter()
+            .map(|drive| Some((drive, gains.get(&drive.name)?)))
+            .collect::<Option<_>>()?;
         let mut commands = Rows::new(tendons);
         for row in 0..self.len() {
             let mut command = vec![0.0; tendons];
             for (drive, gains) in &driven {
-                gains.iter().for_each(|&(tendon, gain)| command[tendon] += gain * drive.displacement[row]);
+                gains
+                    .iter()
+                    .for_each(|&(tendon, gain)| command[tendon] += gain * drive.displacement[row]);
             }
             commands.push(&command);
         }

@@ -1,5 +1,6 @@
-//! The recording format: commands and measured tips, trial by trial. A CSV or Parquet table with one row per control
-//! tick: `trial,time_s,tendon_1_m…,tip_x_m,tip_y_m,tip_z_m` and optional columns; see `docs/outputs.md`.
+//! The recording format: commands and measured tips, trial by trial. A CSV or Parquet table with
+//! one row per control tick: `trial,time_s,tendon_1_m…,tip_x_m,tip_y_m,tip_z_m` and optional
+//! columns; see `docs/outputs.md`.
 
 mod check;
 mod drives;
@@ -91,21 +92,26 @@ impl Extra {
     }
 }
 
-/// A checked recording. All columns have [`Recording::len`] rows; the rows of a trial stand together.
+/// A checked recording. All columns have [`Recording::len`] rows; the rows of a trial stand
+/// together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recording {
     /// Whether the commands are lengths or tensions.
     pub actuation: Actuation,
     /// Trial that the row belongs to.
     pub trial: Vec<u64>,
-    /// Time since the trial began, seconds; starts at 0 and increases within a trial, unless rows are poses at rest.
+    /// Time since the trial began, seconds; starts at 0 and increases within a trial, unless rows
+    /// are poses at rest.
     pub time_s: Vec<f64>,
-    /// Commands, one row of one number a tendon, metres or newtons; in force from the row's time to the next row's. Empty
-    /// after reading a file with commands of drives, until [`Recording::convert_drives`].
+    /// Commands, one row of one number a tendon, metres or newtons; in force from the row's time to
+    /// the next row's. Empty after reading a file with commands of drives, until
+    /// [`Recording::convert_drives`].
     pub commands: Rows,
-    /// Commands of drives, in the order of their names, where the file has them in place of those of tendons.
+    /// Commands of drives, in the order of their names, where the file has them in place of those
+    /// of tendons.
     pub drives: Vec<DriveTrack>,
-    /// Measured tip at the row's time, metres; none in a file of commands. Not a number where tracking was lost.
+    /// Measured tip at the row's time, metres; none in a file of commands. Not a number where
+    /// tracking was lost.
     pub tip_m: Option<Vec<Point3>>,
     /// Tip orientation, unit quaternion w, x, y, z (`tip_qw,tip_qx,tip_qy,tip_qz`).
     pub tip_quaternion: Option<Vec<[f64; 4]>>,
@@ -117,7 +123,8 @@ pub struct Recording {
     pub valid: Option<Vec<bool>>,
     /// Load at the tip, applied from the row's time on.
     pub tip_load: Option<Vec<RecordedWrench>>,
-    /// Gravity in the world frame, m/s², the same in all rows of a trial, where it is not that of the model.
+    /// Gravity in the world frame, m/s², the same in all rows of a trial, where it is not that of
+    /// the model.
     pub gravity_m_s2: Option<Vec<[f64; 3]>>,
     /// Further tracked points, in the order of their names.
     pub points: Vec<PointTrack>,
@@ -149,7 +156,8 @@ impl Recording {
         }
     }
 
-    /// Reads a recording, CSV or Parquet, and checks all of it; the tip or another tracked point must be there.
+    /// Reads a recording, CSV or Parquet, and checks all of it; the tip or another tracked point
+    /// must be there.
     ///
     /// # Errors
     /// [`DataError`] names file, line, column, what was found and what was expected.
@@ -157,7 +165,8 @@ impl Recording {
         read::recording(path, &Expected { measured: true, in_time: true })
     }
 
-    /// Reads a recording of poses at rest: as [`Recording::read`], with any times, also repeated or decreasing ones.
+    /// Reads a recording of poses at rest: as [`Recording::read`], with any times, also repeated or
+    /// decreasing ones.
     ///
     /// # Errors
     /// As [`Recording::read`].
@@ -173,7 +182,8 @@ impl Recording {
         read::recording(path, &Expected { measured: false, in_time: false })
     }
 
-    /// Reads commands: a recording whose measured columns may be missing (and are kept when they are not).
+    /// Reads commands: a recording whose measured columns may be missing (and are kept when they
+    /// are not).
     ///
     /// # Errors
     /// As [`Recording::read`].

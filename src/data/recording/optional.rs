@@ -19,7 +19,8 @@ pub(super) struct ColumnGroup<'a> {
 impl ColumnGroup<'_> {
     /// The numbers, `N` per row; NaN where tracking was lost and the cell is empty.
     pub(super) fn read<const N: usize>(&self) -> Result<Option<Vec<[f64; N]>>, DataError> {
-        let columns: Vec<Option<&Cells>> = self.names.iter().map(|name| self.table.column(name)).collect();
+        let columns: Vec<Option<&Cells>> =
+            self.names.iter().map(|name| self.table.column(name)).collect();
         if !self.required && columns.iter().all(Option::is_none) {
             return Ok(None);
         }
@@ -86,7 +87,9 @@ pub(super) fn finite(cells: &Cells, row: usize) -> Option<f64> {
 fn is_blank(cells: &Cells, row: usize) -> bool {
     match cells {
         Cells::Numbers(cells) => cells[row].is_nan(),
-        Cells::Text(cells) => cells[row].trim().is_empty() || cells[row].trim().eq_ignore_ascii_case("nan"),
+        Cells::Text(cells) => {
+            cells[row].trim().is_empty() || cells[row].trim().eq_ignore_ascii_case("nan")
+        }
         _ => false,
     }
 }

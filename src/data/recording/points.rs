@@ -1,5 +1,5 @@
-//! Tracked points along the body: `point_NAME_x_m,point_NAME_y_m,point_NAME_z_m` and, where it was measured, their
-//! orientation `point_NAME_qw,point_NAME_qx,point_NAME_qy,point_NAME_qz`.
+//! Tracked points along the body: `point_NAME_x_m,point_NAME_y_m,point_NAME_z_m` and, where it was
+//! measured, their orientation `point_NAME_qw,point_NAME_qx,point_NAME_qy,point_NAME_qz`.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -58,15 +58,19 @@ fn split_part(text: &str) -> Option<(&str, &str)> {
 
 /// The points of a file, in the order of their names. A cell is empty where the point was not seen.
 pub(super) fn read(table: &Table) -> Result<Vec<PointTrack>, DataError> {
-    let names: BTreeSet<&str> = table.columns.iter().filter_map(|(name, _)| name_of(name)).collect();
+    let names: BTreeSet<&str> =
+        table.columns.iter().filter_map(|(name, _)| name_of(name)).collect();
     let unseen = vec![false; table.rows];
     let point = |name: &str| {
-        let mut point = PointTrack { name: name.to_owned(), position_m: Vec::new(), quaternion: None };
+        let mut point =
+            PointTrack { name: name.to_owned(), position_m: Vec::new(), quaternion: None };
         let (position, orientation) = (point.position_columns(), point.quaternion_columns());
-        let group = |names: Vec<_>, required| ColumnGroup { table, names, required, lost: Some(&unseen) };
+        let group =
+            |names: Vec<_>, required| ColumnGroup { table, names, required, lost: Some(&unseen) };
         let read = group(position.iter().map(String::as_str).collect(), true).read::<3>()?;
         point.position_m = read.unwrap_or_default();
-        point.quaternion = group(orientation.iter().map(String::as_str).collect(), false).quaternions()?;
+        point.quaternion =
+            group(orientation.iter().map(String::as_str).collect(), false).quaternions()?;
         Ok(point)
     };
     names.into_iter().map(point).collect()
@@ -86,12 +90,15 @@ impl Recording {
             || self.points.iter().any(|point| point.is_seen(row))
     }
 
-    /// Refuses a point that the robot's model does not place; `placed` are the names in its `tracking.points`.
+    /// Refuses a point that the robot's model does not place; `placed` are the names in its
+    /// `tracking.points`.
     ///
     /// # Errors
     /// [`DataError::Column`] for the first one.
     pub fn check_points(&self, path: &Path, placed: &[String]) -> Result<(), DataError> {
-        let Some(point) = self.points.iter().find(|point| !placed.contains(&point.name)) else { return Ok(()) };
+        let Some(point) = self.points.iter().find(|point| !placed.contains(&point.name)) else {
+            return Ok(());
+        };
         let expected = match placed {
             [] => "no tracked point: the model has no `tracking.points`".to_owned(),
             names => format!("a point of the model's `tracking.points`: {}", names.join(", ")),

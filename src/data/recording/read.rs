@@ -41,7 +41,8 @@ pub(super) fn recording(path: &Path, expected: &Expected) -> Result<Recording, D
     let (actuation, commands) = commands(&table, &drives)?;
     let valid = optional::flags(&table, "valid")?;
     let points = points::read(&table)?;
-    // Where tracking was lost, measured cells may be empty; beside other points also where the tip alone was not seen.
+    // Where tracking was lost, measured cells may be empty; beside other points also where the tip
+    // alone was not seen.
     let unseen = (!points.is_empty()).then(|| vec![false; table.rows]);
     let measured = |names: &[&'static str], required| ColumnGroup {
         table: &table,
@@ -49,8 +50,12 @@ pub(super) fn recording(path: &Path, expected: &Expected) -> Result<Recording, D
         required,
         lost: unseen.as_deref().or(valid.as_deref()),
     };
-    let applied =
-        |names: &[&'static str]| ColumnGroup { table: &table, names: names.to_vec(), required: false, lost: None };
+    let applied = |names: &[&'static str]| ColumnGroup {
+        table: &table,
+        names: names.to_vec(),
+        required: false,
+        lost: None,
+    };
 
     let tip_m = measured(&TIP, expected.measured && points.is_empty()).read::<3>()?;
     let tip_quaternion = measured(&TIP_Q, false).quaternions()?;
@@ -87,12 +92,17 @@ pub(super) fn recording(path: &Path, expected: &Expected) -> Result<Recording, D
 }
 
 /// Refuses a gravity that changes within a trial.
-fn same_in_trial(table: &Table, trial: &[u64], gravity_m_s2: Option<&[[f64; 3]]>) -> Result<(), DataError> {
+fn same_in_trial(
+    table: &Table,
+    trial: &[u64],
+    gravity_m_s2: Option<&[[f64; 3]]>,
+) -> Result<(), DataError> {
     let Some(all) = gravity_m_s2 else { return Ok(()) };
     let changed = |&row: &usize| trial[row] == trial[row - 1] && all[row] != all[row - 1];
     let Some(row) = (1..table.rows).find(changed) else { return Ok(()) };
     let axis = (0..3).find(|&axis| all[row][axis] != all[row - 1][axis]).unwrap_or(0);
-    let expected = format!("{} as in the row before: the same gravity in a trial", all[row - 1][axis]);
+    let expected =
+        format!("{} as in the row before: the same gravity in a trial", all[row - 1][axis]);
     Err(table.cell_error(row, GRAVITY[axis], expected))
 }
 
@@ -112,9 +122,14 @@ fn trials(table: &Table) -> Result<Vec<u64>, DataError> {
     let mut earlier = std::collections::BTreeSet::new();
     for row in 0..table.rows {
         let number = whole_number(cells, row);
-        let number = number.ok_or_else(|| table.cell_error(row, "trial", "a trial number: 0, 1, 2, …"))?;
+        let number =
+            number.ok_or_else(|| table.cell_error(row, "trial", "a trial number: 0, 1, 2, …"))?;
         if trials.last() != Some(&number) && !earlier.insert(number) {
-            return Err(table.cell_error(row, "trial", "a new trial: the rows of a trial stand together"));
+            return Err(table.cell_error(
+                row,
+                "trial",
+                "a new trial: the rows of a trial stand together",
+            ));
         }
         trials.push(number);
     }
@@ -128,7 +143,8 @@ fn whole_number(cells: &Cells, row: usize) -> Option<u64> {
         Cells::Text(cells) => cells[row].trim().parse().ok(),
         Cells::Numbers(cells) => {
             let number = cells[row];
-            (number >= 0.0 && number.fract() == 0.0 && number < 2f64.powi(53)).then_some(number as u64)
+            (number >= 0.0 && number.fract() == 0.0 && number < 2f64.powi(53))
+                .then_some(number as u64)
         }
         Cells::Flags(_) => None,
     }
@@ -140,17 +156,25 @@ fn times(table: &Table, trial: &[u64], in_time: bool) -> Result<Vec<f64>, DataEr
     let cells = needed(table, NAME)?;
     let mut times: Vec<f64> = Vec::with_capacity(table.rows);
     for row in 0..table.rows {
-        let time_s = optional::finite(cells, row).ok_or_else(|| table.cell_error(row, NAME, "seconds, a number"))?;
+        let time_s = optional::finite(cells, row)
+            .ok_or_else(|| table.cell_error(row, NAME, "seconds, a number"))?;
         let is_first = row == 0 || trial[row] != trial[row - 1];
         if !in_time {
             times.push(time_s);
             continue;
         }
         if is_first && time_s.abs() > START_TOLERANCE_S {
-            return Err(table.cell_error(row, NAME, format!("0 at the start of trial {}", trial[row])));
+            return Err(table.cell_error(
+                row,
+                NAME,
+                format!("0 at the start of trial {}", trial[row]),
+            ));
         }
         if !is_first && time_s <= times[row - 1] {
-            let expected = format!("more than {} as in the row before: time increases in a trial", times[row - 1]);
+            let expected = format!(
+                "more than {} as in the row before: time increases in a trial",
+                times[row - 1]
+            );
             return Err(table.cell_error(row, NAME, expected));
         }
         times.push(time_s);
@@ -158,7 +182,8 @@ fn times(table: &Table, trial: &[u64], in_time: bool) -> Result<Vec<f64>, DataEr
     Ok(times)
 }
 
-/// The commands: `tendon_1_m`… or `tendon_1_n`…, without a gap in the numbers; none where there are `drives`.
+/// The commands: `tendon_1_m`… or `tendon_1_n`…, without a gap in the numbers; none where there are
+/// `drives`.
 fn commands(table: &Table, drives: &[DriveTrack]) -> Result<(Actuation, Rows), DataError> {
     let lengths = highest_tendon(table, Actuation::Lengths);
     let tensions = highest_tendon(table, Actuation::Tensions);
@@ -174,7 +199,11 @@ fn commands(table: &Table, drives: &[DriveTrack]) -> Result<(Actuation, Rows), D
         _ => {
             let found = "commands as lengths and as tensions".to_owned();
             let expected = "one of the two (measured tensions are named tension_1_n…)";
-            return Err(table.header_error(&Actuation::Tensions.column(tensions - 1), found, expected));
+            return Err(table.header_error(
+                &Actuation::Tensions.column(tensions - 1),
+                found,
+                expected,
+            ));
         }
     };
     // Stops at the first gap: the file may claim a tendon number of 10¹².
@@ -192,7 +221,8 @@ fn commands(table: &Table, drives: &[DriveTrack]) -> Result<(Actuation, Rows), D
     for row in 0..table.rows {
         for (tendon, cells) in columns.iter().enumerate() {
             let value = optional::finite(cells, row);
-            values[tendon] = value.ok_or_else(|| table.cell_error(row, &names[tendon], expected))?;
+            values[tendon] =
+                value.ok_or_else(|| table.cell_error(row, &names[tendon], expected))?;
         }
         rows.push(&values);
     }

@@ -18,8 +18,10 @@ impl Recording {
             position_m: picked(&track.position_m, rows),
             quaternion: track.quaternion.as_ref().map(|all| picked(all, rows)),
         };
-        let drive =
-            |drive: &DriveTrack| DriveTrack { displacement: picked(&drive.displacement, rows), ..drive.clone() };
+        let drive = |drive: &DriveTrack| DriveTrack {
+            displacement: picked(&drive.displacement, rows),
+            ..drive.clone()
+        };
         Recording {
             actuation: self.actuation,
             trial: picked(&self.trial, rows),

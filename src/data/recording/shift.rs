@@ -16,9 +16,10 @@ struct ShiftedRow {
 }
 
 impl Recording {
-    /// The recording with every tip `offset_s` later than its row says, and every command where it was. Commands keep a
-    /// row of their own, without a tip where none was measured; a tip from before the trial is dropped. Tips, points, base
-    /// poses, loads and `valid` are kept, other columns are not.
+    /// The recording with every tip `offset_s` later than its row says, and every command where it
+    /// was. Commands keep a row of their own, without a tip where none was measured; a tip from
+    /// before the trial is dropped. Tips, points, base poses, loads and `valid` are kept, other
+    /// columns are not.
     #[must_use]
     pub fn with_tips_later(&self, offset_s: f64) -> Recording {
         let mut shifted = Recording::new(self.actuation, self.tendons());
@@ -36,17 +37,27 @@ impl Recording {
         let mut commands = Rows::new(self.tendons());
         rows.iter().for_each(|row| commands.push(self.commands.row(row.command)));
         shifted.commands = commands;
-        let tip = |row: &ShiftedRow| row.tip.zip(self.tip_m.as_ref()).map_or([f64::NAN; 3], |(tip, tips)| tips[tip]);
+        let tip = |row: &ShiftedRow| {
+            row.tip.zip(self.tip_m.as_ref()).map_or([f64::NAN; 3], |(tip, tips)| tips[tip])
+        };
         shifted.tip_m = Some(rows.iter().map(tip).collect());
         shifted.points = self.points.iter().map(|point| shifted_point(point, &rows)).collect();
-        shifted.valid = Some(rows.iter().map(|row| row.tip.is_some_and(|tip| self.is_valid(tip))).collect());
-        shifted.base =
-            self.base.as_ref().map(|base| rows.iter().map(|row| base[row.tip.unwrap_or(row.command)]).collect());
-        shifted.known_load_kg =
-            self.known_load_kg.as_ref().map(|load| rows.iter().map(|row| load[row.command]).collect());
-        shifted.gravity_m_s2 =
-            self.gravity_m_s2.as_ref().map(|gravity| rows.iter().map(|row| gravity[row.command]).collect());
-        shifted.tip_load = self.tip_load.as_ref().map(|load| rows.iter().map(|row| load[row.command]).collect());
+        shifted.valid =
+            Some(rows.iter().map(|row| row.tip.is_some_and(|tip| self.is_valid(tip))).collect());
+        shifted.base = self
+            .base
+            .as_ref()
+            .map(|base| rows.iter().map(|row| base[row.tip.unwrap_or(row.command)]).collect());
+        shifted.known_load_kg = self
+            .known_load_kg
+            .as_ref()
+            .map(|load| rows.iter().map(|row| load[row.command]).collect());
+        shifted.gravity_m_s2 = self
+            .gravity_m_s2
+            .as_ref()
+            .map(|gravity| rows.iter().map(|row| gravity[row.command]).collect());
+        shifted.tip_load =
+            self.tip_load.as_ref().map(|load| rows.iter().map(|row| load[row.command]).collect());
         shifted
     }
 }
@@ -54,13 +65,20 @@ impl Recording {
 /// A tracked point in the rows of the shifted recording, without its orientation.
 fn shifted_point(point: &PointTrack, rows: &[ShiftedRow]) -> PointTrack {
     let position = |row: &ShiftedRow| row.tip.map_or([f64::NAN; 3], |tip| point.position_m[tip]);
-    PointTrack { name: point.name.clone(), position_m: rows.iter().map(position).collect(), quaternion: None }
+    PointTrack {
+        name: point.name.clone(),
+        position_m: rows.iter().map(position).collect(),
+        quaternion: None,
+    }
 }
 
 /// Rows of one trial with commands at `time_s` and tips `offset_s` later.
 fn shifted_rows(time_s: &[f64], offset_s: f64) -> Vec<ShiftedRow> {
-    let mut rows: Vec<ShiftedRow> =
-        time_s.iter().enumerate().map(|(row, &time_s)| ShiftedRow { time_s, command: row, tip: None }).collect();
+    let mut rows: Vec<ShiftedRow> = time_s
+        .iter()
+        .enumerate()
+        .map(|(row, &time_s)| ShiftedRow { time_s, command: row, tip: None })
+        .collect();
     for (tip, &at_s) in time_s.iter().enumerate() {
         let measured_s = at_s + offset_s;
         if measured_s < -SAME_TIME_S {
@@ -93,7 +111,8 @@ mod tests {
             recording.commands.push(&[f64::from(row)]);
             tips_m.push([f64::from(row), trial as f64, 0.0]);
         }
-        let point = PointTrack { name: "mid".to_owned(), position_m: tips_m.clone(), quaternion: None };
+        let point =
+            PointTrack { name: "mid".to_owned(), position_m: tips_m.clone(), quaternion: None };
         recording.points = vec![point];
         recording.tip_m = Some(tips_m);
         recording
@@ -107,7 +126,12 @@ mod tests {
             tip_m.map(|tip_m| tip_m[0])
         };
         let row = |row: usize| {
-            (shifted.trial[row], (shifted.time_s[row] * 1e3).round(), shifted.commands.row(row)[0], tip(row))
+            (
+                shifted.trial[row],
+                (shifted.time_s[row] * 1e3).round(),
+                shifted.commands.row(row)[0],
+                tip(row),
+            )
         };
         (0..shifted.len()).map(row).collect()
     }
@@ -134,9 +158,17 @@ mod tests {
         let later = shown(&recorded().with_tips_later(0.2));
         assert_eq!(
             later[..4],
-            [(4, 0.0, 0.0, None), (4, 200.0, 1.0, Some(0.0)), (4, 400.0, 2.0, Some(1.0)), (4, 600.0, 2.0, Some(2.0))]
+            [
+                (4, 0.0, 0.0, None),
+                (4, 200.0, 1.0, Some(0.0)),
+                (4, 400.0, 2.0, Some(1.0)),
+                (4, 600.0, 2.0, Some(2.0))
+            ]
         );
         let earlier = shown(&recorded().with_tips_later(-0.2));
-        assert_eq!(earlier[..3], [(4, 0.0, 0.0, Some(1.0)), (4, 200.0, 1.0, Some(2.0)), (4, 400.0, 2.0, None)]);
+        assert_eq!(
+            earlier[..3],
+            [(4, 0.0, 0.0, Some(1.0)), (4, 200.0, 1.0, Some(2.0)), (4, 400.0, 2.0, None)]
+        );
     }
 }

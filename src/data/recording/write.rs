@@ -8,24 +8,27 @@ use crate::data::table::{Cells, csv_bytes, parquet_bytes};
 use crate::data::{DataError, write_atomic};
 
 impl Recording {
-    /// Checks that a recording can have this name: it ends in `.csv` or `.parquet`, or has no ending (CSV). The bytes would
-    /// belie another name.
+    /// Checks that a recording can have this name: it ends in `.csv` or `.parquet`, or has no
+    /// ending (CSV). The bytes would belie another name.
     ///
     /// # Errors
     /// [`DataError::Write`] for another ending.
     pub fn check_name(path: &Path) -> Result<(), DataError> {
         let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-        let Some(other) = ending.filter(|ending| !matches!(ending.as_str(), "csv" | "parquet")) else { return Ok(()) };
+        let Some(other) = ending.filter(|ending| !matches!(ending.as_str(), "csv" | "parquet"))
+        else {
+            return Ok(());
+        };
         let reason = format!("found the ending `.{other}`, expected `.csv` or `.parquet`");
         Err(DataError::Write { file: path.to_owned(), reason })
     }
 
-    /// Writes a recording atomically, as Parquet when the name ends in `.parquet`, otherwise as CSV, with enough digits
-    /// to read back the same numbers.
+    /// Writes a recording atomically, as Parquet when the name ends in `.parquet`, otherwise as
+    /// CSV, with enough digits to read back the same numbers.
     ///
     /// # Errors
-    /// [`DataError::Write`] for another ending than `.csv` and `.parquet`, when columns differ in length, or when the file
-    /// cannot be written.
+    /// [`DataError::Write`] for another ending than `.csv` and `.parquet`, when columns differ in
+    /// length, or when the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), DataError> {
         write_atomic(path, &self.to_bytes(path)?)
     }
@@ -37,7 +40,8 @@ impl Recording {
     pub fn to_bytes(&self, path: &Path) -> Result<Vec<u8>, DataError> {
         Recording::check_name(path)?;
         let refused = |reason| DataError::Write { file: path.to_owned(), reason };
-        let parquet = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("parquet"));
+        let parquet =
+            path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("parquet"));
         let columns = columns(self).map_err(refused)?;
         let bytes = if parquet { parquet_bytes(columns) } else { csv_bytes(columns) };
         bytes.map_err(refused)
@@ -66,7 +70,13 @@ fn columns(recording: &Recording) -> Result<Vec<(String, Cells)>, String> {
     group(&mut columns, &TIP_Q, recording.tip_quaternion.as_deref(), |turn| *turn, rows)?;
     group(&mut columns, &BASE, recording.base.as_deref(), |pose| pose.position_m, rows)?;
     group(&mut columns, &BASE_Q, recording.base.as_deref(), |pose| pose.quaternion, rows)?;
-    group(&mut columns, &["known_load_kg"], recording.known_load_kg.as_deref(), |&mass_kg| [mass_kg], rows)?;
+    group(
+        &mut columns,
+        &["known_load_kg"],
+        recording.known_load_kg.as_deref(),
+        |&mass_kg| [mass_kg],
+        rows,
+    )?;
     if let Some(valid) = &recording.valid {
         check("valid", valid.len(), rows)?;
         let cells = valid.iter().map(|&valid| i64::from(valid)).collect();
@@ -77,8 +87,20 @@ fn columns(recording: &Recording) -> Result<Vec<(String, Cells)>, String> {
     group(&mut columns, &GRAVITY, recording.gravity_m_s2.as_deref(), |values| *values, rows)?;
     for point in &recording.points {
         let (position, turn) = (point.position_columns(), point.quaternion_columns());
-        group(&mut columns, &position.each_ref().map(String::as_str), Some(&point.position_m), |values| *values, rows)?;
-        group(&mut columns, &turn.each_ref().map(String::as_str), point.quaternion.as_deref(), |values| *values, rows)?;
+        group(
+            &mut columns,
+            &position.each_ref().map(String::as_str),
+            Some(&point.position_m),
+            |values| *values,
+            rows,
+        )?;
+        group(
+            &mut columns,
+            &turn.each_ref().map(String::as_str),
+            point.quaternion.as_deref(),
+            |values| *values,
+            rows,
+        )?;
     }
     if let Some(labels) = &recording.pattern {
         check("pattern", labels.len(), rows)?;
@@ -114,5 +136,9 @@ fn group<T, const N: usize>(
 }
 
 fn check(name: &str, found: usize, rows: usize) -> Result<(), String> {
-    if found == rows { Ok(()) } else { Err(format!("column `{name}` has {found} rows where `trial` has {rows}")) }
+    if found == rows {
+        Ok(())
+    } else {
+        Err(format!("column `{name}` has {found} rows where `trial` has {rows}"))
+    }
 }

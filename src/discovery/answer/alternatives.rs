@@ -1,4 +1,5 @@
-//! Alternatives to naming the effect: refit the stiffness alone, or the paper's Gaussian process on the residual.
+//! Alternatives to naming the effect: refit the stiffness alone, or the paper's Gaussian process on
+//! the residual.
 
 use crate::base::Rows;
 use crate::discovery::fit::candidate::{SetMember, effect_specs};
@@ -29,13 +30,18 @@ impl Problem<'_> {
 
     fn stiffness_only_m(&self, null: &FittedSet) -> Option<f64> {
         let fit_problem = self.fit_problem();
-        let candidate = self.candidates.iter().position(|one| one.card.name == "bending_stiffness")?;
-        let start = SetMember { candidate, values: self.candidates[candidate].variants().swap_remove(0) };
-        let sensitivity = self.sensitivities.iter().find(|sensitivity| sensitivity.candidate == candidate)?;
+        let candidate =
+            self.candidates.iter().position(|one| one.card.name == "bending_stiffness")?;
+        let start =
+            SetMember { candidate, values: self.candidates[candidate].variants().swap_remove(0) };
+        let sensitivity =
+            self.sensitivities.iter().find(|sensitivity| sensitivity.candidate == candidate)?;
         // One number is nearly linear: the first look's derivative spares a new Jacobian.
         let jacobian = fit_problem.extended_jacobian(null, &start, sensitivity);
-        let fitted = fit_problem.rough_fit(fit_problem.evaluate(vec![start])?, jacobian, f64::INFINITY)?;
-        let simulated_m = tips(&self.model, &effect_specs(&self.candidates, &fitted.members)?, &self.held_out)?;
+        let fitted =
+            fit_problem.rough_fit(fit_problem.evaluate(vec![start])?, jacobian, f64::INFINITY)?;
+        let simulated_m =
+            tips(&self.model, &effect_specs(&self.candidates, &fitted.members)?, &self.held_out)?;
         Some(rms_m(&self.held_out.residual(&simulated_m)))
     }
 
@@ -46,10 +52,17 @@ impl Problem<'_> {
         let training_inputs = inputs(&self.training, &null.simulated_m);
         let mut outputs = Rows::new(3);
         self.training.residual(&null.simulated_m).chunks_exact(3).for_each(|row| outputs.push(row));
-        let gp = Gp::fit(&training_inputs.select(&chosen), &outputs.select(&chosen), &GpConfig::default()).ok()?;
+        let gp = Gp::fit(
+            &training_inputs.select(&chosen),
+            &outputs.select(&chosen),
+            &GpConfig::default(),
+        )
+        .ok()?;
         let predicted = gp.mean_rows(&inputs(&self.held_out, &self.held_out_simulated_m)).ok()?;
         let residual_m = self.held_out.residual(&self.held_out_simulated_m);
-        Some(rms_m(&residual_m.iter().zip(predicted.values()).map(|(r, p)| r - p).collect::<Vec<f64>>()))
+        Some(rms_m(
+            &residual_m.iter().zip(predicted.values()).map(|(r, p)| r - p).collect::<Vec<f64>>(),
+        ))
     }
 }
 

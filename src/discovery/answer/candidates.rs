@@ -18,8 +18,8 @@ use crate::math::summary::root_mean_square;
 const MAX_FITTED_ROWS: usize = 30;
 
 impl Problem<'_> {
-    /// The candidates, best first, with leave-one-out errors. `fit_problem`: that of the final fit of the best set;
-    /// `objection`: to the best set, if it is not the answer.
+    /// The candidates, best first, with leave-one-out errors. `fit_problem`: that of the final fit
+    /// of the best set; `objection`: to the best set, if it is not the answer.
     pub(crate) fn candidate_rows(
         &self,
         fit_problem: &FitProblem,
@@ -61,7 +61,8 @@ impl Problem<'_> {
                     name: set_name(&self.candidates, std::slice::from_ref(&prediction.member)),
                     score: *score,
                     after_m: residual_share * before_m,
-                    why_not: "not fitted: the linear screening predicts no more than this".to_owned(),
+                    why_not: "not fitted: the linear screening predicts no more than this"
+                        .to_owned(),
                     parameters: String::new(),
                 });
             }
@@ -69,7 +70,13 @@ impl Problem<'_> {
         rows
     }
 
-    fn why_not(&self, outcome: &SearchOutcome, decision: &Decision, scored: &ScoredSet, objection: &str) -> String {
+    fn why_not(
+        &self,
+        outcome: &SearchOutcome,
+        decision: &Decision,
+        scored: &ScoredSet,
+        objection: &str,
+    ) -> String {
         let (members, best) = (&scored.fitted.members, &outcome.best);
         let is_unexplained = decision.verdict == Verdict::Unexplained;
         let answer = if decision.names_effects() { outcome.rounded_members() } else { Vec::new() };
@@ -78,7 +85,8 @@ impl Problem<'_> {
             return String::new();
         }
         if is_unexplained && *members == best.fitted.members {
-            let rank = if members.is_empty() { "no candidate is better" } else { "the best candidate" };
+            let rank =
+                if members.is_empty() { "no candidate is better" } else { "the best candidate" };
             return format!("{rank}, but {objection}");
         }
         if members.len() > best.fitted.members.len() {
@@ -93,7 +101,8 @@ impl Problem<'_> {
             return "fits equally well: these data cannot tell the two apart".to_owned();
         }
         if outcome.by_trials.is_some() {
-            return "does not fit unseen trials better by more than the model leaves on this robot anyway".to_owned();
+            return "does not fit unseen trials better by more than the model leaves on this robot \
+                    anyway".to_owned();
         }
         format!("fits worse: score lower by {:.0}", best.score - scored.score)
     }
@@ -104,17 +113,20 @@ pub(crate) fn set_name(candidates: &[CandidateEffect], members: &[SetMember]) ->
     if members.is_empty() {
         return "nothing missing".to_owned();
     }
-    members.iter().map(|member| candidates[member.candidate].label()).collect::<Vec<_>>().join(" + ")
+    members
+        .iter()
+        .map(|member| candidates[member.candidate].label())
+        .collect::<Vec<_>>()
+        .join(" + ")
 }
 
 /// Parameters of a set as `effect.parameter=value`, joined.
 fn parameter_text(candidates: &[CandidateEffect], members: &[SetMember]) -> String {
     let parameters = members.iter().flat_map(|member| {
         let card = candidates[member.candidate].card;
-        card.parameters
-            .iter()
-            .zip(&member.values)
-            .map(|(parameter, &value)| format!("{}.{}={}", card.name, parameter.name, round_significant(value, DIGITS)))
+        card.parameters.iter().zip(&member.values).map(|(parameter, &value)| {
+            format!("{}.{}={}", card.name, parameter.name, round_significant(value, DIGITS))
+        })
     });
     parameters.collect::<Vec<String>>().join("; ")
 }

@@ -11,22 +11,28 @@ use crate::discovery::problem::{Problem, simulate_model};
 use crate::discovery::recording::samples::rms_m;
 use crate::effects::Model;
 
-/// Calibration factors above this are suspicious (docs/discovery.md, "What is uncertain of any robot").
+/// Calibration factors above this are suspicious (docs/discovery.md, "What is uncertain of any
+/// robot").
 const MAX_USUAL_FACTOR: f64 = 1.3;
 
 /// Text on the calibration.
 fn calibration_caveat(factors: &baseline::CalibrationFactors, named: bool) -> String {
-    let written =
-        if named { "contains these values" } else { "does not contain these values, because no effect was added" };
+    let written = if named {
+        "contains these values"
+    } else {
+        "does not contain these values, because no effect was added"
+    };
     let is_large = |factor: f64| factor.max(1.0 / factor) > MAX_USUAL_FACTOR;
     let doubt = if is_large(factors.bending_stiffness) || is_large(factors.compliance) {
-        " Such factors are large for a calibration: the baseline may contain an effect that the model lacks."
+        " Such factors are large for a calibration: the baseline may contain an effect that the \
+         model lacks."
     } else {
         ""
     };
     format!(
-        "The model was calibrated on the baseline: bending stiffness times {:.4}, section compliance times \
-         {:.4}. `before_m` is the error of the calibrated model; `model.yaml` {written}.{doubt}",
+        "The model was calibrated on the baseline: bending stiffness times {:.4}, section \
+         compliance times {:.4}. `before_m` is the error of the calibrated model; `model.yaml` \
+         {written}.{doubt}",
         factors.bending_stiffness, factors.compliance
     )
 }
@@ -39,35 +45,59 @@ impl Problem<'_> {
     /// Caveats of an answer.
     pub(crate) fn caveats(&self, verdict: Verdict) -> Vec<String> {
         let calibrated = self.base.as_ref().map(|base| match base.factors {
-            Some(factors) => calibration_caveat(&factors, matches!(verdict, Verdict::Named | Verdict::Ambiguous)),
+            Some(factors) => {
+                calibration_caveat(&factors, matches!(verdict, Verdict::Named | Verdict::Ambiguous))
+            }
             None => {
-                "Calibration does not increase the likelihood of the baseline: the model is used as given.".to_owned()
+                "Calibration does not increase the likelihood of the baseline: the model is used \
+                 as given."
+                    .to_owned()
             }
         });
         let base_markers = self.base_matches_model.then(|| {
-            "Markers on the base show the base pose of the model: `base_tilt` was excluded from the search.".to_owned()
+            "Markers on the base show the base pose of the model: `base_tilt` was excluded from \
+             the search."
+                .to_owned()
         });
-        let fixed: BTreeSet<&str> =
-            self.candidates.iter().filter(|one| self.is_fixed(one)).map(|one| one.card.name).collect();
-        let fixed = fixed
+        let fixed: BTreeSet<&str> = self
+            .candidates
+            .iter()
+            .filter(|one| self.is_fixed(one))
+            .map(|one| one.card.name)
+            .collect();
+        let fixed = fixed.into_iter().filter(|_| verdict != Verdict::Consistent).map(|name| {
+            format!("The model already contains `{name}`; the search cannot reduce it.")
+        });
+        let starts = self
+            .base
+            .as_ref()
+            .and_then(|base| base.starts.as_ref())
+            .map(trial_starts::baseline_starts_caveat);
+        calibrated
             .into_iter()
-            .filter(|_| verdict != Verdict::Consistent)
-            .map(|name| format!("The model already contains `{name}`; the search cannot reduce it."));
-        let starts = self.base.as_ref().and_then(|base| base.starts.as_ref()).map(trial_starts::baseline_starts_caveat);
-        calibrated.into_iter().chain(starts).chain(self.baseline_caveat()).chain(base_markers).chain(fixed).collect()
+            .chain(starts)
+            .chain(self.baseline_caveat())
+            .chain(base_markers)
+            .chain(fixed)
+            .collect()
     }
 
     /// Whether the model has the effect and no candidate reduces it.
     fn is_fixed(&self, candidate: &CandidateEffect) -> bool {
-        let is_in_model = self.model.effects.iter().any(|effect| effect.card().name == candidate.card.name);
-        is_in_model && candidate.variants().first().is_some_and(|nothing| candidate.is_at_range_end(nothing))
+        let is_in_model =
+            self.model.effects.iter().any(|effect| effect.card().name == candidate.card.name);
+        is_in_model
+            && candidate
+                .variants()
+                .first()
+                .is_some_and(|nothing| candidate.is_at_range_end(nothing))
     }
 
     /// Caveat if `model` cannot be simulated at its own resolution.
     pub(crate) fn resolution_caveat(&self, model: &Model) -> Option<String> {
         simulate_model(model, &self.all).err().map(|_| {
-            "`model.yaml` cannot be simulated with these commands at its own resolution, which differs from that \
-             of the fit: use a coarser `robot.resolution` in `simulate`."
+            "`model.yaml` cannot be simulated with these commands at its own resolution, which \
+             differs from that of the fit: use a coarser `robot.resolution` in `simulate`."
                 .to_owned()
         })
     }
@@ -79,8 +109,8 @@ impl Problem<'_> {
         let floor_m = NoiseFloor::from_repeats(&base.samples, 0.0).rms_m();
         (residual_m > MAX_USUAL_BASELINE_M.max(MAX_USUAL_BASELINE_FLOORS * floor_m)).then(|| {
             format!(
-                "After calibration the error on the baseline is still {:.1} mm: the baseline may be from another \
-         robot, or both recordings contain an effect that the model lacks.",
+                "After calibration the error on the baseline is still {:.1} mm: the baseline may \
+                 be from another robot, or both recordings contain an effect that the model lacks.",
                 1e3 * residual_m
             )
         })

@@ -10,7 +10,9 @@ use super::residual_map::{self, residual_map};
 use super::summary_text::{self, BaselineShare};
 use super::verdict::{Decision, HeldOutResult, SetEvidence, VerdictEvidence, decide};
 use crate::data::Recording;
-use crate::data::findings::{Candidate, FoundEffect, Gap, MissingTest, PlaceRow, ResidualRow, Verdict};
+use crate::data::findings::{
+    Candidate, FoundEffect, Gap, MissingTest, PlaceRow, ResidualRow, Verdict,
+};
 use crate::discovery::fit::ar1_noise::{Ar1Noise, MIN_SIGMA_M};
 use crate::discovery::fit::candidate::effect_specs;
 use crate::discovery::fit::gauss_newton::FitProblem;
@@ -80,7 +82,8 @@ pub(crate) struct SearchEvidence {
     pub(crate) is_calibrated: bool,
 }
 
-/// Significance level at which a residual exceeds the noise from all other sources (docs/discovery.md, "Noise").
+/// Significance level at which a residual exceeds the noise from all other sources
+/// (docs/discovery.md, "Noise").
 const ABOVE_NOISE: f64 = 1e-3;
 /// Uncertain parameters that are farther off, in standard deviations, stand for something else.
 const MAX_DEVIATIONS: f64 = 4.0;
@@ -99,10 +102,19 @@ struct JudgedSet<'a> {
 
 impl Problem<'_> {
     /// The evidence of a search in the `original` recording.
-    pub(crate) fn evidence(&self, original: &Recording, final_fit: &FinalFit, outcome: &SearchOutcome) -> Evidence {
+    pub(crate) fn evidence(
+        &self,
+        original: &Recording,
+        final_fit: &FinalFit,
+        outcome: &SearchOutcome,
+    ) -> Evidence {
         let (best, fine) = (&outcome.best.fitted, &final_fit.fine);
         let search_problem = &self.fit_problem();
-        let fit_problem = &FitProblem { nuisances: &fine.nuisances, samples: &fine.samples, ..search_problem.clone() };
+        let fit_problem = &FitProblem {
+            nuisances: &fine.nuisances,
+            samples: &fine.samples,
+            ..search_problem.clone()
+        };
         let judged = self.judged_set(fit_problem, final_fit, outcome);
         let JudgedSet { decision, objection, held_out, .. } = &judged;
         let is_named = decision.names_effects();
@@ -113,12 +125,17 @@ impl Problem<'_> {
         } else {
             NamedEffects::default()
         };
-        let added = if is_named { effect_specs(&self.candidates, &outcome.rounded_members()) } else { None };
+        let added = if is_named {
+            effect_specs(&self.candidates, &outcome.rounded_members())
+        } else {
+            None
+        };
         let model = self.model_with(&added.unwrap_or_default());
         let explained = judged.explained.filter(|_| is_named);
         let null = &outcome.null.fitted;
         // Without a named set the error of the given model is what remains.
-        let remaining = explained.or_else(|| self.explained_share(search_problem, null, noise.rms_m()));
+        let remaining =
+            explained.or_else(|| self.explained_share(search_problem, null, noise.rms_m()));
         let mut limitations = validate::limitations(original, &self.all);
         limitations.extend(self.answer_caveats(final_fit, outcome, &judged));
         limitations.extend(self.resolution_caveat(&model));
@@ -139,7 +156,8 @@ impl Problem<'_> {
                 effects: named.effects,
                 explained,
                 set_names: named.sets.iter().map(|set| set_name(&self.candidates, set)).collect(),
-                best_name: (!best.members.is_empty()).then(|| set_name(&self.candidates, &best.members)),
+                best_name: (!best.members.is_empty())
+                    .then(|| set_name(&self.candidates, &best.members)),
                 candidates: self.candidate_rows(fit_problem, outcome, decision, objection),
                 shared: self.shared_with_baseline(held_out, noise),
                 next_experiments: self.rank_protocols(&named.sets, noise),
@@ -167,7 +185,8 @@ impl Problem<'_> {
             effects: best.members.len(),
             failed_test: final_fit.goodness.failed,
             // The judgement by trials has already asked for more than half of the gap.
-            explains_gap: outcome.by_trials.is_some() || best.members.len() == 1 && self.explains_gap(explained),
+            explains_gap: outcome.by_trials.is_some()
+                || best.members.len() == 1 && self.explains_gap(explained),
             has_rivals: !rivals.iter().all(Vec::is_empty),
             held_out: HeldOutResult::Supported,
         };
@@ -177,7 +196,8 @@ impl Problem<'_> {
         } else {
             self.validate_on_held_out(fit_problem, best, &outcome.rounded_members())
         };
-        let decision = decide(&VerdictEvidence::BestSet(SetEvidence { held_out: held_out.result, ..set }));
+        let decision =
+            decide(&VerdictEvidence::BestSet(SetEvidence { held_out: held_out.result, ..set }));
         let objection = decision.objection.map_or_else(String::new, |objection| {
             summary_text::objection(&objection, [self.held_out_before_m(), held_out.after_m])
         });
@@ -188,7 +208,12 @@ impl Problem<'_> {
     }
 
     /// What remains in the residuals of the answer, or of the given model where nothing is named.
-    fn residual_evidence(&self, final_fit: &FinalFit, outcome: &SearchOutcome, judged: &JudgedSet) -> ResidualEvidence {
+    fn residual_evidence(
+        &self,
+        final_fit: &FinalFit,
+        outcome: &SearchOutcome,
+        judged: &JudgedSet,
+    ) -> ResidualEvidence {
         let (best, null) = (&outcome.best.fitted, &outcome.null.fitted);
         let decision = &judged.decision;
         let before = self.cross_trial_test(&null.nuisance_fit, &self.simulated_m);
@@ -199,14 +224,20 @@ impl Problem<'_> {
             (null, &self.simulated_m, &before)
         };
         // A residual counts as noise only if nothing is missing in it.
-        let explained_all = (decision.verdict != Verdict::Unexplained).then_some(&answer.nuisance_fit);
-        let (noise_from, noise) = self.combined_floor(&final_fit.goodness.floor, explained_all, &best.nuisance_fit);
+        let explained_all =
+            (decision.verdict != Verdict::Unexplained).then_some(&answer.nuisance_fit);
+        let (noise_from, noise) =
+            self.combined_floor(&final_fit.goodness.floor, explained_all, &best.nuisance_fit);
         let mut rows = self.residual_rows(simulated_m, &judged.held_out.simulated_m);
         let places = self.residual_map(&rows, &noise);
         // The map needs training rows first; the table is read trial by trial.
         rows.sort_by_key(|row| row.trial);
         let is_complete = decision.is_complete();
-        let pattern = if is_complete { String::new() } else { summary_text::pattern(&after.foretold, &places) };
+        let pattern = if is_complete {
+            String::new()
+        } else {
+            summary_text::pattern(&after.foretold, &places)
+        };
         let (missing_before, missing_after) = (before.test.clone(), after.test.clone());
         ResidualEvidence { noise, noise_from, rows, places, missing_before, missing_after, pattern }
     }
@@ -221,11 +252,18 @@ impl Problem<'_> {
     }
 
     /// Caveats of the answer.
-    fn answer_caveats(&self, final_fit: &FinalFit, outcome: &SearchOutcome, judged: &JudgedSet) -> Vec<String> {
+    fn answer_caveats(
+        &self,
+        final_fit: &FinalFit,
+        outcome: &SearchOutcome,
+        judged: &JudgedSet,
+    ) -> Vec<String> {
         let (decision, held_out) = (&judged.decision, &judged.held_out);
         let is_named = decision.names_effects();
         let mut sentences = self.caveats(decision.verdict);
-        sentences.extend(final_fit.goodness.tolerated_m.filter(|_| is_named).map(summary_text::tolerated_caveat));
+        sentences.extend(
+            final_fit.goodness.tolerated_m.filter(|_| is_named).map(summary_text::tolerated_caveat),
+        );
         if let HeldOutResult::Tolerated(test) = &held_out.result {
             sentences.push(summary_text::held_out_caveat(test));
         }
@@ -236,38 +274,49 @@ impl Problem<'_> {
         sentences
     }
 
-    /// Whether one effect that explains this much is named although something remains: where the model does not
-    /// describe the robot exactly, and surely more is explained than half of what is asked for. Several effects
-    /// together imitate much that is not in the catalogue, so that they are held to the tests.
+    /// Whether one effect that explains this much is named although something remains: where the
+    /// model does not describe the robot exactly, and surely more is explained than half of what is
+    /// asked for. Several effects together imitate much that is not in the catalogue, so that they
+    /// are held to the tests.
     fn explains_gap(&self, explained: Option<ExplainedShare>) -> bool {
         let min_share = self.options.least_explained;
-        let is_inexact = self.base.as_ref().map_or(self.model_form_m > 0.0, |base| base.form.is_inexact);
+        let is_inexact =
+            self.base.as_ref().map_or(self.model_form_m > 0.0, |base| base.form.is_inexact);
         is_inexact
-            && explained
-                .is_some_and(|explained| explained.share >= min_share && explained.interval_95[0] >= 0.5 * min_share)
+            && explained.is_some_and(|explained| {
+                explained.share >= min_share && explained.interval_95[0] >= 0.5 * min_share
+            })
     }
 
     /// Part of the held-out residual shared with the baseline and the rest, if relevant.
-    fn shared_with_baseline(&self, held_out: &HeldOutCheck, noise: &Ar1Noise) -> Option<BaselineShare> {
-        let apart_m = rms_m(&held_out.residual.as_ref().filter(|_| self.base.is_some())?.residual_m);
+    fn shared_with_baseline(
+        &self,
+        held_out: &HeldOutCheck,
+        noise: &Ar1Noise,
+    ) -> Option<BaselineShare> {
+        let apart_m =
+            rms_m(&held_out.residual.as_ref().filter(|_| self.base.is_some())?.residual_m);
         // Both parts are independent, so their squares add up.
         let shared_m = (held_out.after_m.powi(2) - apart_m.powi(2)).max(0.0).sqrt();
-        (shared_m > self.least_relevant_m(noise.rms_m())).then_some(BaselineShare { shared_m, apart_m })
+        (shared_m > self.least_relevant_m(noise.rms_m()))
+            .then_some(BaselineShare { shared_m, apart_m })
     }
 
-    /// Caveat if uncertain parameters, farther off than their uncertainty allows, explain a relevant part of the
-    /// held-out residual. With a baseline they were estimated from that.
+    /// Caveat if uncertain parameters, farther off than their uncertainty allows, explain a
+    /// relevant part of the held-out residual. With a baseline they were estimated from that.
     fn strained_caveat(&self, final_fit: &FinalFit, held_out: &HeldOutCheck) -> Option<String> {
         let residual = held_out.residual.as_ref().filter(|_| self.base.is_none())?;
-        let explained_m = (held_out.after_m.powi(2) - rms_m(&residual.residual_m).powi(2)).max(0.0).sqrt();
+        let explained_m =
+            (held_out.after_m.powi(2) - rms_m(&residual.residual_m).powi(2)).max(0.0).sqrt();
         let fine = &final_fit.fine;
         let deviations = fine.nuisances.deviations(&fine.fitted.nuisance_fit.amounts);
-        let is_strained = deviations > MAX_DEVIATIONS && explained_m > self.least_relevant_m(residual.noise.rms_m());
+        let is_strained = deviations > MAX_DEVIATIONS
+            && explained_m > self.least_relevant_m(residual.noise.rms_m());
         is_strained.then(|| summary_text::strained_caveat(explained_m, deviations))
     }
 
-    /// Noise from the `floor` and, if nothing is missing beside `explained_all`, from its residual; with its sources as
-    /// text. `best`: fit of the best set.
+    /// Noise from the `floor` and, if nothing is missing beside `explained_all`, from its residual;
+    /// with its sources as text. `best`: fit of the best set.
     fn combined_floor(
         &self,
         floor: &NoiseFloor,
@@ -292,7 +341,8 @@ impl Problem<'_> {
     fn residual_rows(&self, training_m: &[f64], held_out_m: &[f64]) -> Vec<ResidualRow> {
         let points = self.model.tracking.names();
         let rows = |samples: &Samples, before_m: &[f64], after_m: &[f64], is_held_out: bool| {
-            let [before_m, after_m] = [before_m, after_m].map(|simulated_m| samples.residual(simulated_m));
+            let [before_m, after_m] =
+                [before_m, after_m].map(|simulated_m| samples.residual(simulated_m));
             residual_map::residual_rows(samples, &points, [&before_m, &after_m], &|_| is_held_out)
         };
         // Held-out rows come last, as in `residual_map`.
@@ -300,10 +350,12 @@ impl Problem<'_> {
         [training, rows(&self.held_out, &self.held_out_simulated_m, held_out_m, true)].concat()
     }
 
-    /// The residual map of all samples: those of the training, then the held-out ones, as in `rows`.
+    /// The residual map of all samples: those of the training, then the held-out ones, as in
+    /// `rows`.
     fn residual_map(&self, rows: &[ResidualRow], noise: &Ar1Noise) -> Vec<PlaceRow> {
         let simulated_m = [self.simulated_m.as_slice(), &self.held_out_simulated_m].concat();
-        let numbers = self.training.trials.iter().chain(&self.held_out.trials).map(|trial| trial.number);
+        let numbers =
+            self.training.trials.iter().chain(&self.held_out.trials).map(|trial| trial.number);
         let index = |number: u64| self.all.trials.iter().position(|trial| trial.number == number);
         let all = self.all.of_trials(&numbers.filter_map(index).collect::<Vec<usize>>());
         let covariates = sample_covariates(&all, &simulated_m);

@@ -40,7 +40,8 @@ impl Problem<'_> {
         let fitted = self.fit_problem_with(samples, nuisances).step_out(fitted.clone());
         let fine = FineFit { fitted, ..fine };
         // Only the stepped-out fit is tested: a poorer local optimum would be rejected wrongly.
-        let cross_trial = self.cross_trial_test(&fine.fitted.nuisance_fit, &fine.fitted.simulated_m);
+        let cross_trial =
+            self.cross_trial_test(&fine.fitted.nuisance_fit, &fine.fitted.simulated_m);
         let goodness = self.goodness_of_fit(&fine.nuisances, &fine.fitted, &cross_trial);
         FinalFit { fine, cross_trial, goodness }
     }
@@ -54,33 +55,56 @@ impl Problem<'_> {
             self.nuisances_with(&start.members, &self.training, &self.simulated_m)
         };
         let (samples, nuisances) = self.corrected_and_relinearised(start, nuisances);
-        match self.fit_problem_with(&samples, &nuisances).refit(start.members.clone(), start.jacobian.clone()) {
+        match self
+            .fit_problem_with(&samples, &nuisances)
+            .refit(start.members.clone(), start.jacobian.clone())
+        {
             Some(fitted) => FineFit { samples, nuisances, fitted },
             // At the limits of what can be simulated the fit of the search stands.
             None => {
-                let fitted = self.fit_problem().with_fresh_jacobian(start.clone()).unwrap_or_else(|| start.clone());
-                FineFit { samples: self.training.clone(), nuisances: self.nuisances.clone(), fitted }
+                let fitted = self
+                    .fit_problem()
+                    .with_fresh_jacobian(start.clone())
+                    .unwrap_or_else(|| start.clone());
+                FineFit {
+                    samples: self.training.clone(),
+                    nuisances: self.nuisances.clone(),
+                    fitted,
+                }
             }
         }
     }
 
-    fn fit_problem_with<'s>(&'s self, samples: &'s Samples, nuisances: &'s Nuisances) -> FitProblem<'s> {
+    fn fit_problem_with<'s>(
+        &'s self,
+        samples: &'s Samples,
+        nuisances: &'s Nuisances,
+    ) -> FitProblem<'s> {
         FitProblem { nuisances, samples, ..self.fit_problem() }
     }
 
-    /// Samples corrected for the discretisation error of the search, and nuisance parameters linearised at their
-    /// estimates; unchanged if the fine simulation fails.
-    fn corrected_and_relinearised(&self, best: &FittedSet, nuisances: Nuisances) -> (Samples, Nuisances) {
+    /// Samples corrected for the discretisation error of the search, and nuisance parameters
+    /// linearised at their estimates; unchanged if the fine simulation fails.
+    fn corrected_and_relinearised(
+        &self,
+        best: &FittedSet,
+        nuisances: Nuisances,
+    ) -> (Samples, Nuisances) {
         let members = effect_specs(&self.candidates, &best.members).unwrap_or_default();
-        let fine = |more: &[EffectSpec]| simulate::fine_tips(&self.model, &[&members, more].concat(), &self.training);
+        let fine = |more: &[EffectSpec]| {
+            simulate::fine_tips(&self.model, &[&members, more].concat(), &self.training)
+        };
         let Some(fine_m) = fine(&[]) else { return (self.training.clone(), nuisances) };
         // 1. Defect correction: later fits at search resolution aim at the fine solution.
         let samples = simulate::corrected(&self.training, &fine_m, &best.simulated_m);
         // 2. Estimate the nuisance parameters beside the set.
-        let amounts =
-            self.fit_problem_with(&samples, &nuisances).fit_nuisances(&best.members, &best.simulated_m).amounts;
+        let amounts = self
+            .fit_problem_with(&samples, &nuisances)
+            .fit_nuisances(&best.members, &best.simulated_m)
+            .amounts;
         // 3. Play them there, and keep what the linear columns miss as an offset.
-        let nuisances = self.uncertain(&best.members).linearised_at(nuisances, &amounts, &fine_m, &fine);
+        let nuisances =
+            self.uncertain(&best.members).linearised_at(nuisances, &amounts, &fine_m, &fine);
         (samples, nuisances)
     }
 }

@@ -69,7 +69,8 @@ impl Evidence {
         }
     }
 
-    /// All limitations: those of the stages, of excluded rows, of the division into blocks, and of the clock.
+    /// All limitations: those of the stages, of excluded rows, of the division into blocks, and of
+    /// the clock.
     fn limitations(
         &self,
         measured: &PreparedRecording,
@@ -81,27 +82,37 @@ impl Evidence {
         sentences.extend(measured.exclusions.sentences(measured.original));
         // A mistake is recognised without the baseline and before the recording is divided.
         if self.mistake.is_none() {
-            let of_baseline = baseline.map(|baseline| baseline.exclusions.sentences(baseline.original));
-            sentences.extend(of_baseline.into_iter().flatten().map(|sentence| format!("Baseline: {sentence}")));
+            let of_baseline =
+                baseline.map(|baseline| baseline.exclusions.sentences(baseline.original));
+            sentences.extend(
+                of_baseline.into_iter().flatten().map(|sentence| format!("Baseline: {sentence}")),
+            );
             sentences.extend(blocks::caveats(measured.original, playing));
         }
         sentences.extend(clock.limitation.clone());
         sentences
     }
 
-    /// The offset of the clock, or the same from a named `delay`, which the data cannot tell from it.
+    /// The offset of the clock, or the same from a named `delay`, which the data cannot tell from
+    /// it.
     fn clock_findings(&self) -> ClockFindings {
         if let Some(clock) = &self.clock {
-            // An estimated offset is the first thing to read. One of exactly one step needs no estimate.
+            // An estimated offset is the first thing to read. One of exactly one step needs no
+            // estimate.
             let is_estimated = clock.deviation_s().is_some();
             return ClockFindings {
                 offset_s: Some(clock.offset_s),
                 interval_95: Some(clock.interval_95),
-                preface: if is_estimated { format!("{} ", clock.sentence()) } else { String::new() },
+                preface: if is_estimated {
+                    format!("{} ", clock.sentence())
+                } else {
+                    String::new()
+                },
                 limitation: Some(clock.sentence()),
             };
         }
-        let delay = self.search.effects.iter().find(|effect| effect.name == "delay").and_then(delay_s);
+        let delay =
+            self.search.effects.iter().find(|effect| effect.name == "delay").and_then(delay_s);
         delay.map_or_else(ClockFindings::default, |(time_s, [low_s, high_s])| ClockFindings {
             // A robot that is late equals a tracker's clock that is behind.
             offset_s: Some(-time_s),

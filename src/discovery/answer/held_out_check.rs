@@ -14,7 +14,8 @@ pub(crate) struct HeldOutCheck {
     pub(crate) after_m: f64,
     /// Simulated tip with the set, three values a sample, metres.
     pub(crate) simulated_m: Vec<f64>,
-    /// Residual without uncertain parameters and errors shared with the baseline, where it was fitted.
+    /// Residual without uncertain parameters and errors shared with the baseline, where it was
+    /// fitted.
     pub(crate) residual: Option<NuisanceFit>,
     pub(crate) result: HeldOutResult,
 }
@@ -31,7 +32,8 @@ impl Problem<'_> {
         HeldOutCheck { after_m: self.held_out_before_m(), simulated_m, residual: None, result }
     }
 
-    /// Checks the set `best`, which would be written with the values of `members`, on held-out trials.
+    /// Checks the set `best`, which would be written with the values of `members`, on held-out
+    /// trials.
     pub(crate) fn validate_on_held_out(
         &self,
         fit_problem: &FitProblem,
@@ -48,14 +50,23 @@ impl Problem<'_> {
         // An error that is not a number is worse, too.
         let is_no_worse = after_m <= self.held_out_before_m();
         if !is_no_worse {
-            return HeldOutCheck { after_m, simulated_m, residual: None, result: HeldOutResult::Worse };
+            return HeldOutCheck {
+                after_m,
+                simulated_m,
+                residual: None,
+                result: HeldOutResult::Worse,
+            };
         }
         let residual = self.explain_held_out(fit_problem, best, &simulated_m);
         let failed_test = residual.as_ref().and_then(|residual| self.held_out_test(best, residual));
         // If a tendon is always slack its zero is undetermined, and another value may pass.
         // This plays many fits, so it is asked only after a failed test.
-        let is_tolerated =
-            || fit_problem.equally_good_fits(best).iter().any(|other| self.passes_held_out_test(fit_problem, other));
+        let is_tolerated = || {
+            fit_problem
+                .equally_good_fits(best)
+                .iter()
+                .any(|other| self.passes_held_out_test(fit_problem, other))
+        };
         let result = match failed_test {
             None => HeldOutResult::Supported,
             Some(test) if is_tolerated() => HeldOutResult::Tolerated(test),

@@ -34,10 +34,12 @@ impl Evidence {
         let floor_m = if floor_m.is_finite() && floor_m > 0.0 { floor_m } else { mistake.after_m };
         let sigma_m = (floor_m / 3.0_f64.sqrt()).max(MIN_SIGMA_M);
         let noise = Ar1Noise { sigma_m: [sigma_m; 3], correlation: 0.0 };
-        let (covariates, points) = (sample_covariates(samples, &simulated_m), model.tracking.names());
+        let (covariates, points) =
+            (sample_covariates(samples, &simulated_m), model.tracking.names());
         let is_held_out = |trial: usize| held_out.contains(&trial);
         let rows = residual_rows(samples, &points, [&residual_m, &residual_m], &is_held_out);
-        let held_out_m: Vec<f64> = rows.iter().filter(|row| row.held_out).flat_map(|row| row.before_m()).collect();
+        let held_out_m: Vec<f64> =
+            rows.iter().filter(|row| row.held_out).flat_map(|row| row.before_m()).collect();
         let before_m = rms_m(&held_out_m);
         // Without a fit the residual is compared with the noise alone: a χ² test.
         let squares: f64 = residual_m.iter().map(|r| (r / sigma_m).powi(2)).sum();
@@ -51,7 +53,10 @@ impl Evidence {
             clock: None,
             gap: Gap {
                 metric: metric(samples),
-                held_out_trials: held_out.iter().map(|&trial| samples.trials[trial].number).collect(),
+                held_out_trials: held_out
+                    .iter()
+                    .map(|&trial| samples.trials[trial].number)
+                    .collect(),
                 before_m,
                 // Nothing was added to the model, so the gap stays.
                 after_m: before_m,

@@ -64,8 +64,8 @@ impl SearchOutcome {
         rivals
     }
 
-    /// Posterior probability of a candidate: share of the fitted sets, weighted by exp(score / 2), that contain it.
-    /// Where trials decide, all sets that fit them equally well have the same.
+    /// Posterior probability of a candidate: share of the fitted sets, weighted by exp(score / 2),
+    /// that contain it. Where trials decide, all sets that fit them equally well have the same.
     fn confidence(&self, candidate: usize) -> f64 {
         if let Some(evidence) = &self.by_trials {
             return 1.0 / (1.0 + evidence.equals.len() as f64);
@@ -82,12 +82,18 @@ impl SearchOutcome {
         // 1978).
         let weight = |score: &f64| (0.5 * (score - largest)).exp();
         let all: f64 = scores.values().map(weight).sum();
-        scores.iter().filter(|(set, _)| set.contains(&candidate)).map(|(_, score)| weight(score)).sum::<f64>() / all
+        scores
+            .iter()
+            .filter(|(set, _)| set.contains(&candidate))
+            .map(|(_, score)| weight(score))
+            .sum::<f64>()
+            / all
     }
 }
 
 impl FitProblem<'_> {
-    /// The effects of the best set, fitted by this problem, and those of its `rivals`, fitted by that of the search.
+    /// The effects of the best set, fitted by this problem, and those of its `rivals`, fitted by
+    /// that of the search.
     pub(crate) fn named_effects(
         &self,
         search_problem: &FitProblem,
@@ -97,8 +103,14 @@ impl FitProblem<'_> {
         let members = outcome.rounded_members();
         let mut effects = Vec::new();
         for (index, member) in members.iter().enumerate() {
-            let confusable_with = rivals[index].iter().map(|rival| self.rival_label(rival.candidate, member)).collect();
-            effects.push(FoundEffect { confusable_with, ..self.found_effect(&outcome.best, index, outcome) });
+            let confusable_with = rivals[index]
+                .iter()
+                .map(|rival| self.rival_label(rival.candidate, member))
+                .collect();
+            effects.push(FoundEffect {
+                confusable_with,
+                ..self.found_effect(&outcome.best, index, outcome)
+            });
         }
         let mut listed = candidate_set(&members);
         let mut sets = vec![members.clone()];
@@ -110,12 +122,16 @@ impl FitProblem<'_> {
             let index = set.iter().position(|member| member.candidate == rival.candidate);
             // A rival in several sets is reported once, in the first one.
             let Some(index) = index.filter(|_| listed.insert(rival.candidate)) else { continue };
-            let replaced = members
-                .iter()
-                .zip(rivals)
-                .filter(|(_, replacements)| replacements.iter().any(|other| other.candidate == rival.candidate));
-            let confusable_with = replaced.map(|(member, _)| self.rival_label(member.candidate, &set[index])).collect();
-            effects.push(FoundEffect { confusable_with, ..search_problem.found_effect(rival.set, index, outcome) });
+            let replaced = members.iter().zip(rivals).filter(|(_, replacements)| {
+                replacements.iter().any(|other| other.candidate == rival.candidate)
+            });
+            let confusable_with = replaced
+                .map(|(member, _)| self.rival_label(member.candidate, &set[index]))
+                .collect();
+            effects.push(FoundEffect {
+                confusable_with,
+                ..search_problem.found_effect(rival.set, index, outcome)
+            });
         }
         NamedEffects { effects, sets }
     }
@@ -123,11 +139,20 @@ impl FitProblem<'_> {
     /// Name of a rival of `member`, with its tendon if the names are equal.
     fn rival_label(&self, rival: usize, member: &SetMember) -> String {
         let [rival, replaced] = [rival, member.candidate].map(|number| &self.candidates[number]);
-        if rival.card.name == replaced.card.name { rival.label() } else { rival.card.name.to_owned() }
+        if rival.card.name == replaced.card.name {
+            rival.label()
+        } else {
+            rival.card.name.to_owned()
+        }
     }
 
     /// The effect of member `index`, without its rivals.
-    fn found_effect(&self, scored: &ScoredSet, index: usize, outcome: &SearchOutcome) -> FoundEffect {
+    fn found_effect(
+        &self,
+        scored: &ScoredSet,
+        index: usize,
+        outcome: &SearchOutcome,
+    ) -> FoundEffect {
         let member = &scored.fitted.members[index];
         let card = self.candidates[member.candidate].card;
         let intervals = self.intervals(&scored.fitted, index);
@@ -143,11 +168,19 @@ impl FitProblem<'_> {
                 _ => rounded_number(value),
             };
             insert_parameter(&mut parameters, parameter.name, written);
-            let Some(&[low, high]) = intervals.get(&number).filter(|_| parameter.seek != Seek::Flag) else { continue };
+            let Some(&[low, high]) =
+                intervals.get(&number).filter(|_| parameter.seek != Seek::Flag)
+            else {
+                continue;
+            };
             // The half width is relative, and the size is counted from where the effect is nothing.
             let half = half_width * (value - parameter.null).abs();
             let ends = [low.min(value - half), high.max(value + half)];
-            insert_parameter(&mut interval_95, parameter.name, Value::Array(ends.map(rounded_number).to_vec()));
+            insert_parameter(
+                &mut interval_95,
+                parameter.name,
+                Value::Array(ends.map(rounded_number).to_vec()),
+            );
         }
         FoundEffect {
             name: card.name.to_owned(),

@@ -1,5 +1,5 @@
-//! Rescoring of sets close to the best one at fine resolution: the search uses sensitivities without effects and
-//! coarse time steps, which shift scores by some tens.
+//! Rescoring of sets close to the best one at fine resolution: the search uses sensitivities
+//! without effects and coarse time steps, which shift scores by some tens.
 
 use std::collections::BTreeSet;
 
@@ -8,15 +8,21 @@ use crate::discovery::fit::candidate::candidate_set;
 use crate::discovery::problem::Problem;
 use crate::discovery::search::{ScoredSet, Search};
 
-/// Sets at most this far behind in score are rescored (docs/discovery.md, "Searching sets", step 9).
+/// Sets at most this far behind in score are rescored (docs/discovery.md, "Searching sets", step
+/// 9).
 const RESCORED_DISTANCE: f64 = 30.0;
 /// Maximum number of rescored sets.
 const MAX_RESCORED: usize = 4;
 
 impl Problem<'_> {
-    /// `best` with its final fit, or a close set that is better after rescoring and passes the tests that `best`
-    /// passes. Rescored sets get their new scores in the `search`.
-    pub(crate) fn rescore(&self, search: &mut Search, best: ScoredSet, final_fit: FinalFit) -> (ScoredSet, FinalFit) {
+    /// `best` with its final fit, or a close set that is better after rescoring and passes the
+    /// tests that `best` passes. Rescored sets get their new scores in the `search`.
+    pub(crate) fn rescore(
+        &self,
+        search: &mut Search,
+        best: ScoredSet,
+        final_fit: FinalFit,
+    ) -> (ScoredSet, FinalFit) {
         let penalty = |scored: &ScoredSet| self.fit_problem().penalty(&scored.fitted.members);
         let best_deviance = final_fit.fine.fitted.nuisance_fit.deviance + penalty(&best);
         let mut near = search.close_to(&best);
@@ -28,8 +34,11 @@ impl Problem<'_> {
         }
         search.replace_scores(&near);
         // Net scores compare sets of different sizes.
-        let leading = near.into_iter().max_by(|a, b| search.net_score(a).total_cmp(&search.net_score(b)));
-        let Some(leading) = leading.filter(|leading| search.net_score(leading) > search.net_score(&best)) else {
+        let leading =
+            near.into_iter().max_by(|a, b| search.net_score(a).total_cmp(&search.net_score(b)));
+        let Some(leading) =
+            leading.filter(|leading| search.net_score(leading) > search.net_score(&best))
+        else {
             return (best, final_fit);
         };
         let other = self.final_fit(&leading.fitted);
@@ -44,13 +53,19 @@ impl Problem<'_> {
 impl Search<'_> {
     /// Fully fitted sets close to `best` with no more effects.
     fn close_to(&self, best: &ScoredSet) -> Vec<ScoredSet> {
-        let mut near: Vec<&ScoredSet> = self.tried.iter().filter(|scored| self.is_close_to(scored, best)).collect();
+        let mut near: Vec<&ScoredSet> =
+            self.tried.iter().filter(|scored| self.is_close_to(scored, best)).collect();
         near.sort_by(|a, b| self.net_score(b).total_cmp(&self.net_score(a)));
         let mut listed = BTreeSet::from([candidate_set(&best.fitted.members)]);
         near.retain(|scored| listed.insert(candidate_set(&scored.fitted.members)));
         // A rough score is a lower bound, so the full fit decides again whether the set is close.
-        let fitted = |scored: &ScoredSet| if scored.exact { scored.clone() } else { self.fit_fully(scored) };
-        near.into_iter().take(MAX_RESCORED).map(fitted).filter(|scored| self.is_close_to(scored, best)).collect()
+        let fitted =
+            |scored: &ScoredSet| if scored.exact { scored.clone() } else { self.fit_fully(scored) };
+        near.into_iter()
+            .take(MAX_RESCORED)
+            .map(fitted)
+            .filter(|scored| self.is_close_to(scored, best))
+            .collect()
     }
 
     fn is_close_to(&self, scored: &ScoredSet, best: &ScoredSet) -> bool {
@@ -77,7 +92,8 @@ mod tests {
     use crate::discovery::options::Options;
     use crate::effects::{EffectSpec, Model};
 
-    /// Data with a load; the search has it `load_ahead` of a heavier rod. Returns the entries of both after rescoring.
+    /// Data with a load; the search has it `load_ahead` of a heavier rod. Returns the entries of
+    /// both after rescoring.
     fn rescored(load_ahead: f64, begin_with_load: bool) -> [Vec<ScoredSet>; 2] {
         let model = Model::default();
         let mut samples = circling(&model, &[EffectSpec::tip_load(0.006)]);
@@ -88,9 +104,11 @@ mod tests {
         let options = Options::default();
         let problem = Problem::new(&model, samples, None, &options).unwrap();
         let fit_problem = problem.fit_problem();
-        let mut search = Search::new(&fit_problem, Vec::new(), &options.limits(&model, 0.0)).unwrap();
+        let mut search =
+            Search::new(&fit_problem, Vec::new(), &options.limits(&model, 0.0)).unwrap();
         let fitted = |name: &str, value: f64| {
-            let candidate = problem.candidates.iter().position(|one| one.card.name == name).unwrap();
+            let candidate =
+                problem.candidates.iter().position(|one| one.card.name == name).unwrap();
             fit_problem.fit(vec![SetMember { candidate, values: vec![value] }]).unwrap()
         };
         let mut load = search.score(fitted("tip_load", 0.005));
@@ -103,9 +121,11 @@ mod tests {
         assert_eq!(final_fit.fine.fitted.members.len(), 1);
         let entries = |set: &ScoredSet| -> Vec<ScoredSet> {
             let all = search.tried.iter().chain([&best]);
-            all.filter(|one| candidate_set(&one.fitted.members) == candidate_set(&set.fitted.members))
-                .cloned()
-                .collect()
+            all.filter(|one| {
+                candidate_set(&one.fitted.members) == candidate_set(&set.fitted.members)
+            })
+            .cloned()
+            .collect()
         };
         [entries(&load), entries(&mass)]
     }

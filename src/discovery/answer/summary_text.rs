@@ -17,17 +17,18 @@ pub(crate) struct BaselineShare {
 /// Caveat of a named delay, seconds, which may be the tracker's clock instead.
 pub(crate) fn delay_caveat(time_s: f64) -> String {
     format!(
-        "A delay of the robot by {time_s:.3} s and a tracker's clock that is as much behind that of the commands are the \
-         same in these data: check the clocks before the drive."
+        "A delay of the robot by {time_s:.3} s and a tracker's clock that is as much behind that \
+         of the commands are the same in these data: check the clocks before the drive."
     )
 }
 
-/// Caveat of an effect that single trials tell, on a robot of which the model leaves `model_form_m` anyway.
+/// Caveat of an effect that single trials tell, on a robot of which the model leaves `model_form_m`
+/// anyway.
 pub(crate) fn by_trials_caveat(model_form_m: f64) -> String {
     format!(
-        "The calibrated model leaves up to {:.1} mm on this robot as built, and this effect does not stand out of that in all \
-         rows together. It is named because its amplitude, trial by trial, is larger than in the baseline; its interval is \
-         that of these amplitudes.",
+        "The calibrated model leaves up to {:.1} mm on this robot as built, and this effect does \
+         not stand out of that in all rows together. It is named because its amplitude, trial by \
+         trial, is larger than in the baseline; its interval is that of these amplitudes.",
         1e3 * model_form_m
     )
 }
@@ -39,8 +40,9 @@ pub(crate) fn summary(evidence: &Evidence) -> String {
     if let Some(mistake) = &evidence.mistake {
         let (before_mm, after_mm) = (1e3 * mistake.before_m, 1e3 * mistake.after_m);
         return format!(
-            "This is a mistake of recording or set-up rather than physics: if {}, the {error_name} is {after_mm:.2} mm \
-             instead of {before_mm:.2} mm. No effect was sought and nothing was added to the model.",
+            "This is a mistake of recording or set-up rather than physics: if {}, the {error_name} \
+             is {after_mm:.2} mm instead of {before_mm:.2} mm. No effect was sought and nothing \
+             was added to the model.",
             mistake.what
         );
     }
@@ -48,8 +50,8 @@ pub(crate) fn summary(evidence: &Evidence) -> String {
     let floor_mm = evidence.residuals.noise.rms_m() * 1e3;
     let shared = search.shared.as_ref().map_or_else(String::new, |BaselineShare { shared_m, apart_m }| {
         format!(
-            " {:.2} mm of the remaining error also appears in the baseline and is not attributed to a missing \
-             effect; the rest is {:.2} mm.",
+            " {:.2} mm of the remaining error also appears in the baseline and is not attributed \
+             to a missing effect; the rest is {:.2} mm.",
             1e3 * shared_m,
             1e3 * apart_m
         )
@@ -59,21 +61,23 @@ pub(crate) fn summary(evidence: &Evidence) -> String {
         format!(" Something remains that the named effects do not explain: {remaining}. {pattern}")
     });
     let held_out = format!(
-        "On held-out trials the {error_name} falls from {before_mm:.2} mm to {after_mm:.2} mm; the noise \
-         floor is {floor_mm:.2} mm.{shared}{remaining}"
+        "On held-out trials the {error_name} falls from {before_mm:.2} mm to {after_mm:.2} mm; the \
+         noise floor is {floor_mm:.2} mm.{shared}{remaining}"
     );
     match evidence.decision.verdict {
         Verdict::Consistent => format!(
-            "The data are consistent with the model, measurement noise and calibration uncertainty: {error_name} \
-             {before_mm:.2} mm on held-out trials, noise floor {floor_mm:.2} mm."
+            "The data are consistent with the model, measurement noise and calibration \
+             uncertainty: {error_name} {before_mm:.2} mm on held-out trials, noise floor \
+             {floor_mm:.2} mm."
         ),
         Verdict::Named => {
-            let names: Vec<&str> = search.effects.iter().map(|effect| effect.name.as_str()).collect();
+            let names: Vec<&str> =
+                search.effects.iter().map(|effect| effect.name.as_str()).collect();
             format!("The model lacks {}. {held_out}", names.join(" and "))
         }
         Verdict::Ambiguous => format!(
-            "An effect is missing, and these data cannot tell whether it is {}. `model.yaml` contains the most \
-             likely one, the first. {held_out}",
+            "An effect is missing, and these data cannot tell whether it is {}. `model.yaml` \
+             contains the most likely one, the first. {held_out}",
             search.set_names.join(" or ")
         ),
         Verdict::Unexplained => {
@@ -87,8 +91,8 @@ pub(crate) fn summary(evidence: &Evidence) -> String {
                 |name| format!("The best candidate is {name}"),
             );
             format!(
-                "{gap} ({before_mm:.2} mm on held-out trials, noise floor {floor_mm:.2} mm), and no effect of the \
-                 catalogue explains it. {pattern} {best}, but {}.",
+                "{gap} ({before_mm:.2} mm on held-out trials, noise floor {floor_mm:.2} mm), and \
+                 no effect of the catalogue explains it. {pattern} {best}, but {}.",
                 search.objection
             )
         }
@@ -98,16 +102,22 @@ pub(crate) fn summary(evidence: &Evidence) -> String {
 /// Smaller p-values are not reported: no test's assumptions hold that well.
 const MIN_WRITTEN_P_VALUE: f64 = 1e-9;
 
-/// Objection to a set of effects, as a clause after "but"; with the held-out error before and after, metres.
+/// Objection to a set of effects, as a clause after "but"; with the held-out error before and
+/// after, metres.
 pub(crate) fn objection(objection: &Objection, held_out_m: [f64; 2]) -> String {
     match objection {
         Objection::Test(test) => failed_test(test),
-        Objection::CannotSimulate => "the model with it cannot be simulated on the held-out trials".to_owned(),
+        Objection::CannotSimulate => {
+            "the model with it cannot be simulated on the held-out trials".to_owned()
+        }
         Objection::Worse => {
             let [before_mm, after_mm] = held_out_m.map(|error_m| 1e3 * error_m);
             // More digits where two would show the same number twice.
             let digits = if after_mm - before_mm < 0.01 { 4 } else { 2 };
-            format!("it increases the error on held-out trials from {before_mm:.digits$} mm to {after_mm:.digits$} mm")
+            format!(
+                "it increases the error on held-out trials from {before_mm:.digits$} mm to \
+                 {after_mm:.digits$} mm"
+            )
         }
     }
 }
@@ -121,59 +131,75 @@ fn failed_test(result: &TestResult) -> String {
         p_value => format!("p = {p_value:.1e}"),
     };
     match result.test {
-        FitTest::CrossTrial => format!("{more_mm:.2} mm of its residual can be predicted from other trials ({chance})"),
+        FitTest::CrossTrial => {
+            format!("{more_mm:.2} mm of its residual can be predicted from other trials ({chance})")
+        }
         FitTest::Variance => {
-            format!("its residual is {all_mm:.2} mm, where the noise floor is {beyond_mm:.2} mm ({chance})")
+            format!(
+                "its residual is {all_mm:.2} mm, where the noise floor is {beyond_mm:.2} mm \
+                 ({chance})"
+            )
         }
         FitTest::SlowVariance => format!(
-            "its residual changes too slowly from sample to sample for tracker noise and is {all_mm:.2} mm, where \
-         the noise floor is {beyond_mm:.2} mm ({chance})"
+            "its residual changes too slowly from sample to sample for tracker noise and is \
+             {all_mm:.2} mm, where the noise floor is {beyond_mm:.2} mm ({chance})"
         ),
         FitTest::Levene => format!(
-            "its residual is {all_mm:.2} mm in the worst trial and {beyond_mm:.2} mm in the median trial \
-         ({chance})"
+            "its residual is {all_mm:.2} mm in the worst trial and {beyond_mm:.2} mm in the median \
+             trial ({chance})"
         ),
-        FitTest::LackOfFit => format!("its mean error over repeated measurements is {more_mm:.2} mm ({chance})"),
+        FitTest::LackOfFit => {
+            format!("its mean error over repeated measurements is {more_mm:.2} mm ({chance})")
+        }
         FitTest::Score => {
-            format!("small amounts of all effects together explain {more_mm:.2} mm of its residual ({chance})")
+            format!(
+                "small amounts of all effects together explain {more_mm:.2} mm of its residual \
+                 ({chance})"
+            )
         }
         FitTest::Spearman => format!(
-            "its residual is {all_mm:.2} mm where it moves the tip most and {beyond_mm:.2} mm where it moves the \
-         tip least ({chance})"
+            "its residual is {all_mm:.2} mm where it moves the tip most and {beyond_mm:.2} mm \
+             where it moves the tip least ({chance})"
         ),
         FitTest::HeldOut => format!(
-            "its residual is {all_mm:.2} mm on held-out trials and {beyond_mm:.2} mm on the fitted trials \
-         ({chance})"
+            "its residual is {all_mm:.2} mm on held-out trials and {beyond_mm:.2} mm on the fitted \
+             trials ({chance})"
         ),
     }
 }
 
-/// Caveat if held-out trials scatter more, but other values within the intervals remove the difference.
+/// Caveat if held-out trials scatter more, but other values within the intervals remove the
+/// difference.
 pub(crate) fn held_out_caveat(test: &TestResult) -> String {
-    let [all_mm, fit_mm] = [test.more_m.hypot(test.beyond_m), test.beyond_m].map(|size_m| 1e3 * size_m);
+    let [all_mm, fit_mm] =
+        [test.more_m.hypot(test.beyond_m), test.beyond_m].map(|size_m| 1e3 * size_m);
     format!(
-        "With the fitted values the residual is {all_mm:.2} mm on held-out trials and {fit_mm:.2} mm on the \
-         fitted trials; other values within the 95 % intervals remove this difference. The effect is better \
-         determined than its size: fitted trials with other motions would determine the size."
+        "With the fitted values the residual is {all_mm:.2} mm on held-out trials and {fit_mm:.2} \
+         mm on the fitted trials; other values within the 95 % intervals remove this difference. \
+         The effect is better determined than its size: fitted trials with other motions would \
+         determine the size."
     )
 }
 
 /// Caveat on a significant residual within the expected law errors, metres.
 pub(crate) fn tolerated_caveat(residual_m: f64) -> String {
     format!(
-        "The residual is not only noise: small amounts of all effects together would explain at least {:.2} mm \
-         more. This is small compared with the named effects. The robot may follow a law that differs slightly \
-         from the catalogue's, or a small further effect may be missing.",
+        "The residual is not only noise: small amounts of all effects together would explain at \
+         least {:.2} mm more. This is small compared with the named effects. The robot may follow \
+         a law that differs slightly from the catalogue's, or a small further effect may be \
+         missing.",
         1e3 * residual_m
     )
 }
 
-/// Caveat on uncertain parameters that explain so much, metres, where they are so many `deviations` off.
+/// Caveat on uncertain parameters that explain so much, metres, where they are so many `deviations`
+/// off.
 pub(crate) fn strained_caveat(explained_m: f64, deviations: f64) -> String {
     format!(
-        "The uncertain parameters of the model explain {:.2} mm of the error on held-out trials, and one of them is \
-         {deviations:.0} standard deviations off: further effects are probably missing, each smaller than `least_share` of \
-         those named. `least_share: 0.01` with a larger `most_effects` lets the search add them.",
+        "The uncertain parameters of the model explain {:.2} mm of the error on held-out trials, \
+         and one of them is {deviations:.0} standard deviations off: further effects are probably \
+         missing, each smaller than `least_share` of those named. `least_share: 0.01` with a \
+         larger `most_effects` lets the search add them.",
         1e3 * explained_m
     )
 }
@@ -181,21 +207,29 @@ pub(crate) fn strained_caveat(explained_m: f64, deviations: f64) -> String {
 /// Patterns that predict less than this share of the squares are not reported.
 const MIN_PREDICTED_SHARE: f64 = 0.1;
 
-/// Pattern of an unexplained residual, with the shares of squares that each pattern predicts, best first.
+/// Pattern of an unexplained residual, with the shares of squares that each pattern predicts, best
+/// first.
 pub(crate) fn pattern(foretold: &[(ResidualPattern, f64)], places: &[PlaceRow]) -> String {
     let depends = match foretold.first() {
         Some((pattern, share)) if *share >= MIN_PREDICTED_SHARE => {
-            let shares =
-                foretold.iter().map(|(pattern, share)| format!("{:.0} % by {}", 100.0 * share, pattern.name()));
+            let shares = foretold
+                .iter()
+                .map(|(pattern, share)| format!("{:.0} % by {}", 100.0 * share, pattern.name()));
             let shares: Vec<String> = shares.collect();
-            format!("{} Share of its squares that other trials predict: {}.", pattern.description(), shares.join(", "))
+            format!(
+                "{} Share of its squares that other trials predict: {}.",
+                pattern.description(),
+                shares.join(", ")
+            )
         }
-        _ => "The residual differs from trial to trial and no trial predicts another. Possible causes: contact, a \
-         part that moves or slips, or a tracker noisier than its repeated samples."
+        _ => "The residual differs from trial to trial and no trial predicts another. Possible \
+              causes: contact, a part that moves or slips, or a tracker noisier than its repeated \
+              samples."
             .to_owned(),
     };
     let single = places.iter().filter(|row| row.by != "all" && row.axis != "all");
-    let worst = single.max_by(|a, b| (a.rms_before_m / a.floor_m).total_cmp(&(b.rms_before_m / b.floor_m)));
+    let worst =
+        single.max_by(|a, b| (a.rms_before_m / a.floor_m).total_cmp(&(b.rms_before_m / b.floor_m)));
     worst.map_or_else(
         || depends.clone(),
         |row| {
@@ -211,14 +245,18 @@ pub(crate) fn pattern(foretold: &[(ResidualPattern, f64)], places: &[PlaceRow]) 
 impl ResidualPattern {
     fn description(self) -> &'static str {
         match self {
-            ResidualPattern::Constant => "The residual is nearly constant, as from a shift of the tracking frame.",
+            ResidualPattern::Constant => {
+                "The residual is nearly constant, as from a shift of the tracking frame."
+            }
             ResidualPattern::Pose => {
                 "The residual depends on the pose, as from a load, a stiffness or a geometry error."
             }
             ResidualPattern::History => {
                 "The residual depends on the motion history, as from friction, backlash or a delay."
             }
-            ResidualPattern::Time => "The residual depends on the time in the trial, as from drift, creep or slip.",
+            ResidualPattern::Time => {
+                "The residual depends on the time in the trial, as from drift, creep or slip."
+            }
         }
     }
 
@@ -238,26 +276,35 @@ const CLEAR_SEPARATION: f64 = 3.0;
 /// What to record next.
 pub(crate) fn next_measurement(evidence: &Evidence) -> String {
     if let Some(mistake) = &evidence.mistake {
-        return format!("Correct the recording or its set-up ({}), then run `discover` again.", mistake.what);
+        return format!(
+            "Correct the recording or its set-up ({}), then run `discover` again.",
+            mistake.what
+        );
     }
     if let Some(first) = evidence.search.next_experiments.first().map(|next| &next.proposal) {
         let doubt = if first.separation < CLEAR_SEPARATION {
             format!(
-                "; the predictions differ by only {:.1} standard deviations, so it may have to be repeated",
+                "; the predictions differ by only {:.1} standard deviations, so it may have to be \
+                 repeated",
                 first.separation
             )
         } else {
             String::new()
         };
-        return format!("{} (about {:.0} min; commands in {}{doubt}).", first.what, first.minutes, first.file);
+        return format!(
+            "{} (about {:.0} min; commands in {}{doubt}).",
+            first.what, first.minutes, first.file
+        );
     }
     let next = match evidence.decision.verdict {
         Verdict::Consistent => "No further recording is needed: the model explains these data.",
         Verdict::Named => "No further recording is needed to tell candidates apart.",
-        Verdict::Ambiguous => "Record the same commands again with a known weight on the tip in half of the trials.",
+        Verdict::Ambiguous => {
+            "Record the same commands again with a known weight on the tip in half of the trials."
+        }
         Verdict::Unexplained => {
-            "Record repeats of one trial, a slow and a fast one, and one with a known weight, to see what the \
-             residual depends on."
+            "Record repeats of one trial, a slow and a fast one, and one with a known weight, to \
+             see what the residual depends on."
         }
     };
     next.to_owned()
@@ -269,7 +316,9 @@ mod tests {
 
     #[test]
     fn what_speaks_against_an_answer_is_told_in_sizes_that_can_be_compared() {
-        let clause = |test, p_value| failed_test(&TestResult { test, p_value, more_m: 4e-4, beyond_m: 3e-4 });
+        let clause = |test, p_value| {
+            failed_test(&TestResult { test, p_value, more_m: 4e-4, beyond_m: 3e-4 })
+        };
         for (test, said) in [
             (FitTest::CrossTrial, "0.40 mm of its residual can be predicted"),
             (FitTest::Variance, "its residual is 0.50 mm, where the noise floor is 0.30 mm"),
@@ -277,7 +326,10 @@ mod tests {
             (FitTest::Levene, "0.50 mm in the worst trial and 0.30 mm in the median trial"),
             (FitTest::LackOfFit, "mean error over repeated measurements is 0.40 mm"),
             (FitTest::Score, "explain 0.40 mm"),
-            (FitTest::Spearman, "0.50 mm where it moves the tip most and 0.30 mm where it moves the tip least"),
+            (
+                FitTest::Spearman,
+                "0.50 mm where it moves the tip most and 0.30 mm where it moves the tip least",
+            ),
             (FitTest::HeldOut, "0.50 mm on held-out trials and 0.30 mm on the fitted trials"),
         ] {
             let clause = clause(test, 4.8e-5);

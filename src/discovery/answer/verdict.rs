@@ -1,4 +1,5 @@
-//! Decides the verdict (docs/discovery.md, "The verdict"): `consistent`, `named`, `ambiguous` or `unexplained`.
+//! Decides the verdict (docs/discovery.md, "The verdict"): `consistent`, `named`, `ambiguous` or
+//! `unexplained`.
 
 use crate::data::findings::Verdict;
 use crate::discovery::goodness_of_fit::test_result::TestResult;
@@ -18,8 +19,8 @@ pub(crate) struct SetEvidence {
     pub(crate) effects: usize,
     /// The goodness-of-fit test that the set fails on the training trials.
     pub(crate) failed_test: Option<TestResult>,
-    /// Whether the set explains most of the gap of a robot that the model does not describe exactly. It is then named
-    /// although something remains.
+    /// Whether the set explains most of the gap of a robot that the model does not describe
+    /// exactly. It is then named although something remains.
     pub(crate) explains_gap: bool,
     /// Whether other sets fit equally well.
     pub(crate) has_rivals: bool,
@@ -37,7 +38,8 @@ pub(crate) enum HeldOutResult {
     CannotSimulate,
     /// The set increases their error.
     Worse,
-    /// They scatter more about the fitted values, but other values within the intervals remove the difference.
+    /// They scatter more about the fitted values, but other values within the intervals remove the
+    /// difference.
     Tolerated(TestResult),
     /// They scatter significantly more than the training trials.
     Scattered(TestResult),
@@ -94,8 +96,12 @@ impl SetEvidence {
         match self.held_out {
             HeldOutResult::CannotSimulate => Some(Objection::CannotSimulate),
             HeldOutResult::Worse => Some(Objection::Worse),
-            HeldOutResult::Scattered(test) if !self.may_leave_something() => Some(Objection::Test(test)),
-            HeldOutResult::Scattered(_) | HeldOutResult::Tolerated(_) | HeldOutResult::Supported => None,
+            HeldOutResult::Scattered(test) if !self.may_leave_something() => {
+                Some(Objection::Test(test))
+            }
+            HeldOutResult::Scattered(_)
+            | HeldOutResult::Tolerated(_)
+            | HeldOutResult::Supported => None,
         }
     }
 }
@@ -110,7 +116,11 @@ pub(crate) fn decide(evidence: &VerdictEvidence) -> Decision {
     };
     // 1. An objection outweighs everything else.
     if let Some(objection) = set.objection() {
-        return Decision { verdict: Verdict::Unexplained, objection: Some(objection), remaining: None };
+        return Decision {
+            verdict: Verdict::Unexplained,
+            objection: Some(objection),
+            remaining: None,
+        };
     }
     // 2. No objection to the model as given: nothing is missing.
     if set.effects == 0 {
@@ -131,7 +141,8 @@ mod tests {
     use super::*;
     use crate::discovery::goodness_of_fit::test_result::FitTest;
 
-    const FAILED: TestResult = TestResult { test: FitTest::Variance, p_value: 1e-6, more_m: 1e-3, beyond_m: 1e-3 };
+    const FAILED: TestResult =
+        TestResult { test: FitTest::Variance, p_value: 1e-6, more_m: 1e-3, beyond_m: 1e-3 };
 
     fn of(set: SetEvidence) -> (Verdict, bool) {
         let decision = decide(&VerdictEvidence::BestSet(set));
@@ -146,18 +157,33 @@ mod tests {
         assert_eq!(of(none), (Verdict::Consistent, true));
         assert_eq!(of(one), (Verdict::Named, true));
         assert_eq!(of(SetEvidence { has_rivals: true, ..one }), (Verdict::Ambiguous, true));
-        for held_out in [HeldOutResult::Worse, HeldOutResult::CannotSimulate, HeldOutResult::Scattered(FAILED)] {
-            assert_eq!(of(SetEvidence { held_out, ..one }), (Verdict::Unexplained, false), "{held_out:?}");
+        for held_out in
+            [HeldOutResult::Worse, HeldOutResult::CannotSimulate, HeldOutResult::Scattered(FAILED)]
+        {
+            assert_eq!(
+                of(SetEvidence { held_out, ..one }),
+                (Verdict::Unexplained, false),
+                "{held_out:?}"
+            );
         }
-        assert_eq!(of(SetEvidence { held_out: HeldOutResult::Tolerated(FAILED), ..one }), (Verdict::Named, true));
-        assert_eq!(of(SetEvidence { failed_test: Some(FAILED), ..one }), (Verdict::Unexplained, false));
+        assert_eq!(
+            of(SetEvidence { held_out: HeldOutResult::Tolerated(FAILED), ..one }),
+            (Verdict::Named, true)
+        );
+        assert_eq!(
+            of(SetEvidence { failed_test: Some(FAILED), ..one }),
+            (Verdict::Unexplained, false)
+        );
         assert_eq!(decide(&VerdictEvidence::Mistake).verdict, Verdict::Unexplained);
     }
 
     #[test]
     fn an_effect_that_explains_the_gap_is_named_although_something_remains() {
         let explains_gap = SetEvidence { effects: 1, explains_gap: true, ..SetEvidence::default() };
-        assert_eq!(of(SetEvidence { failed_test: Some(FAILED), ..explains_gap }), (Verdict::Named, false));
+        assert_eq!(
+            of(SetEvidence { failed_test: Some(FAILED), ..explains_gap }),
+            (Verdict::Named, false)
+        );
         let held_out = HeldOutResult::Scattered(FAILED);
         assert_eq!(of(SetEvidence { held_out, ..explains_gap }), (Verdict::Named, false));
         let held_out = HeldOutResult::Worse;

@@ -1,4 +1,5 @@
-//! AR(1) measurement noise: standard deviation by axis, correlation of consecutive samples, and whitening.
+//! AR(1) measurement noise: standard deviation by axis, correlation of consecutive samples, and
+//! whitening.
 
 use nalgebra::DMatrix;
 
@@ -29,8 +30,8 @@ impl Ar1Noise {
         samples as f64 * (1.0 - self.correlation) / (1.0 + self.correlation)
     }
 
-    /// Degrees of freedom of the mean square over all axes: three a sample for equal axes, fewer if one axis is
-    /// noisier (Satterthwaite, Biometrics Bulletin 2, 1946).
+    /// Degrees of freedom of the mean square over all axes: three a sample for equal axes, fewer if
+    /// one axis is noisier (Satterthwaite, Biometrics Bulletin 2, 1946).
     pub(crate) fn freedom(&self, samples: usize) -> f64 {
         effective_axes(&self.sigma_m.map(|sigma| sigma * sigma)) * self.independent(samples)
     }
@@ -101,7 +102,8 @@ pub(crate) fn effective_axes(variances: &[f64; 3]) -> f64 {
     if squares > 0.0 { sum * sum / squares } else { 3.0 }
 }
 
-/// Correlation of consecutive samples, mean over axes with a signal. Pairs farther apart than usual are excluded.
+/// Correlation of consecutive samples, mean over axes with a signal. Pairs farther apart than usual
+/// are excluded.
 fn correlation(samples: &Samples, residual: &[f64]) -> f64 {
     let neighbours = samples.consecutive_rows();
     let min_m2 = neighbours.len() as f64 * MIN_SIGMA_M.powi(2);
@@ -109,7 +111,8 @@ fn correlation(samples: &Samples, residual: &[f64]) -> f64 {
         let at = |row: usize| residual[3 * row + axis];
         let together: f64 = neighbours.iter().map(|&row| at(row) * at(row - 1)).sum();
         // Both ends of a pair count alike, which keeps the ratio within ±1.
-        let alone: f64 = neighbours.iter().map(|&row| 0.5 * (at(row).powi(2) + at(row - 1).powi(2))).sum();
+        let alone: f64 =
+            neighbours.iter().map(|&row| 0.5 * (at(row).powi(2) + at(row - 1).powi(2))).sum();
         // An axis that never moves has no correlation to average.
         (alone > min_m2).then(|| together / alone)
     };
@@ -132,7 +135,8 @@ mod tests {
         assert!((noise([1e-3, 1e-3, 3e-3]).freedom(1) - 121.0 / 83.0).abs() < 1e-9);
     }
 
-    /// Noise has the tracker's time base even if the drives are twice as fast, and a planar tracker has no third axis.
+    /// Noise has the tracker's time base even if the drives are twice as fast, and a planar tracker
+    /// has no third axis.
     #[test]
     fn a_tracker_has_its_own_clock_and_axes() {
         let every_other = |samples: &Samples| {
@@ -145,7 +149,8 @@ mod tests {
         let mut residual_m: Vec<f64> = (0..3 * samples.len()).map(|_| noise()).collect();
         for row in 1..samples.len() {
             for axis in 0..2 {
-                residual_m[3 * row + axis] = 0.8 * residual_m[3 * (row - 1) + axis] + 0.6 * residual_m[3 * row + axis];
+                residual_m[3 * row + axis] =
+                    0.8 * residual_m[3 * (row - 1) + axis] + 0.6 * residual_m[3 * row + axis];
             }
         }
         residual_m.iter_mut().skip(2).step_by(3).for_each(|y| *y = 0.0);
@@ -165,7 +170,10 @@ mod tests {
             let residual_m: Vec<f64> = (0..3 * samples.len()).map(|_| noise()).collect();
             let estimated = Ar1Noise::estimate(&samples, &residual_m, 0.0);
             assert!(estimated.correlation < 0.1, "{estimated:?}");
-            assert!((estimated.rms_m() / (3.0_f64.sqrt() * NOISE_M) - 1.0).abs() < 0.08, "{estimated:?}");
+            assert!(
+                (estimated.rms_m() / (3.0_f64.sqrt() * NOISE_M) - 1.0).abs() < 0.08,
+                "{estimated:?}"
+            );
         }
     }
 }

@@ -1,5 +1,6 @@
-//! Calibration on a baseline, a recording of the robot as built, and the errors that it shares with the measured
-//! recording (model form, tracking frame, settling), which are not attributed to an effect.
+//! Calibration on a baseline, a recording of the robot as built, and the errors that it shares with
+//! the measured recording (model form, tracking frame, settling), which are not attributed to an
+//! effect.
 
 use std::collections::BTreeSet;
 
@@ -30,8 +31,8 @@ pub(crate) struct CalibrationFactors {
     pub(crate) compliance: f64,
 }
 
-/// Calibrates `model` on `baseline`; returns the calibrated model and its factors. None if the model cannot be
-/// simulated.
+/// Calibrates `model` on `baseline`; returns the calibrated model and its factors. None if the
+/// model cannot be simulated.
 pub(crate) fn calibrate(
     model: &Model,
     candidates: &[CandidateEffect],
@@ -40,14 +41,16 @@ pub(crate) fn calibrate(
 ) -> Option<(Model, CalibrationFactors)> {
     // This fit never searches, so no candidate needs to be closed.
     let open = vec![true; candidates.len()];
-    let fit_problem = FitProblem { model, coarse: model, candidates, open, samples: baseline, nuisances };
+    let fit_problem =
+        FitProblem { model, coarse: model, candidates, open, samples: baseline, nuisances };
     let start = CALIBRATED.iter().filter_map(|name| {
         let candidate = candidates.iter().position(|candidate| candidate.card.name == *name)?;
         Some(SetMember { candidate, values: candidates[candidate].variants().swap_remove(0) })
     });
     let fitted = fit_problem.fit(start.collect())?;
     let [bending_stiffness, compliance] = CALIBRATED.map(|name| {
-        let member = fitted.members.iter().find(|member| candidates[member.candidate].card.name == name);
+        let member =
+            fitted.members.iter().find(|member| candidates[member.candidate].card.name == name);
         member.map_or(1.0, |member| member.values[0])
     });
     let mut model = model.clone();
@@ -74,7 +77,8 @@ impl ModelFormBasis {
     fn new(covariates: &[Covariates]) -> ModelFormBasis {
         let points: BTreeSet<Option<usize>> = covariates.iter().map(|at| at.point).collect();
         let basis = |point: Option<usize>| {
-            let in_place: Vec<&Covariates> = covariates.iter().filter(|at| at.point == point).collect();
+            let in_place: Vec<&Covariates> =
+                covariates.iter().filter(|at| at.point == point).collect();
             (point, PlaceBasis::new(&in_place))
         };
         ModelFormBasis { places: points.into_iter().map(basis).collect() }
@@ -88,11 +92,14 @@ impl ModelFormBasis {
 
 impl PlaceBasis {
     fn new(covariates: &[&Covariates]) -> PlaceBasis {
-        let column = |axis: usize| covariates.iter().map(|at| at.position_m[axis]).collect::<Vec<f64>>();
+        let column =
+            |axis: usize| covariates.iter().map(|at| at.position_m[axis]).collect::<Vec<f64>>();
         let moving: Vec<f64> = covariates.iter().flat_map(|at| at.velocity_m_s).collect();
         PlaceBasis {
             middle_m: std::array::from_fn(|axis| crate::math::summary::mean(&column(axis))),
-            spread_m: std::array::from_fn(|axis| crate::math::summary::standard_deviation(&column(axis)).max(1e-4)),
+            spread_m: std::array::from_fn(|axis| {
+                crate::math::summary::standard_deviation(&column(axis)).max(1e-4)
+            }),
             speed_m_s: crate::math::summary::root_mean_square(&moving).max(MIN_SPEED_M_S),
         }
     }
@@ -113,8 +120,12 @@ impl PlaceBasis {
         for (table, deviation) in [(&terms, FORM_M), (&moving, MOTION_FORM_M)] {
             for term in 0..table.first().map_or(0, Vec::len) {
                 for axis in 0..3 {
-                    let value = |row: usize, a: usize| if a == axis { table[row][term] } else { 0.0 };
-                    columns.push(((0..3 * table.len()).map(|k| value(k / 3, k % 3)).collect(), deviation));
+                    let value =
+                        |row: usize, a: usize| if a == axis { table[row][term] } else { 0.0 };
+                    columns.push((
+                        (0..3 * table.len()).map(|k| value(k / 3, k % 3)).collect(),
+                        deviation,
+                    ));
                 }
             }
         }
@@ -150,18 +161,23 @@ pub(crate) struct SimulatedRecording<'a> {
     pub(crate) columns: &'a [NuisanceColumn],
 }
 
-/// Nuisance parameters of the baseline itself: uncertain parameters and model form, by their priors.
+/// Nuisance parameters of the baseline itself: uncertain parameters and model form, by their
+/// priors.
 pub(crate) fn baseline_nuisances(baseline: SimulatedRecording) -> Nuisances {
     let SimulatedRecording { samples, simulated_m, columns } = baseline;
     let covariates = sample_covariates(samples, simulated_m);
     let form = ModelFormBasis::new(&covariates);
-    let all: Vec<NuisanceColumn> = columns.iter().cloned().chain(form.columns(&covariates)).collect();
+    let all: Vec<NuisanceColumn> =
+        columns.iter().cloned().chain(form.columns(&covariates)).collect();
     Nuisances::independent(simulated_m.len(), &all)
 }
 
 /// Nuisance parameters of the measured recording after the baseline: uncertain parameters and model
 /// form.
-pub(crate) fn calibrated_nuisances(baseline: SimulatedRecording, recording: SimulatedRecording) -> Nuisances {
+pub(crate) fn calibrated_nuisances(
+    baseline: SimulatedRecording,
+    recording: SimulatedRecording,
+) -> Nuisances {
     let SimulatedRecording { samples, simulated_m, .. } = baseline;
     // The scales are those of the baseline, so that its amounts mean the same in both recordings.
     let form = ModelFormBasis::new(&sample_covariates(samples, simulated_m));

@@ -16,10 +16,11 @@ pub(crate) struct CandidateEffect {
 /// How a parameter is determined.
 #[derive(Clone, Debug)]
 enum ParameterSearch {
-    /// Fitted in units of `size` from `null`; started from the best value of `scan`, if there are any.
+    /// Fitted in units of `size` from `null`; started from the best value of `scan`, if there are
+    /// any.
     Size { null: f64, size: f64, scan: Vec<f64> },
-    /// Tried at each value, then fitted; in its logarithm if `positive`, up to a factor of [`MAX_SHAPE_FACTOR`] outside the
-    /// values.
+    /// Tried at each value, then fitted; in its logarithm if `positive`, up to a factor of
+    /// [`MAX_SHAPE_FACTOR`] outside the values.
     Shape { tries: Vec<f64>, positive: bool },
     /// Fitted from `start`, with this step; without one there is nothing to fit.
     Located { start: Option<f64>, step: f64 },
@@ -40,8 +41,8 @@ pub(crate) struct SetMember {
 /// Number of positions along the robot that are tried.
 const PLACES: usize = 6;
 
-/// Factor by which a positive shape may leave the range of tried values. Farther out it is another effect, or one that
-/// cannot be simulated (friction without yield is rigid).
+/// Factor by which a positive shape may leave the range of tried values. Farther out it is another
+/// effect, or one that cannot be simulated (friction without yield is rigid).
 const MAX_SHAPE_FACTOR: f64 = 5.0;
 
 /// Bisection steps for the end of a range, and the rounding unit over the probe.
@@ -69,18 +70,26 @@ impl CandidateEffect {
                 ParameterSearch::Size { null: parameter.null, size, scan: Vec::new() }
             }
             Seek::Located(step) => ParameterSearch::Located { start: None, step },
-            Seek::Scanned(size, scan) => ParameterSearch::Size { null: parameter.null, size, scan: scan.to_vec() },
+            Seek::Scanned(size, scan) => {
+                ParameterSearch::Size { null: parameter.null, size, scan: scan.to_vec() }
+            }
             Seek::Replaces(path, size) => {
                 // An earlier effect of the model may have replaced the parameter.
                 let last = model.effects.iter().rposition(|effect| effect.card().name == card.name);
                 let replaced = last.map(|k| format!("effects[{k}].{}", parameter.name));
                 let path = replaced.as_deref().unwrap_or(path);
-                let number = ModelParameter::named(model, path).and_then(|number| number.value(model));
-                ParameterSearch::Size { null: number.unwrap_or(parameter.null), size, scan: Vec::new() }
+                let number =
+                    ModelParameter::named(model, path).and_then(|number| number.value(model));
+                ParameterSearch::Size {
+                    null: number.unwrap_or(parameter.null),
+                    size,
+                    scan: Vec::new(),
+                }
             }
-            Seek::Shape(tries) => {
-                ParameterSearch::Shape { tries: tries.to_vec(), positive: tries.iter().all(|&value| value > 0.0) }
-            }
+            Seek::Shape(tries) => ParameterSearch::Shape {
+                tries: tries.to_vec(),
+                positive: tries.iter().all(|&value| value > 0.0),
+            },
             Seek::Place => ParameterSearch::Choice(places(&model.robot, length_m)),
             Seek::Tendon => ParameterSearch::Fixed(tendon as f64),
             Seek::Flag => ParameterSearch::Choice(vec![0.0, 1.0]),
@@ -92,7 +101,9 @@ impl CandidateEffect {
     pub(crate) fn start_at(&mut self, hint: &ObstacleHint) {
         for (parameter, search) in self.card.parameters.iter().zip(&mut self.searches) {
             match (parameter.seek, search) {
-                (Seek::Distance(_), ParameterSearch::Size { scan, .. }) => scan.clone_from(&hint.distances_m),
+                (Seek::Distance(_), ParameterSearch::Size { scan, .. }) => {
+                    scan.clone_from(&hint.distances_m)
+                }
                 (_, ParameterSearch::Located { start, .. }) => {
                     *start = match parameter.name {
                         "azimuth_rad" => Some(hint.azimuth_rad),
@@ -116,7 +127,10 @@ impl CandidateEffect {
             ParameterSearch::Fixed(tendon) => Some(*tendon),
             _ => None,
         });
-        tendon.map_or_else(|| self.card.name.to_owned(), |tendon| format!("{} (tendon {tendon})", self.card.name))
+        tendon.map_or_else(
+            || self.card.name.to_owned(),
+            |tendon| format!("{} (tendon {tendon})", self.card.name),
+        )
     }
 
     /// Number of parameters that are fitted or chosen, for the penalty.
@@ -131,7 +145,9 @@ impl CandidateEffect {
 
     /// Whether there are shape or choice parameters beside the sizes.
     pub(crate) fn has_shape(&self) -> bool {
-        self.searches.iter().any(|search| matches!(search, ParameterSearch::Shape { .. } | ParameterSearch::Choice(_)))
+        self.searches.iter().any(|search| {
+            matches!(search, ParameterSearch::Shape { .. } | ParameterSearch::Choice(_))
+        })
     }
 
     /// Whether the effect replaces a parameter of the model.
@@ -164,7 +180,10 @@ impl CandidateEffect {
                 ParameterSearch::Shape { tries, .. } | ParameterSearch::Choice(tries) => tries,
             };
             let longer = |shorter: &Vec<f64>| -> Vec<Vec<f64>> {
-                values.iter().map(|&value| shorter.iter().copied().chain([value]).collect()).collect()
+                values
+                    .iter()
+                    .map(|&value| shorter.iter().copied().chain([value]).collect())
+                    .collect()
             };
             variants = variants.iter().flat_map(longer).collect();
         }
@@ -187,7 +206,9 @@ impl CandidateEffect {
     /// Steps from null to each size of the scan.
     pub(crate) fn scan(&self) -> Vec<f64> {
         let steps = |search: &ParameterSearch| match search {
-            ParameterSearch::Size { null, scan, .. } => scan.iter().map(|value| value - null).collect(),
+            ParameterSearch::Size { null, scan, .. } => {
+                scan.iter().map(|value| value - null).collect()
+            }
             _ => Vec::new(),
         };
         self.searches.iter().flat_map(steps).collect()
@@ -199,7 +220,11 @@ impl CandidateEffect {
         for (index, search) in self.searches.iter().enumerate() {
             let ParameterSearch::Choice(choices) = search else { continue };
             let at = choices.iter().position(|&choice| choice == values[index]).unwrap_or(0);
-            for other in [at.checked_sub(1), Some(at + 1)].into_iter().flatten().filter(|&k| k < choices.len()) {
+            for other in [at.checked_sub(1), Some(at + 1)]
+                .into_iter()
+                .flatten()
+                .filter(|&k| k < choices.len())
+            {
                 let mut beside = values.to_vec();
                 beside[index] = choices[other];
                 neighbours.push(beside);
@@ -208,7 +233,8 @@ impl CandidateEffect {
         neighbours
     }
 
-    /// A step of parameter `index` with a visible response, in the coordinate of [`CandidateEffect::moved`].
+    /// A step of parameter `index` with a visible response, in the coordinate of
+    /// [`CandidateEffect::moved`].
     pub(crate) fn probe(&self, index: usize) -> f64 {
         match self.searches[index] {
             ParameterSearch::Size { size, .. } => size,
@@ -218,8 +244,8 @@ impl CandidateEffect {
         }
     }
 
-    /// `values` with parameter `index` moved by `step`: added, or for a positive shape multiplied by exp(step), within
-    /// its range.
+    /// `values` with parameter `index` moved by `step`: added, or for a positive shape multiplied
+    /// by exp(step), within its range.
     pub(crate) fn moved(&self, values: &[f64], index: usize, step: f64) -> Vec<f64> {
         let mut there = values.to_vec();
         match self.searches[index] {
@@ -240,8 +266,8 @@ impl CandidateEffect {
         each.fold(values.to_vec(), |at, (size, &step)| self.moved(&at, size, step))
     }
 
-    /// `values` with parameter `index` moved by `step`, at most to the end of the effect's valid range. The end is
-    /// found by bisection and rounded.
+    /// `values` with parameter `index` moved by `step`, at most to the end of the effect's valid
+    /// range. The end is found by bisection and rounded.
     pub(crate) fn moved_within(&self, values: &[f64], index: usize, step: f64) -> Vec<f64> {
         let is_in_range = |there: &[f64]| self.effect(there).is_some();
         let there = self.moved(values, index, step);
@@ -252,7 +278,11 @@ impl CandidateEffect {
         let (mut inside, mut outside) = (0.0, 1.0);
         for _ in 0..RANGE_BISECTIONS {
             let middle = 0.5 * (inside + outside);
-            *(if is_in_range(&self.moved(values, index, middle * step)) { &mut inside } else { &mut outside }) = middle;
+            *(if is_in_range(&self.moved(values, index, middle * step)) {
+                &mut inside
+            } else {
+                &mut outside
+            }) = middle;
         }
         let last = self.moved(values, index, inside * step);
         let mut round = last.clone();
@@ -266,10 +296,13 @@ impl CandidateEffect {
 
     /// Whether a size is at the end of its valid range.
     pub(crate) fn is_at_range_end(&self, values: &[f64]) -> bool {
-        let is_out = |index: usize, step: f64| self.effect(&self.moved(values, index, step)).is_none();
+        let is_out =
+            |index: usize, step: f64| self.effect(&self.moved(values, index, step)).is_none();
         // A bound is reached if a thousandth of a usual size further is invalid.
         let small_step = |index: usize| 1e-3 * self.probe(index).abs();
-        self.sizes().into_iter().any(|index| is_out(index, small_step(index)) || is_out(index, -small_step(index)))
+        self.sizes()
+            .into_iter()
+            .any(|index| is_out(index, small_step(index)) || is_out(index, -small_step(index)))
     }
 
     /// The step by which [`CandidateEffect::moved`] leads from `values` to `there`.
@@ -305,7 +338,10 @@ pub(crate) fn candidate_set(members: &[SetMember]) -> BTreeSet<usize> {
 }
 
 /// Effects of these members; none if a value is outside its valid range.
-pub(crate) fn effect_specs(candidates: &[CandidateEffect], members: &[SetMember]) -> Option<Vec<EffectSpec>> {
+pub(crate) fn effect_specs(
+    candidates: &[CandidateEffect],
+    members: &[SetMember],
+) -> Option<Vec<EffectSpec>> {
     members.iter().map(|member| candidates[member.candidate].effect(&member.values)).collect()
 }
 
@@ -315,7 +351,10 @@ mod tests {
 
     fn candidate(name: &str) -> CandidateEffect {
         let model = Model::default();
-        catalogue_candidates(&model).into_iter().find(|candidate| candidate.card.name == name).unwrap()
+        catalogue_candidates(&model)
+            .into_iter()
+            .find(|candidate| candidate.card.name == name)
+            .unwrap()
     }
 
     #[test]
@@ -343,7 +382,8 @@ mod tests {
     #[test]
     fn places_are_the_middles_of_sections_or_evenly_spaced() {
         let robot = Robot::default();
-        let middles: Vec<f64> = robot.rod().sections.iter().map(|one| one.start_m + 0.5 * one.length_m).collect();
+        let middles: Vec<f64> =
+            robot.rod().sections.iter().map(|one| one.start_m + 0.5 * one.length_m).collect();
         assert_eq!((places(&robot, 0.22), middles.len()), (middles, 11));
         let with = |count: usize, length_m: f64| {
             let mut robot = Robot::default();
@@ -351,7 +391,12 @@ mod tests {
             places(&robot, robot.backbone.length_m)
         };
         let some = with(40, 0.003);
-        assert!(some.len() == 2 * PLACES && some.windows(2).all(|two| two[0] < two[1]) && some[11] < 0.22, "{some:?}");
+        assert!(
+            some.len() == 2 * PLACES
+                && some.windows(2).all(|two| two[0] < two[1])
+                && some[11] < 0.22,
+            "{some:?}"
+        );
         let even: Vec<f64> = (0..PLACES).map(|k| (k as f64 + 0.5) / PLACES as f64 * 0.22).collect();
         assert_eq!(with(0, 0.01), even);
     }
@@ -368,8 +413,10 @@ mod tests {
     fn what_an_effect_of_the_model_has_replaced_is_what_it_is_now() {
         let mut model = Model::default();
         let null = |model: &Model| {
-            let found =
-                catalogue_candidates(model).into_iter().find(|candidate| candidate.card.name == "damping").unwrap();
+            let found = catalogue_candidates(model)
+                .into_iter()
+                .find(|candidate| candidate.card.name == "damping")
+                .unwrap();
             found.variants()[0][0]
         };
         assert_eq!(null(&model), model.robot.damping_time_s);

@@ -1,4 +1,5 @@
-//! Gauss–Newton fit of one candidate set with the full physics, together with nuisance parameters and noise.
+//! Gauss–Newton fit of one candidate set with the full physics, together with nuisance parameters
+//! and noise.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 use rayon::prelude::*;
@@ -81,7 +82,10 @@ impl FitProblem<'_> {
 
     /// The same members simulated by this model, with the given Jacobian.
     pub(crate) fn resimulate(&self, fitted: &FittedSet) -> Option<FittedSet> {
-        Some(FittedSet { jacobian: fitted.jacobian.clone(), ..self.evaluate(fitted.members.clone())? })
+        Some(FittedSet {
+            jacobian: fitted.jacobian.clone(),
+            ..self.evaluate(fitted.members.clone())?
+        })
     }
 
     /// Fits all members of `start` together; none if they cannot be simulated.
@@ -91,14 +95,17 @@ impl FitProblem<'_> {
         self.descend(start, StopRule::Exact { fresh: true })
     }
 
-    /// The same with an approximate initial Jacobian (in units of the probes; a zero column holds its coordinate until
-    /// the Jacobian is renewed).
+    /// The same with an approximate initial Jacobian (in units of the probes; a zero column holds
+    /// its coordinate until the Jacobian is renewed).
     pub(crate) fn refit(&self, start: Vec<SetMember>, jacobian: DMatrix<f64>) -> Option<FittedSet> {
-        self.descend(FittedSet { jacobian, ..self.evaluate(start)? }, StopRule::Exact { fresh: false })
+        self.descend(
+            FittedSet { jacobian, ..self.evaluate(start)? },
+            StopRule::Exact { fresh: false },
+        )
     }
 
-    /// Rough fit with an approximate Jacobian (in units of the probes; a zero column holds its coordinate). Stops
-    /// early if the deviance decreases too slowly to reach `target_deviance`.
+    /// Rough fit with an approximate Jacobian (in units of the probes; a zero column holds its
+    /// coordinate). Stops early if the deviance decreases too slowly to reach `target_deviance`.
     pub(crate) fn rough_fit(
         &self,
         start: FittedSet,
@@ -108,16 +115,21 @@ impl FitProblem<'_> {
         self.descend(FittedSet { jacobian, ..start }, StopRule::Rough { target_deviance })
     }
 
-    /// The members moved by `step` (in units of the probes) within their valid ranges, and the distance that
-    /// coordinate `at` moved.
-    pub(crate) fn step_along(&self, members: &[SetMember], at: usize, step: &DVector<f64>) -> (Vec<SetMember>, f64) {
+    /// The members moved by `step` (in units of the probes) within their valid ranges, and the
+    /// distance that coordinate `at` moved.
+    pub(crate) fn step_along(
+        &self,
+        members: &[SetMember],
+        at: usize,
+        step: &DVector<f64>,
+    ) -> (Vec<SetMember>, f64) {
         let there = self.moved(members, step);
         let moved = self.between(members, &there)[at];
         (there, moved)
     }
 
-    /// Fits the other coordinates with coordinate `at` held at its value in `members`, as long as a deviance below
-    /// `target_deviance` is possible.
+    /// Fits the other coordinates with coordinate `at` held at its value in `members`, as long as a
+    /// deviance below `target_deviance` is possible.
     pub(crate) fn fit_holding(
         &self,
         fitted: &FittedSet,
@@ -128,7 +140,10 @@ impl FitProblem<'_> {
         let mut jacobian = fitted.jacobian.clone();
         // A coordinate without a derivative gets no step.
         jacobian.column_mut(at).fill(0.0);
-        self.descend(FittedSet { jacobian, ..self.evaluate(members)? }, StopRule::Near { target_deviance })
+        self.descend(
+            FittedSet { jacobian, ..self.evaluate(members)? },
+            StopRule::Near { target_deviance },
+        )
     }
 
     /// Takes steps as long as they help.
@@ -140,22 +155,25 @@ impl FitProblem<'_> {
         for _ in 0..MAX_STEPS {
             // Far from its target a rough fit must make progress in proportion.
             let small = match rule {
-                StopRule::Rough { target_deviance } => {
-                    MIN_ROUGH_DECREASE.max(MIN_DECREASE_SHARE * (best.nuisance_fit.deviance - target_deviance))
-                }
+                StopRule::Rough { target_deviance } => MIN_ROUGH_DECREASE
+                    .max(MIN_DECREASE_SHARE * (best.nuisance_fit.deviance - target_deviance)),
                 StopRule::Near { .. } | StopRule::Exact { .. } => MIN_DECREASE,
             };
             // A step that cannot reach the target is not worth a simulation.
             let needed = match rule {
-                StopRule::Near { target_deviance } => small.max(best.nuisance_fit.deviance - target_deviance),
+                StopRule::Near { target_deviance } => {
+                    small.max(best.nuisance_fit.deviance - target_deviance)
+                }
                 StopRule::Rough { .. } | StopRule::Exact { .. } => small,
             };
             let (step, predicted) = self.step(&best)?;
-            // Steps with too small a predicted decrease are not simulated.
-            // Three lengths in place of Marquardt's damping: where none helps, the Jacobian is renewed.
+            // Steps with too small a predicted decrease are not simulated. Three lengths in place
+            // of Marquardt's damping: where none helps, the Jacobian is renewed.
             let shares: &[f64] = if predicted < needed { &[] } else { &[1.0, 0.4, 0.1] };
             let next = shares.iter().find_map(|&share| self.accept_step(&best, &(share * &step)));
-            let decrease = next.as_ref().map_or(0.0, |next| best.nuisance_fit.deviance - next.nuisance_fit.deviance);
+            let decrease = next
+                .as_ref()
+                .map_or(0.0, |next| best.nuisance_fit.deviance - next.nuisance_fit.deviance);
             best = next.unwrap_or(best);
             // A rough fit never renews its Jacobian.
             if !exact && decrease < small {
@@ -185,7 +203,11 @@ impl FitProblem<'_> {
     /// The coordinates of a fit: member index and parameter index.
     pub(crate) fn coordinates(&self, members: &[SetMember]) -> Vec<(usize, usize)> {
         let of = |(k, member): (usize, &SetMember)| {
-            self.candidates[member.candidate].fitted().into_iter().map(move |parameter| (k, parameter)).collect()
+            self.candidates[member.candidate]
+                .fitted()
+                .into_iter()
+                .map(move |parameter| (k, parameter))
+                .collect()
         };
         members.iter().enumerate().flat_map(|entry| -> Vec<(usize, usize)> { of(entry) }).collect()
     }
@@ -193,7 +215,8 @@ impl FitProblem<'_> {
     /// The Jacobian without the coordinates of member `out`.
     pub(crate) fn jacobian_without(&self, fitted: &FittedSet, out: usize) -> DMatrix<f64> {
         let coordinates = self.coordinates(&fitted.members);
-        let removed: Vec<usize> = (0..coordinates.len()).filter(|&k| coordinates[k].0 == out).collect();
+        let removed: Vec<usize> =
+            (0..coordinates.len()).filter(|&k| coordinates[k].0 == out).collect();
         fitted.jacobian.clone().remove_columns_at(&removed)
     }
 
@@ -225,13 +248,15 @@ impl FitProblem<'_> {
 
     /// Simulates the members with their values; none if the simulation fails.
     pub(crate) fn evaluate(&self, members: Vec<SetMember>) -> Option<FittedSet> {
-        let simulated_m = tips(self.model, &effect_specs(self.candidates, &members)?, self.samples)?;
+        let simulated_m =
+            tips(self.model, &effect_specs(self.candidates, &members)?, self.samples)?;
         let nuisance_fit = self.fit_nuisances(&members, &simulated_m);
         let jacobian = DMatrix::zeros(simulated_m.len(), 0);
         Some(FittedSet { members, nuisance_fit, simulated_m, jacobian })
     }
 
-    /// Fits nuisance parameters and noise to the residual of the members; `simulated_m`: their simulated tip.
+    /// Fits nuisance parameters and noise to the residual of the members; `simulated_m`: their
+    /// simulated tip.
     pub(crate) fn fit_nuisances(&self, members: &[SetMember], simulated_m: &[f64]) -> NuisanceFit {
         let freedom = self.coordinates(members).len() as f64;
         self.nuisances.explain(self.samples, &self.samples.residual(simulated_m), freedom)
@@ -242,7 +267,11 @@ impl FitProblem<'_> {
         let mut there = members.to_vec();
         for (&(k, parameter), &share) in self.coordinates(members).iter().zip(by.iter()) {
             let candidate = &self.candidates[members[k].candidate];
-            there[k].values = candidate.moved_within(&there[k].values, parameter, share * candidate.probe(parameter));
+            there[k].values = candidate.moved_within(
+                &there[k].values,
+                parameter,
+                share * candidate.probe(parameter),
+            );
         }
         there
     }
@@ -251,13 +280,14 @@ impl FitProblem<'_> {
     fn between(&self, here: &[SetMember], there: &[SetMember]) -> DVector<f64> {
         let steps = self.coordinates(here).into_iter().map(|(k, parameter)| {
             let candidate = &self.candidates[here[k].candidate];
-            candidate.step(&here[k].values, &there[k].values, parameter) / candidate.probe(parameter)
+            candidate.step(&here[k].values, &there[k].values, parameter)
+                / candidate.probe(parameter)
         });
         DVector::from_vec(steps.collect())
     }
 
-    /// The fit after a step if that is better, with Broyden's update of the Jacobian (Nocedal & Wright, Numerical
-    /// Optimization, section 11.1).
+    /// The fit after a step if that is better, with Broyden's update of the Jacobian (Nocedal &
+    /// Wright, Numerical Optimization, section 11.1).
     fn accept_step(&self, from: &FittedSet, step: &DVector<f64>) -> Option<FittedSet> {
         let mut next = self.evaluate(self.moved(&from.members, step))?;
         // The range may have cut the step; Broyden's update needs the step that was made.
@@ -271,7 +301,8 @@ impl FitProblem<'_> {
         );
         // Broyden: the least change of the Jacobian that reproduces this step.
         let missed = change - &from.jacobian * step;
-        next.jacobian = &from.jacobian + missed * step.transpose() / step.norm_squared().max(f64::MIN_POSITIVE);
+        next.jacobian =
+            &from.jacobian + missed * step.transpose() / step.norm_squared().max(f64::MIN_POSITIVE);
         Some(next)
     }
 
@@ -296,19 +327,23 @@ impl FitProblem<'_> {
                 return None;
             }
             let there = tips(self.model, &effect_specs(self.candidates, &members)?, self.samples)?;
-            Some((DVector::from_vec(there) - DVector::from_column_slice(&fitted.simulated_m)) / moved)
+            Some(
+                (DVector::from_vec(there) - DVector::from_column_slice(&fitted.simulated_m))
+                    / moved,
+            )
         })
     }
 
-    /// Normal matrix of nuisance parameters (first) and coordinates, and the number of nuisance parameters.
+    /// Normal matrix of nuisance parameters (first) and coordinates, and the number of nuisance
+    /// parameters.
     fn normal_matrix(&self, fitted: &FittedSet) -> (DMatrix<f64>, usize) {
         let noise = &fitted.nuisance_fit.noise;
         let white = noise.whitened(self.samples, &self.nuisances.with(&fitted.jacobian));
         (self.nuisances.information(&white), self.nuisances.columns.ncols())
     }
 
-    /// The Gauss–Newton step and the predicted decrease of the deviance. Coordinates that would leave their range stop
-    /// at its end, and the others follow.
+    /// The Gauss–Newton step and the predicted decrease of the deviance. Coordinates that would
+    /// leave their range stop at its end, and the others follow.
     fn step(&self, fitted: &FittedSet) -> Option<(DVector<f64>, f64)> {
         let mut held: Vec<HeldStep> = Vec::new();
         loop {
@@ -317,8 +352,10 @@ impl FitProblem<'_> {
             // Active set: a coordinate that meets its bound is fixed there and the rest is solved
             // anew.
             let is_cut = |k: &usize| (moved[*k] - step[*k]).abs() > CUT_TOLERANCE * step[*k].abs();
-            let cut = (0..step.len()).filter(|k| is_cut(k) && !held.iter().any(|held| held.coordinate == *k));
-            let cut: Vec<HeldStep> = cut.map(|k| HeldStep { coordinate: k, step: moved[k] }).collect();
+            let cut = (0..step.len())
+                .filter(|k| is_cut(k) && !held.iter().any(|held| held.coordinate == *k));
+            let cut: Vec<HeldStep> =
+                cut.map(|k| HeldStep { coordinate: k, step: moved[k] }).collect();
             if cut.is_empty() {
                 return Some((step, predicted));
             }
@@ -328,7 +365,11 @@ impl FitProblem<'_> {
     }
 
     /// The same with these steps of some coordinates.
-    fn constrained_step(&self, fitted: &FittedSet, held: &[HeldStep]) -> Option<(DVector<f64>, f64)> {
+    fn constrained_step(
+        &self,
+        fitted: &FittedSet,
+        held: &[HeldStep],
+    ) -> Option<(DVector<f64>, f64)> {
         let (mut normal, free) = self.normal_matrix(fitted);
         let count = normal.ncols() - free;
         for k in free..free + count {
@@ -337,11 +378,13 @@ impl FitProblem<'_> {
             normal[(k, k)] += 1e-12;
         }
         let noise = &fitted.nuisance_fit.noise;
-        let residual = DVector::from_vec(noise.whiten(self.samples, &fitted.nuisance_fit.residual_m));
+        let residual =
+            DVector::from_vec(noise.whiten(self.samples, &fitted.nuisance_fit.residual_m));
         // Nuisance parameters are at their optimum for this residual, so their gradient is zero.
         let mut right = DVector::zeros(free + count);
         for (k, column) in fitted.jacobian.column_iter().enumerate() {
-            right[free + k] = DVector::from_vec(noise.whiten(self.samples, column.as_slice())).dot(&residual);
+            right[free + k] =
+                DVector::from_vec(noise.whiten(self.samples, column.as_slice())).dot(&residual);
         }
         let (mut stiff, mut pulled) = (normal.clone(), right.clone());
         for &HeldStep { coordinate: k, step } in held {

@@ -1,4 +1,5 @@
-//! One set of candidate effects fitted to the samples: physics, nuisance parameters and noise together.
+//! One set of candidate effects fitted to the samples: physics, nuisance parameters and noise
+//! together.
 
 pub(crate) mod ar1_noise;
 pub(crate) mod baseline;

@@ -1,12 +1,14 @@
-//! Nuisance parameters: parameters that a laboratory would recalibrate, each with its calibration uncertainty, and
-//! errors shared with a baseline. They are free within their priors in every candidate and enter linearly.
+//! Nuisance parameters: parameters that a laboratory would recalibrate, each with its calibration
+//! uncertainty, and errors shared with a baseline. They are free within their priors in every
+//! candidate and enter linearly.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::ar1_noise::Ar1Noise;
 use crate::discovery::recording::samples::Samples;
 
-/// Tip change per unit of a nuisance parameter, three values a sample, and the prior standard deviation of its amount.
+/// Tip change per unit of a nuisance parameter, three values a sample, and the prior standard
+/// deviation of its amount.
 pub(crate) type NuisanceColumn = (Vec<f64>, f64);
 
 /// Nuisance parameters with a Gaussian prior; tip change: `offset + columns · amounts`.
@@ -60,9 +62,19 @@ impl Nuisances {
         Nuisances::new(matrix, DVector::zeros(columns.len()), precision)
     }
 
-    pub(crate) fn new(columns: DMatrix<f64>, mean: DVector<f64>, precision: DMatrix<f64>) -> Nuisances {
+    pub(crate) fn new(
+        columns: DMatrix<f64>,
+        mean: DVector<f64>,
+        precision: DMatrix<f64>,
+    ) -> Nuisances {
         let log_determinant = log_determinant(&precision);
-        Nuisances { offset: DVector::zeros(columns.nrows()), columns, mean, precision, log_determinant }
+        Nuisances {
+            offset: DVector::zeros(columns.nrows()),
+            columns,
+            mean,
+            precision,
+            log_determinant,
+        }
     }
 
     /// The same with another prior.
@@ -78,13 +90,21 @@ impl Nuisances {
 
     /// The same restricted to these rows (three a sample).
     pub(crate) fn in_rows(&self, rows: &[usize]) -> Nuisances {
-        Nuisances { offset: self.offset.select_rows(rows), columns: self.columns.select_rows(rows), ..self.clone() }
+        Nuisances {
+            offset: self.offset.select_rows(rows),
+            columns: self.columns.select_rows(rows),
+            ..self.clone()
+        }
     }
 
-    /// Fits `residual` by nuisance parameters and noise. `freedom`: degrees of freedom used by other parameters.
+    /// Fits `residual` by nuisance parameters and noise. `freedom`: degrees of freedom used by
+    /// other parameters.
     pub(crate) fn explain(&self, samples: &Samples, residual: &[f64], freedom: f64) -> NuisanceFit {
-        let residual: Vec<f64> =
-            residual.iter().zip(self.offset.iter()).map(|(residual, offset)| residual - offset).collect();
+        let residual: Vec<f64> = residual
+            .iter()
+            .zip(self.offset.iter())
+            .map(|(residual, offset)| residual - offset)
+            .collect();
         let residual = residual.as_slice();
         // Noise and amounts depend on each other: estimate them in turn.
         let mut noise = Ar1Noise::estimate(samples, residual, freedom);
@@ -98,11 +118,14 @@ impl Nuisances {
         }
         let Amounts { values: amounts, log_determinant, .. } = posterior;
         let residual_m = self.subtract(residual, &amounts);
-        // Minus twice the log-likelihood with the amounts integrated out (Laplace's method, exact for linear columns).
-        // The deviation from the prior counts like further residuals.
+        // Minus twice the log-likelihood with the amounts integrated out (Laplace's method, exact
+        // for linear columns). The deviation from the prior counts like further residuals.
         let off = &amounts - &self.mean;
         let squares: f64 = noise.whiten(samples, &residual_m).iter().map(|w| w * w).sum();
-        let deviance = noise.log_determinant(samples) + squares + off.dot(&(&self.precision * &off)) + log_determinant
+        let deviance = noise.log_determinant(samples)
+            + squares
+            + off.dot(&(&self.precision * &off))
+            + log_determinant
             - self.log_determinant;
         NuisanceFit { noise, amounts, residual_m, deviance }
     }
@@ -110,7 +133,11 @@ impl Nuisances {
     /// What the prior mean of the parameters leaves of a `residual`, three values a sample, metres.
     pub(crate) fn residual_by_prior(&self, residual: &[f64]) -> Vec<f64> {
         let remaining_m = self.subtract(residual, &self.mean);
-        remaining_m.iter().zip(self.offset.iter()).map(|(remaining, offset)| remaining - offset).collect()
+        remaining_m
+            .iter()
+            .zip(self.offset.iter())
+            .map(|(remaining, offset)| remaining - offset)
+            .collect()
     }
 
     /// The largest distance of independent `amounts` from their prior mean, in standard deviations.
@@ -130,8 +157,8 @@ impl Nuisances {
         all
     }
 
-    /// Information matrix of own parameters and those after them (see [`Nuisances::with`]) from `white` columns and
-    /// the prior.
+    /// Information matrix of own parameters and those after them (see [`Nuisances::with`]) from
+    /// `white` columns and the prior.
     pub(crate) fn information(&self, white: &DMatrix<f64>) -> DMatrix<f64> {
         let mut information = white.tr_mul(white);
         let count = self.columns.ncols();

@@ -1,5 +1,5 @@
-//! Uncertain parameters of the robot as nuisance parameters: their sensitivities within the uncertainty, and the
-//! nonlinear remainder at estimated values.
+//! Uncertain parameters of the robot as nuisance parameters: their sensitivities within the
+//! uncertainty, and the nonlinear remainder at estimated values.
 
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -29,16 +29,17 @@ struct UncertainParameter {
     replaced: bool,
 }
 
-/// Largest assumed deviation in standard deviations. Sensitivities are differences between both ends of this range: at
-/// the usual size of an effect the response can differ (reduced damping oscillates, strong damping does not).
+/// Largest assumed deviation in standard deviations. Sensitivities are differences between both
+/// ends of this range: at the usual size of an effect the response can differ (reduced damping
+/// oscillates, strong damping does not).
 const MAX_DEVIATIONS: f64 = 3.0;
 
 /// Minimum difference step over the usual size, so that time-stepping errors do not dominate.
 const MIN_STEP_SHARE: f64 = 0.25;
 
 impl<'a> UncertainParameters<'a> {
-    /// The uncertain parameters given the `members`, with `times` the deviation of the options. Their number does not
-    /// depend on the members, since a baseline describes all of them.
+    /// The uncertain parameters given the `members`, with `times` the deviation of the options.
+    /// Their number does not depend on the members, since a baseline describes all of them.
     pub(crate) fn new(
         options: &Options,
         candidates: &'a [CandidateEffect],
@@ -46,21 +47,28 @@ impl<'a> UncertainParameters<'a> {
         times: f64,
     ) -> UncertainParameters<'a> {
         let replaced = |candidate: &CandidateEffect| {
-            let is_same = |member: &SetMember| candidates[member.candidate].card.name == candidate.card.name;
+            let is_same =
+                |member: &SetMember| candidates[member.candidate].card.name == candidate.card.name;
             candidate.replaces() && members.iter().any(is_same)
         };
         let mut parameters = Vec::new();
         for one in &options.uncertain {
-            let about = candidates.iter().enumerate().filter(|(_, candidate)| candidate.card.name == one.effect);
+            let about = candidates
+                .iter()
+                .enumerate()
+                .filter(|(_, candidate)| candidate.card.name == one.effect);
             for (number, candidate) in about {
                 for null in candidate.variants() {
-                    let is_named = |size: &usize| candidate.card.parameters[*size].vector() == one.parameter;
-                    parameters.extend(candidate.sizes().into_iter().filter(is_named).map(|size| UncertainParameter {
-                        candidate: number,
-                        null: null.clone(),
-                        size,
-                        deviation: times * one.deviation,
-                        replaced: replaced(candidate),
+                    let is_named =
+                        |size: &usize| candidate.card.parameters[*size].vector() == one.parameter;
+                    parameters.extend(candidate.sizes().into_iter().filter(is_named).map(|size| {
+                        UncertainParameter {
+                            candidate: number,
+                            null: null.clone(),
+                            size,
+                            deviation: times * one.deviation,
+                            replaced: replaced(candidate),
+                        }
                     }));
                 }
             }
@@ -73,16 +81,24 @@ impl<'a> UncertainParameters<'a> {
         self.parameters.len()
     }
 
-    /// Sensitivities of `model` with the `members` to each parameter, with its standard deviation, and at
-    /// last to the tracker's clock where that is uncertain. Taken without the members if they cannot be simulated; zero if
-    /// nothing can be simulated.
-    pub(crate) fn columns(&self, model: &Model, members: &[SetMember], samples: &Samples) -> Vec<NuisanceColumn> {
+    /// Sensitivities of `model` with the `members` to each parameter, with its standard deviation,
+    /// and at last to the tracker's clock where that is uncertain. Taken without the members if
+    /// they cannot be simulated; zero if nothing can be simulated.
+    pub(crate) fn columns(
+        &self,
+        model: &Model,
+        members: &[SetMember],
+        samples: &Samples,
+    ) -> Vec<NuisanceColumn> {
         let beside = |members: &[SetMember]| -> Vec<Option<Vec<f64>>> {
             let effects = effect_specs(self.candidates, members);
             let base_m = effects.as_ref().and_then(|effects| tips(model, effects, samples));
-            let (Some(effects), Some(base_m)) = (effects, base_m) else { return vec![None; self.parameters.len()] };
-            let sensitivity_of =
-                |number: &UncertainParameter| self.sensitivity(number, model, &effects, samples, &base_m);
+            let (Some(effects), Some(base_m)) = (effects, base_m) else {
+                return vec![None; self.parameters.len()];
+            };
+            let sensitivity_of = |number: &UncertainParameter| {
+                self.sensitivity(number, model, &effects, samples, &base_m)
+            };
             self.parameters.par_iter().map(sensitivity_of).collect()
         };
         // A strong effect changes these answers, so they are taken beside the members.
@@ -94,8 +110,11 @@ impl<'a> UncertainParameters<'a> {
         }
         let zero = || vec![0.0; 3 * samples.len()];
         let each = sensitivities.into_iter().zip(&self.parameters);
-        let columns = each.map(|(sensitivity_of, number)| (sensitivity_of.unwrap_or_else(zero), number.deviation));
-        let clock = samples.clock_deviation_s.map(|deviation_s| (samples.velocity_m_s(), deviation_s));
+        let columns = each.map(|(sensitivity_of, number)| {
+            (sensitivity_of.unwrap_or_else(zero), number.deviation)
+        });
+        let clock =
+            samples.clock_deviation_s.map(|deviation_s| (samples.velocity_m_s(), deviation_s));
         columns.chain(clock).collect()
     }
 
@@ -120,14 +139,17 @@ impl<'a> UncertainParameters<'a> {
         // A wide difference averages over the range in which the parameter may lie.
         let step = (MAX_DEVIATIONS * number.deviation).max(MIN_STEP_SHARE * usual);
         let (high, low) = (side(step), side(-step));
-        // A side that cannot be simulated is replaced by the model as it is: a one-sided difference.
+        // A side that cannot be simulated is replaced by the model as it is: a one-sided
+        // difference.
         let unmoved = (base_m.to_vec(), 0.0);
-        let ((high, up), (low, down)) = (high.unwrap_or_else(|| unmoved.clone()), low.unwrap_or(unmoved));
-        (up > down).then(|| high.iter().zip(&low).map(|(high, low)| (high - low) / (up - down)).collect())
+        let ((high, up), (low, down)) =
+            (high.unwrap_or_else(|| unmoved.clone()), low.unwrap_or(unmoved));
+        (up > down)
+            .then(|| high.iter().zip(&low).map(|(high, low)| (high - low) / (up - down)).collect())
     }
 
-    /// The `nuisances`, linearised at these `amounts`, if that can be simulated and the remainder exceeds the
-    /// simulation accuracy. `play`: simulated tip with more effects, `base_m` without.
+    /// The `nuisances`, linearised at these `amounts`, if that can be simulated and the remainder
+    /// exceeds the simulation accuracy. `play`: simulated tip with more effects, `base_m` without.
     pub(crate) fn linearised_at(
         &self,
         nuisances: Nuisances,
@@ -145,14 +167,21 @@ impl<'a> UncertainParameters<'a> {
         }
     }
 
-    /// Effects at these `amounts` of the `nuisances`, and their linear prediction of the tip change.
-    fn effects_at(&self, nuisances: &Nuisances, amounts: &DVector<f64>) -> Option<(Vec<EffectSpec>, DVector<f64>)> {
+    /// Effects at these `amounts` of the `nuisances`, and their linear prediction of the tip
+    /// change.
+    fn effects_at(
+        &self,
+        nuisances: &Nuisances,
+        amounts: &DVector<f64>,
+    ) -> Option<(Vec<EffectSpec>, DVector<f64>)> {
         let mut linear_m = DVector::zeros(nuisances.columns.nrows());
         let mut all = Vec::new();
-        for (k, number) in self.parameters.iter().enumerate().filter(|(_, number)| !number.replaced) {
+        for (k, number) in self.parameters.iter().enumerate().filter(|(_, number)| !number.replaced)
+        {
             // Farther out the estimate stands for something else, and the play might fail.
             let max = MAX_DEVIATIONS * number.deviation;
-            let (effect, moved) = self.moved(number, (amounts[k] - nuisances.mean[k]).clamp(-max, max))?;
+            let (effect, moved) =
+                self.moved(number, (amounts[k] - nuisances.mean[k]).clamp(-max, max))?;
             all.push(effect);
             // The range may have cut the move, so the linear part follows what was played.
             linear_m += moved * nuisances.columns.column(k);
@@ -198,20 +227,30 @@ mod tests {
     fn answers_are_those_within_the_uncertainty_and_bend_where_numbers_are_far_off() {
         let (model, candidates, samples) = setting();
         let uncertain = UncertainParameters::new(&Options::default(), &candidates, &[], 1.0);
-        let nuisances = Nuisances::independent(3 * samples.len(), &uncertain.columns(&model, &[], &samples));
+        let nuisances =
+            Nuisances::independent(3 * samples.len(), &uncertain.columns(&model, &[], &samples));
         let own = damping(&candidates);
         let mut amounts = DVector::zeros(uncertain.parameters.len());
-        amounts[uncertain.parameters.iter().position(|number| number.candidate == own).unwrap()] = -0.009;
+        amounts[uncertain.parameters.iter().position(|number| number.candidate == own).unwrap()] =
+            -0.009;
         let less = [SetMember { candidate: own, values: vec![0.021] }];
         let [here, there] = [&[][..], &less].map(|members: &[SetMember]| {
-            DVector::from_vec(tips(&model, &effect_specs(&candidates, members).unwrap(), &samples).unwrap())
+            DVector::from_vec(
+                tips(&model, &effect_specs(&candidates, members).unwrap(), &samples).unwrap(),
+            )
         });
         let moved = there - &here;
         let off_m = |told: &DVector<f64>| rms_m((&moved - told).as_slice());
         let linear = &nuisances.columns * &amounts;
         let (effects, told) = uncertain.effects_at(&nuisances, &amounts).unwrap();
         let offset = DVector::from_vec(tips(&model, &effects, &samples).unwrap()) - &here - told;
-        let much = sensitivities(&model, &candidates, &[], &|asked| asked.card.name == "damping", &samples);
+        let much = sensitivities(
+            &model,
+            &candidates,
+            &[],
+            &|asked| asked.card.name == "damping",
+            &samples,
+        );
         let [by_much, by_little, bent] =
             [&much[0].columns * DVector::from_element(1, -0.009), linear.clone(), linear + offset]
                 .map(|told| off_m(&told));
@@ -226,16 +265,29 @@ mod tests {
     fn a_number_that_an_effect_replaces_does_nothing_and_what_is_added_does() {
         let (model, candidates, samples) = setting();
         let beside = |members: &[SetMember]| {
-            let uncertain = UncertainParameters::new(&Options::default(), &candidates, members, 1.0);
+            let uncertain =
+                UncertainParameters::new(&Options::default(), &candidates, members, 1.0);
             let columns = uncertain.columns(&model, members, &samples);
             let nuisances = Nuisances::independent(3 * samples.len(), &columns);
-            let (off, _) = uncertain.effects_at(&nuisances, &DVector::from_element(columns.len(), 1e-6)).unwrap();
-            [columns.len(), columns.iter().filter(|(column, _)| rms_m(column) > 0.0).count(), off.len()]
+            let (off, _) = uncertain
+                .effects_at(&nuisances, &DVector::from_element(columns.len(), 1e-6))
+                .unwrap();
+            [
+                columns.len(),
+                columns.iter().filter(|(column, _)| rms_m(column) > 0.0).count(),
+                off.len(),
+            ]
         };
         let replaced = SetMember { candidate: damping(&candidates), values: vec![0.02] };
-        let stiffness = candidates.iter().position(|candidate| candidate.card.name == "bending_stiffness").unwrap();
+        let stiffness = candidates
+            .iter()
+            .position(|candidate| candidate.card.name == "bending_stiffness")
+            .unwrap();
         let added = SetMember { candidate: stiffness, values: vec![1.2] };
         // One tendon is slack in these trials.
-        assert_eq!([beside(&[]), beside(&[replaced]), beside(&[added])], [[14, 13, 14], [14, 12, 13], [14, 13, 14]]);
+        assert_eq!(
+            [beside(&[]), beside(&[replaced]), beside(&[added])],
+            [[14, 13, 14], [14, 12, 13], [14, 13, 14]]
+        );
     }
 }

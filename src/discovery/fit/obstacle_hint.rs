@@ -1,7 +1,9 @@
-//! Where residuals point to an obstacle: the start of a search for contact, which small amounts do not lead to.
+//! Where residuals point to an obstacle: the start of a search for contact, which small amounts do
+//! not lead to.
 //!
-//! Without the obstacle the model's body enters it in the rows in which the measured tip was pushed aside, and in no other
-//! rows. That is asked of balls and walls at many places, with the shapes of one simulation.
+//! Without the obstacle the model's body enters it in the rows in which the measured tip was pushed
+//! aside, and in no other rows. That is asked of balls and walls at many places, with the shapes of
+//! one simulation.
 
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -21,16 +23,17 @@ pub(crate) struct ObstacleHint {
     pub(crate) agreement: f64,
 }
 
-/// The places of the body that are asked, from base to tip, in one row, and the residual of the tip there, metres; in the
-/// frame of the base.
+/// The places of the body that are asked, from base to tip, in one row, and the residual of the tip
+/// there, metres; in the frame of the base.
 #[derive(Clone, Debug)]
 pub(crate) struct BodyRow {
     pub(crate) places_m: Vec<Vector3<f64>>,
     pub(crate) residual_m: Vector3<f64>,
 }
 
-/// A residual beyond this multiple of the lower quartile is large: of the lengths of Gaussian vectors 1 % are. The
-/// thresholds were set before the recordings of docs/discovery.md, "Obstacles", were asked.
+/// A residual beyond this multiple of the lower quartile is large: of the lengths of Gaussian
+/// vectors 1 % are. The thresholds were set before the recordings of docs/discovery.md,
+/// "Obstacles", were asked.
 const LARGE_RATIO: f64 = 3.1;
 /// Shares of rows with a large residual between which there are rows without and with contact.
 const CONTACT_SHARES: std::ops::Range<f64> = 0.04..0.9;
@@ -50,8 +53,8 @@ const DISTANCE_OFFSETS: [f64; 7] = [-0.06, -0.03, -0.015, 0.0, 0.015, 0.03, 0.06
 /// Distance, azimuth, position and curvature in lengths of the robot.
 type Place = [f64; 4];
 
-/// The obstacle that agrees best with the residuals of `rows` on a robot of `length_m`; `None` where large residuals are
-/// too few or too many, or agree with none.
+/// The obstacle that agrees best with the residuals of `rows` on a robot of `length_m`; `None`
+/// where large residuals are too few or too many, or agree with none.
 pub(crate) fn obstacle_hint(rows: &[BodyRow], length_m: f64) -> Option<ObstacleHint> {
     let mut lengths: Vec<f64> = rows.iter().map(|row| row.residual_m.norm()).collect();
     lengths.sort_by(f64::total_cmp);
@@ -66,12 +69,15 @@ pub(crate) fn obstacle_hint(rows: &[BodyRow], length_m: f64) -> Option<ObstacleH
     best.sort_by(|a, b| b.0.total_cmp(&a.0));
     best.truncate(MAX_REFINED);
     let refined = best.into_par_iter().map(|start| refine(rows, length_m, start));
-    let (agreement, [distance, azimuth, position, curvature]) = refined.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let (agreement, [distance, azimuth, position, curvature]) =
+        refined.max_by(|a, b| a.0.total_cmp(&b.0))?;
     if agreement < MIN_AGREEMENT {
         return None;
     }
-    let distances_m =
-        DISTANCE_OFFSETS.iter().map(|beside| (distance + beside) * length_m).filter(|distance| *distance > 0.0);
+    let distances_m = DISTANCE_OFFSETS
+        .iter()
+        .map(|beside| (distance + beside) * length_m)
+        .filter(|distance| *distance > 0.0);
     Some(ObstacleHint {
         azimuth_rad: azimuth,
         position_m: position * length_m,
@@ -89,7 +95,8 @@ fn grid() -> Vec<Place> {
             // A wall has no place along the robot; 0.5 only fills the slot.
             places.push([distance, azimuth, 0.5, 0.0]);
             for position in POSITIONS {
-                places.extend(RADII.iter().map(|radius| [distance, azimuth, position, 1.0 / radius]));
+                places
+                    .extend(RADII.iter().map(|radius| [distance, azimuth, position, 1.0 / radius]));
             }
         }
     }
@@ -123,13 +130,18 @@ fn refine(rows: &[BodyRow], length_m: f64, start: (f64, Place)) -> (f64, Place) 
     best
 }
 
-/// Cosine between the residuals and the pushes of an obstacle: along its normal, as far as the body enters it, magnified by
-/// the lever to the tip.
-fn agreement(rows: &[BodyRow], length_m: f64, [distance, azimuth, position, curvature]: Place) -> f64 {
+/// Cosine between the residuals and the pushes of an obstacle: along its normal, as far as the body
+/// enters it, magnified by the lever to the tip.
+fn agreement(
+    rows: &[BodyRow],
+    length_m: f64,
+    [distance, azimuth, position, curvature]: Place,
+) -> f64 {
     let outwards = Vector3::new(azimuth.cos(), azimuth.sin(), 0.0);
     // Infinite for a wall, which the branch below treats by its plane.
     let radius_m = length_m / curvature;
-    let center_m = outwards * (distance * length_m + radius_m) + Vector3::z() * (position * length_m);
+    let center_m =
+        outwards * (distance * length_m + radius_m) + Vector3::z() * (position * length_m);
     let (mut product, mut pushed, mut residual) = (0.0, 0.0, 0.0);
     for row in rows {
         let (mut deepest_m, mut push) = (0.0, Vector3::zeros());
@@ -164,12 +176,17 @@ mod tests {
         let row = |k: usize| {
             let (angle, lean) = (0.7 * k as f64, 0.5 * ((k * 37 % 100) as f64 / 100.0));
             let tip = Vector3::new(lean * angle.cos(), lean * angle.sin(), 1.0);
-            let places_m: Vec<Vector3<f64>> = (1..=10).map(|k| tip * (f64::from(k) / 10.0)).collect();
-            let mut residual_m = Vector3::new(1e-3 * (3.0 * angle).sin(), 1e-3 * (5.0 * angle).cos(), 0.0);
+            let places_m: Vec<Vector3<f64>> =
+                (1..=10).map(|k| tip * (f64::from(k) / 10.0)).collect();
+            let mut residual_m =
+                Vector3::new(1e-3 * (3.0 * angle).sin(), 1e-3 * (5.0 * angle).cos(), 0.0);
             if let Some((center, radius)) = ball {
                 for (k, place) in places_m.iter().enumerate() {
                     let arm = place - center;
-                    residual_m += arm.normalize() * (radius - arm.norm()).max(0.0) * (10.0 / (k + 1) as f64) * 0.5;
+                    residual_m += arm.normalize()
+                        * (radius - arm.norm()).max(0.0)
+                        * (10.0 / (k + 1) as f64)
+                        * 0.5;
                 }
             }
             BodyRow { places_m, residual_m }
@@ -182,7 +199,10 @@ mod tests {
         let (center, radius) = (Vector3::new(0.25, 0.1, 0.7), 0.15);
         let hint = obstacle_hint(&leaning(Some((center, radius))), 1.0).unwrap();
         // Bodies that all lean straight from the base do not tell where along them the ball is.
-        assert!(hint.agreement > 0.9 && (hint.azimuth_rad - 0.1_f64.atan2(0.25)).abs() < 0.1, "{hint:?}");
+        assert!(
+            hint.agreement > 0.9 && (hint.azimuth_rad - 0.1_f64.atan2(0.25)).abs() < 0.1,
+            "{hint:?}"
+        );
         assert_eq!(obstacle_hint(&leaning(None), 1.0), None);
     }
 }

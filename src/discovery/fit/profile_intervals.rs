@@ -14,8 +14,8 @@ const END_TOLERANCE: f64 = 0.1;
 const EVALUATED_SHARES: [f64; 3] = [1.0, 0.5, 0.25];
 /// Evaluations beyond an end, each twice as far out (docs/discovery.md, "Intervals") …
 const MAX_DOUBLINGS: i32 = 5;
-/// … and more as long as the last one fits, up to this distance in probes: a slack tendon stays slack for any larger
-/// zero.
+/// … and more as long as the last one fits, up to this distance in probes: a slack tendon stays
+/// slack for any larger zero.
 const MAX_DISTANCE: f64 = 10.0;
 
 /// The profile of the deviance along one coordinate of a fit.
@@ -31,8 +31,8 @@ struct Profile<'a> {
 }
 
 impl FitProblem<'_> {
-    /// 95 % intervals of the parameters of member `k`, by parameter index. A choice covers half the distance to its
-    /// neighbours; the last one extends equally far outwards.
+    /// 95 % intervals of the parameters of member `k`, by parameter index. A choice covers half the
+    /// distance to its neighbours; the last one extends equally far outwards.
     pub(crate) fn intervals(&self, best: &FittedSet, k: usize) -> BTreeMap<usize, [f64; 2]> {
         let radius = self.likelihood_radius(best);
         let mut intervals = BTreeMap::new();
@@ -40,25 +40,33 @@ impl FitProblem<'_> {
             let interval = intervals.entry(parameter).or_insert(ends);
             *interval = [interval[0].min(ends[0]), interval[1].max(ends[1])];
         };
-        self.profile_ends(best, k, radius).into_iter().for_each(|(parameter, ends)| widen(parameter, ends));
+        self.profile_ends(best, k, radius)
+            .into_iter()
+            .for_each(|(parameter, ends)| widen(parameter, ends));
         let values = &best.members[k].values;
         // A choice has no derivative: its interval is that of the choices that fit nearly as well.
         for beside in self.candidates[best.members[k].candidate].neighbouring_choices(values) {
-            let Some(parameter) = (0..values.len()).find(|&index| beside[index] != values[index]) else { continue };
+            let Some(parameter) = (0..values.len()).find(|&index| beside[index] != values[index])
+            else {
+                continue;
+            };
             let towards = beside[parameter] - values[parameter];
             let half = 0.5 * towards.abs();
             widen(parameter, [values[parameter] - half, values[parameter] + half]);
             for (there, radius) in self.plausible_choices(best, k, parameter, towards, radius) {
                 let choice = there.members[k].values[parameter];
                 widen(parameter, [choice - half, choice + half]);
-                self.profile_ends(&there, k, radius).into_iter().for_each(|(parameter, ends)| widen(parameter, ends));
+                self.profile_ends(&there, k, radius)
+                    .into_iter()
+                    .for_each(|(parameter, ends)| widen(parameter, ends));
             }
         }
         intervals
     }
 
-    /// Ends of the sizes and shapes of member `k` at which the profile deviance exceeds that of `fitted` by `radius`
-    /// squared (profile likelihood; Venzon & Moolgavkar, Applied Statistics 37, 1988).
+    /// Ends of the sizes and shapes of member `k` at which the profile deviance exceeds that of
+    /// `fitted` by `radius` squared (profile likelihood; Venzon & Moolgavkar, Applied Statistics
+    /// 37, 1988).
     fn profile_ends(&self, fitted: &FittedSet, k: usize, radius: f64) -> BTreeMap<usize, [f64; 2]> {
         let Some(covariance) = self.covariance(fitted) else { return BTreeMap::new() };
         let candidate = &self.candidates[fitted.members[k].candidate];
@@ -68,7 +76,8 @@ impl FitProblem<'_> {
             let end = |sign: f64| {
                 // Venzon & Moolgavkar start from the quadratic prediction, too.
                 let step = self.interval_end(&Profile::new(fitted, &covariance, at, sign, radius));
-                candidate.moved_within(values, parameter, sign * step * candidate.probe(parameter))[parameter]
+                candidate.moved_within(values, parameter, sign * step * candidate.probe(parameter))
+                    [parameter]
             };
             let mut ends = [end(-1.0), end(1.0)];
             ends.sort_by(f64::total_cmp);
@@ -97,8 +106,11 @@ impl FitProblem<'_> {
         for (at, sign) in (0..covariance.ncols()).flat_map(|at| [(at, -1.0), (at, 1.0)]) {
             let profile = Profile::new(best, &covariance, at, sign, radius);
             let step = self.interval_end(&profile);
-            let evaluate =
-                |share: f64| self.evaluate(self.step_along(&best.members, at, &(share * step * &profile.direction)).0);
+            let evaluate = |share: f64| {
+                self.evaluate(
+                    self.step_along(&best.members, at, &(share * step * &profile.direction)).0,
+                )
+            };
             let others = EVALUATED_SHARES.into_iter().filter_map(evaluate);
             let others = others.filter(|other| other.nuisance_fit.deviance < max_deviance);
             fits.extend(others.map(|other| FittedSet { jacobian: best.jacobian.clone(), ..other }));
@@ -106,17 +118,19 @@ impl FitProblem<'_> {
         fits
     }
 
-    /// Distance along a profile until the deviance has risen, by secant steps from the quadratic prediction.
-    /// Time-stepping noise lowers the deviance at the best fit, so no interval ends before the prediction except at the
-    /// end of the valid range or of what can be simulated.
+    /// Distance along a profile until the deviance has risen, by secant steps from the quadratic
+    /// prediction. Time-stepping noise lowers the deviance at the best fit, so no interval ends
+    /// before the prediction except at the end of the valid range or of what can be simulated.
     fn profile_step(&self, profile: &Profile) -> f64 {
         let &Profile { fitted, coordinate, ref direction, predicted, radius } = profile;
         // Last step that was too short, and the root of its increase.
         let mut last = (0.0, 0.0);
         let mut step = predicted;
-        let (min_deviance, min_root) = (fitted.nuisance_fit.deviance, (1.0 - END_TOLERANCE) * radius);
+        let (min_deviance, min_root) =
+            (fitted.nuisance_fit.deviance, (1.0 - END_TOLERANCE) * radius);
         for _ in 0..MAX_PROFILE_STEPS {
-            let (members, moved) = self.step_along(&fitted.members, coordinate, &(step * direction));
+            let (members, moved) =
+                self.step_along(&fitted.members, coordinate, &(step * direction));
             let is_the_end = moved.abs() < (1.0 - END_TOLERANCE) * step;
             let target_deviance = match last {
                 // At the end of the range the simulation alone decides.
@@ -136,7 +150,8 @@ impl FitProblem<'_> {
             let root = (there.nuisance_fit.deviance - min_deviance).max(0.0).sqrt();
             if root >= min_root {
                 // Interpolate the root of the deviance, which a quadratic makes linear in the step.
-                let beyond = if last.0 > 0.0 { (root - radius).max(0.0) / (root - last.1) } else { 0.0 };
+                let beyond =
+                    if last.0 > 0.0 { (root - radius).max(0.0) / (root - last.1) } else { 0.0 };
                 return step - beyond * (step - last.0);
             }
             last = (step, root);
@@ -146,15 +161,17 @@ impl FitProblem<'_> {
         last.0
     }
 
-    /// Farthest evaluation beyond the end, doubling each time, with a deviance below that of the end: where the tip
-    /// jumps (a buckling rod) the deviance is not monotonic. Zero if there is none.
+    /// Farthest evaluation beyond the end, doubling each time, with a deviance below that of the
+    /// end: where the tip jumps (a buckling rod) the deviance is not monotonic. Zero if there is
+    /// none.
     fn scan_beyond(&self, profile: &Profile) -> f64 {
         let &Profile { fitted, coordinate, ref direction, predicted, radius } = profile;
         let max_deviance = fitted.nuisance_fit.deviance + radius.powi(2);
         let mut farthest = 0.0;
         for doublings in 1.. {
             let step = predicted * 2.0_f64.powi(doublings);
-            let (members, moved) = self.step_along(&fitted.members, coordinate, &(step * direction));
+            let (members, moved) =
+                self.step_along(&fitted.members, coordinate, &(step * direction));
             let there = self.fit_holding(fitted, coordinate, members, max_deviance);
             let fits = there.is_some_and(|there| there.nuisance_fit.deviance < max_deviance);
             if fits {
@@ -168,8 +185,9 @@ impl FitProblem<'_> {
         farthest
     }
 
-    /// Fits with other choices of `parameter` of member `k`, `towards` one side as long as they fit almost equally
-    /// well, each with the remaining `radius` (profile likelihood; Venzon & Moolgavkar, Applied Statistics 37, 1988).
+    /// Fits with other choices of `parameter` of member `k`, `towards` one side as long as they fit
+    /// almost equally well, each with the remaining `radius` (profile likelihood; Venzon &
+    /// Moolgavkar, Applied Statistics 37, 1988).
     fn plausible_choices(
         &self,
         best: &FittedSet,
@@ -185,12 +203,15 @@ impl FitProblem<'_> {
             let mut members = last.members.clone();
             let here = members[k].values[parameter];
             let mut beside = candidate.neighbouring_choices(&members[k].values).into_iter();
-            let Some(next) = beside.find(|next| towards * (next[parameter] - here) > 0.0) else { return choices };
+            let Some(next) = beside.find(|next| towards * (next[parameter] - here) > 0.0) else {
+                return choices;
+            };
             members[k].values = next;
             let Some(there) = self.refit(members, last.jacobian.clone()) else { return choices };
             // What the choice has already used of the admissible rise is gone for its other
             // numbers.
-            let square = radius * radius - (there.nuisance_fit.deviance - best.nuisance_fit.deviance);
+            let square =
+                radius * radius - (there.nuisance_fit.deviance - best.nuisance_fit.deviance);
             if square <= 0.0 {
                 return choices;
             }
@@ -201,7 +222,13 @@ impl FitProblem<'_> {
 
 impl<'a> Profile<'a> {
     /// Of a `coordinate` as it moves by `sign`.
-    fn new(fitted: &'a FittedSet, covariance: &DMatrix<f64>, coordinate: usize, sign: f64, radius: f64) -> Profile<'a> {
+    fn new(
+        fitted: &'a FittedSet,
+        covariance: &DMatrix<f64>,
+        coordinate: usize,
+        sign: f64,
+        radius: f64,
+    ) -> Profile<'a> {
         let variance = covariance[(coordinate, coordinate)].max(f64::MIN_POSITIVE);
         // Along this direction the others are refitted to first order.
         let direction = covariance.column(coordinate) * (sign / variance);
@@ -215,13 +242,16 @@ mod tests {
 
     use super::*;
     use crate::data::Recording;
-    use crate::discovery::fit::candidate::{CandidateEffect, SetMember, catalogue_candidates, effect_specs};
+    use crate::discovery::fit::candidate::{
+        CandidateEffect, SetMember, catalogue_candidates, effect_specs,
+    };
     use crate::discovery::fit::nuisance::Nuisances;
     use crate::discovery::fit::simulate;
     use crate::discovery::recording::samples::{Samples, white_noise};
     use crate::effects::Model;
 
-    /// Fits an effect to two trials of noise and this effect with these `values`, and evaluates the fit.
+    /// Fits an effect to two trials of noise and this effect with these `values`, and evaluates the
+    /// fit.
     fn fitted<T>(
         name: &str,
         values: &[f64],
@@ -233,7 +263,8 @@ mod tests {
         let recording = Recording::read(&file).unwrap();
         let mut samples = Samples::new(&recording).of_trials(&[0, 1]);
         let candidates = catalogue_candidates(&model);
-        let candidate = candidates.iter().position(|candidate| candidate.card.name == name).unwrap();
+        let candidate =
+            candidates.iter().position(|candidate| candidate.card.name == name).unwrap();
         let hidden = SetMember { candidate, values: values.to_vec() };
         let effects = effect_specs(&candidates, std::slice::from_ref(&hidden)).unwrap();
         let tips = simulate::tips(&model, &effects, &samples).unwrap();
@@ -244,8 +275,14 @@ mod tests {
         let nuisances = Nuisances::independent(3 * samples.len(), &[]);
         let open = vec![true; candidates.len()];
         let (model, samples) = (&model, &samples);
-        let fit_problem =
-            FitProblem { model, coarse: model, candidates: &candidates, open, samples, nuisances: &nuisances };
+        let fit_problem = FitProblem {
+            model,
+            coarse: model,
+            candidates: &candidates,
+            open,
+            samples,
+            nuisances: &nuisances,
+        };
         let fitted = fit_problem.fit(vec![hidden]).unwrap();
         look(&fit_problem, &candidates[candidate], &fitted)
     }
@@ -259,12 +296,19 @@ mod tests {
             let curved = 1.96 * covariance[(1, 1)].sqrt();
             for end in ends {
                 let step = (end / value).ln() / candidate.probe(1);
-                let (members, moved) = fit_problem.step_along(&fitted.members, 1, &(step * &together));
+                let (members, moved) =
+                    fit_problem.step_along(&fitted.members, 1, &(step * &together));
                 let there = fit_problem.fit_holding(fitted, 1, members, f64::INFINITY).unwrap();
-                assert!((moved / step - 1.0).abs() < 1e-6 && step.abs() > 0.99 * curved, "{value}: {ends:?}");
+                assert!(
+                    (moved / step - 1.0).abs() < 1e-6 && step.abs() > 0.99 * curved,
+                    "{value}: {ends:?}"
+                );
                 let rise = there.nuisance_fit.deviance - fitted.nuisance_fit.deviance;
                 assert!(rise > 0.75 * 1.96_f64.powi(2), "{value}: {ends:?}, {rise}");
-                assert!(step.abs() < 1.05 * curved || rise < 1.25 * 1.96_f64.powi(2), "{value}: {ends:?}, {rise}");
+                assert!(
+                    step.abs() < 1.05 * curved || rise < 1.25 * 1.96_f64.powi(2),
+                    "{value}: {ends:?}, {rise}"
+                );
             }
         });
     }
@@ -272,8 +316,9 @@ mod tests {
     #[test]
     fn an_interval_ends_where_the_effect_does() {
         // A tenth of a gram: the interval ends at zero mass.
-        let [low, high] =
-            fitted("tip_load", &[0.0001], 1, |fit_problem, _, fitted| fit_problem.intervals(fitted, 0)[&0]);
+        let [low, high] = fitted("tip_load", &[0.0001], 1, |fit_problem, _, fitted| {
+            fit_problem.intervals(fitted, 0)[&0]
+        });
         assert!(low == 0.0 && high > 1e-4, "{low} to {high}");
     }
 }

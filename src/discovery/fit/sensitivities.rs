@@ -1,4 +1,5 @@
-//! Sensitivities: change of the tip with small amounts of every candidate, for the linear screening.
+//! Sensitivities: change of the tip with small amounts of every candidate, for the linear
+//! screening.
 
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -28,8 +29,8 @@ impl Sensitivity {
     }
 }
 
-/// Sensitivities of `model` with the `members` to all variants of the candidates that are asked. Variants that cannot be
-/// simulated are left out; empty if the model itself cannot be simulated.
+/// Sensitivities of `model` with the `members` to all variants of the candidates that are asked.
+/// Variants that cannot be simulated are left out; empty if the model itself cannot be simulated.
 pub(crate) fn sensitivities(
     model: &Model,
     candidates: &[CandidateEffect],
@@ -45,7 +46,9 @@ pub(crate) fn sensitivities(
         .iter()
         .enumerate()
         .filter(|(_, candidate)| is_asked(candidate))
-        .flat_map(|(number, candidate)| candidate.variants().into_iter().map(move |null| (number, null)))
+        .flat_map(|(number, candidate)| {
+            candidate.variants().into_iter().map(move |null| (number, null))
+        })
         .collect();
     let sensitivity = |(number, null): (usize, Vec<f64>)| {
         let candidate = &candidates[number];
@@ -55,7 +58,13 @@ pub(crate) fn sensitivities(
             [step, -step].into_iter().find_map(|step| {
                 let effect = candidate.effect(&candidate.moved(&null, size, step))?;
                 let there = tips(model, &[effects.as_slice(), &[effect]].concat(), samples)?;
-                Some(there.iter().zip(simulated_m).map(|(there, here)| (there - here) / step).collect())
+                Some(
+                    there
+                        .iter()
+                        .zip(simulated_m)
+                        .map(|(there, here)| (there - here) / step)
+                        .collect(),
+                )
             })
         };
         let columns: Vec<Vec<f64>> = candidate.sizes().iter().map(column).collect::<Option<_>>()?;

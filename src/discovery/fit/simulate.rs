@@ -11,18 +11,20 @@ use crate::effects::replay;
 use crate::effects::{BodyPoint, EffectSpec, Model, Trial};
 use crate::math::rotation;
 
-/// Coarse resolution for screening and rough fits: factors on time tolerance and cell length, and numbers of modes.
+/// Coarse resolution for screening and rough fits: factors on time tolerance and cell length, and
+/// numbers of modes.
 const COARSE_TOLERANCE_FACTOR: f64 = 10.0;
 const COARSE_CELL_FACTOR: f64 = 1.5;
 const BENDING_MODES: usize = 4;
 const OTHER_MODES: usize = 3;
-/// Fine resolution of the final fit: factor on the time tolerance. At the resolution of the search the error
-/// corresponds to the information in some hundred samples.
+/// Fine resolution of the final fit: factor on the time tolerance. At the resolution of the search
+/// the error corresponds to the information in some hundred samples.
 const FINE_TOLERANCE_FACTOR: f64 = 30.0;
 /// Static tolerance over the time-stepping tolerance.
 const STATIC_SHARE: f64 = 0.3;
 
-/// `model` at the resolution of the search: of the time steps and cells of `options`, with rest states on the same grid.
+/// `model` at the resolution of the search: of the time steps and cells of `options`, with rest
+/// states on the same grid.
 pub(crate) fn search_resolution(model: &Model, options: &Options) -> Model {
     let mut model = model.clone();
     let resolution = &mut model.robot.resolution;
@@ -41,7 +43,9 @@ pub(crate) fn coarse(model: &Model) -> Model {
     resolution.motion_tolerance_m *= COARSE_TOLERANCE_FACTOR;
     resolution.cell_m *= COARSE_CELL_FACTOR;
     resolution.bending_modes = resolution.bending_modes.min(BENDING_MODES);
-    for modes in [&mut resolution.torsion_modes, &mut resolution.shear_modes, &mut resolution.axial_modes] {
+    for modes in
+        [&mut resolution.torsion_modes, &mut resolution.shear_modes, &mut resolution.axial_modes]
+    {
         *modes = (*modes).min(OTHER_MODES);
     }
     coarse
@@ -58,7 +62,11 @@ fn fine(model: &Model) -> Model {
 }
 
 /// [`tips`] at the fine resolution; none if the simulation fails.
-pub(crate) fn fine_tips(model: &Model, extra: &[EffectSpec], samples: &Samples) -> Option<Vec<f64>> {
+pub(crate) fn fine_tips(
+    model: &Model,
+    extra: &[EffectSpec],
+    samples: &Samples,
+) -> Option<Vec<f64>> {
     let fine = fine(model);
     // Rest states that do not converge to the fine tolerance use the grid of the motion.
     let mut coarse_rest = fine.clone();
@@ -66,40 +74,52 @@ pub(crate) fn fine_tips(model: &Model, extra: &[EffectSpec], samples: &Samples) 
     tips(&fine, extra, samples).or_else(|| tips(&coarse_rest, extra, samples))
 }
 
-/// `samples` minus the difference of the fine solution `fine` and the coarse solution `simulated_m`: a fit to them
-/// equals a fit at the fine resolution (defect correction; Stetter, Numerische Mathematik 29, 1978).
+/// `samples` minus the difference of the fine solution `fine` and the coarse solution
+/// `simulated_m`: a fit to them equals a fit at the fine resolution (defect correction; Stetter,
+/// Numerische Mathematik 29, 1978).
 pub(crate) fn corrected(samples: &Samples, fine: &[f64], simulated_m: &[f64]) -> Samples {
     let mut corrected = samples.clone();
     for (row, (fine, simulated_m)) in
         corrected.rows.iter_mut().zip(fine.chunks_exact(3).zip(simulated_m.chunks_exact(3)))
     {
-        row.position_m = std::array::from_fn(|axis| row.position_m[axis] - (fine[axis] - simulated_m[axis]));
+        row.position_m =
+            std::array::from_fn(|axis| row.position_m[axis] - (fine[axis] - simulated_m[axis]));
     }
     corrected
 }
 
-/// Simulated tip or point of `model` with `extra` effects in every sample, three values a sample, metres; none if the
-/// simulation fails. Trials run in parallel.
+/// Simulated tip or point of `model` with `extra` effects in every sample, three values a sample,
+/// metres; none if the simulation fails. Trials run in parallel.
 pub(crate) fn tips(model: &Model, extra: &[EffectSpec], samples: &Samples) -> Option<Vec<f64>> {
-    let simulated: Vec<SimulatedPlaces> =
-        samples.trials.par_iter().map(|trial| SimulatedPlaces::new(model, extra, trial)).collect::<Option<_>>()?;
+    let simulated: Vec<SimulatedPlaces> = samples
+        .trials
+        .par_iter()
+        .map(|trial| SimulatedPlaces::new(model, extra, trial))
+        .collect::<Option<_>>()?;
     Some(samples.rows.iter().flat_map(|row| simulated[row.trial].position_m(row)).collect())
 }
 
 /// Places along the body at which obstacles are asked for.
 const BODY_PLACES: usize = 12;
 
-/// The body of `model` in the samples of the tip, in the frame of its base, with their residuals (three values a sample,
-/// metres); none if the simulation fails.
-pub(crate) fn body_rows(model: &Model, samples: &Samples, residual_m: &[f64]) -> Option<Vec<BodyRow>> {
+/// The body of `model` in the samples of the tip, in the frame of its base, with their residuals
+/// (three values a sample, metres); none if the simulation fails.
+pub(crate) fn body_rows(
+    model: &Model,
+    samples: &Samples,
+    residual_m: &[f64],
+) -> Option<Vec<BodyRow>> {
     let mut model = model.clone();
     let place = |k: usize| {
         let s_m = model.robot.backbone.length_m * (k + 1) as f64 / BODY_PLACES as f64;
         (format!("{k:03}"), BodyPoint { s_m, offset_m: [0.0; 3] })
     };
     model.tracking.points = (0..BODY_PLACES).map(place).collect();
-    let simulated: Vec<SimulatedPlaces> =
-        samples.trials.par_iter().map(|trial| SimulatedPlaces::new(&model, &[], trial)).collect::<Option<_>>()?;
+    let simulated: Vec<SimulatedPlaces> = samples
+        .trials
+        .par_iter()
+        .map(|trial| SimulatedPlaces::new(&model, &[], trial))
+        .collect::<Option<_>>()?;
     let base_m = Vector3::from(model.robot.base_m);
     let from_world = rotation::exp(&Vector3::from(model.robot.base_rotation_rad)).transpose();
     let row = |(sample, residual): (&Sample, &[f64])| BodyRow {
@@ -109,7 +129,11 @@ pub(crate) fn body_rows(model: &Model, samples: &Samples, residual_m: &[f64]) ->
             .collect(),
         residual_m: from_world * Vector3::from_column_slice(residual),
     };
-    let tips = samples.rows.iter().zip(residual_m.chunks_exact(3)).filter(|(sample, _)| sample.point.is_none());
+    let tips = samples
+        .rows
+        .iter()
+        .zip(residual_m.chunks_exact(3))
+        .filter(|(sample, _)| sample.point.is_none());
     Some(tips.map(row).collect())
 }
 
@@ -206,8 +230,8 @@ mod tests {
         }
         let simulated_m = tips(&model, &[], &samples).unwrap();
         let fine = fine_tips(&model, &[], &samples).unwrap();
-        let [before_m, after_m] =
-            [&samples, &corrected(&samples, &fine, &simulated_m)].map(|samples| rms_m(&samples.residual(&simulated_m)));
+        let [before_m, after_m] = [&samples, &corrected(&samples, &fine, &simulated_m)]
+            .map(|samples| rms_m(&samples.residual(&simulated_m)));
         assert!(before_m > 1e-5 && after_m < 0.4 * before_m, "{before_m} to {after_m}");
     }
 }

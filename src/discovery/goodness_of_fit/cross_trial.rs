@@ -1,8 +1,9 @@
-//! Cross-trial test: can the residual of one trial be predicted from the others? Model errors repeat under the same
-//! conditions; noise does not. A kernel ridge regression on covariates is fitted to all trials but one and predicts
-//! that one. Its success is compared with that under random signs of blocks of samples (permutation test; Good,
-//! Permutation Tests, ch. 2). Blocks are trials, or parts of trials if there are few, so noise correlated over a few
-//! samples is admissible.
+//! Cross-trial test: can the residual of one trial be predicted from the others? Model errors
+//! repeat under the same conditions; noise does not. A kernel ridge regression on covariates is
+//! fitted to all trials but one and predicts that one. Its success is compared with that under
+//! random signs of blocks of samples (permutation test; Good, Permutation Tests, ch. 2). Blocks are
+//! trials, or parts of trials if there are few, so noise correlated over a few samples is
+//! admissible.
 
 use std::ops::Range;
 
@@ -28,7 +29,8 @@ const MIN_BLOCKS: usize = 12;
 const MIN_DRAWS: usize = 400;
 /// Maximum number of sign draws, so that a chance of one in a thousand is observed several times.
 const MAX_DRAWS: usize = 4000;
-/// Draws stop after this many successes by chance (sequential Monte Carlo; Besag & Clifford, Biometrika 78, 1991).
+/// Draws stop after this many successes by chance (sequential Monte Carlo; Besag & Clifford,
+/// Biometrika 78, 1991).
 const MAX_CHANCE_SUCCESSES: usize = 20;
 
 /// Tests whether `residual` (metres, three values a sample) is noise.
@@ -40,7 +42,12 @@ pub(crate) fn test_cross_trial(
 ) -> CrossTrialTest {
     let points = BinnedSamples::new(&samples.ranges(), covariates, residual);
     let blocks = blocks(&points.ranges);
-    let patterns = [ResidualPattern::Constant, ResidualPattern::Pose, ResidualPattern::History, ResidualPattern::Time];
+    let patterns = [
+        ResidualPattern::Constant,
+        ResidualPattern::Pose,
+        ResidualPattern::History,
+        ResidualPattern::Time,
+    ];
     let tables: Vec<CrossPrediction> =
         patterns.iter().map(|&pattern| CrossPrediction::new(pattern, &points, &blocks)).collect();
     let mut random = seed.child("signs").rng();
@@ -53,9 +60,13 @@ pub(crate) fn test_cross_trial(
     // 1. Draws that give each pattern the mean and the deviation of its success by chance.
     let first: Vec<Vec<f64>> = (0..MIN_DRAWS).map(|_| drawn()).collect();
     // Test statistic: the largest standardised success over the patterns.
-    let moments: Vec<(f64, f64)> = (0..tables.len()).map(|k| moments(first.iter().map(|draw| draw[k]))).collect();
+    let moments: Vec<(f64, f64)> =
+        (0..tables.len()).map(|k| moments(first.iter().map(|draw| draw[k]))).collect();
     let best = |successes: &[f64]| {
-        let scaled = successes.iter().zip(&moments).map(|(value, (mean, deviation))| (value - mean) / deviation);
+        let scaled = successes
+            .iter()
+            .zip(&moments)
+            .map(|(value, (mean, deviation))| (value - mean) / deviation);
         scaled.fold(f64::NEG_INFINITY, f64::max)
     };
     // 2. The observed success is that without any flip.
@@ -72,7 +83,8 @@ pub(crate) fn test_cross_trial(
     // The observed data count as one draw, so that p is never zero.
     let counted = (above + 1) as f64 / (draws + 1) as f64;
     // Below the resolution of the draws: tail of the normal distribution.
-    let p_value = if above == 0 { counted.min(tables.len() as f64 * normal_above(height)) } else { counted };
+    let p_value =
+        if above == 0 { counted.min(tables.len() as f64 * normal_above(height)) } else { counted };
     let squares = residual.iter().map(|r| r * r).sum::<f64>().max(f64::MIN_POSITIVE);
     let mut foretold: Vec<(ResidualPattern, f64)> = patterns
         .into_iter()
@@ -81,7 +93,10 @@ pub(crate) fn test_cross_trial(
         .collect();
     foretold.sort_by(|a, b| b.1.total_cmp(&a.1));
     let foretold_m2 = foretold[0].1 * squares / samples.len().max(1) as f64;
-    CrossTrialTest { test: MissingTest { rms_m: rms_m(residual), foretold_m: foretold_m2.sqrt(), p_value }, foretold }
+    CrossTrialTest {
+        test: MissingTest { rms_m: rms_m(residual), foretold_m: foretold_m2.sqrt(), p_value },
+        foretold,
+    }
 }
 
 fn moments(values: impl Iterator<Item = f64>) -> (f64, f64) {
@@ -111,10 +126,13 @@ mod tests {
 
     const NOISE_M: f64 = 5e-4;
 
-    /// Eight trials on a circle: noise, plus a residual of amplitude `more_m` that depends on the position.
+    /// Eight trials on a circle: noise, plus a residual of amplitude `more_m` that depends on the
+    /// position.
     fn tested(samples: usize, more_m: f64) -> CrossTrialTest {
         let alike = Samples::alike(8, samples);
-        let angle = |sample: &Sample| TAU * (sample.row as f64 / samples as f64 + 0.3 * sample.trial as f64);
+        let angle = |sample: &Sample| {
+            TAU * (sample.row as f64 / samples as f64 + 0.3 * sample.trial as f64)
+        };
         let place = |sample: &Sample| [0.05 * angle(sample).cos(), 0.05 * angle(sample).sin(), 0.2];
         let simulated_m: Vec<f64> = alike.rows.iter().flat_map(place).collect();
         let mut noise = white_noise(NOISE_M, 1);
@@ -130,17 +148,27 @@ mod tests {
             assert!(none.p_value > 0.01, "{samples}: {none:?}");
             let found = tested(samples, 2.0 * NOISE_M);
             assert!(found.test.p_value < 1e-3, "{samples}: {:?}", found.test);
-            // Two parts of the squares are due to the pose, three to noise. Time predicts the pose only within a
-            // trial.
-            let share = |of: ResidualPattern| found.foretold.iter().find(|(pattern, _)| *pattern == of).unwrap().1;
-            assert!((share(ResidualPattern::Pose) - 0.4).abs() < 0.06, "{samples}: {:?}", found.foretold);
+            // Two parts of the squares are due to the pose, three to noise. Time predicts the pose
+            // only within a trial.
+            let share = |of: ResidualPattern| {
+                found.foretold.iter().find(|(pattern, _)| *pattern == of).unwrap().1
+            };
+            assert!(
+                (share(ResidualPattern::Pose) - 0.4).abs() < 0.06,
+                "{samples}: {:?}",
+                found.foretold
+            );
             assert!(
                 share(ResidualPattern::Time).max(share(ResidualPattern::Constant)) < 0.1,
                 "{samples}: {:?}",
                 found.foretold
             );
             let foretold_m = 2.0_f64.sqrt() * NOISE_M;
-            assert!((found.test.foretold_m / foretold_m - 1.0).abs() < 0.1, "{samples}: {:?}", found.test);
+            assert!(
+                (found.test.foretold_m / foretold_m - 1.0).abs() < 0.1,
+                "{samples}: {:?}",
+                found.test
+            );
         }
     }
 }

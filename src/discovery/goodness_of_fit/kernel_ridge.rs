@@ -1,5 +1,5 @@
-//! Kernel ridge regression of residuals on covariates, with prediction of each trial from the others (Hastie,
-//! Tibshirani & Friedman, The Elements of Statistical Learning, section 5.8).
+//! Kernel ridge regression of residuals on covariates, with prediction of each trial from the
+//! others (Hastie, Tibshirani & Friedman, The Elements of Statistical Learning, section 5.8).
 
 use std::ops::Range;
 
@@ -41,24 +41,38 @@ pub(crate) struct BinnedSamples {
 }
 
 impl BinnedSamples {
-    pub(crate) fn new(trials: &[Range<usize>], covariates: &[Covariates], residual: &[f64]) -> BinnedSamples {
+    pub(crate) fn new(
+        trials: &[Range<usize>],
+        covariates: &[Covariates],
+        residual: &[f64],
+    ) -> BinnedSamples {
         let together = covariates.len().div_ceil(MAX_POINTS).max(1);
-        let mut points =
-            BinnedSamples { ranges: Vec::new(), covariates: Vec::new(), residual: Vec::new(), samples_each: 1.0 };
+        let mut points = BinnedSamples {
+            ranges: Vec::new(),
+            covariates: Vec::new(),
+            residual: Vec::new(),
+            samples_each: 1.0,
+        };
         for trial in trials {
             let first = points.covariates.len();
             for start in trial.clone().step_by(together) {
                 let rows = start..trial.end.min(start + together);
                 // Commands and history cannot be averaged; the middle sample stands for all.
                 points.covariates.push(covariates[start + rows.len() / 2].clone());
-                let mean =
-                    |axis: usize| rows.clone().map(|row| residual[3 * row + axis]).sum::<f64>() / rows.len() as f64;
+                let mean = |axis: usize| {
+                    rows.clone().map(|row| residual[3 * row + axis]).sum::<f64>()
+                        / rows.len() as f64
+                };
                 points.residual.extend((0..3).map(mean));
             }
             points.ranges.push(first..points.covariates.len());
         }
         let each = points.ranges.len().div_ceil(MAX_GROUPS).max(1);
-        points.ranges = points.ranges.chunks(each).map(|group| group[0].start..group[group.len() - 1].end).collect();
+        points.ranges = points
+            .ranges
+            .chunks(each)
+            .map(|group| group[0].start..group[group.len() - 1].end)
+            .collect();
         points.samples_each = covariates.len() as f64 / points.covariates.len().max(1) as f64;
         points
     }
@@ -74,35 +88,49 @@ pub(crate) struct CrossPrediction {
 
 impl CrossPrediction {
     /// Predictions of each block by `pattern` from other trials.
-    pub(crate) fn new(pattern: ResidualPattern, points: &BinnedSamples, blocks: &[Range<usize>]) -> CrossPrediction {
+    pub(crate) fn new(
+        pattern: ResidualPattern,
+        points: &BinnedSamples,
+        blocks: &[Range<usize>],
+    ) -> CrossPrediction {
         let kernel = kernel(pattern, &points.covariates);
         let (trials, residual) = (&points.ranges, &points.residual);
         let count = blocks.len();
         let mut products: [DMatrix<f64>; 3] = std::array::from_fn(|_| DMatrix::zeros(count, count));
         let mut foretold = 0.0;
         for there in trials {
-            let others: Vec<usize> =
-                trials.iter().filter(|trial| *trial != there).flat_map(|trial| trial.clone()).collect();
+            let others: Vec<usize> = trials
+                .iter()
+                .filter(|trial| *trial != there)
+                .flat_map(|trial| trial.clone())
+                .collect();
             // Ridge regression on all other trials (K + λI).
-            let mut gram = DMatrix::from_fn(others.len(), others.len(), |i, j| kernel[(others[i], others[j])]);
+            let mut gram =
+                DMatrix::from_fn(others.len(), others.len(), |i, j| kernel[(others[i], others[j])]);
             (0..others.len()).for_each(|k| gram[(k, k)] += RIDGE);
             let Some(factor) = Cholesky::new(gram) else { continue };
-            let cross = DMatrix::from_fn(others.len(), there.len(), |i, j| kernel[(others[i], there.start + j)]);
+            let cross = DMatrix::from_fn(others.len(), there.len(), |i, j| {
+                kernel[(others[i], there.start + j)]
+            });
             // The weights depend on covariates alone, so that flipped signs need no new solve.
             let weights = factor.solve(&cross);
             let inside = |block: &Range<usize>| there.contains(&block.start);
             for axis in 0..3 {
-                let part =
-                    |rows: Range<usize>| DVector::from_iterator(rows.len(), rows.map(|row| residual[3 * row + axis]));
+                let part = |rows: Range<usize>| {
+                    DVector::from_iterator(rows.len(), rows.map(|row| residual[3 * row + axis]))
+                };
                 let measured = part(there.clone());
                 let mut sum = DVector::zeros(there.len());
-                for (other, block) in blocks.iter().enumerate().filter(|(_, block)| !inside(block)) {
+                for (other, block) in blocks.iter().enumerate().filter(|(_, block)| !inside(block))
+                {
                     // A block lies within one trial, so its rows are contiguous among `others`.
                     let first = others.partition_point(|&row| row < block.start);
                     let predicted = weights.rows(first, block.len()).tr_mul(&part(block.clone()));
-                    for (row, here) in blocks.iter().enumerate().filter(|(_, block)| inside(block)) {
+                    for (row, here) in blocks.iter().enumerate().filter(|(_, block)| inside(block))
+                    {
                         let (start, length) = (here.start - there.start, here.len());
-                        products[axis][(row, other)] = measured.rows(start, length).dot(&predicted.rows(start, length));
+                        products[axis][(row, other)] =
+                            measured.rows(start, length).dot(&predicted.rows(start, length));
                     }
                     sum += predicted;
                 }
@@ -134,7 +162,13 @@ fn kernel(pattern: ResidualPattern, covariates: &[Covariates]) -> DMatrix<f64> {
             ResidualPattern::History => {
                 // Friction and hysteresis depend on how far the last reversal is behind.
                 let within = at.command.iter().zip(&at.largest).map(|(now, largest)| largest - now);
-                at.change.iter().chain(&at.change_before).copied().chain(at.moved_m).chain(within).collect()
+                at.change
+                    .iter()
+                    .chain(&at.change_before)
+                    .copied()
+                    .chain(at.moved_m)
+                    .chain(within)
+                    .collect()
             }
             ResidualPattern::Time => vec![at.time_s],
         })

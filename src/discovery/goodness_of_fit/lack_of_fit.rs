@@ -1,5 +1,5 @@
-//! Lack-of-fit test against pure error: is the mean residual of repeated measurements zero (Draper & Smith, Applied
-//! Regression Analysis, section 2.1)?
+//! Lack-of-fit test against pure error: is the mean residual of repeated measurements zero (Draper
+//! & Smith, Applied Regression Analysis, section 2.1)?
 
 use super::test_result::{FitTest, TestResult};
 use crate::discovery::fit::ar1_noise::{Ar1Noise, effective_axes};
@@ -7,8 +7,9 @@ use crate::discovery::noise_floor::NoiseFloor;
 use crate::discovery::noise_floor::repeats::{groups, is_start};
 use crate::discovery::recording::samples::Samples;
 
-/// Tests the means of `residual_m` (three values a sample) over repeated samples against the noise `floor`. Starts are
-/// independent; samples at rest are correlated like `noise`. The size is the root mean square of the means.
+/// Tests the means of `residual_m` (three values a sample) over repeated samples against the noise
+/// `floor`. Starts are independent; samples at rest are correlated like `noise`. The size is the
+/// root mean square of the means.
 pub(crate) fn lack_of_fit_test(
     samples: &Samples,
     residual_m: &[f64],
@@ -21,9 +22,14 @@ pub(crate) fn lack_of_fit_test(
     }
     let (mut squares, mut weighed, mut weights) = (0.0, 0.0, 0.0);
     for group in &groups {
-        let independent =
-            if is_start(samples, group) { group.len() as f64 } else { noise.independent(group.len()).max(1.0) };
-        let mean = |axis: usize| group.iter().map(|&row| residual_m[3 * row + axis]).sum::<f64>() / group.len() as f64;
+        let independent = if is_start(samples, group) {
+            group.len() as f64
+        } else {
+            noise.independent(group.len()).max(1.0)
+        };
+        let mean = |axis: usize| {
+            group.iter().map(|&row| residual_m[3 * row + axis]).sum::<f64>() / group.len() as f64
+        };
         let square: f64 = (0..3).map(|axis| mean(axis).powi(2)).sum();
         // The mean of n samples has 1/n of their variance; n times its square compares with one
         // sample.
@@ -31,9 +37,16 @@ pub(crate) fn lack_of_fit_test(
         weighed += group.len() as f64 * square;
         weights += group.len() as f64;
     }
-    let p_value =
-        floor.p_value(squares / groups.len() as f64, effective_axes(&floor.variance_m2) * groups.len() as f64);
-    TestResult { test: FitTest::LackOfFit, p_value, more_m: (weighed / weights).sqrt(), beyond_m: 0.0 }
+    let p_value = floor.p_value(
+        squares / groups.len() as f64,
+        effective_axes(&floor.variance_m2) * groups.len() as f64,
+    );
+    TestResult {
+        test: FitTest::LackOfFit,
+        p_value,
+        more_m: (weighed / weights).sqrt(),
+        beyond_m: 0.0,
+    }
 }
 
 #[cfg(test)]
@@ -51,9 +64,15 @@ mod tests {
             let bias_m = if sample.row == 0 { bias_m } else { 0.0 };
             sample.position_m = [bias_m + noise(), noise(), noise()];
         }
-        let residual_m: Vec<f64> = samples.rows.iter().flat_map(|sample| sample.position_m).collect();
+        let residual_m: Vec<f64> =
+            samples.rows.iter().flat_map(|sample| sample.position_m).collect();
         let floor = NoiseFloor::from_repeats(&samples, 0.0);
-        lack_of_fit_test(&samples, &residual_m, &Ar1Noise { sigma_m: [NOISE_M; 3], correlation: 0.0 }, &floor)
+        lack_of_fit_test(
+            &samples,
+            &residual_m,
+            &Ar1Noise { sigma_m: [NOISE_M; 3], correlation: 0.0 },
+            &floor,
+        )
     }
 
     #[test]

@@ -1,6 +1,6 @@
-//! Levene's test: is the scatter of the residual equal over the trials? Tracker noise is; an effect that only imitates
-//! the missing one is not. Analysis of variance of the distances (Levene, in Contributions to Probability and
-//! Statistics, 1960), which is robust against outliers.
+//! Levene's test: is the scatter of the residual equal over the trials? Tracker noise is; an effect
+//! that only imitates the missing one is not. Analysis of variance of the distances (Levene, in
+//! Contributions to Probability and Statistics, 1960), which is robust against outliers.
 
 use super::test_result::{FitTest, TestResult};
 use crate::discovery::fit::nuisance::NuisanceFit;
@@ -8,8 +8,8 @@ use crate::discovery::recording::samples::{Samples, rms_m};
 use crate::math::distribution::f_above;
 use crate::math::summary::{mean, quantile};
 
-/// The test on the residual of `nuisance_fit` in `samples`. The size is the excess of the worst trial over the median
-/// trial.
+/// The test on the residual of `nuisance_fit` in `samples`. The size is the excess of the worst
+/// trial over the median trial.
 pub(crate) fn levene_test(samples: &Samples, nuisance_fit: &NuisanceFit) -> TestResult {
     let distance_m: Vec<f64> = nuisance_fit.residual_m.chunks_exact(3).map(rms_m).collect();
     let (mut between, mut within) = (0.0, 0.0);
@@ -29,8 +29,10 @@ pub(crate) fn levene_test(samples: &Samples, nuisance_fit: &NuisanceFit) -> Test
     let (above, below) = (groups - 1.0, (independent - groups).max(1.0));
     let ratio = between / above / (within / below).max(f64::MIN_POSITIVE);
     // The size is told in metres, since the ratio says nothing of relevance.
-    let each: Vec<f64> =
-        ranges.iter().map(|r| rms_m(&nuisance_fit.residual_m[3 * r.start..3 * r.end]).powi(2)).collect();
+    let each: Vec<f64> = ranges
+        .iter()
+        .map(|r| rms_m(&nuisance_fit.residual_m[3 * r.start..3 * r.end]).powi(2))
+        .collect();
     let worst = each.iter().copied().fold(0.0, f64::max);
     let middle = quantile(&each, 0.5);
     TestResult {
@@ -54,7 +56,9 @@ mod tests {
     /// Six trials of fifty samples of noise, one of them larger by a factor.
     fn tested(times: f64, seed: u64) -> TestResult {
         let mut noise = white_noise(NOISE_M, seed);
-        let residual_m = (0..900).map(|k| if (300..450).contains(&k) { times * noise() } else { noise() }).collect();
+        let residual_m = (0..900)
+            .map(|k| if (300..450).contains(&k) { times * noise() } else { noise() })
+            .collect();
         let noise = Ar1Noise { sigma_m: [NOISE_M; 3], correlation: 0.0 };
         levene_test(
             &Samples::alike(6, 50),

@@ -1,6 +1,7 @@
-//! Score test: do small amounts of all effects together explain more of the residual than of noise? An imitation
-//! leaves residuals in many directions at once (Rao, Proceedings of the Cambridge Philosophical Society 44, 1948;
-//! noise estimated from the remainder as in Draper & Smith, Applied Regression Analysis, section 1.5).
+//! Score test: do small amounts of all effects together explain more of the residual than of noise?
+//! An imitation leaves residuals in many directions at once (Rao, Proceedings of the Cambridge
+//! Philosophical Society 44, 1948; noise estimated from the remainder as in Draper & Smith, Applied
+//! Regression Analysis, section 1.5).
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, SymmetricEigen};
 
@@ -10,15 +11,16 @@ use crate::discovery::fit::nuisance::Nuisances;
 use crate::discovery::recording::samples::Samples;
 use crate::math::distribution::f_above;
 
-/// Directions weaker than this share of the strongest, in squares, are ignored; so are those this weak relative to one
-/// column.
+/// Directions weaker than this share of the strongest, in squares, are ignored; so are those this
+/// weak relative to one column.
 const MIN_DIRECTION_SHARE: f64 = 1e-3;
 /// Relative ridge on free parameters.
 const RELATIVE_RIDGE: f64 = 1e-9;
 
-/// The test on the residual of `fitted` in `samples`. `sensitivities`: sensitivities to all effects, one column each, three
-/// rows a sample. The size is the explained part beyond that expected from noise, a lower bound for correlated noise.
-/// None with too few samples or without effects.
+/// The test on the residual of `fitted` in `samples`. `sensitivities`: sensitivities to all
+/// effects, one column each, three rows a sample. The size is the explained part beyond that
+/// expected from noise, a lower bound for correlated noise. None with too few samples or without
+/// effects.
 pub(crate) fn score_test(
     samples: &Samples,
     nuisances: &Nuisances,
@@ -35,8 +37,8 @@ pub(crate) fn score_test(
     // Project the responses on what the free parameters cannot explain.
     let beyond = &sensitivities - &free * factor.solve(&free.tr_mul(&sensitivities));
     let residual = DVector::from_vec(noise.whiten(samples, &fitted.nuisance_fit.residual_m));
-    // The fit may be short of its optimum: member parameters take what they still can (Neyman's C(α)). Nuisance
-    // parameters are at their most likely values.
+    // The fit may be short of its optimum: member parameters take what they still can (Neyman's
+    // C(α)). Nuisance parameters are at their most likely values.
     let mut pull = free.tr_mul(&residual);
     pull.rows_mut(0, nuisances.columns.ncols()).fill(0.0);
     let residual = &residual - &free * factor.solve(&pull);
@@ -46,7 +48,8 @@ pub(crate) fn score_test(
     let min_variance = MIN_DIRECTION_SHARE * directions.eigenvalues.max().max(1.0);
     // Nearly collinear responses would divide noise by nothing.
     let (mut explained, mut count) = (0.0, 0);
-    for (direction, &variance) in directions.eigenvectors.column_iter().zip(&directions.eigenvalues) {
+    for (direction, &variance) in directions.eigenvectors.column_iter().zip(&directions.eigenvalues)
+    {
         if variance > min_variance {
             explained += direction.dot(&scores).powi(2) / variance;
             count += 1;
@@ -61,7 +64,11 @@ pub(crate) fn score_test(
     let more = (explained - count as f64 * rest).max(0.0) / numbers as f64;
     Some(TestResult {
         test: FitTest::Score,
-        p_value: f_above(explained / (count.max(1) as f64 * rest.max(f64::MIN_POSITIVE)), count as f64, freedom),
+        p_value: f_above(
+            explained / (count.max(1) as f64 * rest.max(f64::MIN_POSITIVE)),
+            count as f64,
+            freedom,
+        ),
         more_m: more.sqrt() * noise.rms_m(),
         beyond_m: 0.0,
     })
@@ -80,8 +87,11 @@ fn factor(nuisances: &Nuisances, free: &DMatrix<f64>) -> Option<Cholesky<f64, Dy
 
 /// Normalised columns without zero columns.
 fn normalised(columns: &DMatrix<f64>) -> DMatrix<f64> {
-    let normalised: Vec<DVector<f64>> =
-        columns.column_iter().filter(|column| column.norm() > 0.0).map(|column| column.normalize()).collect();
+    let normalised: Vec<DVector<f64>> = columns
+        .column_iter()
+        .filter(|column| column.norm() > 0.0)
+        .map(|column| column.normalize())
+        .collect();
     DMatrix::from_fn(columns.nrows(), normalised.len(), |row, k| normalised[k][row])
 }
 
@@ -102,8 +112,8 @@ mod tests {
         })
     }
 
-    /// The test on noise of this correlation with this amplitude of all waves; the first wave is uncertain, the second
-    /// fitted.
+    /// The test on noise of this correlation with this amplitude of all waves; the first wave is
+    /// uncertain, the second fitted.
     fn tested(correlation: f64, each_m: f64, seed: u64) -> TestResult {
         short_of_best(correlation, each_m, 0.0, seed)
     }
@@ -117,20 +127,23 @@ mod tests {
         }
         let own = |k: usize| (waves.column(k).as_slice().to_vec(), 1.0);
         let nuisances = Nuisances::independent(900, &[own(0)]);
-        let mut nuisance_fit = Nuisances::independent(900, &[own(0), own(1)]).explain(&samples, &residual_m, 0.0);
+        let mut nuisance_fit =
+            Nuisances::independent(900, &[own(0), own(1)]).explain(&samples, &residual_m, 0.0);
         // The Jacobian at the fit differs slightly from the sensitivity.
         let jacobian = waves.columns(1, 1) + 0.1 * waves.columns(4, 1);
         for (left, answer) in nuisance_fit.residual_m.iter_mut().zip(jacobian.iter()) {
             *left += short_m * answer;
         }
-        let fitted = FittedSet { members: Vec::new(), nuisance_fit, simulated_m: vec![0.0; 900], jacobian };
+        let fitted =
+            FittedSet { members: Vec::new(), nuisance_fit, simulated_m: vec![0.0; 900], jacobian };
         score_test(&samples, &nuisances, &fitted, &waves).unwrap()
     }
 
     #[test]
     fn noise_is_not_explained_be_it_white_or_not() {
         for correlation in [0.0, 0.6] {
-            let low = (0..200).filter(|&seed| tested(correlation, 0.0, seed).p_value < 0.05).count();
+            let low =
+                (0..200).filter(|&seed| tested(correlation, 0.0, seed).p_value < 0.05).count();
             assert!((2..22).contains(&low), "{correlation}: {low} of 200 below 0.05");
         }
     }
@@ -144,7 +157,11 @@ mod tests {
             assert!(result.p_value < 1e-3, "{seed}: {}", result.p_value);
             // Twenty-eight waves remain, each with half a square on one of three axes.
             let more_m = (14.0_f64).sqrt() * each_m;
-            assert!((result.more_m / more_m - 1.0).abs() < 0.3, "{seed}: {} of {more_m}", result.more_m);
+            assert!(
+                (result.more_m / more_m - 1.0).abs() < 0.3,
+                "{seed}: {} of {more_m}",
+                result.more_m
+            );
         }
     }
 
@@ -170,6 +187,9 @@ mod tests {
         };
         assert!(score_test(&samples, &nuisances, &fitted, &nothing).is_none());
         assert!(score_test(&samples, &nuisances, &fitted, &DMatrix::zeros(900, 2)).is_none());
-        assert!(score_test(&samples, &nuisances, &fitted, &waves()).is_some_and(|result| result.p_value > 0.01));
+        assert!(
+            score_test(&samples, &nuisances, &fitted, &waves())
+                .is_some_and(|result| result.p_value > 0.01)
+        );
     }
 }

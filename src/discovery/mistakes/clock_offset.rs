@@ -1,7 +1,8 @@
 //! An offset of the tracker's clock from that of the commands.
 //!
-//! A tip that moves before its command is no physics: the tracker's clock is ahead, or the log holds command and tip of
-//! the same moment. The other sign is what the effect `delay` is, and is left to it.
+//! A tip that moves before its command is no physics: the tracker's clock is ahead, or the log
+//! holds command and tip of the same moment. The other sign is what the effect `delay` is, and is
+//! left to it.
 
 use super::excluded_rows::coarse_model;
 use super::time_scan::TimeScan;
@@ -15,8 +16,8 @@ use crate::effects::Model;
 const MAX_STEPS: usize = 3;
 /// … in this many parts of a step.
 const PARTS_PER_STEP: usize = 8;
-/// By how much the squares must shrink against every fit that only follows the commands. Recordings of an independent
-/// chain with friction, delay, payload or anisotropy stay below 1.02.
+/// By how much the squares must shrink against every fit that only follows the commands. Recordings
+/// of an independent chain with friction, delay, payload or anisotropy stay below 1.02.
 const MIN_RATIO: f64 = 1.3;
 /// Fewest rows.
 const MIN_ROWS: usize = 30;
@@ -32,7 +33,8 @@ const REFINEMENTS: usize = 24;
 const VELOCITY_STEP_S: f64 = 0.02;
 const GOLDEN: f64 = 0.618_033_988_749_895;
 
-/// An offset of the tracker's clock, positive when it is ahead: a tip was measured this long after its row's time.
+/// An offset of the tracker's clock, positive when it is ahead: a tip was measured this long after
+/// its row's time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ClockOffset {
     pub(crate) offset_s: f64,
@@ -43,16 +45,21 @@ pub(crate) struct ClockOffset {
 
 /// The offset of `measured` if tips move before their commands do.
 pub(crate) fn find(model: &Model, measured: &Recording, options: &Options) -> Option<ClockOffset> {
-    let scan = TimeScan::new(&coarse_model(model, options), measured).filter(|scan| scan.len() >= MIN_ROWS)?;
+    let scan = TimeScan::new(&coarse_model(model, options), measured)
+        .filter(|scan| scan.len() >= MIN_ROWS)?;
     // 1. The squares at every offset, each after a fit that follows the commands.
     let part_s = scan.step_s / PARTS_PER_STEP as f64;
     let squares = |offset_s: f64| scan.fit(offset_s, false).map(|fit| fit.squares_m2);
-    let each: Vec<f64> =
-        (0..=MAX_STEPS * PARTS_PER_STEP).map(|part| squares(part as f64 * part_s)).collect::<Option<_>>()?;
+    let each: Vec<f64> = (0..=MAX_STEPS * PARTS_PER_STEP)
+        .map(|part| squares(part as f64 * part_s))
+        .collect::<Option<_>>()?;
     let best = (0..each.len()).min_by(|a, b| each[*a].total_cmp(&each[*b]))?;
-    // 2. Only a clear minimum inside the range is a clock: an effect that slows the robot does not lead its commands.
-    // The lagging fit stands for effects that change when the robot moves.
-    if best == 0 || best + 1 == each.len() || scan.fit(0.0, true)?.squares_m2 < MIN_RATIO * each[best] {
+    // 2. Only a clear minimum inside the range is a clock: an effect that slows the robot does not
+    //    lead its commands. The lagging fit stands for effects that change when the robot moves.
+    if best == 0
+        || best + 1 == each.len()
+        || scan.fit(0.0, true)?.squares_m2 < MIN_RATIO * each[best]
+    {
         return None;
     }
     // 3. Refine the minimum.
@@ -60,13 +67,17 @@ pub(crate) fn find(model: &Model, measured: &Recording, options: &Options) -> Op
     let offset_s = golden_section(around, &|offset_s| squares(offset_s).unwrap_or(f64::INFINITY));
     let fit = scan.fit(offset_s, false)?;
     // 4. The squares grow as a parabola around the least; correlated residuals count for less.
-    let rises_m2 = [-part_s, part_s].map(|step_s| squares(offset_s + step_s).unwrap_or(f64::INFINITY) - fit.squares_m2);
+    let rises_m2 = [-part_s, part_s]
+        .map(|step_s| squares(offset_s + step_s).unwrap_or(f64::INFINITY) - fit.squares_m2);
     // Second difference, an estimate of the second derivative.
     let curvature = (rises_m2[0] + rises_m2[1]) / (part_s * part_s);
     let correlation = fit.correlation.clamp(0.0, 0.9);
     // An AR(1) residual inflates the variance by (1 + ρ)/(1 − ρ).
-    let variance_m2 = fit.squares_m2 / (3 * scan.len()) as f64 * (1.0 + correlation) / (1.0 - correlation);
-    let half_s = (2.0 * CHI_SQUARED_95 * variance_m2 / curvature.max(f64::MIN_POSITIVE)).sqrt().hypot(2.0 * LAG_BIAS_S);
+    let variance_m2 =
+        fit.squares_m2 / (3 * scan.len()) as f64 * (1.0 + correlation) / (1.0 - correlation);
+    let half_s = (2.0 * CHI_SQUARED_95 * variance_m2 / curvature.max(f64::MIN_POSITIVE))
+        .sqrt()
+        .hypot(2.0 * LAG_BIAS_S);
     // 5. An offset of one step is a log that holds command and tip of the same moment.
     let is_one_step = (offset_s - scan.step_s).abs() < half_s.max(ONE_STEP_TOLERANCE * scan.step_s);
     let offset_s = if is_one_step { scan.step_s } else { offset_s };
@@ -99,15 +110,15 @@ impl ClockOffset {
         let ([low, high], offset_s) = (self.interval_95, self.offset_s);
         if self.is_one_step {
             format!(
-                "The tip of each row belongs to the end of that row's command, one step of {offset_s:.3} s later: the log \
-                 holds command and tip of the same moment. All tips were shifted by one step; shift the log, or record the \
-                 tip before the command."
+                "The tip of each row belongs to the end of that row's command, one step of \
+                 {offset_s:.3} s later: the log holds command and tip of the same moment. All tips \
+                 were shifted by one step; shift the log, or record the tip before the command."
             )
         } else {
             format!(
-                "The tracker's clock is about {offset_s:.2} s ahead of that of the commands (95 % interval {low:.2} to \
-                 {high:.2} s). All tips were shifted by that, and what is left of the offset was fitted; correct the clock \
-                 in the recording."
+                "The tracker's clock is about {offset_s:.2} s ahead of that of the commands (95 % \
+                 interval {low:.2} to {high:.2} s). All tips were shifted by that, and what is \
+                 left of the offset was fitted; correct the clock in the recording."
             )
         }
     }
@@ -124,9 +135,10 @@ impl ClockOffset {
         ClockOffset { offset_s: self.offset_s + more_s, interval_95, ..*self }
     }
 
-    /// `samples` of a recording whose tips were shifted by this offset, with the velocity that `model` predicts in each:
-    /// what is left of the offset is then an uncertain number. `measured`: the recording before the shift. Unchanged for
-    /// an offset of one step, and where the model cannot follow.
+    /// `samples` of a recording whose tips were shifted by this offset, with the velocity that
+    /// `model` predicts in each: what is left of the offset is then an uncertain number.
+    /// `measured`: the recording before the shift. Unchanged for an offset of one step, and where
+    /// the model cannot follow.
     pub(crate) fn uncertain_in(
         &self,
         samples: Samples,
@@ -142,13 +154,16 @@ impl ClockOffset {
         };
         // A step beyond the offset itself would need tips from before the recording.
         let step_s = VELOCITY_STEP_S.min(0.5 * self.offset_s);
-        let (Some(before), Some(after)) = (tips(self.offset_s - step_s), tips(self.offset_s + step_s)) else {
+        let (Some(before), Some(after)) =
+            (tips(self.offset_s - step_s), tips(self.offset_s + step_s))
+        else {
             return samples;
         };
         let mut samples = Samples { clock_deviation_s: Some(deviation_s), ..samples };
         let each = before.as_chunks::<3>().0.iter().zip(after.as_chunks::<3>().0);
         for (row, (before, after)) in samples.rows.iter_mut().zip(each) {
-            row.velocity_m_s = std::array::from_fn(|axis| (after[axis] - before[axis]) / (2.0 * step_s));
+            row.velocity_m_s =
+                std::array::from_fn(|axis| (after[axis] - before[axis]) / (2.0 * step_s));
         }
         samples
     }
@@ -166,7 +181,10 @@ mod tests {
             let (model, measured) = robot(&[EffectSpec::tip_load(0.01)], offset_s).unwrap();
             let offset = find(&model, &measured, &Options::default()).unwrap();
             let [low, high] = offset.interval_95;
-            assert!(low < offset_s && offset_s < high && high - low < 0.1, "{offset_s}: {offset:?}");
+            assert!(
+                low < offset_s && offset_s < high && high - low < 0.1,
+                "{offset_s}: {offset:?}"
+            );
             assert!(!offset.is_one_step);
         }
     }

@@ -26,7 +26,11 @@ pub(crate) struct PreparedRecording<'a> {
 }
 
 impl<'a> PreparedRecording<'a> {
-    pub(crate) fn new(model: &Model, original: &'a Recording, options: &Options) -> PreparedRecording<'a> {
+    pub(crate) fn new(
+        model: &Model,
+        original: &'a Recording,
+        options: &Options,
+    ) -> PreparedRecording<'a> {
         let samples = options.samples(model, original);
         let exclusions = exclusions(model, original, &samples, options);
         if exclusions.is_empty() {
@@ -38,9 +42,11 @@ impl<'a> PreparedRecording<'a> {
         PreparedRecording { original, exclusions, kept, samples }
     }
 
-    /// The recording with its tips one step later, if each row holds the tip of the end of its command.
+    /// The recording with its tips one step later, if each row holds the tip of the end of its
+    /// command.
     pub(crate) fn in_step(self, model: &Model, options: &Options) -> PreparedRecording<'a> {
-        let offset = (!options.at_rest).then(|| clock_offset::find(model, &self.kept, options)).flatten();
+        let offset =
+            (!options.at_rest).then(|| clock_offset::find(model, &self.kept, options)).flatten();
         let Some(offset) = offset.filter(|offset| offset.is_one_step) else { return self };
         let kept = self.kept.with_tips_later(offset.offset_s);
         let samples = options.samples(model, &kept);
@@ -50,7 +56,9 @@ impl<'a> PreparedRecording<'a> {
     /// Rows of the given recording that are not used, and why.
     pub(crate) fn excluded_rows(&self) -> Vec<ExcludedRow> {
         let PreparedRecording { original, exclusions, .. } = self;
-        let reason = |row: usize| exclusions.all().find(|excluded| excluded.row == row).map(|excluded| &*excluded.why);
+        let reason = |row: usize| {
+            exclusions.all().find(|excluded| excluded.row == row).map(|excluded| &*excluded.why)
+        };
         let is_lost = |row: usize| !original.is_valid(row) || !original.is_seen(row);
         let why = |row: usize| reason(row).or_else(|| is_lost(row).then_some("tracking was lost"));
         let rows = (0..original.len()).filter_map(|row| {
@@ -61,9 +69,14 @@ impl<'a> PreparedRecording<'a> {
     }
 }
 
-/// Suspicious rows of `measured`, by the tip and points that `model` predicts. None where the model cannot follow the
-/// commands, which [`super::super::discover`] refuses by itself.
-fn exclusions(model: &Model, measured: &Recording, samples: &Samples, options: &Options) -> Exclusions {
+/// Suspicious rows of `measured`, by the tip and points that `model` predicts. None where the model
+/// cannot follow the commands, which [`super::super::discover`] refuses by itself.
+fn exclusions(
+    model: &Model,
+    measured: &Recording,
+    samples: &Samples,
+    options: &Options,
+) -> Exclusions {
     let Some(simulated_m) = simulate::tips(&coarse_model(model, options), &[], samples) else {
         return Exclusions::default();
     };
@@ -79,7 +92,12 @@ fn exclusions(model: &Model, measured: &Recording, samples: &Samples, options: &
     for (index, name) in model.tracking.names().iter().enumerate() {
         let Some(point) = measured.point(name) else { continue };
         let what = format!("point {name}");
-        exclusions.extend(Exclusions::find_at(measured, &point.position_m, &what, &predicted_m(Some(index))));
+        exclusions.extend(Exclusions::find_at(
+            measured,
+            &point.position_m,
+            &what,
+            &predicted_m(Some(index)),
+        ));
     }
     // Times of poses at rest are arbitrary, so steps between them are no gaps.
     if options.at_rest { Exclusions { gaps: Vec::new(), ..exclusions } } else { exclusions }

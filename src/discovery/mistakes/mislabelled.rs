@@ -1,8 +1,9 @@
-//! Mistakes of recording or set-up that imitate a strange robot: axes turned, mirrored or exchanged, tendons in another
-//! order or with another sign, other units.
+//! Mistakes of recording or set-up that imitate a strange robot: axes turned, mirrored or
+//! exchanged, tendons in another order or with another sign, other units.
 //!
-//! Each hypothesis is a change of the recording without any number to fit. It is believed when it closes most of a gap that
-//! is as large as the motion itself, which no effect of the catalogue is at a usual size.
+//! Each hypothesis is a change of the recording without any number to fit. It is believed when it
+//! closes most of a gap that is as large as the motion itself, which no effect of the catalogue is
+//! at a usual size.
 
 use super::excluded_rows::{PreparedRecording, coarse_model};
 use crate::base::{Point3, Rows};
@@ -14,8 +15,8 @@ use crate::effects::Model;
 
 /// The gap must be at least this share of the motion of the tip …
 const LARGE_SHARE: f64 = 0.3;
-/// … and a hypothesis must leave at most this share of its squares. Chosen so that a half of every usual effect beside the
-/// mistake is tolerated.
+/// … and a hypothesis must leave at most this share of its squares. Chosen so that a half of every
+/// usual effect beside the mistake is tolerated.
 const MAX_REMAINING_SHARE: f64 = 0.25;
 /// Maximum number of mistakes that are named as equally likely.
 const MAX_NAMED: usize = 4;
@@ -29,22 +30,25 @@ const MAX_ORDERS: usize = 40;
 /// A mistake that closes most of the gap.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Mistake {
-    /// What is wrong, as a clause: `the tip's y axis has the other sign`; several that fit equally well joined by `, or`.
+    /// What is wrong, as a clause: `the tip's y axis has the other sign`; several that fit equally
+    /// well joined by `, or`.
     pub(crate) what: String,
     /// Rms gap with it and without, metres.
     pub(crate) before_m: f64,
     pub(crate) after_m: f64,
 }
 
-/// A recording that fits worse, with the mistake, than the baseline does by this factor may have another cause.
+/// A recording that fits worse, with the mistake, than the baseline does by this factor may have
+/// another cause.
 const WORSE_THAN_BASELINE: f64 = 3.0;
 
 impl Mistake {
     /// Whether the gap with the mistake is far larger than that of the `baseline` without one.
     pub(crate) fn is_doubtful(&self, model: &Model, baseline: &Samples, options: &Options) -> bool {
         let predicted_m = simulate::tips(&coarse_model(model, options), &[], baseline);
-        predicted_m
-            .is_some_and(|predicted_m| self.after_m > WORSE_THAN_BASELINE * rms_m(&baseline.residual(&predicted_m)))
+        predicted_m.is_some_and(|predicted_m| {
+            self.after_m > WORSE_THAN_BASELINE * rms_m(&baseline.residual(&predicted_m))
+        })
     }
 }
 
@@ -70,7 +74,11 @@ struct Hypothesis {
 }
 
 /// Looks for a mistake in `measured`.
-pub(crate) fn find(model: &Model, measured: &PreparedRecording, options: &Options) -> Option<Mistake> {
+pub(crate) fn find(
+    model: &Model,
+    measured: &PreparedRecording,
+    options: &Options,
+) -> Option<Mistake> {
     let coarse = coarse_model(model, options);
     let samples = first_trials(&measured.samples);
     if samples.len() == 0 {
@@ -93,13 +101,20 @@ pub(crate) fn find(model: &Model, measured: &PreparedRecording, options: &Option
         // In the scale of the prediction, so that a unit does not shrink the error.
         let max_after_m = LARGE_SHARE * simulated_motion_m(&simulated_m);
         for tip in &tips {
-            let both = [&*tip.mistake, &*command.mistake].into_iter().filter(|mistake| !mistake.is_empty());
+            let both = [&*tip.mistake, &*command.mistake]
+                .into_iter()
+                .filter(|mistake| !mistake.is_empty());
             let both: Vec<&str> = both.collect();
             let changed_m = samples.rows.iter().flat_map(|row| (tip.apply)(&row.position_m));
-            let residual_m: Vec<f64> = changed_m.zip(&simulated_m).map(|(tip, simulated)| tip - simulated).collect();
+            let residual_m: Vec<f64> =
+                changed_m.zip(&simulated_m).map(|(tip, simulated)| tip - simulated).collect();
             let after_m = rms_m(&residual_m);
             if !both.is_empty() && after_m < max_after_m && closes(before_m, after_m) {
-                hypotheses.push(Hypothesis { mistakes: both.len(), after_m, what: both.join(" and ") });
+                hypotheses.push(Hypothesis {
+                    mistakes: both.len(),
+                    after_m,
+                    what: both.join(" and "),
+                });
             }
         }
     }
@@ -108,8 +123,11 @@ pub(crate) fn find(model: &Model, measured: &PreparedRecording, options: &Option
     hypotheses.retain(|hypothesis| hypothesis.mistakes == fewest);
     hypotheses.sort_by(|a, b| a.after_m.total_cmp(&b.after_m));
     let after_m = hypotheses[0].after_m;
-    let alike = hypotheses.iter().take_while(|other| other.after_m * other.after_m < AS_GOOD * after_m * after_m);
-    let what = alike.take(MAX_NAMED).map(|other| other.what.as_str()).collect::<Vec<&str>>().join(", or ");
+    let alike = hypotheses
+        .iter()
+        .take_while(|other| other.after_m * other.after_m < AS_GOOD * after_m * after_m);
+    let what =
+        alike.take(MAX_NAMED).map(|other| other.what.as_str()).collect::<Vec<&str>>().join(", or ");
     Some(Mistake { what, before_m, after_m })
 }
 
@@ -132,9 +150,11 @@ fn closes(before_m: f64, after_m: f64) -> bool {
 /// Rms distance of points from their mean, metres.
 fn motion_m(points: impl Iterator<Item = Point3> + Clone) -> f64 {
     let count = points.clone().count().max(1) as f64;
-    let mean: Point3 = std::array::from_fn(|axis| points.clone().map(|point| point[axis]).sum::<f64>() / count);
-    let away: Vec<f64> =
-        points.flat_map(|point| -> Point3 { std::array::from_fn(|axis| point[axis] - mean[axis]) }).collect();
+    let mean: Point3 =
+        std::array::from_fn(|axis| points.clone().map(|point| point[axis]).sum::<f64>() / count);
+    let away: Vec<f64> = points
+        .flat_map(|point| -> Point3 { std::array::from_fn(|axis| point[axis] - mean[axis]) })
+        .collect();
     rms_m(&away)
 }
 
@@ -155,20 +175,26 @@ fn tip_changes(base_m: Point3) -> Vec<TipFix> {
     let mut changes = vec![TipFix { mistake: String::new(), apply: Box::new(|tip| *tip) }];
     for order in [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]] {
         for signs in 0..8_u8 {
-            let sign: [f64; 3] = std::array::from_fn(|axis| if signs >> axis & 1 == 1 { -1.0 } else { 1.0 });
+            let sign: [f64; 3] =
+                std::array::from_fn(|axis| if signs >> axis & 1 == 1 { -1.0 } else { 1.0 });
             if (order, signs) == ([0, 1, 2], 0) {
                 continue;
             }
             let change = move |tip: &Point3| -> Point3 {
                 // Axes turn about the base, where the model and the frame agree.
-                std::array::from_fn(|axis| base_m[axis] + sign[axis] * (tip[order[axis]] - base_m[order[axis]]))
+                std::array::from_fn(|axis| {
+                    base_m[axis] + sign[axis] * (tip[order[axis]] - base_m[order[axis]])
+                })
             };
             changes.push(TipFix { mistake: axes_text(order, sign), apply: Box::new(change) });
         }
     }
-    for (unit, factor) in
-        [("millimetres", 1e-3), ("centimetres", 1e-2), ("thousands of metres", 1e3), ("hundreds of metres", 1e2)]
-    {
+    for (unit, factor) in [
+        ("millimetres", 1e-3),
+        ("centimetres", 1e-2),
+        ("thousands of metres", 1e3),
+        ("hundreds of metres", 1e2),
+    ] {
         let mistake = format!("the tip is in {unit} instead of metres");
         changes.push(TipFix { mistake, apply: Box::new(move |tip| tip.map(|x| factor * x)) });
     }
@@ -177,7 +203,8 @@ fn tip_changes(base_m: Point3) -> Vec<TipFix> {
 
 /// The turn or mirror that takes the recorded tip to the model's axes.
 fn axes_text(order: [usize; 3], sign: [f64; 3]) -> String {
-    let flipped: Vec<&str> = (0..3).filter(|&axis| sign[axis] < 0.0).map(|axis| AXES[axis]).collect();
+    let flipped: Vec<&str> =
+        (0..3).filter(|&axis| sign[axis] < 0.0).map(|axis| AXES[axis]).collect();
     if order == [0, 1, 2] && flipped.len() == 1 {
         return format!("the tip's {} has the other sign", flipped[0]);
     }
@@ -186,10 +213,18 @@ fn axes_text(order: [usize; 3], sign: [f64; 3]) -> String {
         return format!("the tip's {} and {} are exchanged", AXES[*one], AXES[*other]);
     }
     let each: Vec<String> = (0..3)
-        .map(|axis| format!("{} = {}{}", AXES[axis], if sign[axis] < 0.0 { "-" } else { "+" }, AXES[order[axis]]))
+        .map(|axis| {
+            format!(
+                "{} = {}{}",
+                AXES[axis],
+                if sign[axis] < 0.0 { "-" } else { "+" },
+                AXES[order[axis]]
+            )
+        })
         .collect();
     // Even permutations with an even number of flips are turns, all others are mirrors.
-    let parity = [[0, 1, 2], [1, 2, 0], [2, 0, 1]].contains(&order) == (flipped.len().is_multiple_of(2));
+    let parity =
+        [[0, 1, 2], [1, 2, 0], [2, 0, 1]].contains(&order) == (flipped.len().is_multiple_of(2));
     let kind = if parity { "turned" } else { "mirrored" };
     format!("the tip's axes are {kind} ({} in the recorded axes)", each.join(", "))
 }
@@ -202,10 +237,15 @@ fn command_changes(measured: &Recording) -> Vec<CommandFix> {
         changes.push(CommandFix { mistake, apply });
     };
     for order in orders(width) {
-        push(order_text(&order), Box::new(move |row| order.iter().map(|&tendon| row[tendon]).collect()));
+        push(
+            order_text(&order),
+            Box::new(move |row| order.iter().map(|&tendon| row[tendon]).collect()),
+        );
     }
     if measured.actuation == Actuation::Lengths {
-        let scaled = |factor: f64| Box::new(move |row: &[f64]| row.iter().map(|pull| factor * pull).collect());
+        let scaled = |factor: f64| {
+            Box::new(move |row: &[f64]| row.iter().map(|pull| factor * pull).collect())
+        };
         push("all tendons have the other sign (positive pulls)".to_owned(), scaled(-1.0));
         for flipped in 0..width {
             let flip = move |row: &[f64]| {
@@ -213,7 +253,10 @@ fn command_changes(measured: &Recording) -> Vec<CommandFix> {
                 row[flipped] = -row[flipped];
                 row
             };
-            push(format!("tendon {} has the other sign (positive pulls)", flipped + 1), Box::new(flip));
+            push(
+                format!("tendon {} has the other sign (positive pulls)", flipped + 1),
+                Box::new(flip),
+            );
         }
         for (unit, factor) in [
             ("in millimetres instead of metres", 1e-3),
@@ -227,11 +270,14 @@ fn command_changes(measured: &Recording) -> Vec<CommandFix> {
     changes
 }
 
-/// Orders of tendons: exchanges of two, shifts by some, and the reverse; for each place the recorded tendon.
+/// Orders of tendons: exchanges of two, shifts by some, and the reverse; for each place the
+/// recorded tendon.
 fn orders(width: usize) -> Vec<Vec<usize>> {
     let recorded: Vec<usize> = (0..width).collect();
-    let shifts = (1..width).map(|shift| (0..width).map(|tendon| (tendon + shift) % width).collect());
-    let reversed = |shift: usize| (0..width).map(|tendon| (2 * width - 1 - tendon + shift) % width).collect();
+    let shifts =
+        (1..width).map(|shift| (0..width).map(|tendon| (tendon + shift) % width).collect());
+    let reversed =
+        |shift: usize| (0..width).map(|tendon| (2 * width - 1 - tendon + shift) % width).collect();
     let mut orders: Vec<Vec<usize>> = shifts.chain((0..width).map(reversed)).collect();
     for (one, other) in (0..width).flat_map(|one| (one + 1..width).map(move |other| (one, other))) {
         let mut order = recorded.clone();
@@ -250,7 +296,10 @@ fn order_text(order: &[usize]) -> String {
         return format!("tendons {} and {} are exchanged", one + 1, other + 1);
     }
     let numbers: Vec<String> = order.iter().map(|tendon| (tendon + 1).to_string()).collect();
-    format!("the tendons are numbered otherwise (the model's 1, 2, … are the recorded {})", numbers.join(", "))
+    format!(
+        "the tendons are numbered otherwise (the model's 1, 2, … are the recorded {})",
+        numbers.join(", ")
+    )
 }
 
 #[cfg(test)]
@@ -264,11 +313,14 @@ mod tests {
         let (model, mut measured) = robot(&[EffectSpec::tip_load(0.006)], 0.0).unwrap();
         change(&mut measured);
         let measured = PreparedRecording::new(&model, &measured, &Options::default());
-        find(&model, &measured, &Options::default()).map_or_else(String::new, |mistake| mistake.what)
+        find(&model, &measured, &Options::default())
+            .map_or_else(String::new, |mistake| mistake.what)
     }
 
     fn with_tips(change: &dyn Fn(Point3) -> Point3) -> String {
-        said(&|measured| measured.tip_m.as_mut().unwrap().iter_mut().for_each(|tip| *tip = change(*tip)))
+        said(&|measured| {
+            measured.tip_m.as_mut().unwrap().iter_mut().for_each(|tip| *tip = change(*tip))
+        })
     }
 
     fn with_pulls(change: &dyn Fn(&[f64]) -> Vec<f64>) -> String {
@@ -283,15 +335,24 @@ mod tests {
     fn axes_that_are_turned_mirrored_or_exchanged_are_recognised() {
         assert_eq!(with_tips(&|tip| tip), "");
         let turned = with_tips(&|[x, y, z]| [-z, y, x]);
-        assert_eq!(turned, "the tip's axes are turned (x = +z, y = +y, z = -x in the recorded axes)");
+        assert_eq!(
+            turned,
+            "the tip's axes are turned (x = +z, y = +y, z = -x in the recorded axes)"
+        );
         assert!(with_tips(&|[x, y, z]| [x, -y, z]).contains("the tip's y has the other sign"));
         assert!(with_tips(&|[x, y, z]| [y, x, z]).contains("the tip's x and y are exchanged"));
     }
 
     #[test]
     fn tendons_and_units_that_are_wrong_are_recognised() {
-        assert!(with_pulls(&|row| vec![row[1], row[0], row[2], row[3]]).contains("tendons 1 and 2 are exchanged"));
-        assert!(with_pulls(&|row| row.iter().map(|pull| -pull).collect()).contains("all tendons have the other sign"));
+        assert!(
+            with_pulls(&|row| vec![row[1], row[0], row[2], row[3]])
+                .contains("tendons 1 and 2 are exchanged")
+        );
+        assert!(
+            with_pulls(&|row| row.iter().map(|pull| -pull).collect())
+                .contains("all tendons have the other sign")
+        );
         assert!(with_tips(&|tip| tip.map(|x| 100.0 * x)).contains("the tip is in centimetres"));
         assert!(
             with_pulls(&|row| row.iter().map(|pull| pull.to_radians()).collect())

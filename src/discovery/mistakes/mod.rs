@@ -1,4 +1,5 @@
-//! Faults of a recording that are no physics of the robot. They are looked for before any effect is.
+//! Faults of a recording that are no physics of the robot. They are looked for before any effect
+//! is.
 
 pub(crate) mod clock_offset;
 pub(crate) mod excluded_rows;
@@ -18,7 +19,8 @@ mod tests {
     use crate::discovery::recording::samples::{Samples, white_noise};
     use crate::effects::{EffectSpec, Model};
 
-    /// Commands of two recorded trials, and the tips that a robot with `effects` shows `offset_s` after each row.
+    /// Commands of two recorded trials, and the tips that a robot with `effects` shows `offset_s`
+    /// after each row.
     pub(crate) fn robot(effects: &[EffectSpec], offset_s: f64) -> Option<(Model, Recording)> {
         let model = Model::default();
         let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/reference/twin/nothing.csv");
@@ -33,23 +35,34 @@ mod tests {
         let samples = Samples::new(&part.with_tips_later(offset_s));
         let tips_m = simulate::tips(&coarse_model(&model, &Options::default()), effects, &samples)?;
         let mut noise = white_noise(5e-4, 9);
-        part.tip_m = Some(tips_m.as_chunks::<3>().0.iter().map(|tip| tip.map(|x| x + noise())).collect());
+        part.tip_m =
+            Some(tips_m.as_chunks::<3>().0.iter().map(|tip| tip.map(|x| x + noise())).collect());
         Some((model, part))
     }
 
-    /// No effect of the catalogue is taken for a mistake or a clock, at twice the size at which it is sought: whatever a
-    /// robot lacks, it does not move before its commands.
+    /// No effect of the catalogue is taken for a mistake or a clock, at twice the size at which it
+    /// is sought: whatever a robot lacks, it does not move before its commands.
     #[test]
     fn no_effect_is_a_mistake_or_a_clock() {
         let options = Options::default();
         for candidate in catalogue_candidates(&Model::default()) {
             for values in candidate.variants().iter().take(1) {
                 for step in [-2.0, 2.0] {
-                    let steps: Vec<f64> = candidate.sizes().iter().map(|&size| step * candidate.probe(size)).collect();
-                    let Some(effect) = candidate.effect(&candidate.with_sizes(values, &steps)) else { continue };
+                    let steps: Vec<f64> = candidate
+                        .sizes()
+                        .iter()
+                        .map(|&size| step * candidate.probe(size))
+                        .collect();
+                    let Some(effect) = candidate.effect(&candidate.with_sizes(values, &steps))
+                    else {
+                        continue;
+                    };
                     let Some((model, measured)) = robot(&[effect], 0.0) else { continue };
-                    let mistake =
-                        mislabelled::find(&model, &PreparedRecording::new(&model, &measured, &options), &options);
+                    let mistake = mislabelled::find(
+                        &model,
+                        &PreparedRecording::new(&model, &measured, &options),
+                        &options,
+                    );
                     assert!(mistake.is_none(), "{} {steps:?}: {mistake:?}", candidate.label());
                     let offset = clock_offset::find(&model, &measured, &options);
                     assert!(offset.is_none(), "{} {steps:?}: {offset:?}", candidate.label());

@@ -1,4 +1,5 @@
-//! The tip that a model predicts between rows, and how well it fits when all tips are measured at other times.
+//! The tip that a model predicts between rows, and how well it fits when all tips are measured at
+//! other times.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -12,7 +13,8 @@ use crate::effects::Model;
 const SUBSTEPS: usize = 8;
 /// Steps after the last command that are predicted.
 const STEPS_AFTER: usize = 4;
-/// Numbers an axis of the correction: a constant, and a factor for each coordinate of the prediction.
+/// Numbers an axis of the correction: a constant, and a factor for each coordinate of the
+/// prediction.
 const LINEAR: usize = 4;
 
 /// A recording beside the prediction of a model, at any time.
@@ -34,14 +36,16 @@ pub(crate) struct ScanFit {
 }
 
 impl TimeScan {
-    /// Predicts the trials of `measured`; none where the model cannot follow or nothing was tracked.
+    /// Predicts the trials of `measured`; none where the model cannot follow or nothing was
+    /// tracked.
     pub(crate) fn new(model: &Model, measured: &Recording) -> Option<TimeScan> {
         let samples = Samples::new(measured);
         let step_s = samples.step_s;
         let trials = measured.trials();
         let place = |number: u64| trials.iter().position(|(other, _)| *other == number);
-        let row =
-            |sample: &Sample| Some((place(samples.trials[sample.trial].number)?, sample.time_s, sample.position_m));
+        let row = |sample: &Sample| {
+            Some((place(samples.trials[sample.trial].number)?, sample.time_s, sample.position_m))
+        };
         let rows: Vec<(usize, f64, Point3)> = samples.rows.iter().filter_map(row).collect();
         let fine = Samples::new(&subdivided(measured, step_s));
         let tips_m = simulate::tips(model, &[], &fine)?;
@@ -57,13 +61,18 @@ impl TimeScan {
         self.rows.len()
     }
 
-    /// Fits the measured tips by a linear function of the tip predicted `offset_s` after their rows. It stands for every
-    /// effect that changes where the robot goes. `lagging` adds the last step's motion, for effects that change when.
+    /// Fits the measured tips by a linear function of the tip predicted `offset_s` after their
+    /// rows. It stands for every effect that changes where the robot goes. `lagging` adds the last
+    /// step's motion, for effects that change when.
     pub(crate) fn fit(&self, offset_s: f64, lagging: bool) -> Option<ScanFit> {
         let at = |trial: usize, time_s: f64| interpolate(&self.predicted[trial], time_s);
-        let here: Vec<Point3> = self.rows.iter().map(|(trial, time_s, _)| at(*trial, time_s + offset_s)).collect();
+        let here: Vec<Point3> =
+            self.rows.iter().map(|(trial, time_s, _)| at(*trial, time_s + offset_s)).collect();
         let back = |steps: f64| -> Vec<Point3> {
-            self.rows.iter().map(|(trial, time_s, _)| at(*trial, time_s + offset_s - steps * self.step_s)).collect()
+            self.rows
+                .iter()
+                .map(|(trial, time_s, _)| at(*trial, time_s + offset_s - steps * self.step_s))
+                .collect()
         };
         // Half a step and a whole step back cover lags of different length.
         let past = if lagging { vec![back(0.5), back(1.0)] } else { Vec::new() };
@@ -75,7 +84,10 @@ impl TimeScan {
                 _ => here[row][axis] - past[column - LINEAR][row][axis],
             };
             let design = DMatrix::from_fn(self.rows.len(), LINEAR + past.len(), column);
-            let measured = DVector::from_iterator(self.rows.len(), self.rows.iter().map(|(_, _, tip_m)| tip_m[axis]));
+            let measured = DVector::from_iterator(
+                self.rows.len(),
+                self.rows.iter().map(|(_, _, tip_m)| tip_m[axis]),
+            );
             // A robot that moves in a plane leaves columns dependent, so no normal equations.
             let numbers = design.clone().svd(true, true).solve(&measured, 1e-12).ok()?;
             residual_m.push(measured - design * numbers);
@@ -86,12 +98,14 @@ impl TimeScan {
             let same = |row: &usize| self.rows[*row].0 == self.rows[row - 1].0;
             (1..self.rows.len()).filter(same).map(|row| axis_m[row] * axis_m[row - 1]).sum()
         };
-        let correlation = residual_m.iter().map(products).sum::<f64>() / squares_m2.max(f64::MIN_POSITIVE);
+        let correlation =
+            residual_m.iter().map(products).sum::<f64>() / squares_m2.max(f64::MIN_POSITIVE);
         Some(ScanFit { squares_m2, correlation })
     }
 }
 
-/// The commands of `measured` with [`SUBSTEPS`] rows a step, and some after the last. Every row counts as tracked.
+/// The commands of `measured` with [`SUBSTEPS`] rows a step, and some after the last. Every row
+/// counts as tracked.
 fn subdivided(measured: &Recording, step_s: f64) -> Recording {
     let mut fine = Recording::new(measured.actuation, measured.tendons());
     let mut of = Vec::new();
@@ -111,16 +125,20 @@ fn subdivided(measured: &Recording, step_s: f64) -> Recording {
     }
     fine.commands = commands;
     fine.tip_m = Some(vec![[0.0; 3]; of.len()]);
-    fine.known_load_kg = measured.known_load_kg.as_ref().map(|load| of.iter().map(|&row| load[row]).collect());
-    fine.gravity_m_s2 = measured.gravity_m_s2.as_ref().map(|gravity| of.iter().map(|&row| gravity[row]).collect());
-    fine.tip_load = measured.tip_load.as_ref().map(|load| of.iter().map(|&row| load[row]).collect());
+    fine.known_load_kg =
+        measured.known_load_kg.as_ref().map(|load| of.iter().map(|&row| load[row]).collect());
+    fine.gravity_m_s2 =
+        measured.gravity_m_s2.as_ref().map(|gravity| of.iter().map(|&row| gravity[row]).collect());
+    fine.tip_load =
+        measured.tip_load.as_ref().map(|load| of.iter().map(|&row| load[row]).collect());
     fine
 }
 
 /// The predicted tip at a time, by straight lines; the first or last one outside.
 fn interpolate(predicted: &[(f64, Point3)], time_s: f64) -> Point3 {
     let after = predicted.partition_point(|(at_s, _)| *at_s <= time_s);
-    let (Some(from), Some(to)) = (after.checked_sub(1).map(|k| predicted[k]), predicted.get(after)) else {
+    let (Some(from), Some(to)) = (after.checked_sub(1).map(|k| predicted[k]), predicted.get(after))
+    else {
         return predicted[after.min(predicted.len() - 1)].1;
     };
     let share = (time_s - from.0) / (to.0 - from.0);

@@ -52,7 +52,8 @@ pub(crate) fn protocols(range: &CommandRange, gravity_m_s2: [f64; 3]) -> Vec<Pro
     };
     let (mounted, gravity_m_s2) = remounted(gravity_m_s2);
     let load_kg = |k: usize| if k % 2 == 1 { WEIGHT_KG } else { 0.0 };
-    let weighed = (0..4).map(|k| ProtocolTrial { commands: path(k / 2), load_kg: load_kg(k) }).collect();
+    let weighed =
+        (0..4).map(|k| ProtocolTrial { commands: path(k / 2), load_kg: load_kg(k) }).collect();
     let looped = |k: usize| {
         // Two corners make a loop that fits three times into a trial.
         let corners: Vec<Vec<f64>> = range.corners(k).into_iter().take(2).collect();
@@ -62,16 +63,39 @@ pub(crate) fn protocols(range: &CommandRange, gravity_m_s2: [f64; 3]) -> Vec<Pro
         let corners: Vec<Vec<f64>> = range.corners(k / 2).into_iter().take(2).collect();
         range.path(&corners, if k.is_multiple_of(2) { range.step } else { range.step / 3.0 })
     };
-    let stay = format!("Go to four far poses and hold each for {:.0} s in total", COMMANDS as f64 * range.step_s);
+    let stay = format!(
+        "Go to four far poses and hold each for {:.0} s in total",
+        COMMANDS as f64 * range.step_s
+    );
     vec![
-        protocol("known_weight", "Run four trials, the second and fourth with 20 g on the tip", 2.0, weighed),
+        protocol(
+            "known_weight",
+            "Run four trials, the second and fourth with 20 g on the tip",
+            2.0,
+            weighed,
+        ),
         Protocol {
             gravity_m_s2: Some(gravity_m_s2),
-            ..protocol("base_remounted", &format!("{mounted} and run four trials"), 5.0, four(&path))
+            ..protocol(
+                "base_remounted",
+                &format!("{mounted} and run four trials"),
+                5.0,
+                four(&path),
+            )
         },
         protocol("dwell", &stay, 0.5, four(&|k| range.dwell(k))),
-        protocol("repeated_loop", "Run one loop three times in each of four trials", 0.5, four(&looped)),
-        protocol("slow_and_fast", "Run two paths, each at full speed and at a third of the speed", 0.5, four(&paced)),
+        protocol(
+            "repeated_loop",
+            "Run one loop three times in each of four trials",
+            0.5,
+            four(&looped),
+        ),
+        protocol(
+            "slow_and_fast",
+            "Run two paths, each at full speed and at a third of the speed",
+            0.5,
+            four(&paced),
+        ),
         protocol(
             "reversals",
             "Bend out and back three times with growing amplitude, in four directions",
@@ -112,13 +136,15 @@ impl CommandRange {
         range
     }
 
-    /// Recorded poses far from each other, starting from the `first`-farthest from home (farthest-point sampling).
+    /// Recorded poses far from each other, starting from the `first`-farthest from home
+    /// (farthest-point sampling).
     fn corners(&self, first: usize) -> Vec<Vec<f64>> {
         let home = vec![0.0; self.poses.first().map_or(0, Vec::len)];
         let mut chosen: Vec<Vec<f64>> = vec![home];
         for _ in 0..first + CORNERS {
-            let nearest =
-                |pose: &Vec<f64>| chosen.iter().map(|other| farthest(pose, other)).fold(f64::INFINITY, f64::min);
+            let nearest = |pose: &Vec<f64>| {
+                chosen.iter().map(|other| farthest(pose, other)).fold(f64::INFINITY, f64::min)
+            };
             match self.poses.iter().max_by(|a, b| nearest(a).total_cmp(&nearest(b))) {
                 Some(pose) => chosen.push(pose.clone()),
                 None => break,
@@ -183,7 +209,10 @@ mod tests {
             assert!((size(gravity) - size(there)).abs() < 1e-12);
             let across = |k: usize| gravity[k] * there[k];
             assert!((across(0) + across(1)).abs() < 1e-12, "{mounted}: {there:?}");
-            assert!(size([gravity[0] - there[0], gravity[1] - there[1], gravity[2] - there[2]]) > 0.9 * size(gravity));
+            assert!(
+                size([gravity[0] - there[0], gravity[1] - there[1], gravity[2] - there[2]])
+                    > 0.9 * size(gravity)
+            );
         }
     }
 
@@ -214,8 +243,16 @@ mod tests {
                 assert_eq!(rows.len(), COMMANDS, "{}", protocol.name);
                 let mut at = vec![0.0; 4];
                 for row in rows.iter() {
-                    assert!(farthest(&at, row) < range.step + 1e-12, "{}: {at:?} to {row:?}", protocol.name);
-                    assert!(row.iter().all(|x| (0.0..=most).contains(x)), "{}: {row:?}", protocol.name);
+                    assert!(
+                        farthest(&at, row) < range.step + 1e-12,
+                        "{}: {at:?} to {row:?}",
+                        protocol.name
+                    );
+                    assert!(
+                        row.iter().all(|x| (0.0..=most).contains(x)),
+                        "{}: {row:?}",
+                        protocol.name
+                    );
                     at = row.to_vec();
                 }
             }
@@ -238,9 +275,17 @@ mod tests {
         let range = CommandRange::new(trials.iter(), 0.2);
         assert_eq!(range.step, 5.0);
         for protocol in protocols(&range, ACROSS) {
-            assert!(protocol.trials.iter().all(|trial| trial.commands.len() == COMMANDS), "{}", protocol.name);
-            let most =
-                protocol.trials.iter().flat_map(|trial| trial.commands.iter()).map(|row| row[0]).fold(0.0, f64::max);
+            assert!(
+                protocol.trials.iter().all(|trial| trial.commands.len() == COMMANDS),
+                "{}",
+                protocol.name
+            );
+            let most = protocol
+                .trials
+                .iter()
+                .flat_map(|trial| trial.commands.iter())
+                .map(|row| row[0])
+                .fold(0.0, f64::max);
             assert!((2.0..=5.0).contains(&most), "{}: {most}", protocol.name);
         }
     }
@@ -254,9 +299,13 @@ mod tests {
             trial.iter().for_each(|row| (0..20).for_each(|_| rows.push(row)));
             fast.push(rows);
         }
-        let [slow, fast] = [CommandRange::new(slow.iter(), 0.2), CommandRange::new(fast.iter(), 0.01)];
+        let [slow, fast] =
+            [CommandRange::new(slow.iter(), 0.2), CommandRange::new(fast.iter(), 0.01)];
         assert_eq!((slow.step, slow.step_s), (fast.step, fast.step_s));
-        assert_eq!(protocols(&slow, ACROSS)[2].trials[0].commands, protocols(&fast, ACROSS)[2].trials[0].commands);
+        assert_eq!(
+            protocols(&slow, ACROSS)[2].trials[0].commands,
+            protocols(&fast, ACROSS)[2].trials[0].commands
+        );
     }
 
     #[test]
@@ -274,15 +323,26 @@ mod tests {
         };
         let dwell: Vec<Vec<f64>> = protocol("dwell").iter().map(<[f64]>::to_vec).collect();
         assert!(
-            dwell[COMMANDS - 40..].iter().all(|row| *row == dwell[COMMANDS - 1]) && dwell[COMMANDS - 1] != dwell[0]
+            dwell[COMMANDS - 40..].iter().all(|row| *row == dwell[COMMANDS - 1])
+                && dwell[COMMANDS - 1] != dwell[0]
         );
-        let slow_and_fast =
-            protocols(&range, ACROSS).into_iter().find(|protocol| protocol.name == "slow_and_fast").unwrap().trials;
-        let fastest = |rows: &Rows| (1..COMMANDS).map(|k| farthest(rows.row(k - 1), rows.row(k))).fold(0.0, f64::max);
+        let slow_and_fast = protocols(&range, ACROSS)
+            .into_iter()
+            .find(|protocol| protocol.name == "slow_and_fast")
+            .unwrap()
+            .trials;
+        let fastest = |rows: &Rows| {
+            (1..COMMANDS).map(|k| farthest(rows.row(k - 1), rows.row(k))).fold(0.0, f64::max)
+        };
         assert!(fastest(&slow_and_fast[1].commands) < 0.4 * fastest(&slow_and_fast[0].commands));
-        let out: Vec<f64> = protocol("reversals").iter().map(|row| row.iter().copied().fold(0.0, f64::max)).collect();
-        let peaks: Vec<f64> =
-            (1..COMMANDS - 1).filter(|&k| out[k] > out[k - 1] && out[k] > out[k + 1]).map(|k| out[k]).collect();
+        let out: Vec<f64> = protocol("reversals")
+            .iter()
+            .map(|row| row.iter().copied().fold(0.0, f64::max))
+            .collect();
+        let peaks: Vec<f64> = (1..COMMANDS - 1)
+            .filter(|&k| out[k] > out[k - 1] && out[k] > out[k + 1])
+            .map(|k| out[k])
+            .collect();
         assert_eq!(peaks.len(), 3, "{out:?}");
         assert!(peaks.is_sorted() && (peaks[0] / peaks[2] - 1.0 / 3.0).abs() < 1e-9, "{peaks:?}");
         let corner = range.corners(0).swap_remove(0);

@@ -1,5 +1,5 @@
-//! Ranking of protocols by T-optimality (Atkinson & Fedorov, Biometrika 62, 1975): distance between the rivals'
-//! predictions after refitting, in standard deviations, per minute.
+//! Ranking of protocols by T-optimality (Atkinson & Fedorov, Biometrika 62, 1975): distance between
+//! the rivals' predictions after refitting, in standard deviations, per minute.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
@@ -33,11 +33,16 @@ const TIME_DIGITS: usize = 9;
 
 impl Problem<'_> {
     /// The protocols for telling `rivals` apart, best per minute first; `noise`: measurement noise.
-    pub(crate) fn rank_protocols(&self, rivals: &[Vec<SetMember>], noise: &Ar1Noise) -> Vec<NextExperiment> {
+    pub(crate) fn rank_protocols(
+        &self,
+        rivals: &[Vec<SetMember>],
+        noise: &Ar1Noise,
+    ) -> Vec<NextExperiment> {
         if rivals.len() < 2 {
             return Vec::new();
         }
-        let range = CommandRange::new(self.all.trials.iter().map(|trial| &trial.commands), self.all.step_s);
+        let range =
+            CommandRange::new(self.all.trials.iter().map(|trial| &trial.commands), self.all.step_s);
         let mut ranked: Vec<NextExperiment> = protocols(&range, self.model.robot.gravity_m_s2)
             .iter()
             .filter_map(|protocol| self.evaluate(protocol, rivals, noise))
@@ -50,13 +55,21 @@ impl Problem<'_> {
         ranked
     }
 
-    fn evaluate(&self, protocol: &Protocol, rivals: &[Vec<SetMember>], noise: &Ar1Noise) -> Option<NextExperiment> {
+    fn evaluate(
+        &self,
+        protocol: &Protocol,
+        rivals: &[Vec<SetMember>],
+        noise: &Ar1Noise,
+    ) -> Option<NextExperiment> {
         let mut model = self.model.clone();
         model.robot.gravity_m_s2 = protocol.gravity_m_s2.unwrap_or(model.robot.gravity_m_s2);
         let samples = self.protocol_samples(protocol);
         // A coarse model is enough for columns that only take off what a calibration would.
-        let free =
-            UncertainParameters::new(self.options, &self.candidates, &[], 1.0).columns(&coarse(&model), &[], &samples);
+        let free = UncertainParameters::new(self.options, &self.candidates, &[], 1.0).columns(
+            &coarse(&model),
+            &[],
+            &samples,
+        );
         let simulated_m: Vec<Vec<f64>> = rivals
             .iter()
             .map(|members| tips(&model, &effect_specs(&self.candidates, members)?, &samples))
@@ -69,9 +82,11 @@ impl Problem<'_> {
         let mut separation = f64::INFINITY;
         for a in 0..rivals.len() {
             for b in (0..rivals.len()).filter(|&b| b != a) {
-                let apart: Vec<f64> = simulated_m[a].iter().zip(&simulated_m[b]).map(|(a, b)| a - b).collect();
+                let apart: Vec<f64> =
+                    simulated_m[a].iter().zip(&simulated_m[b]).map(|(a, b)| a - b).collect();
                 // The hardest pair to tell apart decides, refitted in either direction.
-                separation = separation.min(separation_sigma(&samples, noise, &apart, &slopes[b], &free));
+                separation =
+                    separation.min(separation_sigma(&samples, noise, &apart, &slopes[b], &free));
             }
         }
         // The last command of each trial is recorded for one more row.
@@ -88,26 +103,44 @@ impl Problem<'_> {
     }
 
     /// Jacobian of a rival's tip.
-    fn slopes(&self, model: &Model, members: &[SetMember], samples: &Samples, here: &[f64]) -> DMatrix<f64> {
+    fn slopes(
+        &self,
+        model: &Model,
+        members: &[SetMember],
+        samples: &Samples,
+        here: &[f64],
+    ) -> DMatrix<f64> {
         let mut columns = Vec::new();
         for (k, member) in members.iter().enumerate() {
             let candidate = &self.candidates[member.candidate];
             for parameter in candidate.fitted() {
                 let there = [DIFFERENCE, -DIFFERENCE].into_iter().find_map(|share| {
                     let mut moved = members.to_vec();
-                    moved[k].values = candidate.moved(&member.values, parameter, share * candidate.probe(parameter));
+                    moved[k].values = candidate.moved(
+                        &member.values,
+                        parameter,
+                        share * candidate.probe(parameter),
+                    );
                     tips(model, &effect_specs(&self.candidates, &moved)?, samples)
                 });
                 columns.extend(there.map(|there| {
-                    DVector::from_iterator(here.len(), there.iter().zip(here).map(|(there, here)| there - here))
+                    DVector::from_iterator(
+                        here.len(),
+                        there.iter().zip(here).map(|(there, here)| there - here),
+                    )
                 }));
             }
         }
-        if columns.is_empty() { DMatrix::zeros(here.len(), 0) } else { DMatrix::from_columns(&columns) }
+        if columns.is_empty() {
+            DMatrix::zeros(here.len(), 0)
+        } else {
+            DMatrix::from_columns(&columns)
+        }
     }
 
     fn protocol_samples(&self, protocol: &Protocol) -> Samples {
-        let mut samples = Samples { trials: Vec::new(), rows: Vec::new(), clock_deviation_s: None, ..self.all };
+        let mut samples =
+            Samples { trials: Vec::new(), rows: Vec::new(), clock_deviation_s: None, ..self.all };
         for (trial, ProtocolTrial { commands, load_kg }) in protocol.trials.iter().enumerate() {
             samples.trials.push(TrialCommands {
                 number: trial as u64,
@@ -123,10 +156,12 @@ impl Problem<'_> {
 
     fn protocol_commands(&self, protocol: &Protocol) -> Recording {
         let width = protocol.trials[0].commands.width();
-        let actuation = if self.all.trials[0].tensions { Actuation::Tensions } else { Actuation::Lengths };
+        let actuation =
+            if self.all.trials[0].tensions { Actuation::Tensions } else { Actuation::Lengths };
         let mut commands = Recording::new(actuation, width);
         let mut loads = Vec::new();
-        for (trial, ProtocolTrial { commands: rows, load_kg }) in protocol.trials.iter().enumerate() {
+        for (trial, ProtocolTrial { commands: rows, load_kg }) in protocol.trials.iter().enumerate()
+        {
             // The last command is held for a step like all others, so its row is repeated.
             for (k, row) in rows.iter().chain(rows.iter().last()).enumerate() {
                 commands.trial.push(trial as u64);
@@ -140,8 +175,8 @@ impl Problem<'_> {
     }
 }
 
-/// Norm of `apart`, in standard deviations, after a fit of the `slopes` and of the `free` columns (with a prior
-/// deviation each).
+/// Norm of `apart`, in standard deviations, after a fit of the `slopes` and of the `free` columns
+/// (with a prior deviation each).
 fn separation_sigma(
     samples: &Samples,
     noise: &Ar1Noise,
@@ -176,15 +211,16 @@ mod tests {
     use crate::discovery::fit::simulate::circling;
     use crate::discovery::options::Options;
 
-    /// A weight follows gravity and a force does not: remounting the base separates them; other protocols do so only
-    /// by inertia.
+    /// A weight follows gravity and a force does not: remounting the base separates them; other
+    /// protocols do so only by inertia.
     #[test]
     fn a_weight_and_a_force_like_it_are_told_apart_by_turning_the_base() {
         let model = Model::default();
         let options = Options::default();
         let problem = Problem::new(&model, circling(&model, &[]), None, &options).unwrap();
         let member = |name: &str, values: Vec<f64>| {
-            let candidate = problem.candidates.iter().position(|one| one.card.name == name).unwrap();
+            let candidate =
+                problem.candidates.iter().position(|one| one.card.name == name).unwrap();
             vec![SetMember { candidate, values }]
         };
         let force_n = model.robot.gravity_m_s2.map(|g| 0.01 * g).to_vec();

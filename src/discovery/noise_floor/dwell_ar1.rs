@@ -23,9 +23,12 @@ pub(crate) struct SquareSumMoments {
 }
 
 impl SquareSumMoments {
-    /// Moments for groups of these sizes with correlated neighbours, including the uncertainty of the correlation
-    /// itself (to first order).
-    pub(crate) fn of(counts: impl Iterator<Item = usize> + Clone, correlation: f64) -> SquareSumMoments {
+    /// Moments for groups of these sizes with correlated neighbours, including the uncertainty of
+    /// the correlation itself (to first order).
+    pub(crate) fn of(
+        counts: impl Iterator<Item = usize> + Clone,
+        correlation: f64,
+    ) -> SquareSumMoments {
         let sums = |correlation: f64| {
             let each = counts.clone().map(|count| moments(count, correlation));
             each.fold([0.0, 0.0], |sum, moments| [sum[0] + moments[0], sum[1] + moments[1]])
@@ -36,25 +39,29 @@ impl SquareSumMoments {
         }
         let slope = (sums(correlation)[0] - sums(correlation - DIFFERENCE)[0]) / DIFFERENCE;
         let samples = counts.map(beyond_two).sum::<usize>().max(1) as f64;
-        // Variance of an estimated correlation on one axis: Quenouille, Journal of the Royal Statistical Society 110,
-        // 1947.
+        // Variance of an estimated correlation on one axis: Quenouille, Journal of the Royal
+        // Statistical Society 110, 1947.
         let unknown = slope * slope * (1.0 - correlation * correlation) / samples;
         SquareSumMoments { mean, half_variance: half_variance + 0.5 * unknown }
     }
 
     /// Moments of the sum of both.
     pub(crate) fn combined_with(self, other: SquareSumMoments) -> SquareSumMoments {
-        SquareSumMoments { mean: self.mean + other.mean, half_variance: self.half_variance + other.half_variance }
+        SquareSumMoments {
+            mean: self.mean + other.mean,
+            half_variance: self.half_variance + other.half_variance,
+        }
     }
 
-    /// Degrees of freedom of a scaled χ² with this mean and variance (Box, Annals of Mathematical Statistics 25,
-    /// 1954).
+    /// Degrees of freedom of a scaled χ² with this mean and variance (Box, Annals of Mathematical
+    /// Statistics 25, 1954).
     pub(crate) fn freedom(&self) -> f64 {
         if self.half_variance > 0.0 { self.mean * self.mean / self.half_variance } else { 0.0 }
     }
 }
 
-/// Mean and half the variance of the sum of squares about the mean of `count` samples of unit variance.
+/// Mean and half the variance of the sum of squares about the mean of `count` samples of unit
+/// variance.
 fn moments(count: usize, correlation: f64) -> [f64; 2] {
     let n = count as f64;
     let powers: Vec<f64> = (0..count).map(|lag| correlation.powf(lag as f64)).collect();
@@ -65,10 +72,12 @@ fn moments(count: usize, correlation: f64) -> [f64; 2] {
     let rows: Vec<f64> = (0..count).map(|k| sums[k] + sums[count - 1 - k] - 1.0).collect();
     let all: f64 = rows.iter().sum();
     // Σ ρᵢⱼ²: each lag occurs twice in the matrix, but for the diagonal.
-    let square = |lag: usize| if lag == 0 { n } else { 2.0 * (n - lag as f64) * powers[lag].powi(2) };
+    let square =
+        |lag: usize| if lag == 0 { n } else { 2.0 * (n - lag as f64) * powers[lag].powi(2) };
     let squares: f64 = (0..count).map(square).sum();
     // tr((C R)²) with the centring matrix C, half the variance of a Gaussian quadratic form.
-    let half_variance = squares - 2.0 / n * rows.iter().map(|row| row * row).sum::<f64>() + (all / n).powi(2);
+    let half_variance =
+        squares - 2.0 / n * rows.iter().map(|row| row * row).sum::<f64>() + (all / n).powi(2);
     [n - all / n, half_variance]
 }
 
@@ -79,15 +88,16 @@ fn beyond_two(count: usize) -> usize {
 /// Sums of squares about the mean along each axis, m².
 pub(crate) fn squares_m2(samples: &Samples, group: &[usize]) -> [f64; 3] {
     std::array::from_fn(|axis| {
-        let values: Vec<f64> = group.iter().map(|&row| samples.rows[row].position_m[axis]).collect();
+        let values: Vec<f64> =
+            group.iter().map(|&row| samples.rows[row].position_m[axis]).collect();
         let mean = crate::math::summary::mean(&values);
         values.iter().map(|value| (value - mean).powi(2)).sum()
     })
 }
 
-/// Correlation of consecutive samples: `believed`, unless the `dwells` contradict it by the ratio of successive
-/// differences to the variance (von Neumann, Annals of Mathematical Statistics 12, 1941). Model errors are correlated,
-/// too.
+/// Correlation of consecutive samples: `believed`, unless the `dwells` contradict it by the ratio
+/// of successive differences to the variance (von Neumann, Annals of Mathematical Statistics 12,
+/// 1941). Model errors are correlated, too.
 pub(crate) fn correlation(samples: &Samples, dwells: &[&[usize]], believed: f64) -> f64 {
     let count: usize = dwells.iter().map(|dwell| beyond_two(dwell.len())).sum();
     if count < MIN_SAMPLES {
@@ -98,7 +108,8 @@ pub(crate) fn correlation(samples: &Samples, dwells: &[&[usize]], believed: f64)
     if (measured - believed).abs() < CONTRADICTION_SIGMA * deviation { believed } else { measured }
 }
 
-/// The correlation that the ratio of successive differences to the variance shows, by bisection of its expectation.
+/// The correlation that the ratio of successive differences to the variance shows, by bisection of
+/// its expectation.
 fn measured_correlation(samples: &Samples, dwells: &[&[usize]]) -> f64 {
     let half_m2 = |dwell: &[usize], axis: usize| -> f64 {
         let at = |row: usize| samples.rows[row].position_m[axis];

@@ -1,5 +1,5 @@
-//! Noise floor from the data: repeated starts at home, dwells at rest, and differences of consecutive samples, in
-//! which model errors hardly appear.
+//! Noise floor from the data: repeated starts at home, dwells at rest, and differences of
+//! consecutive samples, in which model errors hardly appear.
 
 pub(crate) mod dwell_ar1;
 pub(crate) mod model_form;
@@ -26,14 +26,19 @@ pub(crate) struct NoiseFloor {
     pub(crate) from: Vec<String>,
 }
 
-/// Significance level at which two estimates contradict each other. It is low because consecutive differences can miss
-/// noise with memory and because few repeats scatter widely.
+/// Significance level at which two estimates contradict each other. It is low because consecutive
+/// differences can miss noise with memory and because few repeats scatter widely.
 const CONTRADICTION_SIGNIFICANCE: f64 = 1e-5;
 
 impl NoiseFloor {
-    /// Pooled estimate from repeats, dwells and consecutive differences. The differences are used only if the residual
-    /// in `nuisance_fit` is uncorrelated and repeats do not contradict them. `simulated_m`: simulated tip.
-    pub(crate) fn estimate(samples: &Samples, nuisance_fit: &NuisanceFit, simulated_m: &[f64]) -> NoiseFloor {
+    /// Pooled estimate from repeats, dwells and consecutive differences. The differences are used
+    /// only if the residual in `nuisance_fit` is uncorrelated and repeats do not contradict them.
+    /// `simulated_m`: simulated tip.
+    pub(crate) fn estimate(
+        samples: &Samples,
+        nuisance_fit: &NuisanceFit,
+        simulated_m: &[f64],
+    ) -> NoiseFloor {
         let repeats = NoiseFloor::from_repeats(samples, nuisance_fit.noise.correlation);
         let neighbours = estimate_nugget(samples, nuisance_fit, simulated_m);
         match neighbours.filter(|neighbours| !repeats.contradicts(neighbours)) {
@@ -51,8 +56,8 @@ impl NoiseFloor {
         }
     }
 
-    /// From repeated starts and dwells; zero degrees of freedom without either. `correlation`: that of the residual,
-    /// used unless dwells contradict it.
+    /// From repeated starts and dwells; zero degrees of freedom without either. `correlation`: that
+    /// of the residual, used unless dwells contradict it.
     pub(crate) fn from_repeats(samples: &Samples, correlation: f64) -> NoiseFloor {
         NoiseFloor::from_groups(samples, &groups(samples), correlation)
     }
@@ -68,13 +73,18 @@ impl NoiseFloor {
             groups.iter().map(Vec::as_slice).partition(|group| is_start(samples, group));
         let correlation = dwell_ar1::correlation(samples, &dwells, correlation);
         // Starts are independent; samples at rest are correlated.
-        let moments = SquareSumMoments::of(starts.iter().map(|group| group.len()), 0.0)
-            .combined_with(SquareSumMoments::of(dwells.iter().map(|group| group.len()), correlation));
-        let squares_m2: Vec<[f64; 3]> = groups.iter().map(|group| dwell_ar1::squares_m2(samples, group)).collect();
+        let moments =
+            SquareSumMoments::of(starts.iter().map(|group| group.len()), 0.0).combined_with(
+                SquareSumMoments::of(dwells.iter().map(|group| group.len()), correlation),
+            );
+        let squares_m2: Vec<[f64; 3]> =
+            groups.iter().map(|group| dwell_ar1::squares_m2(samples, group)).collect();
         let variance = |axis: usize| {
-            squares_m2.iter().map(|squares| squares[axis]).sum::<f64>() / moments.mean.max(f64::MIN_POSITIVE)
+            squares_m2.iter().map(|squares| squares[axis]).sum::<f64>()
+                / moments.mean.max(f64::MIN_POSITIVE)
         };
-        let [starts, dwells] = [starts, dwells].map(|groups| groups.iter().map(|group| group.len()).sum::<usize>());
+        let [starts, dwells] =
+            [starts, dwells].map(|groups| groups.iter().map(|group| group.len()).sum::<usize>());
         let mut from = Vec::new();
         from.extend((starts > 1).then(|| format!("{starts} starts at home")));
         from.extend((dwells > 1).then(|| format!("{dwells} samples at rest")));
@@ -98,7 +108,10 @@ impl NoiseFloor {
 
     /// Probability that noise of this floor yields `other` or more.
     pub(crate) fn p_value_of(&self, other: &NoiseFloor) -> f64 {
-        self.p_value(other.variance_m2.iter().sum(), effective_axes(&other.variance_m2) * other.freedom)
+        self.p_value(
+            other.variance_m2.iter().sum(),
+            effective_axes(&other.variance_m2) * other.freedom,
+        )
     }
 
     /// Whether `other` is significantly larger.
@@ -117,8 +130,9 @@ impl NoiseFloor {
         }
         let all = self.freedom + other.freedom;
         // Pool variances by degrees of freedom, as in an analysis of variance.
-        let mean =
-            |axis: usize| (self.freedom * self.variance_m2[axis] + other.freedom * other.variance_m2[axis]) / all;
+        let mean = |axis: usize| {
+            (self.freedom * self.variance_m2[axis] + other.freedom * other.variance_m2[axis]) / all
+        };
         let from = [self.from, other.from].concat();
         NoiseFloor { variance_m2: std::array::from_fn(mean), freedom: all, from }
     }
@@ -141,15 +155,16 @@ mod tests {
         for (k, (trial, sample)) in samples.trials.iter_mut().zip(&mut samples.rows).enumerate() {
             let weighed = k % 2 == 1;
             trial.known_load_kg = if weighed { 0.02 } else { 0.0 };
-            sample.position_m = [if weighed { 0.01 } else { 0.0 } + 1e-4 * (k / 2) as f64, 0.0, 0.2];
+            sample.position_m =
+                [if weighed { 0.01 } else { 0.0 } + 1e-4 * (k / 2) as f64, 0.0, 0.2];
         }
         let floor = NoiseFloor::from_repeats(&samples, 0.0);
         assert_eq!((floor.freedom, floor.from), (2.0, vec!["4 starts at home".to_owned()]));
         assert!((floor.variance_m2[0] - 0.5e-8).abs() < 1e-15, "{:?}", floor.variance_m2);
     }
 
-    /// Consecutive differences help where few repeats scatter little by chance, and are not used where repeats
-    /// contradict them.
+    /// Consecutive differences help where few repeats scatter little by chance, and are not used
+    /// where repeats contradict them.
     #[test]
     fn neighbours_help_where_repeats_do_not_contradict_them() {
         for (starts, all) in [(1.0, 1.0), (0.4, 1.0), (0.05, 0.05)] {
@@ -162,7 +177,8 @@ mod tests {
                 sample.position_m = std::array::from_fn(|axis| times * residual_m[3 * row + axis]);
             }
             let noise = Ar1Noise::estimate(&samples, &residual_m, 0.0);
-            let nuisance_fit = NuisanceFit { noise, amounts: DVector::zeros(0), residual_m, deviance: 0.0 };
+            let nuisance_fit =
+                NuisanceFit { noise, amounts: DVector::zeros(0), residual_m, deviance: 0.0 };
             let floor = NoiseFloor::estimate(&samples, &nuisance_fit, &simulated_m);
             let ratio = floor.rms_m() / (3.0_f64.sqrt() * NOISE_M);
             assert!((ratio / all - 1.0).abs() < 0.25, "{starts}: {ratio}, {:?}", floor.from);
@@ -187,7 +203,9 @@ mod tests {
                 }
                 let floor = NoiseFloor::from_repeats(&samples, correlation);
                 ratios.push((floor.rms_m() / NOISE_M).powi(2) / 3.0);
-                let all_m2 = samples.rows.iter().flat_map(|row| row.position_m).map(|x| x * x).sum::<f64>() / 300.0;
+                let all_m2 =
+                    samples.rows.iter().flat_map(|row| row.position_m).map(|x| x * x).sum::<f64>()
+                        / 300.0;
                 let known = Ar1Noise { sigma_m: [NOISE_M; 3], correlation };
                 low += usize::from(floor.p_value(all_m2, 3.0 * known.independent(300)) < 0.05);
             }

@@ -1,6 +1,6 @@
-//! Noise variance from consecutive samples: the nugget, the variogram's limit for zero displacement (Matheron,
-//! Economic Geology 58, 1963; from differences in time, Rice, Annals of Statistics 12, 1984). Model errors change with
-//! the position and motion of the tip and vanish in this limit.
+//! Noise variance from consecutive samples: the nugget, the variogram's limit for zero displacement
+//! (Matheron, Economic Geology 58, 1963; from differences in time, Rice, Annals of Statistics 12,
+//! 1984). Model errors change with the position and motion of the tip and vanish in this limit.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -11,15 +11,15 @@ use crate::discovery::recording::samples::Samples;
 
 /// Minimum number of consecutive pairs.
 const MIN_PAIRS: usize = 20;
-/// Correlations beyond this many standard deviations rule the estimate out: noise with memory and model errors cannot
-/// be told apart.
+/// Correlations beyond this many standard deviations rule the estimate out: noise with memory and
+/// model errors cannot be told apart.
 const MAX_CORRELATION_SIGMA: f64 = 3.0;
-/// Variance of the mean of n half squared consecutive differences over that of n independent ones: neighbours share a
-/// sample.
+/// Variance of the mean of n half squared consecutive differences over that of n independent ones:
+/// neighbours share a sample.
 const SHARED_SAMPLE_FACTOR: f64 = 1.5;
 
-/// The nugget of the residual of `nuisance_fit`; `simulated_m` is the simulated tip. None if the residual is
-/// correlated, too few samples are consecutive, or none are close to each other.
+/// The nugget of the residual of `nuisance_fit`; `simulated_m` is the simulated tip. None if the
+/// residual is correlated, too few samples are consecutive, or none are close to each other.
 pub(crate) fn estimate_nugget(
     samples: &Samples,
     nuisance_fit: &NuisanceFit,
@@ -28,7 +28,8 @@ pub(crate) fn estimate_nugget(
     let pairs = samples.consecutive_rows();
     // A correlation of white noise has a deviation of 1/√n, over three axes.
     let deviation = 1.0 / (3.0 * pairs.len() as f64).sqrt();
-    if pairs.len() < MIN_PAIRS || nuisance_fit.noise.correlation > MAX_CORRELATION_SIGMA * deviation {
+    if pairs.len() < MIN_PAIRS || nuisance_fit.noise.correlation > MAX_CORRELATION_SIGMA * deviation
+    {
         return None;
     }
     let moved = moved(&sample_covariates(samples, simulated_m), &pairs);
@@ -39,11 +40,15 @@ pub(crate) fn estimate_nugget(
         let half = |&row: &usize| 0.5 * (at(row) - at(row - 1)).powi(2);
         let halves = DVector::from_iterator(pairs.len(), pairs.iter().map(half));
         let fitted = &inverse * moved.tr_mul(&halves);
-        (fitted[0], (halves - &moved * fitted).norm_squared() / (pairs.len() - moved.ncols()) as f64)
+        (
+            fitted[0],
+            (halves - &moved * fitted).norm_squared() / (pairs.len() - moved.ncols()) as f64,
+        )
     };
     let lines: [(f64, f64); 3] = std::array::from_fn(line);
     let variance_m2 = lines.map(|(nothing_moves, _)| nothing_moves);
-    // About the regression line, noise alone scatters by twice its variance squared; model errors add to this.
+    // About the regression line, noise alone scatters by twice its variance squared; model errors
+    // add to this.
     let squares: f64 = variance_m2.iter().map(|variance| 2.0 * variance * variance).sum();
     let scatter: f64 = lines.iter().map(|(_, scatter)| scatter).sum();
     // Noise in model errors, too, makes the intercept less certain than noise alone would.
@@ -54,13 +59,15 @@ pub(crate) fn estimate_nugget(
     is_sound.then_some(NoiseFloor { variance_m2, freedom, from })
 }
 
-/// Regressors, one row a pair: one, squared displacement, and squared change of displacement, the latter two over
-/// their means.
+/// Regressors, one row a pair: one, squared displacement, and squared change of displacement, the
+/// latter two over their means.
 fn moved(covariates: &[Covariates], pairs: &[usize]) -> DMatrix<f64> {
     let square = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>();
     let way = |row: usize| square(covariates[row].moved_m);
     let change = |row: usize| {
-        square(std::array::from_fn(|axis| covariates[row].moved_m[axis] - covariates[row - 1].moved_m[axis]))
+        square(std::array::from_fn(|axis| {
+            covariates[row].moved_m[axis] - covariates[row - 1].moved_m[axis]
+        }))
     };
     let column = |of: &dyn Fn(usize) -> f64| -> Vec<f64> {
         let values: Vec<f64> = pairs.iter().map(|&row| of(row)).collect();
@@ -81,22 +88,26 @@ mod tests {
 
     const NOISE_M: f64 = 5e-4;
 
-    /// Six trials of fifty samples of a tip that wanders by some centimetres: samples, positions and displacements.
+    /// Six trials of fifty samples of a tip that wanders by some centimetres: samples, positions
+    /// and displacements.
     fn wandering(seed: u64) -> (Samples, Vec<f64>, Vec<f64>) {
         let samples = Samples::alike(6, 50);
         let mut step = white_noise(5e-3, seed);
         let (mut simulated_m, mut moved, mut tip) = (Vec::new(), Vec::new(), [0.0; 3]);
         for sample in &samples.rows {
-            let moves: [f64; 3] = std::array::from_fn(|_| if sample.row == 0 { 0.0 } else { step() });
-            tip = std::array::from_fn(|axis| if sample.row == 0 { 0.0 } else { tip[axis] + moves[axis] });
+            let moves: [f64; 3] =
+                std::array::from_fn(|_| if sample.row == 0 { 0.0 } else { step() });
+            tip = std::array::from_fn(
+                |axis| if sample.row == 0 { 0.0 } else { tip[axis] + moves[axis] },
+            );
             simulated_m.extend(tip);
             moved.extend(moves);
         }
         (samples, simulated_m, moved)
     }
 
-    /// The nugget for noise of this correlation and a model error of `lag` times the displacement plus `scale` times
-    /// the position.
+    /// The nugget for noise of this correlation and a model error of `lag` times the displacement
+    /// plus `scale` times the position.
     fn told(correlation: f64, [lag, scale]: [f64; 2], seed: u64) -> Option<NoiseFloor> {
         let (samples, simulated_m, moved) = wandering(seed);
         let noise = samples.noise(NOISE_M, correlation, 1000 + seed);
@@ -113,14 +124,19 @@ mod tests {
     #[test]
     fn noise_is_told_as_well_as_it_says_and_apart_from_an_error_that_changes_with_the_motion() {
         for errors in [[0.0, 0.0], [0.1, 0.0]] {
-            let found: Vec<NoiseFloor> = (0..300).filter_map(|seed| told(0.0, errors, seed)).collect();
+            let found: Vec<NoiseFloor> =
+                (0..300).filter_map(|seed| told(0.0, errors, seed)).collect();
             assert!(found.len() > 280, "{errors:?}: {}", found.len());
-            let ratios: Vec<f64> = found.iter().map(|own| own.variance_m2[0] / NOISE_M.powi(2)).collect();
+            let ratios: Vec<f64> =
+                found.iter().map(|own| own.variance_m2[0] / NOISE_M.powi(2)).collect();
             assert!((mean(&ratios) - 1.0).abs() < 0.05, "{errors:?}: {}", mean(&ratios));
             let freedom = mean(&found.iter().map(|own| own.freedom).collect::<Vec<f64>>());
             let promised = (2.0 / freedom).sqrt();
             let scatters = standard_deviation(&ratios);
-            assert!((scatters / promised - 1.0).abs() < 0.2, "{errors:?}: {scatters} of {promised}");
+            assert!(
+                (scatters / promised - 1.0).abs() < 0.2,
+                "{errors:?}: {scatters} of {promised}"
+            );
         }
     }
 

@@ -1,4 +1,5 @@
-//! Samples that repeat one measurement: first rows of trials at home, and samples during a held command.
+//! Samples that repeat one measurement: first rows of trials at home, and samples during a held
+//! command.
 
 use crate::discovery::recording::samples::{Samples, TrialCommands};
 
@@ -35,8 +36,8 @@ pub(crate) fn is_start(samples: &Samples, group: &[usize]) -> bool {
     group.first().is_some_and(|&row| samples.rows[row].row == 0)
 }
 
-/// First rows of trials at one place of the body under the same weight, if there are several. None where trials start
-/// anywhere.
+/// First rows of trials at one place of the body under the same weight, if there are several. None
+/// where trials start anywhere.
 pub(crate) fn starts(samples: &Samples) -> Vec<Vec<usize>> {
     let mut starts: Vec<(StartConditions, Vec<usize>)> = Vec::new();
     if !samples.at_home {
@@ -64,7 +65,8 @@ pub(crate) fn dwells(samples: &Samples) -> Vec<Vec<usize>> {
     let settled_s = if samples.at_rest() { f64::NEG_INFINITY } else { SETTLED_S };
     for (index, row) in samples.rows.iter().enumerate() {
         let Some(command) = samples.command_of(row) else { continue };
-        let hold = Hold { trial: row.trial, point: row.point, first: start_of_hold[row.trial][command] };
+        let hold =
+            Hold { trial: row.trial, point: row.point, first: start_of_hold[row.trial][command] };
         if held.is_none_or(|(last, _)| last != hold) {
             held = Some((hold, row.time_s));
             // A new hold ends the run of the last one.
@@ -90,13 +92,15 @@ fn start_of_hold(trial: &TrialCommands) -> Vec<usize> {
     start_of_hold
 }
 
-/// Largest change of a command that counts as held in poses at rest, metres or newtons: steps of an encoder.
+/// Largest change of a command that counts as held in poses at rest, metres or newtons: steps of an
+/// encoder.
 const HELD_TOLERANCE: f64 = 2e-5;
 
 /// Whether command `k` is the one before it.
 fn is_held(trial: &TrialCommands, k: usize) -> bool {
     let (now, before) = (trial.commands.row(k), trial.commands.row(k - 1));
-    let is_near = || now.iter().zip(before).all(|(now, before)| (now - before).abs() < HELD_TOLERANCE);
+    let is_near =
+        || now.iter().zip(before).all(|(now, before)| (now - before).abs() < HELD_TOLERANCE);
     // A motion repeats commands exactly; measured poses at rest carry encoder steps.
     now == before || trial.at_rest && is_near()
 }
@@ -126,8 +130,10 @@ mod tests {
             (1..30).for_each(|_| trial.commands.push(&[1.0]));
         });
         let with_point = |trial: usize| {
-            let tips: Vec<Sample> = samples.rows.iter().filter(|row| row.trial == trial).copied().collect();
-            let points: Vec<Sample> = tips.iter().map(|tip| Sample { point: Some(0), ..*tip }).collect();
+            let tips: Vec<Sample> =
+                samples.rows.iter().filter(|row| row.trial == trial).copied().collect();
+            let points: Vec<Sample> =
+                tips.iter().map(|tip| Sample { point: Some(0), ..*tip }).collect();
             [tips, points].concat()
         };
         samples.rows = [with_point(0), with_point(1)].concat();
@@ -143,8 +149,10 @@ mod tests {
         samples.trials[0].commands = Rows::new(1);
         (1..30).for_each(|_| samples.trials[0].commands.push(&[1.0]));
         assert_eq!(dwells(&samples).iter().map(Vec::len).collect::<Vec<_>>(), [24]);
-        let loads =
-            |k: usize| TipWrench { force_n: [f64::from(u8::from(k >= 15)), 0.0, 0.0].into(), ..TipWrench::default() };
+        let loads = |k: usize| TipWrench {
+            force_n: [f64::from(u8::from(k >= 15)), 0.0, 0.0].into(),
+            ..TipWrench::default()
+        };
         let mut loaded = samples.clone();
         loaded.trials[0].tip_loads = Some((0..29).map(loads).collect());
         assert_eq!(dwells(&loaded).iter().map(Vec::len).collect::<Vec<_>>(), [10, 9]);

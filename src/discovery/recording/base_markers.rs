@@ -1,4 +1,5 @@
-//! Base markers: they tell a tilted base from a rotated tracking frame, which look alike at the tip.
+//! Base markers: they tell a tilted base from a rotated tracking frame, which look alike at the
+//! tip.
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
@@ -11,8 +12,8 @@ const MOUNTING_ACCURACY_RAD: f64 = 2e-3;
 /// Tilts beyond this many standard deviations are considered possible.
 const MAX_DEVIATIONS: f64 = 1.5;
 
-/// Whether base markers in these `rows` show the base pose of the `model`, apart from rotation about its own axis.
-/// If they do, no tip error is a base tilt. False without markers.
+/// Whether base markers in these `rows` show the base pose of the `model`, apart from rotation
+/// about its own axis. If they do, no tip error is a base tilt. False without markers.
 pub(crate) fn base_matches_model(measured: &Recording, rows: &[usize], model: &Model) -> bool {
     let Some(base) = &measured.base else { return false };
     let modelled = UnitQuaternion::from_scaled_axis(model.rod(&[]).base_rotation_rad);
@@ -22,13 +23,15 @@ pub(crate) fn base_matches_model(measured: &Recording, rows: &[usize], model: &M
         .map(|pose| {
             let [w, x, y, z] = pose.quaternion;
             // In the base's own frame, where its axis is z and turns about it may be left out.
-            (modelled.inverse() * UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z))).scaled_axis()
+            (modelled.inverse() * UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z)))
+                .scaled_axis()
         })
         .collect();
     let is_straight = |axis: usize| {
         let about: Vec<f64> = turns.iter().map(|turn| turn[axis]).collect();
         // Mounting and noise are independent; the mean averages noise alone.
-        let deviation = MOUNTING_ACCURACY_RAD.hypot(standard_deviation(&about) / (about.len() as f64).sqrt());
+        let deviation =
+            MOUNTING_ACCURACY_RAD.hypot(standard_deviation(&about) / (about.len() as f64).sqrt());
         mean(&about).abs() < MAX_DEVIATIONS * deviation
     };
     // Markers are seldom mounted at a known angle about the base's own axis.
@@ -55,7 +58,8 @@ mod tests {
     #[test]
     fn a_base_is_compared_with_that_of_the_model() {
         let mut model = Model::default();
-        let stands = |measured: &Recording, model: &Model| base_matches_model(measured, &FIRST_TRIAL, model);
+        let stands =
+            |measured: &Recording, model: &Model| base_matches_model(measured, &FIRST_TRIAL, model);
         assert!(!stands(&Recording::new(Actuation::Lengths, 4), &model), "nobody looked");
         let tilted = [0.0, 0.025, 0.3];
         assert!(stands(&turned([0.0, 0.001, 0.0]), &model));
@@ -72,7 +76,9 @@ mod tests {
         let mut model = Model::default();
         let lying = UnitQuaternion::from_scaled_axis(Vector3::y() * std::f64::consts::FRAC_PI_2);
         model.robot.base_rotation_rad = lying.scaled_axis().into();
-        let about = |axis: Vector3<f64>| (UnitQuaternion::from_scaled_axis(axis * 0.1) * lying).scaled_axis().into();
+        let about = |axis: Vector3<f64>| {
+            (UnitQuaternion::from_scaled_axis(axis * 0.1) * lying).scaled_axis().into()
+        };
         assert!(base_matches_model(&turned(about(Vector3::x())), &FIRST_TRIAL, &model));
         assert!(!base_matches_model(&turned(about(Vector3::z())), &FIRST_TRIAL, &model));
     }

@@ -1,4 +1,5 @@
-//! Blocks of a recording, each simulated and held out on its own: trials, or parts of a recording without several.
+//! Blocks of a recording, each simulated and held out on its own: trials, or parts of a recording
+//! without several.
 
 use std::ops::Range;
 
@@ -9,8 +10,8 @@ use crate::effects::Starts;
 const STRETCHES: usize = 8;
 /// Fewest rows of such a part.
 const MIN_ROWS: usize = 8;
-/// Commands before a block that are played first, so that the robot arrives in motion and with its history: seconds, and
-/// rows of a recording of poses at rest.
+/// Commands before a block that are played first, so that the robot arrives in motion and with its
+/// history: seconds, and rows of a recording of poses at rest.
 const LEAD_IN_S: f64 = 5.0;
 const LEAD_IN_ROWS: usize = 10;
 /// Time for which the last command before a trial is held, seconds.
@@ -30,7 +31,8 @@ pub(crate) struct Playing {
 pub(crate) struct Block {
     /// Number of the trial, or of the part where trials are divided.
     pub(crate) number: u64,
-    /// First row whose command is played: before `rows` where the block goes on from what was before.
+    /// First row whose command is played: before `rows` where the block goes on from what was
+    /// before.
     pub(crate) lead_in: usize,
     /// Rows that are compared.
     pub(crate) rows: Range<usize>,
@@ -59,12 +61,13 @@ pub(crate) fn kind(measured: &Recording, playing: Playing) -> BlockKind {
     }
 }
 
-/// The blocks of `measured`: with poses at rest the runs of one `pattern` where there are several, else the trials; a
-/// single trial is divided evenly.
+/// The blocks of `measured`: with poses at rest the runs of one `pattern` where there are several,
+/// else the trials; a single trial is divided evenly.
 pub(crate) fn blocks(measured: &Recording, playing: Playing) -> Vec<Block> {
     let trials = measured.trials();
     let labels = measured.pattern.as_deref().unwrap_or_default();
-    let numbered = |ranges: Vec<Range<usize>>| (0..).zip(ranges).collect::<Vec<(u64, Range<usize>)>>();
+    let numbered =
+        |ranges: Vec<Range<usize>>| (0..).zip(ranges).collect::<Vec<(u64, Range<usize>)>>();
     let (parts, goes_on) = match kind(measured, playing) {
         BlockKind::Pattern => {
             let of_trial = |(_, rows): &(u64, Range<usize>)| runs(labels, rows.clone());
@@ -101,12 +104,13 @@ pub(crate) fn caveats(measured: &Recording, playing: Playing) -> Vec<String> {
             format!("{LEAD_IN_S} seconds")
         };
         format!(
-            "The recording was divided into {parts}, which count as trials here; each is simulated from {before} before \
-             it, so what happened earlier has no influence."
+            "The recording was divided into {parts}, which count as trials here; each is simulated \
+             from {before} before it, so what happened earlier has no influence."
         )
     });
     let at_rest = playing.at_rest.then(|| {
-        "Every row was taken as a pose at rest under its own command: effects that only a motion shows were not searched."
+        "Every row was taken as a pose at rest under its own command: effects that only a motion \
+         shows were not searched."
             .to_owned()
     });
     at_rest.into_iter().chain(divided).collect()
@@ -122,7 +126,8 @@ fn runs(labels: &[String], rows: Range<usize>) -> Vec<Range<usize>> {
     labels[rows].chunk_by(|a, b| a == b).map(run).collect()
 }
 
-/// First row to be played before row `start`: as far back as has influence, under the same weight and gravity.
+/// First row to be played before row `start`: as far back as has influence, under the same weight
+/// and gravity.
 fn lead_in(measured: &Recording, start: usize, playing: Playing) -> usize {
     let weight = |row: usize| {
         let load_kg = measured.known_load_kg.as_ref().map(|load| load[row]);
@@ -131,8 +136,10 @@ fn lead_in(measured: &Recording, start: usize, playing: Playing) -> usize {
     let (mut first, mut before_s) = (start, 0.0);
     // One simulation has one weight and one gravity.
     while first > 0 && weight(first - 1) == weight(start) {
-        let is_far = if playing.at_rest { start - first >= LEAD_IN_ROWS } else { before_s >= LEAD_IN_S };
-        let is_cut = playing.starts != Starts::Continue && measured.trial[first - 1] != measured.trial[start];
+        let is_far =
+            if playing.at_rest { start - first >= LEAD_IN_ROWS } else { before_s >= LEAD_IN_S };
+        let is_cut = playing.starts != Starts::Continue
+            && measured.trial[first - 1] != measured.trial[start];
         if is_far || is_cut {
             break;
         }
@@ -169,9 +176,15 @@ mod tests {
         recording
     }
 
-    fn told(recording: &Recording, starts: Starts, at_rest: bool) -> Vec<(u64, usize, Range<usize>, Starts)> {
+    fn told(
+        recording: &Recording,
+        starts: Starts,
+        at_rest: bool,
+    ) -> Vec<(u64, usize, Range<usize>, Starts)> {
         let each = blocks(recording, Playing { starts, at_rest });
-        each.into_iter().map(|block| (block.number, block.lead_in, block.rows, block.starts)).collect()
+        each.into_iter()
+            .map(|block| (block.number, block.lead_in, block.rows, block.starts))
+            .collect()
     }
 
     #[test]
@@ -196,7 +209,8 @@ mod tests {
     #[test]
     fn poses_at_rest_are_parted_by_pattern() {
         let mut recording = recorded(&[30]);
-        recording.pattern = Some((0..30).map(|row| ["pull", "circle"][row / 20].to_owned()).collect());
+        recording.pattern =
+            Some((0..30).map(|row| ["pull", "circle"][row / 20].to_owned()).collect());
         let parts = told(&recording, Starts::Anywhere, true);
         assert_eq!(parts, [(0, 0, 0..20, Starts::Anywhere), (1, 10, 20..30, Starts::Anywhere)]);
     }

@@ -1,4 +1,5 @@
-//! Covariates of each sample: quantities known from model and commands alone, which residuals are compared with.
+//! Covariates of each sample: quantities known from model and commands alone, which residuals are
+//! compared with.
 
 use super::samples::Samples;
 use crate::base::Rows;
@@ -28,8 +29,10 @@ pub(crate) struct Covariates {
 
 /// Covariates of all samples, which the model simulates at `simulated_m`.
 pub(crate) fn sample_covariates(samples: &Samples, simulated_m: &[f64]) -> Vec<Covariates> {
-    let position = |row: usize| -> [f64; 3] { std::array::from_fn(|axis| simulated_m[3 * row + axis]) };
-    let largest: Vec<Vec<Vec<f64>>> = samples.trials.iter().map(|trial| running_maxima(&trial.commands)).collect();
+    let position =
+        |row: usize| -> [f64; 3] { std::array::from_fn(|axis| simulated_m[3 * row + axis]) };
+    let largest: Vec<Vec<Vec<f64>>> =
+        samples.trials.iter().map(|trial| running_maxima(&trial.commands)).collect();
     samples
         .rows
         .iter()
@@ -44,7 +47,9 @@ pub(crate) fn sample_covariates(samples: &Samples, simulated_m: &[f64]) -> Vec<C
                     .map_or_else(|| vec![0.0; width], |row| commands.row(row).to_vec())
             };
             let (now, last, older) = (before(0), before(1), before(2));
-            let difference = |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a - b).collect() };
+            let difference = |a: &[f64], b: &[f64]| -> Vec<f64> {
+                a.iter().zip(b).map(|(a, b)| a - b).collect()
+            };
             let since = samples.steps_since_last(index);
             let from = if since.is_some() { position(index - 1) } else { position(index) };
             let moved_m: [f64; 3] = std::array::from_fn(|axis| position(index)[axis] - from[axis]);
@@ -53,7 +58,8 @@ pub(crate) fn sample_covariates(samples: &Samples, simulated_m: &[f64]) -> Vec<C
                 time_s: sample.time_s,
                 position_m: position(index),
                 moved_m,
-                velocity_m_s: moved_m.map(|moved_m| moved_m / (since.unwrap_or(1.0) * samples.tracked_step_s)),
+                velocity_m_s: moved_m
+                    .map(|moved_m| moved_m / (since.unwrap_or(1.0) * samples.tracked_step_s)),
                 change: difference(&now, &last),
                 change_before: difference(&last, &older),
                 command: now,
@@ -64,12 +70,15 @@ pub(crate) fn sample_covariates(samples: &Samples, simulated_m: &[f64]) -> Vec<C
         .collect()
 }
 
-/// Running maximum of each tendon's command: before the first row, before the second, … after the last.
+/// Running maximum of each tendon's command: before the first row, before the second, … after the
+/// last.
 fn running_maxima(commands: &Rows) -> Vec<Vec<f64>> {
     let mut maxima = vec![vec![0.0; commands.width()]];
     for row in commands.iter() {
         let last = &maxima[maxima.len() - 1];
-        maxima.push(last.iter().zip(row).map(|(largest, now): (&f64, &f64)| largest.max(*now)).collect());
+        maxima.push(
+            last.iter().zip(row).map(|(largest, now): (&f64, &f64)| largest.max(*now)).collect(),
+        );
     }
     maxima
 }

@@ -1,9 +1,10 @@
-//! Choice of held-out trials: whole trials, chosen by their commands alone so that both parts exercise every tendon.
-//! Measured values have no influence.
+//! Choice of held-out trials: whole trials, chosen by their commands alone so that both parts
+//! exercise every tendon. Measured values have no influence.
 
 use super::samples::Samples;
 
-/// With more possible choices than this, one choice is improved by exchanges instead of comparing all.
+/// With more possible choices than this, one choice is improved by exchanges instead of comparing
+/// all.
 const MAX_COMPARED_CHOICES: usize = 20_000;
 /// Row shares above this bring no further benefit.
 const MAX_ROW_SHARE: f64 = 0.75;
@@ -53,9 +54,16 @@ impl TrialStatistics {
         let rows: Vec<f64> = samples.ranges().iter().map(|range| range.len() as f64).collect();
         // At least one trial on either side.
         let held = ((count as f64 * share).ceil() as usize).clamp(1, count - 1);
-        let mean = |tendon: usize| spreads.iter().map(|spread| spread[tendon]).sum::<f64>() / count as f64;
+        let mean =
+            |tendon: usize| spreads.iter().map(|spread| spread[tendon]).sum::<f64>() / count as f64;
         let usual = (0..spreads[0].len()).map(mean).collect();
-        TrialStatistics { usual, usual_rows: rows.iter().sum::<f64>() / count as f64, spreads, rows, held }
+        TrialStatistics {
+            usual,
+            usual_rows: rows.iter().sum::<f64>() / count as f64,
+            spreads,
+            rows,
+            held,
+        }
     }
 
     fn count(&self) -> usize {
@@ -77,7 +85,8 @@ impl TrialStatistics {
 
     /// Evenly spaced trials, improved by exchanging single trials as long as that helps.
     fn improved_by_exchange(&self) -> Vec<usize> {
-        let mut choice: Vec<usize> = (0..self.held).map(|k| (2 * k + 1) * self.count() / (2 * self.held)).collect();
+        let mut choice: Vec<usize> =
+            (0..self.held).map(|k| (2 * k + 1) * self.count() / (2 * self.held)).collect();
         let mut quality = self.quality(&choice);
         loop {
             let quality_before = quality;
@@ -115,7 +124,9 @@ impl TrialStatistics {
         let sum = |of: &dyn Fn(usize) -> f64| held_out.iter().map(|&trial| of(trial)).sum::<f64>();
         let [proved, fitted] = shares(sum(&|trial| self.rows[trial]), self.usual_rows);
         let used = (0..self.usual.len()).filter(|&tendon| self.usual[tendon] > 0.0);
-        let exercise = used.flat_map(|tendon| shares(sum(&|trial| self.spreads[trial][tendon]), self.usual[tendon]));
+        let exercise = used.flat_map(|tendon| {
+            shares(sum(&|trial| self.spreads[trial][tendon]), self.usual[tendon])
+        });
         SplitQuality {
             // Beyond three quarters more rows are worth less than even use of the tendons.
             rows: fitted.min(HELD_OUT_WEIGHT * proved).min(MAX_ROW_SHARE),
@@ -128,7 +139,8 @@ fn is_better(there: SplitQuality, here: SplitQuality) -> bool {
     const TOLERANCE: f64 = 1e-9;
     let has_as_many_rows = there.rows > here.rows - TOLERANCE;
     // Without the tolerance rounding could make two equal choices replace each other for ever.
-    there.rows > here.rows + TOLERANCE || has_as_many_rows && there.tendons > here.tendons + TOLERANCE
+    there.rows > here.rows + TOLERANCE
+        || has_as_many_rows && there.tendons > here.tendons + TOLERANCE
 }
 
 /// Sum of squared commands of each tendon in a trial.
@@ -184,7 +196,8 @@ mod tests {
         samples.rows.clear();
         for (trial, &(rows, tendons)) in trials.iter().enumerate() {
             let mut commands = Rows::new(4);
-            let row: [f64; 4] = std::array::from_fn(|tendon| if tendons.contains(&tendon) { 0.01 } else { 0.0 });
+            let row: [f64; 4] =
+                std::array::from_fn(|tendon| if tendons.contains(&tendon) { 0.01 } else { 0.0 });
             (1..rows).for_each(|_| commands.push(&row));
             samples.trials[trial].durations_s = vec![0.2; rows - 1];
             samples.trials[trial].commands = commands;
@@ -203,7 +216,8 @@ mod tests {
 
     #[test]
     fn of_many_trials_those_are_held_out_that_use_every_tendon() {
-        let trials: Vec<(usize, [usize; 2])> = (0..40).map(|k| (20, if k < 20 { [0, 2] } else { [1, 3] })).collect();
+        let trials: Vec<(usize, [usize; 2])> =
+            (0..40).map(|k| (20, if k < 20 { [0, 2] } else { [1, 3] })).collect();
         let (fit, held_out) = split(&pulled(&trials), 0.25);
         assert_eq!((fit.len(), held_out.len()), (30, 10));
         for part in [fit, held_out] {

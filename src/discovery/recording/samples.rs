@@ -1,5 +1,5 @@
-//! Samples of a recording: the commands of every trial, and what was tracked in each row: the tip and points along the
-//! body.
+//! Samples of a recording: the commands of every trial, and what was tracked in each row: the tip
+//! and points along the body.
 
 use super::blocks::{Block, Playing, blocks, duration_s};
 use crate::base::{Point3, Rows};
@@ -16,7 +16,8 @@ pub(crate) struct TrialCommands {
     pub(crate) first_row: usize,
     /// State at the start; none for the model's `tracking.starts`.
     pub(crate) starts: Option<Starts>,
-    /// One row a command. Of a motion without the last command of the trial, whose result is not recorded.
+    /// One row a command. Of a motion without the last command of the trial, whose result is not
+    /// recorded.
     pub(crate) commands: Rows,
     /// Duration of each command, seconds; none for poses at rest.
     pub(crate) durations_s: Vec<f64>,
@@ -55,7 +56,8 @@ impl TrialCommands {
 pub(crate) struct Sample {
     /// Index of its trial in [`Samples::trials`].
     pub(crate) trial: usize,
-    /// Number of commands of its trial that were played before it, or in poses at rest before its own command.
+    /// Number of commands of its trial that were played before it, or in poses at rest before its
+    /// own command.
     pub(crate) row: usize,
     /// Index of the point in the model's `tracking.points`; none for the tip.
     pub(crate) point: Option<usize>,
@@ -63,7 +65,8 @@ pub(crate) struct Sample {
     pub(crate) time_s: f64,
     /// Measured position of the tip or point, metres.
     pub(crate) position_m: Point3,
-    /// Velocity of the same simulated place, m/s; zero unless the clocks of tracker and commands are uncertain.
+    /// Velocity of the same simulated place, m/s; zero unless the clocks of tracker and commands
+    /// are uncertain.
     pub(crate) velocity_m_s: Point3,
 }
 
@@ -74,8 +77,8 @@ impl Sample {
     }
 }
 
-/// All samples of a recording, trial by trial, in a trial place by place: the tip, then the points in the model's order.
-/// Residual vectors have three values a sample: x, y, z.
+/// All samples of a recording, trial by trial, in a trial place by place: the tip, then the points
+/// in the model's order. Residual vectors have three values a sample: x, y, z.
 #[derive(Clone, Debug)]
 pub(crate) struct Samples {
     pub(crate) trials: Vec<TrialCommands>,
@@ -86,12 +89,14 @@ pub(crate) struct Samples {
     pub(crate) tracked_step_s: f64,
     /// Whether all trials start at home, so that their first rows repeat one measurement.
     pub(crate) at_home: bool,
-    /// Standard deviation of the offset between the clocks of tracker and commands, seconds; none where they agree.
+    /// Standard deviation of the offset between the clocks of tracker and commands, seconds; none
+    /// where they agree.
     pub(crate) clock_deviation_s: Option<f64>,
 }
 
 impl Samples {
-    /// Tips of a checked recording whose trials start as the model says. Trials without any tracked tip are excluded.
+    /// Tips of a checked recording whose trials start as the model says. Trials without any tracked
+    /// tip are excluded.
     pub(crate) fn new(measured: &Recording) -> Samples {
         let alone = |(number, rows): (u64, std::ops::Range<usize>)| {
             let block = Block { number, lead_in: rows.start, rows, starts: Starts::Home };
@@ -100,8 +105,9 @@ impl Samples {
         Samples::of_blocks(measured, &[], measured.trials().into_iter().map(alone), false)
     }
 
-    /// Samples of the [`blocks`] of a checked recording: the tip, and the points of these names, the model's
-    /// `tracking.points`, that were tracked. Blocks in which nothing was seen are excluded.
+    /// Samples of the [`blocks`] of a checked recording: the tip, and the points of these names,
+    /// the model's `tracking.points`, that were tracked. Blocks in which nothing was seen are
+    /// excluded.
     pub(crate) fn played(measured: &Recording, points: &[String], playing: Playing) -> Samples {
         let each = blocks(measured, playing).into_iter().map(|block| {
             let starts = Some(block.starts);
@@ -123,10 +129,13 @@ impl Samples {
         let places = places(measured, points);
         for (block, starts) in blocks {
             let seen_at = |positions_m: &[Point3]| -> Vec<usize> {
-                let seen = |row: &usize| measured.is_valid(*row) && positions_m[*row].iter().all(|x| x.is_finite());
+                let seen = |row: &usize| {
+                    measured.is_valid(*row) && positions_m[*row].iter().all(|x| x.is_finite())
+                };
                 block.rows.clone().filter(seen).collect()
             };
-            let tracked: Vec<Vec<usize>> = places.iter().map(|(_, positions_m)| seen_at(positions_m)).collect();
+            let tracked: Vec<Vec<usize>> =
+                places.iter().map(|(_, positions_m)| seen_at(positions_m)).collect();
             if tracked.iter().all(Vec::is_empty) {
                 continue;
             }
@@ -139,7 +148,9 @@ impl Samples {
             let durations_s: Vec<f64> = steps.map(|row| duration_s(measured, row)).collect();
             steps_s.extend_from_slice(&durations_s);
             for rows in &tracked {
-                tracked_steps_s.extend(rows.windows(2).map(|two| measured.time_s[two[1]] - measured.time_s[two[0]]));
+                tracked_steps_s.extend(
+                    rows.windows(2).map(|two| measured.time_s[two[1]] - measured.time_s[two[0]]),
+                );
             }
             trials.push(TrialCommands {
                 number: block.number,
@@ -149,9 +160,18 @@ impl Samples {
                 durations_s: if at_rest { Vec::new() } else { durations_s },
                 at_rest,
                 tensions: measured.actuation == Actuation::Tensions,
-                known_load_kg: measured.known_load_kg.as_ref().map_or(0.0, |load| load[block.rows.start]),
-                gravity_m_s2: measured.gravity_m_s2.as_ref().map(|gravity| gravity[block.rows.start]),
-                tip_loads: measured.tip_load.as_ref().map(|loads| loads[played].iter().map(tip_load).collect()),
+                known_load_kg: measured
+                    .known_load_kg
+                    .as_ref()
+                    .map_or(0.0, |load| load[block.rows.start]),
+                gravity_m_s2: measured
+                    .gravity_m_s2
+                    .as_ref()
+                    .map(|gravity| gravity[block.rows.start]),
+                tip_loads: measured
+                    .tip_load
+                    .as_ref()
+                    .map(|loads| loads[played].iter().map(tip_load).collect()),
             });
             let trial = trials.len() - 1;
             for (&(point, positions_m), tracked) in places.iter().zip(tracked) {
@@ -178,7 +198,11 @@ impl Samples {
             self.rows[ranges[index].clone()].iter().map(move |row| Sample { trial, ..*row })
         };
         let rows = kept.iter().enumerate().flat_map(of).collect();
-        Samples { trials: kept.iter().map(|&index| self.trials[index].clone()).collect(), rows, ..*self }
+        Samples {
+            trials: kept.iter().map(|&index| self.trials[index].clone()).collect(),
+            rows,
+            ..*self
+        }
     }
 
     /// What the rms error of these samples is called.
@@ -234,25 +258,33 @@ impl Samples {
         self.trials.iter().any(|trial| trial.at_rest)
     }
 
-    /// Time since the previous sample of the same trial and place, in median tracker steps; none for the first.
+    /// Time since the previous sample of the same trial and place, in median tracker steps; none
+    /// for the first.
     pub(crate) fn steps_since_last(&self, row: usize) -> Option<f64> {
         let sample = &self.rows[row];
-        let before =
-            self.rows[..row].last().filter(|before| (before.trial, before.point) == (sample.trial, sample.point))?;
+        let before = self.rows[..row]
+            .last()
+            .filter(|before| (before.trial, before.point) == (sample.trial, sample.point))?;
         Some((sample.time_s - before.time_s) / self.tracked_step_s)
     }
 
-    /// Rows whose previous sample is in the same trial, of the same place and at most [`MAX_CONSECUTIVE_STEPS`] before.
+    /// Rows whose previous sample is in the same trial, of the same place and at most
+    /// [`MAX_CONSECUTIVE_STEPS`] before.
     pub(crate) fn consecutive_rows(&self) -> Vec<usize> {
-        let is_close = |&row: &usize| self.steps_since_last(row).is_some_and(|steps| steps < MAX_CONSECUTIVE_STEPS);
+        let is_close = |&row: &usize| {
+            self.steps_since_last(row).is_some_and(|steps| steps < MAX_CONSECUTIVE_STEPS)
+        };
         (0..self.len()).filter(is_close).collect()
     }
 }
 
-/// What was tracked: the tip, and the points of a model whose names these are, with the position in each row.
+/// What was tracked: the tip, and the points of a model whose names these are, with the position in
+/// each row.
 fn places<'a>(measured: &'a Recording, points: &[String]) -> Vec<(Option<usize>, &'a [Point3])> {
     let tip = measured.tip_m.as_deref().map(|tips_m| (None, tips_m));
-    let tracked = |(index, name): (usize, &String)| Some((Some(index), measured.point(name)?.position_m.as_slice()));
+    let tracked = |(index, name): (usize, &String)| {
+        Some((Some(index), measured.point(name)?.position_m.as_slice()))
+    };
     tip.into_iter().chain(points.iter().enumerate().filter_map(tracked)).collect()
 }
 
@@ -271,7 +303,8 @@ pub(crate) fn white_noise(size_m: f64, seed: u64) -> impl FnMut() -> f64 {
 
 #[cfg(test)]
 impl Samples {
-    /// Trials of equal length, 0.2 s a sample: one tendon that is pulled further in each row, the tip at the origin.
+    /// Trials of equal length, 0.2 s a sample: one tendon that is pulled further in each row, the
+    /// tip at the origin.
     pub(crate) fn alike(trials: usize, samples: usize) -> Samples {
         let mut commands = Rows::new(1);
         (1..samples).for_each(|k| commands.push(&[k as f64]));
@@ -280,7 +313,8 @@ impl Samples {
             first_row: number as usize * samples,
             ..TrialCommands::new(commands.clone(), vec![0.2; samples - 1])
         };
-        let sample = |k: usize| Sample::of_tip(k / samples, k % samples, 0.2 * (k % samples) as f64);
+        let sample =
+            |k: usize| Sample::of_tip(k / samples, k % samples, 0.2 * (k % samples) as f64);
         Samples {
             trials: (0..trials as u64).map(trial).collect(),
             rows: (0..trials * samples).map(sample).collect(),
@@ -291,7 +325,8 @@ impl Samples {
         }
     }
 
-    /// AR(1) noise of this standard deviation and correlation, independent by trial, three values a sample.
+    /// AR(1) noise of this standard deviation and correlation, independent by trial, three values a
+    /// sample.
     pub(crate) fn noise(&self, size_m: f64, correlation: f64, seed: u64) -> Vec<f64> {
         let (mut noise, mut last) = (white_noise(size_m, seed), [0.0; 3]);
         let mut next = |sample: &Sample| {

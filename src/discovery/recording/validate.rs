@@ -19,7 +19,12 @@ const FEW_TRIALS: usize = 4;
 pub(crate) fn check(measured: &Recording, samples: &Samples) -> Result<(), DiscoveryError> {
     let tracked = samples.len();
     if tracked < MIN_SAMPLES {
-        return Err(DiscoveryError::TooFew { what: "tracked rows", found: tracked, least: MIN_SAMPLES, why: "" });
+        return Err(DiscoveryError::TooFew {
+            what: "tracked rows",
+            found: tracked,
+            least: MIN_SAMPLES,
+            why: "",
+        });
     }
     let rows = measured.len();
     if (1..rows).all(|row| measured.commands.row(row) == measured.commands.row(0)) {
@@ -27,21 +32,35 @@ pub(crate) fn check(measured: &Recording, samples: &Samples) -> Result<(), Disco
         return Err(DiscoveryError::Constant { column: "tendon_1_m…", rows, expected });
     }
     // Each tracked place has its own first position; a frozen tracker repeats all of them.
-    let first_m = |point: Option<usize>| samples.rows.iter().find(|row| row.point == point).map(|row| row.position_m);
+    let first_m = |point: Option<usize>| {
+        samples.rows.iter().find(|row| row.point == point).map(|row| row.position_m)
+    };
     if samples.rows.iter().all(|row| Some(row.position_m) == first_m(row.point)) {
         let expected = "a tip that moves with the commands (is the tracker frozen?)";
-        return Err(DiscoveryError::Constant { column: "tip_x_m,tip_y_m,tip_z_m", rows: tracked, expected });
+        return Err(DiscoveryError::Constant {
+            column: "tip_x_m,tip_y_m,tip_z_m",
+            rows: tracked,
+            expected,
+        });
     }
     Ok(())
 }
 
 /// The same of the measured recording, which needs trials to hold out.
-pub(crate) fn check_measured(measured: &Recording, samples: &Samples) -> Result<(), DiscoveryError> {
+pub(crate) fn check_measured(
+    measured: &Recording,
+    samples: &Samples,
+) -> Result<(), DiscoveryError> {
     check(measured, samples)?;
     let trials = samples.trials.len();
     if trials < MIN_TRIALS {
         let why = ": one is held out for the test";
-        return Err(DiscoveryError::TooFew { what: "tracked trials", found: trials, least: MIN_TRIALS, why });
+        return Err(DiscoveryError::TooFew {
+            what: "tracked trials",
+            found: trials,
+            least: MIN_TRIALS,
+            why,
+        });
     }
     Ok(())
 }
@@ -60,7 +79,12 @@ pub(crate) fn check_parts(training: &Samples, held_out: &Samples) -> Result<(), 
     }
     if to_prove < MIN_HELD_OUT_SAMPLES {
         let what = "tracked rows in held-out trials";
-        return Err(DiscoveryError::TooFew { what, found: to_prove, least: MIN_HELD_OUT_SAMPLES, why: "" });
+        return Err(DiscoveryError::TooFew {
+            what,
+            found: to_prove,
+            least: MIN_HELD_OUT_SAMPLES,
+            why: "",
+        });
     }
     Ok(())
 }
@@ -71,14 +95,22 @@ pub(crate) fn limitations(measured: &Recording, samples: &Samples) -> Vec<String
     let rows = measured.len();
     let tracked = (0..rows).filter(|&row| measured.is_valid(row) && measured.is_seen(row)).count();
     if tracked < rows {
-        sentences.push(format!("Tracking was lost in {} of {rows} rows; these rows were excluded.", rows - tracked));
+        sentences.push(format!(
+            "Tracking was lost in {} of {rows} rows; these rows were excluded.",
+            rows - tracked
+        ));
     }
     if samples.len() < FEW_SAMPLES {
-        sentences.push(format!("Only {} samples: only strong effects can be told apart.", samples.len()));
+        sentences.push(format!(
+            "Only {} samples: only strong effects can be told apart.",
+            samples.len()
+        ));
     }
     if samples.trials.len() == MIN_TRIALS {
         sentences.push(
-            "Two trials, of which one is held out: the cross-trial test needs at least two fitted trials.".to_owned(),
+            "Two trials, of which one is held out: the cross-trial test needs at least two fitted \
+             trials."
+                .to_owned(),
         );
     } else if samples.trials.len() < FEW_TRIALS {
         sentences.push(format!(
@@ -90,14 +122,14 @@ pub(crate) fn limitations(measured: &Recording, samples: &Samples) -> Vec<String
     if !copies.is_empty() {
         let numbers = copies.iter().map(u64::to_string).collect::<Vec<_>>().join(", ");
         sentences.push(format!(
-            "Exact copies of other trials are no independent evidence and make the noise floor too small: trials \
-         {numbers}."
+            "Exact copies of other trials are no independent evidence and make the noise floor too \
+             small: trials {numbers}."
         ));
     }
     if measured.base.is_none() {
         sentences.push(
-            "The base was not tracked: at the tip, a tilted base and a rotated tracking frame cannot be told \
-         apart."
+            "The base was not tracked: at the tip, a tilted base and a rotated tracking frame \
+             cannot be told apart."
                 .to_owned(),
         );
     }

@@ -1,4 +1,5 @@
-//! Fit of a candidate set with one member added: start from the linear prediction, fit roughly, then fully.
+//! Fit of a candidate set with one member added: start from the linear prediction, fit roughly,
+//! then fully.
 
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -16,14 +17,17 @@ impl FitProblem<'_> {
         prediction.gain - self.penalty(std::slice::from_ref(&prediction.member))
     }
 
-    /// Penalty of a set: the Bayesian information criterion for its parameters, and a term for their choice among all
-    /// candidates.
+    /// Penalty of a set: the Bayesian information criterion for its parameters, and a term for
+    /// their choice among all candidates.
     pub(crate) fn penalty(&self, members: &[SetMember]) -> f64 {
         // EBIC (Chen & Chen 2008): p ln 3N for the numbers and 2 ln K for the choice among K.
         let numbers = (3.0 * self.samples.len() as f64).ln();
         let open = self.open.iter().filter(|open| **open).count().max(1);
         let choice = 2.0 * (open as f64).ln();
-        members.iter().map(|member| self.candidates[member.candidate].freedom() as f64 * numbers + choice).sum()
+        members
+            .iter()
+            .map(|member| self.candidates[member.candidate].freedom() as f64 * numbers + choice)
+            .sum()
     }
 
     /// Linear predictions for the candidates that are in neither `from` nor `without`, best first.
@@ -35,7 +39,13 @@ impl FitProblem<'_> {
     ) -> Vec<LinearPrediction> {
         let NuisanceFit { noise, residual_m, .. } = &from.nuisance_fit;
         let residual = ScreenedResidual { noise, residual_m };
-        let screen = LinearScreen::new(self.candidates, self.samples, self.nuisances, residual, &from.jacobian);
+        let screen = LinearScreen::new(
+            self.candidates,
+            self.samples,
+            self.nuisances,
+            residual,
+            &from.jacobian,
+        );
         let mut predictions = best_of_each(screen.predictions(sensitivities));
         predictions.retain(|prediction| {
             let candidate = prediction.member.candidate;
@@ -44,7 +54,8 @@ impl FitProblem<'_> {
         predictions
     }
 
-    /// `base` with each predicted member added, fitted at coarse resolution; scores below `min_score` are of no use.
+    /// `base` with each predicted member added, fitted at coarse resolution; scores below
+    /// `min_score` are of no use.
     pub(crate) fn rough_additions(
         &self,
         base: &ScoredSet,
@@ -64,15 +75,23 @@ impl FitProblem<'_> {
             let jacobian = if self.candidates[prediction.member.candidate].is_scanned() {
                 coarse.differentiate(&added)?
             } else {
-                let extended =
-                    coarse.extended_jacobian(&start, &prediction.member, &sensitivities[prediction.sensitivity]);
-                if start.members.is_empty() { extended } else { coarse.with_fresh_sizes(&added, extended) }
+                let extended = coarse.extended_jacobian(
+                    &start,
+                    &prediction.member,
+                    &sensitivities[prediction.sensitivity],
+                );
+                if start.members.is_empty() {
+                    extended
+                } else {
+                    coarse.with_fresh_sizes(&added, extended)
+                }
             };
             let fitted = coarse.rough_fit(added, jacobian, target_deviance)?;
             let last = fitted.members.len() - 1;
             // Choices such as places have no derivative; try their neighbours.
             let fitted = coarse.with_best_choice(fitted, last, target_deviance);
-            let score = base.score + start.nuisance_fit.deviance - fitted.nuisance_fit.deviance - penalty;
+            let score =
+                base.score + start.nuisance_fit.deviance - fitted.nuisance_fit.deviance - penalty;
             Some(ScoredSet { fitted, score, exact: false })
         };
         predictions.par_iter().filter_map(fit).collect()
@@ -88,17 +107,21 @@ impl FitProblem<'_> {
         let candidate = &self.candidates[member.candidate];
         let (base_columns, sizes) = (base.jacobian.ncols(), candidate.sizes());
         let fitted = candidate.fitted();
-        let mut slopes = base.jacobian.clone().resize_horizontally(base_columns + fitted.len(), 0.0);
+        let mut slopes =
+            base.jacobian.clone().resize_horizontally(base_columns + fitted.len(), 0.0);
         for (k, parameter) in fitted.into_iter().enumerate() {
             if let Some(size) = sizes.iter().position(|&size| size == parameter) {
-                slopes.set_column(base_columns + k, &(sensitivity.columns.column(size) * candidate.probe(parameter)));
+                slopes.set_column(
+                    base_columns + k,
+                    &(sensitivity.columns.column(size) * candidate.probe(parameter)),
+                );
             }
         }
         slopes
     }
 
-    /// The Jacobian with fresh columns for the sizes of the last member: with a strong effect in the set the
-    /// sensitivity can change.
+    /// The Jacobian with fresh columns for the sizes of the last member: with a strong effect in
+    /// the set the sensitivity can change.
     fn with_fresh_sizes(&self, fitted: &FittedSet, mut slopes: DMatrix<f64>) -> DMatrix<f64> {
         let (last, coordinates) = (fitted.members.len() - 1, self.coordinates(&fitted.members));
         let sizes = self.candidates[fitted.members[last].candidate].sizes();
@@ -113,11 +136,13 @@ impl FitProblem<'_> {
         slopes
     }
 
-    /// `base` with the predicted member, reduced where a smaller amount fits better; none if it cannot be simulated.
+    /// `base` with the predicted member, reduced where a smaller amount fits better; none if it
+    /// cannot be simulated.
     fn starting_point(&self, base: &FittedSet, predicted: &SetMember) -> Option<FittedSet> {
         let nothing = self.candidates[predicted.candidate].without_size(&predicted.values);
         let part = |share: f64| {
-            let between = nothing.iter().zip(&predicted.values).map(|(n, v)| n + share * (v - n)).collect();
+            let between =
+                nothing.iter().zip(&predicted.values).map(|(n, v)| n + share * (v - n)).collect();
             let member = SetMember { values: between, ..*predicted };
             self.evaluate(base.members.iter().cloned().chain([member]).collect())
         };
@@ -147,16 +172,21 @@ impl FitProblem<'_> {
         Some(best)
     }
 
-    /// Moves every choice of member `k` (such as a position) to its neighbours as long as a rough fit improves.
+    /// Moves every choice of member `k` (such as a position) to its neighbours as long as a rough
+    /// fit improves.
     fn with_best_choice(&self, mut best: FittedSet, k: usize, target_deviance: f64) -> FittedSet {
         let candidate = &self.candidates[best.members[k].candidate];
         loop {
-            let fits = candidate.neighbouring_choices(&best.members[k].values).into_iter().filter_map(|values| {
-                let mut members = best.members.clone();
-                members[k].values = values;
-                self.rough_fit(self.evaluate(members)?, best.jacobian.clone(), target_deviance)
-            });
-            let next = fits.min_by(|a, b| a.nuisance_fit.deviance.total_cmp(&b.nuisance_fit.deviance));
+            let fits = candidate
+                .neighbouring_choices(&best.members[k].values)
+                .into_iter()
+                .filter_map(|values| {
+                    let mut members = best.members.clone();
+                    members[k].values = values;
+                    self.rough_fit(self.evaluate(members)?, best.jacobian.clone(), target_deviance)
+                });
+            let next =
+                fits.min_by(|a, b| a.nuisance_fit.deviance.total_cmp(&b.nuisance_fit.deviance));
             match next.filter(|next| next.nuisance_fit.deviance < best.nuisance_fit.deviance) {
                 Some(next) => best = next,
                 None => return best,

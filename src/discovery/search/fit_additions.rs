@@ -15,8 +15,8 @@ const DEFICIT_SHARE_WITH_SHAPE: f64 = 0.25;
 const DEFICIT: f64 = 10.0;
 
 impl Search<'_> {
-    /// Fits `base` with each promising candidate: all roughly, then fully those that may come near the best and near
-    /// the score `min_score`.
+    /// Fits `base` with each promising candidate: all roughly, then fully those that may come near
+    /// the best and near the score `min_score`.
     pub(crate) fn fit_additions(
         &mut self,
         base: &ScoredSet,
@@ -30,12 +30,17 @@ impl Search<'_> {
             (first.gain - (GAIN_TOLERANCE_SHARE * first.gain).max(GAIN_TOLERANCE), MAX_FITS)
         };
         // The linear prediction is trusted to order candidates, not to tell their gain.
-        let promising: Vec<&LinearPrediction> =
-            predictions.iter().take(max_fits).filter(|prediction| prediction.gain >= min_gain).collect();
-        let mut rough = self.fit_problem.rough_additions(base, &promising, &self.sensitivities, min_score);
+        let promising: Vec<&LinearPrediction> = predictions
+            .iter()
+            .take(max_fits)
+            .filter(|prediction| prediction.gain >= min_gain)
+            .collect();
+        let mut rough =
+            self.fit_problem.rough_additions(base, &promising, &self.sensitivities, min_score);
         rough.sort_by(|a, b| b.score.total_cmp(&a.score));
         // Best first, so that hopeless fits meet the highest bar.
-        let mut best_score = rough.iter().map(|scored| scored.score).fold(base.score.max(min_score), f64::max);
+        let mut best_score =
+            rough.iter().map(|scored| scored.score).fold(base.score.max(min_score), f64::max);
         let mut finished: Vec<ScoredSet> = Vec::new();
         for scored in rough {
             if finished.len() == MAX_FITS || !self.is_promising(&scored, base, best_score) {
@@ -54,11 +59,19 @@ impl Search<'_> {
     /// Whether a rough fit with one member added may reach the score `best_score` after a full fit.
     fn is_promising(&self, rough: &ScoredSet, base: &ScoredSet, best_score: f64) -> bool {
         let adds = rough.score - base.score;
-        let added = rough.fitted.members.last().map(|member| &self.fit_problem.candidates[member.candidate]);
-        let share =
-            if added.is_some_and(CandidateEffect::has_shape) { DEFICIT_SHARE_WITH_SHAPE } else { DEFICIT_SHARE };
+        let added = rough
+            .fitted
+            .members
+            .last()
+            .map(|member| &self.fit_problem.candidates[member.candidate]);
+        let share = if added.is_some_and(CandidateEffect::has_shape) {
+            DEFICIT_SHARE_WITH_SHAPE
+        } else {
+            DEFICIT_SHARE
+        };
         // A rival needs to come this near only, even if it is never named.
         let is_hopeless = adds < MIN_PREDICTED_SCORE - self.limits.rival_score;
-        !is_hopeless && rough.score + share * adds.max(0.0) + DEFICIT >= best_score - self.limits.rival_score
+        !is_hopeless
+            && rough.score + share * adds.max(0.0) + DEFICIT >= best_score - self.limits.rival_score
     }
 }

@@ -8,17 +8,21 @@ use crate::discovery::fit::gauss_newton::FittedSet;
 use crate::discovery::recording::samples::rms_m;
 
 impl Search<'_> {
-    /// `base` with the best member added, if it is worth adding and the score is at least `min_score`.
+    /// `base` with the best member added, if it is worth adding and the score is at least
+    /// `min_score`.
     pub(crate) fn add_one(&mut self, base: &ScoredSet, min_score: f64) -> Option<ScoredSet> {
         let limits = self.limits;
         let mut predictions = self.fit_problem.predictions(&base.fitted, &[], &self.sensitivities);
         // Sets that were fitted before are not fitted again.
         predictions.retain(|prediction| !self.is_tried(base, prediction));
         if !self.is_exhaustive(base) {
-            predictions.retain(|prediction| self.fit_problem.is_worth_fitting(prediction, &base.fitted, &limits));
+            predictions.retain(|prediction| {
+                self.fit_problem.is_worth_fitting(prediction, &base.fitted, &limits)
+            });
         }
         // Sets that were fitted on another way count as well.
-        let rough = self.fit_additions(base, &predictions, min_score).into_iter().filter(|fit| !fit.exact);
+        let rough =
+            self.fit_additions(base, &predictions, min_score).into_iter().filter(|fit| !fit.exact);
         let mut fits: Vec<ScoredSet> = rough.chain(self.supersets(base).cloned()).collect();
         fits.retain(|next| next.score >= min_score);
         fits.sort_by(|a, b| b.score.total_cmp(&a.score));
@@ -38,32 +42,42 @@ impl Search<'_> {
         let members = candidate_set(&base.fitted.members);
         let mut rough: Vec<usize> = (0..self.tried.len()).collect();
         rough.retain(|&k| {
-            !self.tried[k].exact && self.tried[k].score >= min_score && is_larger(&self.tried[k], &members)
+            !self.tried[k].exact
+                && self.tried[k].score >= min_score
+                && is_larger(&self.tried[k], &members)
         });
         rough.sort_by(|&a, &b| self.tried[b].score.total_cmp(&self.tried[a].score));
         rough.into_iter().find_map(|k| {
             self.tried[k] = self.fit_fully(&self.tried[k]);
             let fitted = self.tried[k].clone();
-            (fitted.exact && fitted.score >= min_score && self.is_worth_adding(base, &fitted)).then_some(fitted)
+            (fitted.exact && fitted.score >= min_score && self.is_worth_adding(base, &fitted))
+                .then_some(fitted)
         })
     }
 
-    /// Whether the member that `next` adds to `base` is worth adding: it moves the tip far min_score, farther than the law
-    /// errors of the others, and explains more than the model leaves on this robot anyway.
+    /// Whether the member that `next` adds to `base` is worth adding: it moves the tip far
+    /// min_score, farther than the law errors of the others, and explains more than the model
+    /// leaves on this robot anyway.
     pub(crate) fn is_worth_adding(&self, base: &ScoredSet, next: &ScoredSet) -> bool {
-        // Squares subtract: the effect must explain more than the model leaves on this robot anyway.
-        let [before_m, after_m] = [base, next].map(|set| rms_m(&set.fitted.nuisance_fit.residual_m));
+        // Squares subtract: the effect must explain more than the model leaves on this robot
+        // anyway.
+        let [before_m, after_m] =
+            [base, next].map(|set| rms_m(&set.fitted.nuisance_fit.residual_m));
         if before_m.powi(2) - after_m.powi(2) < self.limits.least_gain_m.powi(2) {
             return false;
         }
-        // No law is right to the last tenth: the effect must do more than the law error of those before it.
+        // No law is right to the last tenth: the effect must do more than the law error of those
+        // before it.
         let law_error_m = self.limits.least_share * apart_m(&base.fitted, &self.null.fitted);
         if apart_m(&next.fitted, &base.fitted) < law_error_m {
             return false;
         }
-        // The size of an effect is how far it moves the tip by itself, beside the others as they are.
-        let added = next.fitted.members.iter().position(|member| !base.fitted.has(member.candidate));
-        let without_added = added.and_then(|added| self.fit_problem.evaluate_without(&next.fitted, added));
+        // The size of an effect is how far it moves the tip by itself, beside the others as they
+        // are.
+        let added =
+            next.fitted.members.iter().position(|member| !base.fitted.has(member.candidate));
+        let without_added =
+            added.and_then(|added| self.fit_problem.evaluate_without(&next.fitted, added));
         let min_m = self.limits.least_m(next.fitted.nuisance_fit.noise.rms_m());
         without_added.is_some_and(|without_added| apart_m(&next.fitted, &without_added) >= min_m)
     }
@@ -71,7 +85,8 @@ impl Search<'_> {
 
 /// Rms distance between the simulated tips of two fits, metres.
 fn apart_m(there: &FittedSet, here: &FittedSet) -> f64 {
-    let moved: Vec<f64> = there.simulated_m.iter().zip(&here.simulated_m).map(|(there, here)| there - here).collect();
+    let moved: Vec<f64> =
+        there.simulated_m.iter().zip(&here.simulated_m).map(|(there, here)| there - here).collect();
     rms_m(&moved)
 }
 

@@ -1,4 +1,5 @@
-//! Stepwise search: grow the set while an effect is worth adding, swap members, then widen the search to pairs.
+//! Stepwise search: grow the set while an effect is worth adding, swap members, then widen the
+//! search to pairs.
 
 use super::screening::{LinearPrediction, MIN_PREDICTED_SCORE};
 use super::state::{ScoredSet, Search};
@@ -18,7 +19,8 @@ impl FitProblem<'_> {
         limits: &SearchLimits,
     ) -> bool {
         let min_size_m = MIN_SIZE_SHARE * limits.least_m(base.nuisance_fit.noise.rms_m());
-        self.predicted_score(prediction) > limits.least_score + MIN_PREDICTED_SCORE && prediction.size_m > min_size_m
+        self.predicted_score(prediction) > limits.least_score + MIN_PREDICTED_SCORE
+            && prediction.size_m > min_size_m
     }
 }
 
@@ -32,11 +34,15 @@ impl Search<'_> {
                 // A replacement comes before growth: what was taken first may stand for two others.
                 (Some(other), next) => {
                     let reached = other_branch.into_iter().chain(next);
-                    other_branch = reached.max_by(|a, b| self.net_score(a).total_cmp(&self.net_score(b)));
+                    other_branch =
+                        reached.max_by(|a, b| self.net_score(a).total_cmp(&self.net_score(b)));
                     other
                 }
                 (None, Some(next)) => self.swap_members(next),
-                (None, None) => match other_branch.take().filter(|other| self.is_unrelated_and_better(other, &best)) {
+                (None, None) => match other_branch
+                    .take()
+                    .filter(|other| self.is_unrelated_and_better(other, &best))
+                {
                     Some(other) => self.swap_members(other),
                     None => return self.prune(best),
                 },
@@ -57,12 +63,13 @@ impl Search<'_> {
 
     /// Whether `other` is better than `best` and no superset of it.
     fn is_unrelated_and_better(&self, other: &ScoredSet, best: &ScoredSet) -> bool {
-        let is_superset = candidate_set(&other.fitted.members).is_superset(&candidate_set(&best.fitted.members));
+        let is_superset =
+            candidate_set(&other.fitted.members).is_superset(&candidate_set(&best.fitted.members));
         !is_superset && self.net_score(other) > self.net_score(best)
     }
 
-    /// Widens the search so that no candidate is excluded by its prediction: other single effects if the best
-    /// set `is_rejected`, then larger sets, then pairs.
+    /// Widens the search so that no candidate is excluded by its prediction: other single effects
+    /// if the best set `is_rejected`, then larger sets, then pairs.
     pub(crate) fn widen(&mut self, mut best: ScoredSet, is_rejected: bool) -> ScoredSet {
         // After a failed test no prediction may exclude a candidate, whatever the size of the set.
         self.limits.exhaustive_below = if is_rejected { usize::MAX } else { 2 };
@@ -75,8 +82,9 @@ impl Search<'_> {
         self.try_pairs(best)
     }
 
-    /// Computes large-amplitude sensitivities relative to `best`, once a set: for the empty set only if an effect may
-    /// be missing, for a full set never. A prediction that justifies its penalty suffices, however small.
+    /// Computes large-amplitude sensitivities relative to `best`, once a set: for the empty set
+    /// only if an effect may be missing, for a full set never. A prediction that justifies its
+    /// penalty suffices, however small.
     fn screen_large_amplitudes(&mut self, best: &ScoredSet) {
         let is_worth = |prediction: &LinearPrediction| {
             self.fit_problem.predicted_score(prediction) > self.limits.least_score
@@ -84,10 +92,18 @@ impl Search<'_> {
         };
         let is_due = self.is_exhaustive(best)
             || !best.fitted.members.is_empty()
-            || self.fit_problem.predictions(&best.fitted, &[], &self.sensitivities).iter().any(is_worth);
-        if is_due && !self.is_full(best) && self.screened_sets.insert(candidate_set(&best.fitted.members)) {
-            self.sensitivities
-                .extend(self.fit_problem.large_amplitude_sensitivities(&best.fitted, &self.sensitivities));
+            || self
+                .fit_problem
+                .predictions(&best.fitted, &[], &self.sensitivities)
+                .iter()
+                .any(is_worth);
+        if is_due
+            && !self.is_full(best)
+            && self.screened_sets.insert(candidate_set(&best.fitted.members))
+        {
+            self.sensitivities.extend(
+                self.fit_problem.large_amplitude_sensitivities(&best.fitted, &self.sensitivities),
+            );
         }
     }
 }

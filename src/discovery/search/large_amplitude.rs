@@ -1,8 +1,9 @@
-//! Large-amplitude sensitivities: the response of the tip to a large amount of an effect, or to one of the other sign,
-//! can differ from the linear one (a softer rod sags until tendons are taut; a stiffer one does not).
+//! Large-amplitude sensitivities: the response of the tip to a large amount of an effect, or to one
+//! of the other sign, can differ from the linear one (a softer rod sags until tendons are taut; a
+//! stiffer one does not).
 //!
-//! The trials with the largest residual decide which of these sensitivities matter; only these are simulated on all
-//! trials.
+//! The trials with the largest residual decide which of these sensitivities matter; only these are
+//! simulated on all trials.
 
 use std::ops::Range;
 
@@ -34,17 +35,24 @@ const MIN_GAIN_SHARE: f64 = 0.2;
 const MAX_GAIN_DEFICIT: f64 = 10.0;
 
 impl FitProblem<'_> {
-    /// Sensitivities to each candidate relative to `base`, in both directions, at the amplitude that would move the
-    /// tip as far as the residual of `base`, refined towards the best fit. For each candidate the variant with the
-    /// best prediction is used. Candidates that are scanned are evaluated over their whole range.
+    /// Sensitivities to each candidate relative to `base`, in both directions, at the amplitude
+    /// that would move the tip as far as the residual of `base`, refined towards the best fit. For
+    /// each candidate the variant with the best prediction is used. Candidates that are scanned are
+    /// evaluated over their whole range.
     pub(crate) fn large_amplitude_sensitivities(
         &self,
         base: &FittedSet,
         sensitivities: &[Sensitivity],
     ) -> Vec<Sensitivity> {
-        let all = LargeAmplitudeScreen::new(self, base, &(0..self.samples.trials.len()).collect::<Vec<usize>>());
+        let all = LargeAmplitudeScreen::new(
+            self,
+            base,
+            &(0..self.samples.trials.len()).collect::<Vec<usize>>(),
+        );
         let some = LargeAmplitudeScreen::new(self, base, &self.largest_residual_trials(base));
-        let (Some(some_base_m), Some(all_base_m)) = (some.simulate(&[]), all.simulate(&[])) else { return Vec::new() };
+        let (Some(some_base_m), Some(all_base_m)) = (some.simulate(&[]), all.simulate(&[])) else {
+            return Vec::new();
+        };
         // 1. Small steps beside the base, in the two trials with the largest residual.
         let beside_base = some.sensitivities_beside_base(&|_| true);
         let (screened, predictions) = if beside_base.is_empty() {
@@ -56,9 +64,12 @@ impl FitProblem<'_> {
             let predictions = best_of_each(some.screen.predictions(&beside_base));
             (beside_base, predictions)
         };
-        let small_step = |of: &Sensitivity| screened.iter().find(|sensitivity| sensitivity.is_small_step_of(of));
+        let small_step =
+            |of: &Sensitivity| screened.iter().find(|sensitivity| sensitivity.is_small_step_of(of));
         // 2. For each candidate its best small-step variant is where a larger one starts.
-        let predicted = predictions.iter().filter_map(|prediction| small_step(&screened[prediction.sensitivity]));
+        let predicted = predictions
+            .iter()
+            .filter_map(|prediction| small_step(&screened[prediction.sensitivity]));
         let mut is_listed = vec![false; self.candidates.len()];
         base.members.iter().for_each(|member| is_listed[member.candidate] = true);
         let starts: Vec<&Sensitivity> = predicted
@@ -67,19 +78,26 @@ impl FitProblem<'_> {
             .filter(|sensitivity| !std::mem::replace(&mut is_listed[sensitivity.candidate], true))
             .collect();
         // 3. Play large amounts of each in these trials.
-        let responses: Vec<Sensitivity> =
-            starts.into_par_iter().flat_map(|sensitivity| some.sensitivities_of(sensitivity, &some_base_m)).collect();
+        let responses: Vec<Sensitivity> = starts
+            .into_par_iter()
+            .flat_map(|sensitivity| some.sensitivities_of(sensitivity, &some_base_m))
+            .collect();
         // 4. Only what promises enough there is played in all trials.
         let relevant = some.keep_relevant(responses, &screened);
-        // The update corrects the sensitivity in one direction only; the other columns hold relative to the base.
+        // The update corrects the sensitivity in one direction only; the other columns hold
+        // relative to the base.
         let has_several_sizes = |candidate: &CandidateEffect| {
-            let of = |response: &Sensitivity| std::ptr::eq(candidate, &self.candidates[response.candidate]);
+            let of = |response: &Sensitivity| {
+                std::ptr::eq(candidate, &self.candidates[response.candidate])
+            };
             candidate.sizes().len() > 1 && relevant.iter().any(of)
         };
         let beside_base = all.sensitivities_beside_base(&has_several_sizes);
         let everywhere = |response: &Sensitivity| {
-            let small_step =
-                beside_base.iter().chain(sensitivities).find(|sensitivity| sensitivity.is_small_step_of(response))?;
+            let small_step = beside_base
+                .iter()
+                .chain(sensitivities)
+                .find(|sensitivity| sensitivity.is_small_step_of(response))?;
             Some(all.sensitivity_at(small_step, &all_base_m, response.step.as_ref()?)?.0)
         };
         relevant.par_iter().filter_map(everywhere).collect()
@@ -122,12 +140,19 @@ struct LargeAmplitudeScreen<'a> {
 }
 
 impl<'a> LargeAmplitudeScreen<'a> {
-    fn new(fit_problem: &'a FitProblem<'a>, base: &'a FittedSet, trials: &[usize]) -> LargeAmplitudeScreen<'a> {
+    fn new(
+        fit_problem: &'a FitProblem<'a>,
+        base: &'a FittedSet,
+        trials: &[usize],
+    ) -> LargeAmplitudeScreen<'a> {
         let ranges = fit_problem.samples.ranges();
-        let rows: Vec<usize> =
-            trials.iter().flat_map(|&trial| 3 * ranges[trial].start..3 * ranges[trial].end).collect();
+        let rows: Vec<usize> = trials
+            .iter()
+            .flat_map(|&trial| 3 * ranges[trial].start..3 * ranges[trial].end)
+            .collect();
         let samples = fit_problem.samples.of_trials(trials);
-        let residual_m: Vec<f64> = rows.iter().map(|&row| base.nuisance_fit.residual_m[row]).collect();
+        let residual_m: Vec<f64> =
+            rows.iter().map(|&row| base.nuisance_fit.residual_m[row]).collect();
         let nuisances = fit_problem.nuisances.in_rows(&rows);
         let fitted_columns = base.jacobian.select_rows(&rows);
         let screen = LinearScreen::new(
@@ -146,7 +171,10 @@ impl<'a> LargeAmplitudeScreen<'a> {
     }
 
     /// Sensitivities relative to the members of the base: they can change which tendons are taut.
-    fn sensitivities_beside_base(&self, is_asked: &(dyn Fn(&CandidateEffect) -> bool + Sync)) -> Vec<Sensitivity> {
+    fn sensitivities_beside_base(
+        &self,
+        is_asked: &(dyn Fn(&CandidateEffect) -> bool + Sync),
+    ) -> Vec<Sensitivity> {
         let (fit_problem, members) = (self.fit_problem, &self.base.members);
         let is_asked = |candidate: &CandidateEffect| !members.is_empty() && is_asked(candidate);
         sensitivities(fit_problem.coarse, fit_problem.candidates, members, &is_asked, &self.samples)
@@ -158,14 +186,23 @@ impl<'a> LargeAmplitudeScreen<'a> {
         tips(self.fit_problem.coarse, &[&members, more].concat(), &self.samples)
     }
 
-    /// `sensitivity` corrected at `step` (Broyden's update, in probes), and the tip displacement; none if it cannot be
-    /// simulated.
-    fn sensitivity_at(&self, sensitivity: &Sensitivity, base_m: &[f64], step: &[f64]) -> Option<(Sensitivity, f64)> {
+    /// `sensitivity` corrected at `step` (Broyden's update, in probes), and the tip displacement;
+    /// none if it cannot be simulated.
+    fn sensitivity_at(
+        &self,
+        sensitivity: &Sensitivity,
+        base_m: &[f64],
+        step: &[f64],
+    ) -> Option<(Sensitivity, f64)> {
         let candidate = &self.fit_problem.candidates[sensitivity.candidate];
         let sizes = candidate.sizes();
         let effect = candidate.effect(&candidate.with_sizes(&sensitivity.null, step))?;
-        let change: Vec<f64> =
-            self.simulate(&[effect])?.iter().zip(base_m).map(|(step_m, base_m)| step_m - base_m).collect();
+        let change: Vec<f64> = self
+            .simulate(&[effect])?
+            .iter()
+            .zip(base_m)
+            .map(|(step_m, base_m)| step_m - base_m)
+            .collect();
         // Broyden's update in probes, so that sizes of different units count alike.
         let step_vector = DVector::from_column_slice(step);
         let along = DVector::from_iterator(
@@ -174,7 +211,10 @@ impl<'a> LargeAmplitudeScreen<'a> {
         );
         let missed = DVector::from_column_slice(&change) - &sensitivity.columns * &step_vector;
         let columns = &sensitivity.columns + missed * along.transpose() / along.dot(&step_vector);
-        Some((Sensitivity { columns, step: Some(step.to_vec()), ..sensitivity.clone() }, rms_m(&change)))
+        Some((
+            Sensitivity { columns, step: Some(step.to_vec()), ..sensitivity.clone() },
+            rms_m(&change),
+        ))
     }
 
     /// All large-amplitude sensitivities of a candidate.
@@ -190,11 +230,16 @@ impl<'a> LargeAmplitudeScreen<'a> {
                     response,
                 })
             };
-            return Self::refine_scan(scan.par_iter().filter_map(response).collect(), &scan, &response);
+            return Self::refine_scan(
+                scan.par_iter().filter_map(response).collect(),
+                &scan,
+                &response,
+            );
         }
         let Some(direction) = self.direction(sensitivity) else { return Vec::new() };
         let both = [1.0, -1.0].into_par_iter().map(|sign| sign * &direction);
-        let responses = both.flat_map(|direction| self.step_out(sensitivity, base_m, &direction)).collect();
+        let responses =
+            both.flat_map(|direction| self.step_out(sensitivity, base_m, &direction)).collect();
         self.refine(responses, base_m)
     }
 
@@ -208,7 +253,9 @@ impl<'a> LargeAmplitudeScreen<'a> {
         let mut step = scan.windows(2).map(|two| two[1] - two[0]).fold(scan[0].abs(), f64::min);
         for _ in 0..SCAN_BISECTIONS {
             step *= 0.5;
-            let Some(best) = tried.iter().min_by(|a, b| a.square.total_cmp(&b.square)) else { break };
+            let Some(best) = tried.iter().min_by(|a, b| a.square.total_cmp(&b.square)) else {
+                break;
+            };
             let neighbours = [best.step - step, best.step + step];
             tried.extend(neighbours.iter().filter_map(response));
         }
@@ -220,30 +267,44 @@ impl<'a> LargeAmplitudeScreen<'a> {
         let candidate = &self.fit_problem.candidates[sensitivity.candidate];
         match candidate.sizes()[..] {
             [size] => Some(DVector::from_element(1, candidate.probe(size).abs())),
-            _ => {
-                Some(self.step(&self.screen.predictions(std::slice::from_ref(sensitivity)).pop()?.member, sensitivity))
-            }
+            _ => Some(self.step(
+                &self.screen.predictions(std::slice::from_ref(sensitivity)).pop()?.member,
+                sensitivity,
+            )),
         }
     }
 
     /// Change of the sizes from null to `member`.
     fn step(&self, member: &SetMember, sensitivity: &Sensitivity) -> DVector<f64> {
         let candidate = &self.fit_problem.candidates[sensitivity.candidate];
-        let each = candidate.sizes().into_iter().map(|size| candidate.step(&sensitivity.null, &member.values, size));
+        let each = candidate
+            .sizes()
+            .into_iter()
+            .map(|size| candidate.step(&sensitivity.null, &member.values, size));
         DVector::from_vec(each.collect())
     }
 
     /// A step in units of the probes.
     fn in_probes(&self, sensitivity: &Sensitivity, step: &DVector<f64>) -> DVector<f64> {
         let candidate = &self.fit_problem.candidates[sensitivity.candidate];
-        let each = candidate.sizes().into_iter().zip(step.iter()).map(|(size, by)| by / candidate.probe(size));
+        let each = candidate
+            .sizes()
+            .into_iter()
+            .zip(step.iter())
+            .map(|(size, by)| by / candidate.probe(size));
         DVector::from_vec(each.collect())
     }
 
     /// Sensitivities at increasing steps until the tip moves far enough.
-    fn step_out(&self, sensitivity: &Sensitivity, base_m: &[f64], direction: &DVector<f64>) -> Vec<Sensitivity> {
+    fn step_out(
+        &self,
+        sensitivity: &Sensitivity,
+        base_m: &[f64],
+        direction: &DVector<f64>,
+    ) -> Vec<Sensitivity> {
         let residual_m = rms_m(&self.residual_m);
-        let max_size = MAX_AMPLITUDE / self.in_probes(sensitivity, direction).amax().max(f64::MIN_POSITIVE);
+        let max_size =
+            MAX_AMPLITUDE / self.in_probes(sensitivity, direction).amax().max(f64::MIN_POSITIVE);
         let usual_m = rms_m((&sensitivity.columns * direction).as_slice());
         // The linear amount that would move the tip as far as the residual.
         let mut size = max_size.min(residual_m / usual_m.max(f64::MIN_POSITIVE));
@@ -251,7 +312,8 @@ impl<'a> LargeAmplitudeScreen<'a> {
         let (mut too_small, mut too_large) = (0.0, f64::INFINITY);
         let mut responses = Vec::new();
         for _ in 0..MAX_SIMULATIONS {
-            let Some((response, moved_m)) = self.sensitivity_at(sensitivity, base_m, (size * direction).as_slice())
+            let Some((response, moved_m)) =
+                self.sensitivity_at(sensitivity, base_m, (size * direction).as_slice())
             else {
                 too_large = size;
                 size = 0.5 * (too_small + too_large);
@@ -265,7 +327,11 @@ impl<'a> LargeAmplitudeScreen<'a> {
             *(if ratio > 1.0 { &mut too_small } else { &mut too_large }) = size;
             // Secant in proportion; where it leaves the bracket, bisection.
             let next = max_size.min(size * ratio.clamp(0.25, 4.0));
-            size = if next > too_small && next < too_large { next } else { 0.5 * (too_small + too_large) };
+            size = if next > too_small && next < too_large {
+                next
+            } else {
+                0.5 * (too_small + too_large)
+            };
         }
         responses
     }
@@ -277,21 +343,31 @@ impl<'a> LargeAmplitudeScreen<'a> {
             let predictions = self.screen.predictions_at_any_step(&responses).into_iter();
             let Some(best) = predictions.max_by(|a, b| a.gain.total_cmp(&b.gain)) else { break };
             let response = &responses[best.sensitivity];
-            let Some(next) = response.step.as_ref().and_then(|step| self.next_step(response, step, &best.member))
+            let Some(next) = response
+                .step
+                .as_ref()
+                .and_then(|step| self.next_step(response, step, &best.member))
             else {
                 break;
             };
             if std::mem::replace(&mut followed, best.sensitivity) == best.sensitivity {
                 break;
             }
-            let Some((refined, _)) = self.sensitivity_at(response, base_m, next.as_slice()) else { break };
+            let Some((refined, _)) = self.sensitivity_at(response, base_m, next.as_slice()) else {
+                break;
+            };
             responses.push(refined);
         }
         responses
     }
 
     /// Next step after one at `step` predicted `best`; none if that is close enough.
-    fn next_step(&self, response: &Sensitivity, step: &[f64], best: &SetMember) -> Option<DVector<f64>> {
+    fn next_step(
+        &self,
+        response: &Sensitivity,
+        step: &[f64],
+        best: &SetMember,
+    ) -> Option<DVector<f64>> {
         let (there, wanted) = (DVector::from_column_slice(step), self.step(best, response));
         let size = |step: &DVector<f64>| self.in_probes(response, step).norm();
         // Beyond twice its own step a response predicts nothing.
@@ -301,11 +377,16 @@ impl<'a> LargeAmplitudeScreen<'a> {
     }
 
     /// Sensitivities that predict enough gain compared with those `others`.
-    fn keep_relevant(&self, responses: Vec<Sensitivity>, others: &[Sensitivity]) -> Vec<Sensitivity> {
+    fn keep_relevant(
+        &self,
+        responses: Vec<Sensitivity>,
+        others: &[Sensitivity],
+    ) -> Vec<Sensitivity> {
         let predictions = self.screen.predictions(&responses);
         let mut rivals = self.screen.predictions(others);
         rivals.retain(|prediction| self.fit_problem.open[prediction.member.candidate]);
-        let best = predictions.iter().chain(&rivals).map(|prediction| prediction.gain).fold(0.0, f64::max);
+        let best =
+            predictions.iter().chain(&rivals).map(|prediction| prediction.gain).fold(0.0, f64::max);
         // Two trials can mislead, so near misses are played in all of them as well.
         let min_gain = (MIN_GAIN_SHARE * best).min(best - MAX_GAIN_DEFICIT);
         let relevant = predictions.into_iter().filter(|prediction| prediction.gain >= min_gain);

@@ -1,4 +1,5 @@
-//! Search over candidate sets: forward steps, swaps, removals, then pairs that single effects do not lead to.
+//! Search over candidate sets: forward steps, swaps, removals, then pairs that single effects do
+//! not lead to.
 
 pub(crate) mod add_effect;
 pub(crate) mod fit_additions;

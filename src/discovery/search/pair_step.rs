@@ -1,5 +1,5 @@
-//! Pairs that no single effect leads to: a single effect may stand for two others, neither of which helps much beside
-//! it.
+//! Pairs that no single effect leads to: a single effect may stand for two others, neither of which
+//! helps much beside it.
 
 use std::collections::BTreeSet;
 
@@ -44,16 +44,21 @@ impl Search<'_> {
 
     /// Whether each member is worth adding to the other.
     fn is_each_worth_adding(&mut self, pair: &ScoredSet) -> bool {
-        (0..2).all(|out| self.remove(pair, out).is_some_and(|rest| self.is_worth_adding(&rest, pair)))
+        (0..2)
+            .all(|out| self.remove(pair, out).is_some_and(|rest| self.is_worth_adding(&rest, pair)))
     }
 
-    /// Predictions beside fitted single effects for pairs that were not fitted: all pairs with one of `members`, and
-    /// the most promising others.
-    fn promising_pairs(&self, members: &BTreeSet<usize>) -> Vec<(ScoredSet, Vec<LinearPrediction>)> {
+    /// Predictions beside fitted single effects for pairs that were not fitted: all pairs with one
+    /// of `members`, and the most promising others.
+    fn promising_pairs(
+        &self,
+        members: &BTreeSet<usize>,
+    ) -> Vec<(ScoredSet, Vec<LinearPrediction>)> {
         let singles = self.singles();
         let mut pairs: Vec<PredictedPair> = Vec::new();
         for (number, single) in singles.iter().enumerate() {
-            let predictions = self.fit_problem.predictions(&single.fitted, &[], &self.sensitivities).into_iter();
+            let predictions =
+                self.fit_problem.predictions(&single.fitted, &[], &self.sensitivities).into_iter();
             let new = predictions.filter(|prediction| !self.is_tried(single, prediction));
             pairs.extend(new.map(|prediction| {
                 // The prediction beside the single effect, whose residual differs from that of the
@@ -71,9 +76,14 @@ impl Search<'_> {
             listed.insert(set) && (has_member || others.next().is_some())
         });
         let beside = |number: usize| -> Vec<LinearPrediction> {
-            pairs.iter().filter(|pair| pair.single == number).map(|pair| pair.prediction.clone()).collect()
+            pairs
+                .iter()
+                .filter(|pair| pair.single == number)
+                .map(|pair| pair.prediction.clone())
+                .collect()
         };
-        let with_predictions = singles.iter().enumerate().map(|(number, &single)| (single, beside(number)));
+        let with_predictions =
+            singles.iter().enumerate().map(|(number, &single)| (single, beside(number)));
         let predicted = with_predictions.filter(|(_, predictions)| !predictions.is_empty());
         predicted.map(|(single, predictions)| (single.clone(), predictions)).collect()
     }

@@ -1,4 +1,5 @@
-//! Linear screening: how much of the residual each candidate would explain if the tip responded linearly.
+//! Linear screening: how much of the residual each candidate would explain if the tip responded
+//! linearly.
 
 use std::collections::BTreeSet;
 
@@ -10,8 +11,8 @@ use crate::discovery::fit::nuisance::Nuisances;
 use crate::discovery::fit::sensitivities::Sensitivity;
 use crate::discovery::recording::samples::{Samples, rms_m};
 
-/// Predicted scores below this are not fitted; nor are rough fits that reduce the score by more than this and the
-/// rival margin.
+/// Predicted scores below this are not fitted; nor are rough fits that reduce the score by more
+/// than this and the rival margin.
 pub(crate) const MIN_PREDICTED_SCORE: f64 = -6.0;
 /// A large-amplitude sensitivity holds for steps between these multiples of its own.
 pub(crate) const VALID_STEPS: std::ops::Range<f64> = 0.3..2.0;
@@ -53,7 +54,8 @@ pub(crate) struct LinearScreen<'a> {
     noise: Ar1Noise,
     /// Whitened residual.
     residual: DVector<f64>,
-    /// Whitened columns of free parameters with the Cholesky factor of their information, if it exists.
+    /// Whitened columns of free parameters with the Cholesky factor of their information, if it
+    /// exists.
     free: Option<(DMatrix<f64>, Cholesky<f64, Dyn>)>,
 }
 
@@ -83,7 +85,10 @@ impl<'a> LinearScreen<'a> {
     }
 
     /// The same without a check of validity.
-    pub(crate) fn predictions_at_any_step(&self, sensitivities: &[Sensitivity]) -> Vec<LinearPrediction> {
+    pub(crate) fn predictions_at_any_step(
+        &self,
+        sensitivities: &[Sensitivity],
+    ) -> Vec<LinearPrediction> {
         sensitivities
             .iter()
             .enumerate()
@@ -91,10 +96,12 @@ impl<'a> LinearScreen<'a> {
             .collect()
     }
 
-    /// Remaining whitened sum of squares after a tip change `change_m` (three values a sample) and a fit of the free
-    /// parameters.
+    /// Remaining whitened sum of squares after a tip change `change_m` (three values a sample) and
+    /// a fit of the free parameters.
     pub(crate) fn residual_square(&self, change_m: &[f64]) -> f64 {
-        self.square_beyond_free(&(&self.residual - DVector::from_vec(self.noise.whiten(&self.samples, change_m))))
+        self.square_beyond_free(
+            &(&self.residual - DVector::from_vec(self.noise.whiten(&self.samples, change_m))),
+        )
     }
 
     /// Sum of squares of a whitened residual that free parameters cannot explain.
@@ -124,44 +131,75 @@ impl<'a> LinearScreen<'a> {
         // The residual is already orthogonal to the free parameters, so no Schur term is due here.
         let right = columns.tr_mul(&self.residual);
         let sizes = Cholesky::new(information)?.solve(&right);
-        let share = sensitivity.step.as_ref().map_or(1.0, |step| share_of(candidate, step, sizes.as_slice()));
-        let values = within(candidate, &sensitivity.null, &candidate.with_sizes(&sensitivity.null, sizes.as_slice()))?;
+        let share = sensitivity
+            .step
+            .as_ref()
+            .map_or(1.0, |step| share_of(candidate, step, sizes.as_slice()));
+        let values = within(
+            candidate,
+            &sensitivity.null,
+            &candidate.with_sizes(&sensitivity.null, sizes.as_slice()),
+        )?;
         let size_m = rms_m((&sensitivity.columns * &sizes).as_slice());
         let member = SetMember { candidate: sensitivity.candidate, values };
-        Some(LinearPrediction { member, sensitivity: number, share, gain: self.gain(right.dot(&sizes)), size_m })
+        Some(LinearPrediction {
+            member,
+            sensitivity: number,
+            share,
+            gain: self.gain(right.dot(&sizes)),
+            size_m,
+        })
     }
 
-    /// The same for scanned candidates, at the step itself: a fraction of it would be another effect.
-    fn prediction_at_step(&self, number: usize, sensitivity: &Sensitivity, step: &[f64]) -> Option<LinearPrediction> {
+    /// The same for scanned candidates, at the step itself: a fraction of it would be another
+    /// effect.
+    fn prediction_at_step(
+        &self,
+        number: usize,
+        sensitivity: &Sensitivity,
+        step: &[f64],
+    ) -> Option<LinearPrediction> {
         let candidate = &self.candidates[sensitivity.candidate];
         let values = candidate.with_sizes(&sensitivity.null, step);
         candidate.effect(&values)?;
         let change_m = &sensitivity.columns * DVector::from_column_slice(step);
-        let explains = self.square_beyond_free(&self.residual) - self.residual_square(change_m.as_slice());
+        let explains =
+            self.square_beyond_free(&self.residual) - self.residual_square(change_m.as_slice());
         let member = SetMember { candidate: sensitivity.candidate, values };
         let size_m = rms_m(change_m.as_slice());
-        Some(LinearPrediction { member, sensitivity: number, share: 1.0, gain: self.gain(explains), size_m })
+        Some(LinearPrediction {
+            member,
+            sensitivity: number,
+            share: 1.0,
+            gain: self.gain(explains),
+            size_m,
+        })
     }
 
     /// Decrease of the deviance if this part of the squares is explained.
     fn gain(&self, explains: f64) -> f64 {
         let squares = self.residual.norm_squared();
         // Profiled over the noise's size: n ln of the ratio of squares.
-        self.residual.len() as f64 * (squares / (squares - explains.clamp(0.0, 0.999_999 * squares))).ln()
+        self.residual.len() as f64
+            * (squares / (squares - explains.clamp(0.0, 0.999_999 * squares))).ln()
     }
 }
 
 /// Projection of `sizes` on `step`, in probes.
 fn share_of(candidate: &CandidateEffect, step: &[f64], sizes: &[f64]) -> f64 {
-    let weights: Vec<f64> = candidate.sizes().into_iter().map(|size| candidate.probe(size).powi(-2)).collect();
-    let product =
-        |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).zip(&weights).map(|((a, b), weight)| a * b * weight).sum() };
+    let weights: Vec<f64> =
+        candidate.sizes().into_iter().map(|size| candidate.probe(size).powi(-2)).collect();
+    let product = |a: &[f64], b: &[f64]| -> f64 {
+        a.iter().zip(b).zip(&weights).map(|((a, b), weight)| a * b * weight).sum()
+    };
     product(step, sizes) / product(step, step)
 }
 
 /// `values`, or values between them and `null` in the valid range; none in an invalid direction.
 fn within(candidate: &CandidateEffect, null: &[f64], values: &[f64]) -> Option<Vec<f64>> {
-    let between = |share: f64| -> Vec<f64> { null.iter().zip(values).map(|(n, v)| n + share * (v - n)).collect() };
+    let between = |share: f64| -> Vec<f64> {
+        null.iter().zip(values).map(|(n, v)| n + share * (v - n)).collect()
+    };
     // A prediction beyond the range still shows the direction.
     [1.0, 0.5, 0.25, 0.1].into_iter().map(between).find(|values| candidate.effect(values).is_some())
 }

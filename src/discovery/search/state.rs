@@ -21,7 +21,8 @@ pub(crate) struct ScoredSet {
 impl ScoredSet {
     /// Whether it is a rival of `best`: no more effects, and a score less than `rival_score` below.
     pub(crate) fn is_rival_of(&self, best: &ScoredSet, rival_score: f64) -> bool {
-        self.fitted.members.len() <= best.fitted.members.len() && self.score > best.score - rival_score
+        self.fitted.members.len() <= best.fitted.members.len()
+            && self.score > best.score - rival_score
     }
 }
 
@@ -70,8 +71,9 @@ pub(crate) struct Search<'s> {
 }
 
 impl<'s> Search<'s> {
-    /// A search for the candidate set with the best penalised likelihood (extended Bayesian information criterion,
-    /// Chen & Chen, Biometrika 95, 2008). None if the model cannot be simulated.
+    /// A search for the candidate set with the best penalised likelihood (extended Bayesian
+    /// information criterion, Chen & Chen, Biometrika 95, 2008). None if the model cannot be
+    /// simulated.
     pub(crate) fn new(
         fit_problem: &'s FitProblem<'s>,
         sensitivities: Vec<Sensitivity>,
@@ -115,20 +117,28 @@ impl<'s> Search<'s> {
             }
         }
         let Search { fit_problem, null, sensitivities, tried, .. } = self;
-        let screened = fit_problem.predictions(&null.fitted, &[], &sensitivities).into_iter().map(|prediction| {
-            let score = fit_problem.predicted_score(&prediction);
-            (prediction, score)
-        });
+        let screened = fit_problem.predictions(&null.fitted, &[], &sensitivities).into_iter().map(
+            |prediction| {
+                let score = fit_problem.predicted_score(&prediction);
+                (prediction, score)
+            },
+        );
         SearchOutcome { best, tried, by_trials: None, screened: screened.collect(), null }
     }
 
     /// The same set fully fitted, or unchanged if that fails.
     pub(crate) fn fit_fully(&self, rough: &ScoredSet) -> ScoredSet {
-        self.fit_problem.fit_fully(&rough.fitted).map_or_else(|| rough.clone(), |fitted| self.score(fitted))
+        self.fit_problem
+            .fit_fully(&rough.fitted)
+            .map_or_else(|| rough.clone(), |fitted| self.score(fitted))
     }
 
     pub(crate) fn score(&self, fitted: FittedSet) -> ScoredSet {
         let decrease = self.null.fitted.nuisance_fit.deviance - fitted.nuisance_fit.deviance;
-        ScoredSet { score: decrease - self.fit_problem.penalty(&fitted.members), fitted, exact: true }
+        ScoredSet {
+            score: decrease - self.fit_problem.penalty(&fitted.members),
+            fitted,
+            exact: true,
+        }
     }
 }

@@ -6,8 +6,8 @@ use crate::effects::{BadOption, Card, Deserialize, Effect, Parameter, RodParams,
 use crate::math::rotation;
 use crate::rod::{Obstacle, ObstacleShape};
 
-/// A rigid, smooth obstacle beside the robot: a wall along the axis of the straight robot, or a ball. Its place is that of
-/// the point of its surface that is nearest to this axis.
+/// A rigid, smooth obstacle beside the robot: a wall along the axis of the straight robot, or a
+/// ball. Its place is that of the point of its surface that is nearest to this axis.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Contact {
@@ -26,7 +26,8 @@ pub struct Contact {
 pub(crate) const CARD: Card = Card {
     name: "contact",
     missing: "a wall or a ball that the robot touches",
-    equation: "gap(p(s)) ≥ r for all s, with a force ≥ 0 along the normal of the obstacle where they are equal",
+    equation: "gap(p(s)) ≥ r for all s, with a force ≥ 0 along the normal of the obstacle where \
+               they are equal",
     source: "Wriggers 2006, Computational Contact Mechanics, section 4.1 (unilateral contact)",
     parameters: &[
         Parameter { name: "distance_m", unit: "m", null: 10.0, seek: Seek::Distance(0.002) },
@@ -47,7 +48,10 @@ impl Contact {
         let outwards = base_r * Vector3::new(cos, sin, 0.0);
         let nearest_m = base_m + outwards * self.distance_m + base_r.column(2) * self.position_m;
         if self.curvature_1_m < MIN_BALL_CURVATURE_1_M {
-            return ObstacleShape::HalfSpace { normal: -outwards, offset_m: -outwards.dot(&nearest_m) };
+            return ObstacleShape::HalfSpace {
+                normal: -outwards,
+                offset_m: -outwards.dot(&nearest_m),
+            };
         }
         let radius_m = 1.0 / self.curvature_1_m;
         ObstacleShape::Sphere { center_m: nearest_m + outwards * radius_m, radius_m }
@@ -64,6 +68,10 @@ impl Effect for Contact {
 
     fn modify_rod(&self, rod: &mut RodParams) {
         let shape = self.shape(&rod.base_m, &rotation::exp(&rod.base_rotation_rad));
-        rod.contact.obstacles.push(Obstacle { shape, friction_coefficient: 0.0, stiffness_n_m: None });
+        rod.contact.obstacles.push(Obstacle {
+            shape,
+            friction_coefficient: 0.0,
+            stiffness_n_m: None,
+        });
     }
 }

@@ -15,11 +15,11 @@ pub struct Delay {
     past: VecDeque<(f64, Vec<f64>)>,
 }
 
-/// Two ticks at 5 Hz in steps of the drive time: whether a command acts before or after the tracker samples is resolved
-/// within one step.
+/// Two ticks at 5 Hz in steps of the drive time: whether a command acts before or after the tracker
+/// samples is resolved within one step.
 const SCANNED_DELAYS_S: [f64; 20] = [
-    0.02, 0.04, 0.06, 0.08, 0.10, 0.12, 0.14, 0.16, 0.18, 0.20, 0.22, 0.24, 0.26, 0.28, 0.30, 0.32, 0.34, 0.36, 0.38,
-    0.40,
+    0.02, 0.04, 0.06, 0.08, 0.10, 0.12, 0.14, 0.16, 0.18, 0.20, 0.22, 0.24, 0.26, 0.28, 0.30, 0.32,
+    0.34, 0.36, 0.38, 0.40,
 ];
 
 pub(crate) const CARD: Card = Card {
@@ -27,7 +27,12 @@ pub(crate) const CARD: Card = Card {
     missing: "command acts late",
     equation: "q(t) → q(t − time)",
     source: "transport delay",
-    parameters: &[Parameter { name: "time_s", unit: "s", null: 0.0, seek: Seek::Scanned(0.05, &SCANNED_DELAYS_S) }],
+    parameters: &[Parameter {
+        name: "time_s",
+        unit: "s",
+        null: 0.0,
+        seek: Seek::Scanned(0.05, &SCANNED_DELAYS_S),
+    }],
     confused_with: &["damping", "backlash"],
 };
 

@@ -1,6 +1,8 @@
 //! The tracking frame is shifted.
 
-use crate::effects::{BadOption, Card, Deserialize, Effect, Observation, Parameter, Seek, Serialize};
+use crate::effects::{
+    BadOption, Card, Deserialize, Effect, Observation, Parameter, Seek, Serialize,
+};
 
 /// A constant offset between the tracked and the true tip.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -30,7 +32,10 @@ impl Effect for FrameShift {
 
     fn observe(&self, seen: &mut Observation) {
         for position_m in seen.positions_m() {
-            position_m.iter_mut().zip(self.shift_m).for_each(|(coordinate, shift)| *coordinate += shift);
+            position_m
+                .iter_mut()
+                .zip(self.shift_m)
+                .for_each(|(coordinate, shift)| *coordinate += shift);
         }
     }
 }
@@ -43,17 +48,27 @@ mod tests {
     #[test]
     fn the_tip_and_all_points_are_shifted() {
         let mut model = Model::default();
-        model.tracking.points.insert("mid".to_owned(), BodyPoint { s_m: 0.1, offset_m: [0.0, 0.01, 0.0] });
+        model
+            .tracking
+            .points
+            .insert("mid".to_owned(), BodyPoint { s_m: 0.1, offset_m: [0.0, 0.01, 0.0] });
         let shift_m = [0.003, -0.002, 0.001];
         let positions = |extra: &[EffectSpec]| {
             let mut driven = DrivenModel::new(&model, extra);
             driven.home().unwrap();
-            driven.observation(&[], 0.0).positions_m().map(|position_m| *position_m).collect::<Vec<_>>()
+            driven
+                .observation(&[], 0.0)
+                .positions_m()
+                .map(|position_m| *position_m)
+                .collect::<Vec<_>>()
         };
-        let (plain, shifted) = (positions(&[]), positions(&[EffectSpec::FrameShift(FrameShift { shift_m })]));
+        let (plain, shifted) =
+            (positions(&[]), positions(&[EffectSpec::FrameShift(FrameShift { shift_m })]));
         assert_eq!(plain.len(), 2);
         for (plain, shifted) in plain.iter().zip(&shifted) {
-            (0..3).for_each(|axis| assert!((shifted[axis] - plain[axis] - shift_m[axis]).abs() < 1e-15));
+            (0..3).for_each(|axis| {
+                assert!((shifted[axis] - plain[axis] - shift_m[axis]).abs() < 1e-15)
+            });
         }
     }
 }

@@ -14,8 +14,8 @@ pub struct Friction {
     /// Change of curvature up to slip, rad/m.
     #[serde(default = "yield_default")]
     pub yield_rad_m: f64,
-    /// Whether slip about one bending axis reduces the friction about the other, as in an isotropic material. Otherwise
-    /// the axes slip independently, as pairs of hinges do.
+    /// Whether slip about one bending axis reduces the friction about the other, as in an isotropic
+    /// material. Otherwise the axes slip independently, as pairs of hinges do.
     #[serde(default)]
     pub coupled: bool,
 }
@@ -27,7 +27,8 @@ fn yield_default() -> f64 {
 pub(crate) const CARD: Card = Card {
     name: "friction",
     missing: "dry friction: the path depends on direction",
-    equation: "m_f = k (u − u_p) about each bending axis, |m_f| ≤ moment; u_p moves where it would be more (k = moment / yield)",
+    equation: "m_f = k (u − u_p) about each bending axis, |m_f| ≤ moment; u_p moves where it would \
+               be more (k = moment / yield)",
     source: "Prandtl element with return mapping, Simo & Hughes, Computational Inelasticity, ch. 1",
     parameters: &[
         Parameter { name: "moment_nm", unit: "N m", null: 0.0, seek: Seek::Size(0.01) },
@@ -45,11 +46,16 @@ impl Effect for Friction {
 
     fn modify_rod(&self, rod: &mut RodParams) {
         let stiffness_n_m2 = self.moment_nm / self.yield_rad_m;
-        rod.moment_laws.push(Arc::new(Prandtl { moment_nm: self.moment_nm, stiffness_n_m2, coupled: self.coupled }));
+        rod.moment_laws.push(Arc::new(Prandtl {
+            moment_nm: self.moment_nm,
+            stiffness_n_m2,
+            coupled: self.coupled,
+        }));
     }
 }
 
-/// A spring of stiffness k in series with a slider; the state is the slider position u_p on both axes.
+/// A spring of stiffness k in series with a slider; the state is the slider position u_p on both
+/// axes.
 #[derive(Debug)]
 pub(crate) struct Prandtl {
     pub(crate) moment_nm: f64,
@@ -92,12 +98,23 @@ impl Prandtl {
 }
 
 impl MomentLaw for Prandtl {
-    fn moment(&self, state: &HistoryState, curvature_rad_m: [f64; 2], _bending_n_m2: f64) -> HistoryMoment {
+    fn moment(
+        &self,
+        state: &HistoryState,
+        curvature_rad_m: [f64; 2],
+        _bending_n_m2: f64,
+    ) -> HistoryMoment {
         let trial = self.trial(state, curvature_rad_m);
         HistoryMoment { moment_nm: self.borne(trial), tangent_n_m2: self.tangent(trial) }
     }
 
-    fn commit(&self, state: &mut HistoryState, curvature_rad_m: [f64; 2], _bending_n_m2: f64, _dt_s: f64) {
+    fn commit(
+        &self,
+        state: &mut HistoryState,
+        curvature_rad_m: [f64; 2],
+        _bending_n_m2: f64,
+        _dt_s: f64,
+    ) {
         let trial = self.trial(state, curvature_rad_m);
         let borne = self.borne(trial);
         for axis in 0..2 {

@@ -6,13 +6,15 @@ use super::friction::Prandtl;
 use crate::effects::{BadOption, Card, Deserialize, Effect, Parameter, RodParams, Seek, Serialize};
 use crate::rod::{HistoryMoment, HistoryState, MomentLaw};
 
-/// Elastoplastic elements of equal stiffness that yield in sequence: a Prandtl–Ishlinskii stress model.
+/// Elastoplastic elements of equal stiffness that yield in sequence: a Prandtl–Ishlinskii stress
+/// model.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Hysteresis {
     /// Total stiffness of all elements as a share of the bending stiffness.
     pub share: f64,
-    /// Curvature at which the last element yields, rad/m; the others yield at equal steps before it.
+    /// Curvature at which the last element yields, rad/m; the others yield at equal steps before
+    /// it.
     pub range_rad_m: f64,
 }
 
@@ -22,8 +24,10 @@ const ELEMENT_COUNT: usize = 5;
 pub(crate) const CARD: Card = Card {
     name: "hysteresis",
     missing: "rate-independent material memory",
-    equation: "m_h = Σ_k clip(k_k (u − u_pk), ± k_k r_k), r_k = range · k / 5, k_k = share · E I / 5",
-    source: "Prandtl–Ishlinskii stress model, Brokate & Sprekels, Hysteresis and Phase Transitions, ch. 2",
+    equation: "m_h = Σ_k clip(k_k (u − u_pk), ± k_k r_k), r_k = range · k / 5, k_k = share · E I / \
+               5",
+    source: "Prandtl–Ishlinskii stress model, Brokate & Sprekels, Hysteresis and Phase \
+             Transitions, ch. 2",
     parameters: &[
         Parameter { name: "share", unit: "1", null: 0.0, seek: Seek::Size(0.1) },
         Parameter { name: "range_rad_m", unit: "rad/m", null: 5.0, seek: Seek::Shape(&[2.0, 6.0]) },
@@ -61,11 +65,22 @@ impl Element {
 }
 
 impl MomentLaw for Element {
-    fn moment(&self, state: &HistoryState, curvature_rad_m: [f64; 2], bending_n_m2: f64) -> HistoryMoment {
+    fn moment(
+        &self,
+        state: &HistoryState,
+        curvature_rad_m: [f64; 2],
+        bending_n_m2: f64,
+    ) -> HistoryMoment {
         self.at(bending_n_m2).moment(state, curvature_rad_m, bending_n_m2)
     }
 
-    fn commit(&self, state: &mut HistoryState, curvature_rad_m: [f64; 2], bending_n_m2: f64, dt_s: f64) {
+    fn commit(
+        &self,
+        state: &mut HistoryState,
+        curvature_rad_m: [f64; 2],
+        bending_n_m2: f64,
+        dt_s: f64,
+    ) {
         self.at(bending_n_m2).commit(state, curvature_rad_m, bending_n_m2, dt_s);
     }
 }

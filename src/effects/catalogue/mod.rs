@@ -61,8 +61,8 @@ catalogue! {
 }
 
 impl EffectSpec {
-    /// The effect of `card` with these values, one per parameter in the order of the card; `None` when a value is out
-    /// of range. Fields that the card does not list take their defaults.
+    /// The effect of `card` with these values, one per parameter in the order of the card; `None`
+    /// when a value is out of range. Fields that the card does not list take their defaults.
     pub fn from_card(card: &Card, values: &[f64]) -> Option<EffectSpec> {
         let mut fields = Map::new();
         for (parameter, &value) in card.parameters.iter().zip(values) {
@@ -73,17 +73,22 @@ impl EffectSpec {
             };
             match parameter.name.split_once('[') {
                 None => fields.insert(parameter.name.to_owned(), number),
-                Some((vector, _)) => match fields.entry(vector).or_insert_with(|| Value::Array(Vec::new())) {
-                    Value::Array(components) => {
-                        components.push(number);
-                        continue;
+                Some((vector, _)) => {
+                    match fields.entry(vector).or_insert_with(|| Value::Array(Vec::new())) {
+                        Value::Array(components) => {
+                            components.push(number);
+                            continue;
+                        }
+                        _ => return None,
                     }
-                    _ => return None,
-                },
+                }
             };
         }
-        let spec: EffectSpec =
-            serde_json::from_value(Value::Object(Map::from_iter([(card.name.to_owned(), fields.into())]))).ok()?;
+        let spec: EffectSpec = serde_json::from_value(Value::Object(Map::from_iter([(
+            card.name.to_owned(),
+            fields.into(),
+        )])))
+        .ok()?;
         spec.build().check().is_ok().then_some(spec)
     }
 

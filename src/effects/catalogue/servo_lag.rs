@@ -17,8 +17,14 @@ pub(crate) const CARD: Card = Card {
     name: "servo_lag",
     missing: "drives approach their commands slowly",
     equation: "time dq'/dt = q − q'",
-    source: "first-order lag of a position servo, Franklin, Powell & Emami-Naeini, Feedback Control of Dynamic Systems",
-    parameters: &[Parameter { name: "time_s", unit: "s", null: 0.0, seek: Seek::Scanned(0.05, &[0.05, 0.15, 0.4]) }],
+    source: "first-order lag of a position servo, Franklin, Powell & Emami-Naeini, Feedback \
+             Control of Dynamic Systems",
+    parameters: &[Parameter {
+        name: "time_s",
+        unit: "s",
+        null: 0.0,
+        seek: Seek::Scanned(0.05, &[0.05, 0.15, 0.4]),
+    }],
     confused_with: &["delay", "damping", "creep"],
 };
 
@@ -42,7 +48,8 @@ impl Effect for ServoLag {
             let command = *pull;
             if self.time_s > 0.0 && dt_s.is_finite() {
                 let steady_lag = self.time_s * (command - last.0) / dt_s;
-                *pull = command - steady_lag + (last.1 - last.0 + steady_lag) * (-dt_s / self.time_s).exp();
+                *pull = command - steady_lag
+                    + (last.1 - last.0 + steady_lag) * (-dt_s / self.time_s).exp();
             }
             *last = (command, *pull);
         }

@@ -39,9 +39,12 @@ impl Effect for SoftSection {
     }
 }
 
-/// The compressible section whose middle is nearest, or 10 mm around the position where there are none.
+/// The compressible section whose middle is nearest, or 10 mm around the position where there are
+/// none.
 fn section_around(rod: &RodParams, position_m: f64) -> (f64, f64) {
-    let distance = |section: &CompressibleSection| (section.start_m + 0.5 * section.length_m - position_m).abs();
+    let distance = |section: &CompressibleSection| {
+        (section.start_m + 0.5 * section.length_m - position_m).abs()
+    };
     let nearest = rod.sections.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
     nearest.map_or_else(
         || ((position_m - 0.005).max(0.0), (position_m + 0.005).min(rod.length_m())),

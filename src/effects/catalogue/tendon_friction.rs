@@ -3,7 +3,8 @@
 use crate::effects::{BadOption, Card, Deserialize, Effect, Parameter, RodParams, Seek, Serialize};
 use crate::rod::PRESLIDING_M;
 
-/// Every tendon rubs in its guides: its tension falls along the path, in the direction in which it slides.
+/// Every tendon rubs in its guides: its tension falls along the path, in the direction in which it
+/// slides.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TendonFriction {
@@ -21,11 +22,18 @@ fn presliding_default() -> f64 {
 pub(crate) const CARD: Card = Card {
     name: "tendon_friction",
     missing: "friction of tendons in their guides",
-    equation: "τ(s) = τ(0) exp(−μ σ Θ(s)), Θ the turn of the path; σ follows the drive by dσ = dq/presliding, |σ| ≤ 1",
-    source: "capstan equation; Kato et al. 2015 (tendon-driven continuum robots), presliding of Dahl 1968",
+    equation: "τ(s) = τ(0) exp(−μ σ Θ(s)), Θ the turn of the path; σ follows the drive by dσ = \
+               dq/presliding, |σ| ≤ 1",
+    source: "capstan equation; Kato et al. 2015 (tendon-driven continuum robots), presliding of \
+             Dahl 1968",
     parameters: &[
         Parameter { name: "coefficient", unit: "1", null: 0.0, seek: Seek::Size(0.05) },
-        Parameter { name: "presliding_m", unit: "m", null: PRESLIDING_M, seek: Seek::Shape(&[PRESLIDING_M]) },
+        Parameter {
+            name: "presliding_m",
+            unit: "m",
+            null: PRESLIDING_M,
+            seek: Seek::Shape(&[PRESLIDING_M]),
+        },
     ],
     confused_with: &["friction", "hysteresis", "backlash"],
 };

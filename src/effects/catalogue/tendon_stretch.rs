@@ -15,7 +15,12 @@ pub(crate) const CARD: Card = Card {
     missing: "tendons are elastic",
     equation: "length + pull = L + C τ",
     source: "Till et al. 2019; Oliver-Butler et al. 2019",
-    parameters: &[Parameter { name: "compliance_m_per_n", unit: "m/N", null: 0.0, seek: Seek::Size(1e-4) }],
+    parameters: &[Parameter {
+        name: "compliance_m_per_n",
+        unit: "m/N",
+        null: 0.0,
+        seek: Seek::Size(1e-4),
+    }],
     confused_with: &["actuator_gain", "soft_section"],
 };
 
@@ -25,6 +30,8 @@ impl Effect for TendonStretch {
     }
 
     fn modify_rod(&self, rod: &mut RodParams) {
-        rod.tendons.iter_mut().for_each(|tendon| tendon.compliance_m_per_n += self.compliance_m_per_n);
+        rod.tendons
+            .iter_mut()
+            .for_each(|tendon| tendon.compliance_m_per_n += self.compliance_m_per_n);
     }
 }

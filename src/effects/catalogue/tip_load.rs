@@ -29,7 +29,11 @@ impl Effect for TipLoad {
 
     fn modify_rod(&self, rod: &mut RodParams) {
         let position_m = rod.length_m();
-        rod.masses.push(PointMass { position_m, mass_kg: self.mass_kg, inertia_kg_m2: Vector3::zeros() });
+        rod.masses.push(PointMass {
+            position_m,
+            mass_kg: self.mass_kg,
+            inertia_kg_m2: Vector3::zeros(),
+        });
     }
 
     fn is_payload(&self) -> bool {

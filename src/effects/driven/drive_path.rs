@@ -22,8 +22,8 @@ impl DriveState {
         DriveState { drive_time_s, commanded_m: home.clone(), actual_m: home }
     }
 
-    /// The motion to `target_m` and the hold after it, `duration_s` in all, as parts of constant drive speed with the
-    /// effects applied.
+    /// The motion to `target_m` and the hold after it, `duration_s` in all, as parts of constant
+    /// drive speed with the effects applied.
     pub(crate) fn move_to(
         &mut self,
         effects: &mut [Box<dyn Effect>],
@@ -34,7 +34,11 @@ impl DriveState {
         // Positions with a lag are curves: one part a ramp. Others are straight on ramp and hold.
         let has_lag = effects.iter().any(|effect| effect.has_lag());
         let count = if has_lag { (duration_s / ramp_s - 1e-9).ceil() } else { 1.0 };
-        let parts = if has_lag { vec![duration_s / count; count as usize] } else { vec![ramp_s, duration_s - ramp_s] };
+        let parts = if has_lag {
+            vec![duration_s / count; count as usize]
+        } else {
+            vec![ramp_s, duration_s - ramp_s]
+        };
         let from_m = std::mem::replace(&mut self.commanded_m, target_m);
         let mut path = DrivePath { ends_s: Vec::new(), positions_m: vec![self.actual_m.clone()] };
         let mut now_s = 0.0;
@@ -65,13 +69,19 @@ impl DrivePath {
         let part = self.ends_s.iter().position(|end| time_s < end * (1.0 - 1e-12)).unwrap_or(last);
         let start_s = if part == 0 { 0.0 } else { self.ends_s[part - 1] };
         let length_s = self.ends_s[part] - start_s;
-        let share = if length_s > 0.0 { ((time_s - start_s) / length_s).clamp(0.0, 1.0) } else { 1.0 };
+        let share =
+            if length_s > 0.0 { ((time_s - start_s) / length_s).clamp(0.0, 1.0) } else { 1.0 };
         drives(commands, &self.positions_m[part], &self.positions_m[part + 1], share)
     }
 }
 
-/// Actual drive positions, metres, after a motion to `pulls_m` that took `dt_s` seconds. An infinite `dt_s` means rest.
-pub(crate) fn apply_effects(effects: &mut [Box<dyn Effect>], mut pulls_m: Vec<f64>, dt_s: f64) -> Vec<f64> {
+/// Actual drive positions, metres, after a motion to `pulls_m` that took `dt_s` seconds. An
+/// infinite `dt_s` means rest.
+pub(crate) fn apply_effects(
+    effects: &mut [Box<dyn Effect>],
+    mut pulls_m: Vec<f64>,
+    dt_s: f64,
+) -> Vec<f64> {
     effects.iter_mut().for_each(|effect| effect.modify_command(&mut pulls_m, dt_s));
     pulls_m
 }
@@ -81,7 +91,12 @@ fn between(from_m: &[f64], to_m: &[f64], share: f64) -> Vec<f64> {
 }
 
 /// Drives at `share` of the way between two displacements, or following.
-pub(crate) fn drives(commands: &[TendonCommand], from_m: &[f64], to_m: &[f64], share: f64) -> Vec<Drive> {
+pub(crate) fn drives(
+    commands: &[TendonCommand],
+    from_m: &[f64],
+    to_m: &[f64],
+    share: f64,
+) -> Vec<Drive> {
     let drive = |(command, pull): (&TendonCommand, f64)| match command {
         TendonCommand::Pull(_) => Drive::Pull(pull),
         TendonCommand::Follow => Drive::Follow,

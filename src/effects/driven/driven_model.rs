@@ -1,5 +1,5 @@
-//! A driven model: its rod, the effects on drives and measurements, and derivatives with respect to model parameters,
-//! commands and loads. Measurement noise is added by the simulated plant.
+//! A driven model: its rod, the effects on drives and measurements, and derivatives with respect to
+//! model parameters, commands and loads. Measurement noise is added by the simulated plant.
 
 use nalgebra::Vector3;
 
@@ -11,7 +11,10 @@ use crate::effects::model::parameter::Variable;
 use crate::effects::model::tracking::{MeasuredPose, TrackedPlaces, seen_point};
 use crate::effects::{Effect, EffectSpec, Model};
 use crate::math::rotation;
-use crate::rod::{Drive, NotPerturbable, PerturbedRods, PoseRates, Rod, RodParams, SolveStatus, TipRate, TipWrench};
+use crate::rod::{
+    Drive, NotPerturbable, PerturbedRods, PoseRates, Rod, RodParams, SolveStatus, TipRate,
+    TipWrench,
+};
 
 /// A rod with the effects of a model.
 #[derive(Clone, Debug)]
@@ -26,7 +29,8 @@ pub struct DrivenModel {
     places: Vec<TrackedPlaces>,
     /// Displacements of the model's drives in the next command, in the order of their names.
     drive_displacements: Vec<f64>,
-    /// Index of the next command; `None` before the command that brings the rod home after a restart.
+    /// Index of the next command; `None` before the command that brings the rod home after a
+    /// restart.
     next: Option<usize>,
 }
 
@@ -34,7 +38,8 @@ impl DrivenModel {
     /// A checked model with `extra` effects on top.
     pub fn new(model: &Model, extra: &[EffectSpec]) -> DrivenModel {
         let rods = PerturbedRods::alone(model.rod(extra));
-        let drive_state = DriveState::new(model.robot.drive_time_s, rods.leader().params().tendons.len());
+        let drive_state =
+            DriveState::new(model.robot.drive_time_s, rods.leader().params().tendons.len());
         DrivenModel {
             rods,
             effects: vec![model.effects(extra)],
@@ -50,13 +55,19 @@ impl DrivenModel {
     ///
     /// # Errors
     /// [`VariationError`] for the first variable without one.
-    pub fn varied(model: &Model, extra: &[EffectSpec], variables: &[Variable]) -> Result<DrivenModel, VariationError> {
+    pub fn varied(
+        model: &Model,
+        extra: &[EffectSpec],
+        variables: &[Variable],
+    ) -> Result<DrivenModel, VariationError> {
         let mut driven = DrivenModel::new(model, extra);
         let mut params = Vec::new();
         for (index, variable) in variables.iter().enumerate() {
             let varied = perturb(model, extra, variable, index)?;
             driven.effects.push(varied.effects);
-            driven.drive_states.push(DriveState::new(varied.drive_time_s, driven.rod().params().tendons.len()));
+            driven
+                .drive_states
+                .push(DriveState::new(varied.drive_time_s, driven.rod().params().tendons.len()));
             driven.perturbations.push(varied.perturbation);
             driven.places.push(varied.places);
             params.push(varied.params);
@@ -67,8 +78,8 @@ impl DrivenModel {
         Ok(driven)
     }
 
-    /// The same with derivatives for those of `variables` that have one; also returns the indices (from 0) of the
-    /// others.
+    /// The same with derivatives for those of `variables` that have one; also returns the indices
+    /// (from 0) of the others.
     ///
     /// # Errors
     /// [`VariationError`] for a variable that does not exist.
@@ -80,7 +91,8 @@ impl DrivenModel {
         let mut kept: Vec<usize> = (0..variables.len()).collect();
         let mut left_out = Vec::new();
         loop {
-            let variables_kept: Vec<Variable> = kept.iter().map(|&index| variables[index].clone()).collect();
+            let variables_kept: Vec<Variable> =
+                kept.iter().map(|&index| variables[index].clone()).collect();
             match DrivenModel::varied(model, extra, &variables_kept) {
                 Err(VariationError::NotPerturbable(index)) => left_out.push(kept.remove(index)),
                 driven => {
@@ -96,7 +108,8 @@ impl DrivenModel {
         self.rods.leader()
     }
 
-    /// Restarts: straight, no history, slack tendons. The first command brings the rod home; the next one has index 0.
+    /// Restarts: straight, no history, slack tendons. The first command brings the rod home; the
+    /// next one has index 0.
     pub fn restart(&mut self) {
         self.rods.restart();
         self.effects.iter_mut().flatten().for_each(|effect| effect.reset());
@@ -108,8 +121,9 @@ impl DrivenModel {
         self.next = None;
     }
 
-    /// Says how far the model's drives are displaced (radians or metres, in the order of their names) in the commands from
-    /// now on: what a change of their gains is multiplied by. A restart forgets it.
+    /// Says how far the model's drives are displaced (radians or metres, in the order of their
+    /// names) in the commands from now on: what a change of their gains is multiplied by. A restart
+    /// forgets it.
     pub fn set_drive_displacements(&mut self, displacements: Vec<f64>) {
         self.drive_displacements = displacements;
     }
@@ -124,14 +138,15 @@ impl DrivenModel {
         self.settle(&vec![TendonCommand::Pull(0.0); tendons])
     }
 
-    /// Restarts away from home: the next command is the first one, with index 0, and finds the robot straight and unloaded.
+    /// Restarts away from home: the next command is the first one, with index 0, and finds the
+    /// robot straight and unloaded.
     pub fn restart_away(&mut self) {
         self.restart();
         self.next = Some(0);
     }
 
-    /// Counts the next command as the first one again: after settling under the first command of a trial that does not start
-    /// at home.
+    /// Counts the next command as the first one again: after settling under the first command of a
+    /// trial that does not start at home.
     pub fn restart_count(&mut self) {
         self.next = Some(0);
     }
@@ -146,11 +161,15 @@ impl DrivenModel {
         self.settle_under(&vec![0.0; tendons])
     }
 
-    /// Replaces the tip load in addition to the model's; `load` may depend on the rod (for example on its gravity).
+    /// Replaces the tip load in addition to the model's; `load` may depend on the rod (for example
+    /// on its gravity).
     pub fn set_extra_tip_load(&mut self, load: &dyn Fn(&RodParams) -> TipWrench) {
         self.rods.set_tip_load(&|params| {
             let (model_load, extra) = (params.tip_load, load(params));
-            TipWrench { force_n: model_load.force_n + extra.force_n, moment_nm: model_load.moment_nm + extra.moment_nm }
+            TipWrench {
+                force_n: model_load.force_n + extra.force_n,
+                moment_nm: model_load.moment_nm + extra.moment_nm,
+            }
         });
     }
 
@@ -160,17 +179,17 @@ impl DrivenModel {
     /// [`PlantError`] when the commands do not fit this robot or no equilibrium is found.
     pub fn settle(&mut self, commands: &[TendonCommand]) -> Result<(), PlantError> {
         let targets = self.requested_m(commands)?;
-        for ((drive_state, effects), target) in self.drive_states.iter_mut().zip(&mut self.effects).zip(targets) {
+        for ((drive_state, effects), target) in
+            self.drive_states.iter_mut().zip(&mut self.effects).zip(targets)
+        {
             drive_state.commanded_m.clone_from(&target);
             drive_state.actual_m = apply_effects(effects, target, f64::INFINITY);
         }
         self.count_command();
         let DrivenModel { rods, drive_states, .. } = self;
-        solved(
-            rods.settle(&|number| {
-                drives(commands, &drive_states[number].actual_m, &drive_states[number].actual_m, 1.0)
-            }),
-        )?;
+        solved(rods.settle(&|number| {
+            drives(commands, &drive_states[number].actual_m, &drive_states[number].actual_m, 1.0)
+        }))?;
         self.follow(commands);
         Ok(())
     }
@@ -179,15 +198,23 @@ impl DrivenModel {
     ///
     /// # Errors
     /// As [`DrivenModel::settle`].
-    pub fn advance(&mut self, commands: &[TendonCommand], duration_s: f64) -> Result<(), PlantError> {
+    pub fn advance(
+        &mut self,
+        commands: &[TendonCommand],
+        duration_s: f64,
+    ) -> Result<(), PlantError> {
         let targets = self.requested_m(commands)?;
         self.count_command();
         let each = self.drive_states.iter_mut().zip(&mut self.effects).zip(targets);
-        let paths: Vec<DrivePath> =
-            each.map(|((drive_state, effects), target)| drive_state.move_to(effects, target, duration_s)).collect();
+        let paths: Vec<DrivePath> = each
+            .map(|((drive_state, effects), target)| {
+                drive_state.move_to(effects, target, duration_s)
+            })
+            .collect();
         let parts = |number: usize| {
             // Followers use the leader's parts unless they have as many of their own.
-            let source = if paths[number].ends_s.len() == paths[0].ends_s.len() { number } else { 0 };
+            let source =
+                if paths[number].ends_s.len() == paths[0].ends_s.len() { number } else { 0 };
             &paths[source].ends_s
         };
         let part_s = |number: usize, part: usize| {
@@ -195,8 +222,10 @@ impl DrivenModel {
             (start_s, parts(number)[part] - start_s)
         };
         // A command that ends with its ramp has a hold of no duration.
-        for part in (0..paths[0].ends_s.len()).filter(|&part| part_s(0, part).1 > 1e-9 * duration_s) {
-            let at = |number: usize, t: f64| paths[number].drives(commands, part_s(number, part).0 + t);
+        for part in (0..paths[0].ends_s.len()).filter(|&part| part_s(0, part).1 > 1e-9 * duration_s)
+        {
+            let at =
+                |number: usize, t: f64| paths[number].drives(commands, part_s(number, part).0 + t);
             solved(self.rods.advance_with(&at, &|number| part_s(number, part).1))?;
         }
         self.follow(commands);
@@ -223,10 +252,15 @@ impl DrivenModel {
         solved(self.rods.advance_with(&|number, _| drives[number].clone(), &|_| duration_s))
     }
 
-    /// The observation at `time_s`, without noise; for a following tendon it reports the drive position.
+    /// The observation at `time_s`, without noise; for a following tendon it reports the drive
+    /// position.
     pub fn observation(&self, commands: &[TendonCommand], time_s: f64) -> Observation {
         let following = self.rod().following_pulls_m();
-        let pulls_m = commands.iter().zip(following).map(|(command, following)| command.pull_m_or(following)).collect();
+        let pulls_m = commands
+            .iter()
+            .zip(following)
+            .map(|(command, following)| command.pull_m_or(following))
+            .collect();
         let mut seen = Observation { time_s, pulls_m, ..posture(self.rod(), &self.places[0]) };
         self.effects[0].iter().for_each(|effect| effect.observe(&mut seen));
         seen
@@ -237,7 +271,8 @@ impl DrivenModel {
         self.pose_rates().into_iter().map(|rates| rates.tip).collect()
     }
 
-    /// Derivatives of the measured tip and of every tracked point with respect to each variable, per unit of it.
+    /// Derivatives of the measured tip and of every tracked point with respect to each variable,
+    /// per unit of it.
     pub fn pose_rates(&self) -> Vec<PoseRates> {
         if self.perturbations.is_empty() {
             return Vec::new();
@@ -246,17 +281,20 @@ impl DrivenModel {
             let places = &self.places[number];
             let mut seen = posture(rod, places);
             self.effects[number].iter().for_each(|effect| effect.observe(&mut seen));
-            let turns = std::iter::once(places.tip(rod).1).chain(places.points(rod).into_iter().map(|(_, turn)| turn));
+            let turns = std::iter::once(places.tip(rod).1)
+                .chain(places.points(rod).into_iter().map(|(_, turn)| turn));
             let positions = seen.positions_m().map(|position_m| Vector3::from(*position_m));
             positions.zip(turns).collect::<Vec<MeasuredPose>>()
         };
         let unperturbed = measured(0, self.rod());
         let rate = |(number, (perturbation, rod)): (usize, (&Perturbation, &Rod))| {
-            let between = |((here_m, turn), (there_m, turned)): (&MeasuredPose, MeasuredPose)| TipRate {
-                position_m: (there_m - here_m) / perturbation.step,
-                rotation_rad: rotation::log(&(turned * turn.transpose())) / perturbation.step,
-            };
-            let mut rates: Vec<TipRate> = unperturbed.iter().zip(measured(number + 1, rod)).map(between).collect();
+            let between =
+                |((here_m, turn), (there_m, turned)): (&MeasuredPose, MeasuredPose)| TipRate {
+                    position_m: (there_m - here_m) / perturbation.step,
+                    rotation_rad: rotation::log(&(turned * turn.transpose())) / perturbation.step,
+                };
+            let mut rates: Vec<TipRate> =
+                unperturbed.iter().zip(measured(number + 1, rod)).map(between).collect();
             PoseRates { tip: rates.remove(0), points: rates }
         };
         self.perturbations.iter().zip(self.rods.others()).enumerate().map(rate).collect()
@@ -272,25 +310,32 @@ impl DrivenModel {
         std::iter::once(self.rods.leader()).chain(self.rods.others())
     }
 
-    /// Requested displacements of each rod, metres; a following drive stays where the shape has moved it.
+    /// Requested displacements of each rod, metres; a following drive stays where the shape has
+    /// moved it.
     fn requested_m(&self, commands: &[TendonCommand]) -> Result<Vec<Vec<f64>>, PlantError> {
         let tendons = self.rod().params().tendons.len();
         if commands.len() != tendons {
-            return Err(PlantError::Refused(format!("{} tendons, expected {tendons}", commands.len())));
+            return Err(PlantError::Refused(format!(
+                "{} tendons, expected {tendons}",
+                commands.len()
+            )));
         }
         let follows = commands.contains(&TendonCommand::Follow);
         let requested = |(rod, shift): (&Rod, Option<(usize, f64)>)| {
             let following = if follows { rod.following_pulls_m() } else { vec![0.0; tendons] };
-            let pull = |(tendon, (command, following)): (usize, (&TendonCommand, f64))| match *command {
-                TendonCommand::Pull(pull) => {
-                    pull + shift.filter(|shift| shift.0 == tendon).map_or(0.0, |shift| shift.1)
-                }
-                TendonCommand::Follow => following,
-            };
+            let pull =
+                |(tendon, (command, following)): (usize, (&TendonCommand, f64))| match *command {
+                    TendonCommand::Pull(pull) => {
+                        pull + shift.filter(|shift| shift.0 == tendon).map_or(0.0, |shift| shift.1)
+                    }
+                    TendonCommand::Follow => following,
+                };
             commands.iter().zip(following).enumerate().map(pull).collect()
         };
         let shifts = std::iter::once(None).chain(
-            self.perturbations.iter().map(|perturbation| perturbation.shift(self.next, &self.drive_displacements)),
+            self.perturbations
+                .iter()
+                .map(|perturbation| perturbation.shift(self.next, &self.drive_displacements)),
         );
         Ok(self.each_rod().zip(shifts).map(requested).collect())
     }
@@ -302,8 +347,13 @@ impl DrivenModel {
         }
         let following: Vec<Vec<f64>> = self.each_rod().map(Rod::following_pulls_m).collect();
         for (drive_state, following) in self.drive_states.iter_mut().zip(following) {
-            for (i, _) in commands.iter().enumerate().filter(|(_, command)| **command == TendonCommand::Follow) {
-                (drive_state.commanded_m[i], drive_state.actual_m[i]) = (following[i], following[i]);
+            for (i, _) in commands
+                .iter()
+                .enumerate()
+                .filter(|(_, command)| **command == TendonCommand::Follow)
+            {
+                (drive_state.commanded_m[i], drive_state.actual_m[i]) =
+                    (following[i], following[i]);
             }
         }
     }
@@ -311,7 +361,9 @@ impl DrivenModel {
     /// For each rod, the tensions as drives.
     fn tensions(&self, tensions_n: &[f64]) -> Vec<Vec<Drive>> {
         let shifts = std::iter::once(None).chain(
-            self.perturbations.iter().map(|perturbation| perturbation.shift(self.next, &self.drive_displacements)),
+            self.perturbations
+                .iter()
+                .map(|perturbation| perturbation.shift(self.next, &self.drive_displacements)),
         );
         let each = shifts.map(|shift| {
             let drive = |(tendon, &tension): (usize, &f64)| match shift {
@@ -339,5 +391,9 @@ fn posture(rod: &Rod, places: &TrackedPlaces) -> Observation {
 }
 
 fn solved(status: SolveStatus) -> Result<(), PlantError> {
-    if status == SolveStatus::Converged { Ok(()) } else { Err(PlantError::Solver(status.name().into())) }
+    if status == SolveStatus::Converged {
+        Ok(())
+    } else {
+        Err(PlantError::Solver(status.name().into()))
+    }
 }

@@ -40,13 +40,17 @@ pub(crate) struct PerturbedModel {
 }
 
 impl Perturbation {
-    /// The tendon and shift of the command with index `number`, if this perturbation changes it; `drives` are the
-    /// displacements of the drives in this command.
+    /// The tendon and shift of the command with index `number`, if this perturbation changes it;
+    /// `drives` are the displacements of the drives in this command.
     pub(crate) fn shift(&self, number: Option<usize>, drives: &[f64]) -> Option<(usize, f64)> {
         match &self.shift {
             CommandShift::Nothing => None,
-            CommandShift::Commands(tendon, commands) => commands.contains(&number?).then_some((*tendon, self.step)),
-            CommandShift::Gain { tendon, drive } => drives.get(*drive).map(|moved| (*tendon, self.step * moved)),
+            CommandShift::Commands(tendon, commands) => {
+                commands.contains(&number?).then_some((*tendon, self.step))
+            }
+            CommandShift::Gain { tendon, drive } => {
+                drives.get(*drive).map(|moved| (*tendon, self.step * moved))
+            }
         }
     }
 }
@@ -56,9 +60,14 @@ fn changed_gain(model: &Model, candidate: &Model) -> CommandShift {
     let pairs = model.drives.values().zip(candidate.drives.values()).enumerate();
     let gains = pairs.flat_map(|(drive, (drive_before, drive_after))| {
         let each = drive_before.gains.iter().zip(&drive_after.gains).zip(&drive_before.tendons);
-        each.map(move |((before, after), tendon)| (before != after, CommandShift::Gain { tendon: tendon - 1, drive }))
+        each.map(move |((before, after), tendon)| {
+            (before != after, CommandShift::Gain { tendon: tendon - 1, drive })
+        })
     });
-    gains.into_iter().find(|(differs, _)| *differs).map_or(CommandShift::Nothing, |(_, shift)| shift)
+    gains
+        .into_iter()
+        .find(|(differs, _)| *differs)
+        .map_or(CommandShift::Nothing, |(_, shift)| shift)
 }
 
 /// The model with one variable perturbed.
@@ -90,9 +99,16 @@ pub(crate) fn perturb(
                 if candidate.check().is_ok() && PerturbedRods::possible(&params, &changed) {
                     let effects = candidate.effects(extra);
                     let drive_time_s = candidate.robot.drive_time_s;
-                    let perturbation = Perturbation { step, shift: changed_gain(model, &candidate) };
+                    let perturbation =
+                        Perturbation { step, shift: changed_gain(model, &candidate) };
                     let places = candidate.tracking.places();
-                    return Ok(PerturbedModel { perturbation, drive_time_s, params: changed, effects, places });
+                    return Ok(PerturbedModel {
+                        perturbation,
+                        drive_time_s,
+                        params: changed,
+                        effects,
+                        places,
+                    });
                 }
             }
             Err(VariationError::NotPerturbable(index))
@@ -101,7 +117,11 @@ pub(crate) fn perturb(
             if *tendon >= params.tendons.len() {
                 return Err(VariationError::Missing(index));
             }
-            Ok(of_model(RELATIVE_STEP * COMMAND_SCALE, CommandShift::Commands(*tendon, commands.clone()), params))
+            Ok(of_model(
+                RELATIVE_STEP * COMMAND_SCALE,
+                CommandShift::Commands(*tendon, commands.clone()),
+                params,
+            ))
         }
         Variable::Force(along) => {
             changed.tip_load.force_n[axis(*along)?] += RELATIVE_STEP * FORCE_SCALE_N;

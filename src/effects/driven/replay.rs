@@ -7,7 +7,8 @@ use crate::effects::model::parameter::Variable;
 use crate::effects::{EffectSpec, Model, Starts};
 use crate::rod::TipWrench;
 
-/// Relative step for finite differences of whole trials: balances truncation against solver tolerance.
+/// Relative step for finite differences of whole trials: balances truncation against solver
+/// tolerance.
 const TRIAL_STEP: f64 = 1e-4;
 
 /// Commands of one trial.
@@ -32,7 +33,8 @@ pub struct Trial<'a> {
 pub struct Replayed {
     /// Measured position before the first command, then at the end of each, metres.
     pub tips_m: Vec<Point3>,
-    /// For each of them: the tracked points at that time, in the order of the model's `tracking.points`, metres.
+    /// For each of them: the tracked points at that time, in the order of the model's
+    /// `tracking.points`, metres.
     pub points_m: Vec<Vec<Point3>>,
     /// For each of them: derivative with respect to each variable, metres per unit of it.
     pub rates: Vec<Vec<Point3>>,
@@ -59,9 +61,10 @@ pub enum ReplayError {
     },
 }
 
-/// Replays `trial` from rest at home (tension commands: from rest without tension) or, where it starts `anywhere`,
-/// from rest under its first command, on a checked model with `extra` effects. Variables whose perturbation changes the discretisation are differentiated by finite differences of the
-/// whole trial.
+/// Replays `trial` from rest at home (tension commands: from rest without tension) or, where it
+/// starts `anywhere`, from rest under its first command, on a checked model with `extra` effects.
+/// Variables whose perturbation changes the discretisation are differentiated by finite differences
+/// of the whole trial.
 ///
 /// # Errors
 /// [`ReplayError`].
@@ -78,7 +81,9 @@ pub fn replay(
         let Variable::Parameter(parameter) = &variables[index] else {
             return Err(VariationError::NotPerturbable(index).into());
         };
-        let tips = |candidate: &Model| trial.play(&mut DrivenModel::new(candidate, extra)).map(|played| played.tips_m);
+        let tips = |candidate: &Model| {
+            trial.play(&mut DrivenModel::new(candidate, extra)).map(|played| played.tips_m)
+        };
         let rates = parameter.differences(model, TRIAL_STEP, &tips)?;
         for (row, rate) in replayed.rates.iter_mut().zip(rates) {
             row.insert(index, rate);
@@ -91,7 +96,11 @@ impl Trial<'_> {
     fn check(&self) -> Result<(), ReplayError> {
         let expected = self.commands.len();
         let counted = |what, found: usize| {
-            if found == expected { Ok(()) } else { Err(ReplayError::Count { what, found, expected }) }
+            if found == expected {
+                Ok(())
+            } else {
+                Err(ReplayError::Count { what, found, expected })
+            }
         };
         counted("tip loads", self.tip_loads.map_or(expected, <[TipWrench]>::len))?;
         counted("durations", if self.at_rest { expected } else { self.durations_s.len() })
@@ -107,7 +116,8 @@ impl Trial<'_> {
         replayed.add(driven);
         for (index, command) in self.commands.iter().enumerate() {
             self.load(driven, index);
-            let pulls: Vec<TendonCommand> = command.iter().map(|&pull| TendonCommand::Pull(pull)).collect();
+            let pulls: Vec<TendonCommand> =
+                command.iter().map(|&pull| TendonCommand::Pull(pull)).collect();
             match (self.tensions, self.at_rest) {
                 (false, false) => driven.advance(&pulls, self.durations_s[index])?,
                 (false, true) => driven.settle(&pulls)?,
@@ -127,7 +137,8 @@ impl Trial<'_> {
         if self.tensions {
             driven.settle_under(first)?;
         } else {
-            driven.settle(&first.iter().map(|&pull| TendonCommand::Pull(pull)).collect::<Vec<_>>())?;
+            driven
+                .settle(&first.iter().map(|&pull| TendonCommand::Pull(pull)).collect::<Vec<_>>())?;
         }
         driven.restart_count();
         Ok(())

@@ -97,7 +97,8 @@ impl ObstacleSpec {
         self.sphere.map_or(Ok(()), |sphere| sphere.check()).map_err(at("sphere"))?;
         self.cylinder.map_or(Ok(()), |cylinder| cylinder.check()).map_err(at("cylinder"))?;
         self.capsule.map_or(Ok(()), |capsule| capsule.check()).map_err(at("capsule"))?;
-        BadOption::unless_not_negative("friction_coefficient", self.friction_coefficient).map_err(at(""))?;
+        BadOption::unless_not_negative("friction_coefficient", self.friction_coefficient)
+            .map_err(at(""))?;
         BadOption::unless_positive_or_null("stiffness_n_m", self.stiffness_n_m).map_err(at(""))
     }
 

@@ -14,8 +14,8 @@ use crate::rod::Resolution;
 /// and the numerical resolution are excluded.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct ModelParameter {
-    /// Its path, such as `robot.backbone.youngs_modulus_pa`, `robot.gravity_m_s2[0]`, `effects[0].mass_kg`,
-    /// `tracking.points.p1.offset_m[0]` or `drives.servo_1.gains[0]`.
+    /// Its path, such as `robot.backbone.youngs_modulus_pa`, `robot.gravity_m_s2[0]`,
+    /// `effects[0].mass_kg`, `tracking.points.p1.offset_m[0]` or `drives.servo_1.gains[0]`.
     path: String,
     /// Its unit; `1` for a plain ratio.
     unit: &'static str,
@@ -38,9 +38,12 @@ pub enum VariationError {
     /// The model has no such parameter.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// Index of a variable (from 0) whose smallest perturbation changes the discretisation, such as the end of a tendon
-    /// at the tip. Only finite differences of whole motions apply.
-    #[error("variable {0} (from 0) changes the discretisation of the rod: no derivative along the motion")]
+    /// Index of a variable (from 0) whose smallest perturbation changes the discretisation, such as
+    /// the end of a tendon at the tip. Only finite differences of whole motions apply.
+    #[error(
+        "variable {0} (from 0) changes the discretisation of the rod: no derivative along the \
+         motion"
+    )]
     NotPerturbable(usize),
     /// A tendon or an axis that does not exist.
     #[error("variable {0} (from 0) names a tendon or an axis that this robot does not have")]
@@ -55,8 +58,8 @@ pub enum VariationError {
 pub enum Variable {
     /// A parameter of the model.
     Parameter(ModelParameter),
-    /// The commands to a tendon (from 0), displacements in metres or tensions in newtons, with these indices in the
-    /// trial (from 0).
+    /// The commands to a tendon (from 0), displacements in metres or tensions in newtons, with
+    /// these indices in the trial (from 0).
     Command {
         /// The tendon.
         tendon: usize,
@@ -110,7 +113,8 @@ impl ModelParameter {
         if let Ok(obstacles) = serde_json::to_value(&model.obstacles) {
             collect(&obstacles, "obstacles", &mut parameters);
         }
-        if let (Ok(tracking), Ok(drives)) = (serde_json::to_value(&model.tracking), serde_json::to_value(&model.drives))
+        if let (Ok(tracking), Ok(drives)) =
+            (serde_json::to_value(&model.tracking), serde_json::to_value(&model.drives))
         {
             collect(&tracking, "tracking", &mut parameters);
             collect(&drives, "drives", &mut parameters);
@@ -124,7 +128,10 @@ impl ModelParameter {
     /// [`ParameterError::Unknown`] when there is none.
     pub fn named(model: &Model, path: &str) -> Result<ModelParameter, ParameterError> {
         let unknown = || ParameterError::Unknown(path.to_owned());
-        ModelParameter::all(model).into_iter().find(|parameter| parameter.path == path).ok_or_else(unknown)
+        ModelParameter::all(model)
+            .into_iter()
+            .find(|parameter| parameter.path == path)
+            .ok_or_else(unknown)
     }
 
     /// Its path in the model file, without the effect's name.
@@ -152,8 +159,10 @@ impl ModelParameter {
     /// [`ParameterError`] when the model has no such number or `value` is not finite.
     pub fn with_value(&self, model: &Model, value: f64) -> Result<Model, ParameterError> {
         let (mut root, pointer) = self.place(model)?;
-        let number = Number::from_f64(value).ok_or_else(|| ParameterError::NotFinite(self.path.clone(), value))?;
-        *root.pointer_mut(&pointer).filter(|leaf| leaf.is_f64()).ok_or_else(|| self.unknown())? = Value::Number(number);
+        let number = Number::from_f64(value)
+            .ok_or_else(|| ParameterError::NotFinite(self.path.clone(), value))?;
+        *root.pointer_mut(&pointer).filter(|leaf| leaf.is_f64()).ok_or_else(|| self.unknown())? =
+            Value::Number(number);
         let mut changed: Model = serde_json::from_value(root).map_err(|_| self.unknown())?;
         changed.robot.resolution = model.robot.resolution;
         Ok(changed)
@@ -169,8 +178,8 @@ impl ModelParameter {
         Ok(if size > 0.1 * typical { size } else { typical })
     }
 
-    /// Finite-difference derivative of `points` of whole models: central with a step of `step` times the scale, or
-    /// one-sided of second order where the other side is out of range.
+    /// Finite-difference derivative of `points` of whole models: central with a step of `step`
+    /// times the scale, or one-sided of second order where the other side is out of range.
     ///
     /// # Errors
     /// Those of `points`, and [`ParameterError`] when the model has no such number.
@@ -183,14 +192,19 @@ impl ModelParameter {
         let step = step * self.scale(model).map_err(VariationError::from)?;
         let value = self.value(model).map_err(VariationError::from)?;
         let at = |steps: f64| -> Result<Option<Vec<Point3>>, E> {
-            let candidate = self.with_value(model, value + steps * step).map_err(VariationError::from)?;
+            let candidate =
+                self.with_value(model, value + steps * step).map_err(VariationError::from)?;
             if candidate.check().is_ok() { points(&candidate).map(Some) } else { Ok(None) }
         };
         let weighted = |terms: &[(f64, Option<Vec<Point3>>)]| -> Option<Vec<Point3>> {
-            let terms: Vec<(f64, &Vec<Point3>)> =
-                terms.iter().map(|(weight, points)| Some((*weight, points.as_ref()?))).collect::<Option<_>>()?;
+            let terms: Vec<(f64, &Vec<Point3>)> = terms
+                .iter()
+                .map(|(weight, points)| Some((*weight, points.as_ref()?)))
+                .collect::<Option<_>>()?;
             let sum = |row: usize| -> Point3 {
-                std::array::from_fn(|axis| terms.iter().map(|(weight, all)| weight * all[row][axis] / step).sum())
+                std::array::from_fn(|axis| {
+                    terms.iter().map(|(weight, all)| weight * all[row][axis] / step).sum()
+                })
             };
             Some((0..terms[0].1.len()).map(sum).collect())
         };
@@ -215,7 +229,10 @@ impl ModelParameter {
         if let Some(rest) = pointer.strip_prefix("/effects/") {
             let (index, field) = rest.split_once('/').ok_or_else(|| self.unknown())?;
             let effect = index.parse().ok().and_then(|index: usize| model.effects.get(index));
-            pointer = format!("/effects/{index}/{}/{field}", effect.ok_or_else(|| self.unknown())?.card().name);
+            pointer = format!(
+                "/effects/{index}/{}/{field}",
+                effect.ok_or_else(|| self.unknown())?.card().name
+            );
         }
         Ok((root, pointer))
     }
@@ -235,15 +252,21 @@ impl fmt::Display for ModelParameter {
 fn collect(value: &Value, path: &str, parameters: &mut Vec<ModelParameter>) {
     match value {
         Value::Number(number) if number.is_f64() => {
-            let name = path.rsplit('.').next().unwrap_or_default().split('[').next().unwrap_or_default();
+            let name =
+                path.rsplit('.').next().unwrap_or_default().split('[').next().unwrap_or_default();
             let unit = UNITS.iter().find(|(end, ..)| name.ends_with(end)).map_or("1", |row| row.1);
             parameters.push(ModelParameter { path: path.to_owned(), unit });
         }
         Value::Array(items) => {
-            items.iter().enumerate().for_each(|(index, item)| collect(item, &format!("{path}[{index}]"), parameters));
+            items
+                .iter()
+                .enumerate()
+                .for_each(|(index, item)| collect(item, &format!("{path}[{index}]"), parameters));
         }
         Value::Object(fields) => {
-            fields.iter().for_each(|(key, item)| collect(item, &format!("{path}.{key}"), parameters));
+            fields
+                .iter()
+                .for_each(|(key, item)| collect(item, &format!("{path}.{key}"), parameters));
         }
         _ => {}
     }
@@ -257,8 +280,10 @@ mod tests {
     /// The suffix of a name gives the unit of its card.
     #[test]
     fn names_say_the_units_of_the_cards() {
-        for parameter in
-            CATALOGUE.iter().flat_map(|card| card.parameters).filter(|p| !["number", "flag"].contains(&p.unit))
+        for parameter in CATALOGUE
+            .iter()
+            .flat_map(|card| card.parameters)
+            .filter(|p| !["number", "flag"].contains(&p.unit))
         {
             let name = parameter.name.split('[').next().unwrap();
             let unit = UNITS.iter().find(|(end, ..)| name.ends_with(end)).unwrap().1;

@@ -7,7 +7,9 @@ use serde_json::Value;
 
 use crate::base::BadOption;
 use crate::effects::robot::units::{ANGLE, COMPLIANCE, FORCE, MASS, SHIFT};
-use crate::effects::{Effect, EffectSpec, ObstacleSpec, Robot, Seek, TendonDrive, Tracking, check_drives};
+use crate::effects::{
+    Effect, EffectSpec, ObstacleSpec, Robot, Seek, TendonDrive, Tracking, check_drives,
+};
 use crate::rod::{Rod, RodParams};
 
 /// A robot and the effects on it.
@@ -25,8 +27,8 @@ pub struct Model {
     /// What is tracked besides the tip.
     #[serde(default, skip_serializing_if = "Tracking::is_default")]
     pub tracking: Tracking,
-    /// Drives by name, where commands are not those of tendons: that of the columns `drive_NAME_rad` or `drive_NAME_m` of a
-    /// recording.
+    /// Drives by name, where commands are not those of tendons: that of the columns
+    /// `drive_NAME_rad` or `drive_NAME_m` of a recording.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub drives: BTreeMap<String, TendonDrive>,
 }
@@ -35,7 +37,8 @@ impl Model {
     /// Refuses numbers out of range.
     ///
     /// # Errors
-    /// The path of the key (such as `robot.backbone` or `effects[0].tip_load`) and the expected range.
+    /// The path of the key (such as `robot.backbone` or `effects[0].tip_load`) and the expected
+    /// range.
     pub fn check(&self) -> Result<(), (String, BadOption)> {
         self.robot.check().map_err(|(path, error)| (below("robot", &path), error))?;
         self.tracking.check(self.robot.backbone.length_m)?;
@@ -47,27 +50,34 @@ impl Model {
 
     fn check_obstacles(&self) -> Result<(), (String, BadOption)> {
         for (index, obstacle) in self.obstacles.iter().enumerate() {
-            obstacle.check().map_err(|(shape, error)| (below(&format!("obstacles[{index}]"), shape), error))?;
+            obstacle
+                .check()
+                .map_err(|(shape, error)| (below(&format!("obstacles[{index}]"), shape), error))?;
         }
-        // A found obstacle may reach a little into the robot: only one that somebody has written is held to this.
+        // A found obstacle may reach a little into the robot: only one that somebody has written is
+        // held to this.
         let mut rod = self.rod(&[]);
         rod.contact.obstacles.truncate(self.obstacles.len());
         let Some(home) = Rod::touched_at_home(&rod) else { return Ok(()) };
         let path = format!("obstacles[{}]", home.obstacle);
-        let found =
-            format!("{:.3} mm of it in the straight robot, {:.4} m from its base", 1e3 * home.penetration_m, home.s_m);
+        let found = format!(
+            "{:.3} mm of it in the straight robot, {:.4} m from its base",
+            1e3 * home.penetration_m,
+            home.s_m
+        );
         let key = self.obstacles[home.obstacle].shape_name();
         Err((path, BadOption { key, found, expected: "an obstacle outside the straight robot" }))
     }
 
-    /// Refuses numbers that no robot has, as a wrong unit makes them. Only what somebody has written is held to these
-    /// bounds: a fit may cross them.
+    /// Refuses numbers that no robot has, as a wrong unit makes them. Only what somebody has
+    /// written is held to these bounds: a fit may cross them.
     ///
     /// # Errors
     /// As [`Model::check`].
     pub fn check_units(&self) -> Result<(), (String, BadOption)> {
         self.robot.check_units().map_err(|(path, error)| (below("robot", &path), error))?;
-        check_effect_units(&self.effects).map_err(|(index, name, error)| (format!("effects[{index}].{name}"), error))
+        check_effect_units(&self.effects)
+            .map_err(|(index, name, error)| (format!("effects[{index}].{name}"), error))
     }
 
     /// Both checks; the path of the key begins with `at`.
@@ -139,13 +149,18 @@ pub fn check_effect_units(effects: &[EffectSpec]) -> Result<(), (usize, &'static
 ///
 /// # Errors
 /// Index and name of the first bad effect, and the expected range.
-pub fn check_effects(effects: &[EffectSpec], tendons: usize) -> Result<(), (usize, &'static str, BadOption)> {
+pub fn check_effects(
+    effects: &[EffectSpec],
+    tendons: usize,
+) -> Result<(), (usize, &'static str, BadOption)> {
     for (index, spec) in effects.iter().enumerate() {
         let effect = spec.build();
         let tendon = effect.tendon().unwrap_or_default();
         effect
             .check()
-            .and_then(|()| BadOption::unless(tendon <= tendons, "tendon", tendon, "a tendon of this robot"))
+            .and_then(|()| {
+                BadOption::unless(tendon <= tendons, "tendon", tendon, "a tendon of this robot")
+            })
             .map_err(|error| (index, spec.card().name, error))?;
     }
     Ok(())

@@ -14,8 +14,8 @@ use crate::effects::Model;
 pub struct TendonDrive {
     /// The tendons, from 1.
     pub tendons: Vec<usize>,
-    /// Displacement of each of these tendons per displacement of the drive: m/rad or m/m, as the recording's column says;
-    /// positive where the drive pulls.
+    /// Displacement of each of these tendons per displacement of the drive: m/rad or m/m, as the
+    /// recording's column says; positive where the drive pulls.
     pub gains: Vec<f64>,
 }
 
@@ -24,7 +24,9 @@ pub type DriveGains = Vec<(usize, f64)>;
 
 /// The tendons of each drive by its name.
 pub fn drive_gains(drives: &BTreeMap<String, TendonDrive>) -> BTreeMap<String, DriveGains> {
-    let gains = |drive: &TendonDrive| drive.tendons.iter().map(|tendon| tendon - 1).zip(drive.gains.clone()).collect();
+    let gains = |drive: &TendonDrive| {
+        drive.tendons.iter().map(|tendon| tendon - 1).zip(drive.gains.clone()).collect()
+    };
     drives.iter().map(|(name, drive)| (name.clone(), gains(drive))).collect()
 }
 
@@ -39,24 +41,38 @@ impl Model {
 ///
 /// # Errors
 /// The path of the key (such as `drives.servo_1`) and the range that it left.
-pub fn check_drives(drives: &BTreeMap<String, TendonDrive>, count: usize) -> Result<(), (String, BadOption)> {
+pub fn check_drives(
+    drives: &BTreeMap<String, TendonDrive>,
+    count: usize,
+) -> Result<(), (String, BadOption)> {
     for (name, drive) in drives {
         let path = format!("drives.{name}");
         let refuse = |key, found, expected| Err((path.clone(), BadOption { key, found, expected }));
         if !is_name(name) {
             let expected = "names of letters, digits, `_` and `-`";
-            return Err((String::new(), BadOption { key: "drives", found: format!("`{name}`"), expected }));
+            return Err((
+                String::new(),
+                BadOption { key: "drives", found: format!("`{name}`"), expected },
+            ));
         }
         let exists = |tendon: &usize| (1..=count).contains(tendon);
         let repeated = |(index, tendon): (usize, &usize)| drive.tendons[..index].contains(tendon);
         if drive.tendons.is_empty() || !drive.tendons.iter().all(exists) {
-            return refuse("tendons", format!("{:?}", drive.tendons), "numbers of tendons of this robot, from 1");
+            return refuse(
+                "tendons",
+                format!("{:?}", drive.tendons),
+                "numbers of tendons of this robot, from 1",
+            );
         }
         if drive.tendons.iter().enumerate().any(repeated) {
             return refuse("tendons", format!("{:?}", drive.tendons), "each tendon once");
         }
         if drive.gains.len() != drive.tendons.len() {
-            return refuse("gains", format!("{:?}", drive.gains), "one number per tendon of the drive");
+            return refuse(
+                "gains",
+                format!("{:?}", drive.gains),
+                "one number per tendon of the drive",
+            );
         }
         drive
             .gains

@@ -16,7 +16,8 @@ const MAX_POINTS: usize = 1000;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Tracking {
-    /// Tracked points by name: that of the columns `point_NAME_x_m,point_NAME_y_m,point_NAME_z_m` of a recording.
+    /// Tracked points by name: that of the columns `point_NAME_x_m,point_NAME_y_m,point_NAME_z_m`
+    /// of a recording.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub points: BTreeMap<String, BodyPoint>,
     /// Where on the body what recordings call the tip is; left out: at the end of the backbone.
@@ -28,7 +29,9 @@ pub struct Tracking {
 }
 
 /// State at the start of a trial.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum Starts {
     /// At rest at home, all displacements 0.
@@ -36,7 +39,8 @@ pub enum Starts {
     Home,
     /// At rest under the first command of the trial, without memory of what was before.
     Anywhere,
-    /// As the trial before has left it, at rest under its last command; the first trial starts at home.
+    /// As the trial before has left it, at rest under its last command; the first trial starts at
+    /// home.
     Continue,
 }
 
@@ -45,10 +49,13 @@ impl Starts {
     pub fn told(self) -> Option<&'static str> {
         match self {
             Starts::Home => None,
-            Starts::Anywhere => Some("Each trial starts at rest under its first command (starts: anywhere)."),
-            Starts::Continue => {
-                Some("Each trial goes on from the state in which the one before ended (starts: continue).")
+            Starts::Anywhere => {
+                Some("Each trial starts at rest under its first command (starts: anywhere).")
             }
+            Starts::Continue => Some(
+                "Each trial goes on from the state in which the one before ended (starts: \
+                 continue).",
+            ),
         }
     }
 }
@@ -85,14 +92,25 @@ impl Tracking {
     /// # Errors
     /// The path of the key (such as `tracking.points.p1`) and the range that it left.
     pub fn check(&self, length_m: f64) -> Result<(), (String, BadOption)> {
-        let refuse =
-            |path: &str, key, found: String, expected| Err((path.to_owned(), BadOption { key, found, expected }));
+        let refuse = |path: &str, key, found: String, expected| {
+            Err((path.to_owned(), BadOption { key, found, expected }))
+        };
         if self.points.len() > MAX_POINTS {
-            return refuse("tracking", "points", self.points.len().to_string(), "up to 1000 points");
+            return refuse(
+                "tracking",
+                "points",
+                self.points.len().to_string(),
+                "up to 1000 points",
+            );
         }
         for (name, point) in &self.points {
             if !is_name(name) {
-                return refuse("tracking", "points", format!("`{name}`"), "a name of letters, digits, `_` and `-`");
+                return refuse(
+                    "tracking",
+                    "points",
+                    format!("`{name}`"),
+                    "a name of letters, digits, `_` and `-`",
+                );
             }
             point.check(length_m).map_err(|error| (format!("tracking.points.{name}"), error))?;
         }
@@ -103,12 +121,20 @@ impl Tracking {
 
 /// Whether columns of a recording and paths of parameters can hold this name.
 pub(crate) fn is_name(name: &str) -> bool {
-    !name.is_empty() && name.chars().all(|letter| letter.is_ascii_alphanumeric() || letter == '_' || letter == '-')
+    !name.is_empty()
+        && name
+            .chars()
+            .all(|letter| letter.is_ascii_alphanumeric() || letter == '_' || letter == '-')
 }
 
 impl BodyPoint {
     fn check(&self, length_m: f64) -> Result<(), BadOption> {
-        BadOption::unless_within("s_m", self.s_m, 0.0..=length_m, "a place on the backbone: 0 to its `length_m`")?;
+        BadOption::unless_within(
+            "s_m",
+            self.s_m,
+            0.0..=length_m,
+            "a place on the backbone: 0 to its `length_m`",
+        )?;
         BadOption::unless_all_finite("offset_m", &self.offset_m)
     }
 

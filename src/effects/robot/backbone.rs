@@ -37,19 +37,21 @@ pub struct Backbone {
     /// Measured torsional stiffness, N m², in place of G·J.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub torsion_stiffness_n_m2: Option<f64>,
-    /// Pieces from base to tip, where it is not the same all along; what a piece leaves out is as above.
+    /// Pieces from base to tip, where it is not the same all along; what a piece leaves out is as
+    /// above.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub pieces: Vec<Piece>,
 }
 
-/// A piece of a backbone. Radii change linearly along it, and everything that follows from them with them; a measured
-/// stiffness holds at its start and changes as the computed one would.
+/// A piece of a backbone. Radii change linearly along it, and everything that follows from them
+/// with them; a measured stiffness holds at its start and changes as the computed one would.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Piece {
     /// Where it ends, metres from the base; it begins where the one before ends.
     pub end_m: f64,
-    /// Radius at its start, metres; left out: that at the end of the piece before, for the first the backbone's.
+    /// Radius at its start, metres; left out: that at the end of the piece before, for the first
+    /// the backbone's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub radius_m: Option<f64>,
     /// Radius at its end, metres; left out: as at its start.
@@ -85,10 +87,12 @@ pub struct Piece {
     /// (k₁ − k₂)/(k₁ + k₂) of the bending stiffnesses about the two principal axes.
     #[serde(default, skip_serializing_if = "is_default")]
     pub anisotropy: f64,
-    /// Angle of the first (stiffer, where `anisotropy` is positive) principal axis from x towards y, degrees.
+    /// Angle of the first (stiffer, where `anisotropy` is positive) principal axis from x towards
+    /// y, degrees.
     #[serde(default, skip_serializing_if = "is_default")]
     pub principal_angle_deg: f64,
-    /// Curvature about x and y and twist when nothing acts on it, rad/m. Tendons are set to zero on this shape.
+    /// Curvature about x and y and twist when nothing acts on it, rad/m. Tendons are set to zero on
+    /// this shape.
     #[serde(default, skip_serializing_if = "is_default")]
     pub rest_curvature_rad_m: [f64; 3],
 }
@@ -111,10 +115,21 @@ impl Backbone {
         at(BadOption::unless_not_negative("density_kg_m3", self.density_kg_m3))?;
         at(BadOption::unless_positive_or_null("axial_stiffness_n", self.axial_stiffness_n))?;
         at(BadOption::unless_positive_or_null("shear_stiffness_n", self.shear_stiffness_n))?;
-        at(BadOption::unless_positive_or_null("bending_stiffness_n_m2", self.bending_stiffness_n_m2))?;
-        at(BadOption::unless_positive_or_null("torsion_stiffness_n_m2", self.torsion_stiffness_n_m2))?;
+        at(BadOption::unless_positive_or_null(
+            "bending_stiffness_n_m2",
+            self.bending_stiffness_n_m2,
+        ))?;
+        at(BadOption::unless_positive_or_null(
+            "torsion_stiffness_n_m2",
+            self.torsion_stiffness_n_m2,
+        ))?;
         let Some(last) = self.pieces.last() else { return Ok(()) };
-        at(refuse(self.pieces.len() <= MAX_PARTS, "pieces", &self.pieces.len(), "a list of up to 10,000 pieces"))?;
+        at(refuse(
+            self.pieces.len() <= MAX_PARTS,
+            "pieces",
+            &self.pieces.len(),
+            "a list of up to 10,000 pieces",
+        ))?;
         let mut start_m = 0.0;
         for (index, (piece, radii)) in self.pieces.iter().zip(self.radii()).enumerate() {
             let path = format!("backbone.pieces[{index}]");
@@ -150,28 +165,39 @@ impl Backbone {
             let radii = Radii { outer: [self.radius_m; 2], inner: [self.inner_radius_m; 2] };
             return vec![self.span(&Piece { end_m: self.length_m, ..Piece::default() }, &radii)];
         }
-        let mut spans: Vec<Span> =
-            self.pieces.iter().zip(self.radii()).map(|(piece, radii)| self.span(piece, &radii)).collect();
+        let mut spans: Vec<Span> = self
+            .pieces
+            .iter()
+            .zip(self.radii())
+            .map(|(piece, radii)| self.span(piece, &radii))
+            .collect();
         if let Some(last) = spans.last_mut() {
             last.end_m = self.length_m;
         }
         spans
     }
 
-    /// Multiplies the bending stiffness all along by `scale`: Young's modulus, or what was measured in its place.
+    /// Multiplies the bending stiffness all along by `scale`: Young's modulus, or what was measured
+    /// in its place.
     pub(crate) fn scale_bending(&mut self, scale: f64) {
         let pieces = self.pieces.iter_mut();
         match &mut self.bending_stiffness_n_m2 {
             Some(measured) => {
                 *measured *= scale;
                 pieces.for_each(|piece| {
-                    piece.bending_stiffness_n_m2.iter_mut().for_each(|stiffness| *stiffness *= scale)
+                    piece
+                        .bending_stiffness_n_m2
+                        .iter_mut()
+                        .for_each(|stiffness| *stiffness *= scale)
                 });
             }
             None => {
                 self.youngs_modulus_pa *= scale;
                 pieces.for_each(|piece| {
-                    let stiffnesses = piece.bending_stiffness_n_m2.iter_mut().chain(piece.youngs_modulus_pa.iter_mut());
+                    let stiffnesses = piece
+                        .bending_stiffness_n_m2
+                        .iter_mut()
+                        .chain(piece.youngs_modulus_pa.iter_mut());
                     stiffnesses.for_each(|stiffness| *stiffness *= scale);
                 });
             }
@@ -180,14 +206,19 @@ impl Backbone {
 
     /// A piece, with what it leaves out taken from the whole.
     fn span(&self, piece: &Piece, radii: &Radii) -> Span {
-        let [area, second_moment] = [disc, second_moment_of_disc].map(|of| of(radii.outer[0]) - of(radii.inner[0]));
+        let [area, second_moment] =
+            [disc, second_moment_of_disc].map(|of| of(radii.outer[0]) - of(radii.inner[0]));
         let youngs_modulus_pa = piece.youngs_modulus_pa.unwrap_or(self.youngs_modulus_pa);
-        let shear_modulus_pa = youngs_modulus_pa / (2.0 * (1.0 + piece.poisson_ratio.unwrap_or(self.poisson_ratio)));
+        let shear_modulus_pa =
+            youngs_modulus_pa / (2.0 * (1.0 + piece.poisson_ratio.unwrap_or(self.poisson_ratio)));
         let measured = |of_piece: Option<f64>, of_backbone: Option<f64>, computed: f64| {
             of_piece.or(of_backbone).unwrap_or(computed)
         };
-        let bending =
-            measured(piece.bending_stiffness_n_m2, self.bending_stiffness_n_m2, youngs_modulus_pa * second_moment);
+        let bending = measured(
+            piece.bending_stiffness_n_m2,
+            self.bending_stiffness_n_m2,
+            youngs_modulus_pa * second_moment,
+        );
         let rest = Vector3::from(piece.rest_curvature_rad_m);
         let uniform = radii.outer[0] == radii.outer[1] && radii.inner[0] == radii.inner[1];
         Span {
@@ -200,13 +231,25 @@ impl Backbone {
                 self.torsion_stiffness_n_m2,
                 2.0 * shear_modulus_pa * second_moment,
             ),
-            shear_n: measured(piece.shear_stiffness_n, self.shear_stiffness_n, shear_modulus_pa * area),
-            axial_n: measured(piece.axial_stiffness_n, self.axial_stiffness_n, youngs_modulus_pa * area),
+            shear_n: measured(
+                piece.shear_stiffness_n,
+                self.shear_stiffness_n,
+                shear_modulus_pa * area,
+            ),
+            axial_n: measured(
+                piece.axial_stiffness_n,
+                self.axial_stiffness_n,
+                youngs_modulus_pa * area,
+            ),
             rest_curvature_rad_m: rest,
             home_curvature_rad_m: rest,
             mass_kg_m: piece.density_kg_m3.unwrap_or(self.density_kg_m3) * area,
             spread_mass_kg_m: 0.0,
-            taper: if uniform { Taper::NONE } else { Taper { outer: radii.outer, inner: radii.inner } },
+            taper: if uniform {
+                Taper::NONE
+            } else {
+                Taper { outer: radii.outer, inner: radii.inner }
+            },
         }
     }
 }
@@ -215,14 +258,16 @@ impl Piece {
     fn check(&self, start_m: f64, radii: &Radii) -> Result<(), BadOption> {
         let ascends = self.end_m.is_finite() && self.end_m > start_m;
         refuse(ascends, "end_m", &self.end_m, "a place beyond the end of the piece before")?;
-        for (end, (outer, inner)) in [(0, ("radius_m", "inner_radius_m")), (1, ("end_radius_m", "end_inner_radius_m"))]
+        for (end, (outer, inner)) in
+            [(0, ("radius_m", "inner_radius_m")), (1, ("end_radius_m", "end_inner_radius_m"))]
         {
             BadOption::unless_positive(outer, radii.outer[end])?;
             bore(inner, radii.inner[end], radii.outer[end])?;
         }
         BadOption::unless_positive_or_null("youngs_modulus_pa", self.youngs_modulus_pa)?;
         self.poisson_ratio.map_or(Ok(()), poisson)?;
-        self.density_kg_m3.map_or(Ok(()), |density| BadOption::unless_not_negative("density_kg_m3", density))?;
+        self.density_kg_m3
+            .map_or(Ok(()), |density| BadOption::unless_not_negative("density_kg_m3", density))?;
         BadOption::unless_positive_or_null("axial_stiffness_n", self.axial_stiffness_n)?;
         BadOption::unless_positive_or_null("shear_stiffness_n", self.shear_stiffness_n)?;
         BadOption::unless_positive_or_null("bending_stiffness_n_m2", self.bending_stiffness_n_m2)?;
@@ -263,7 +308,11 @@ mod tests {
             youngs_modulus_pa,
             ..Piece::default()
         };
-        let pieces = vec![piece(0.05, None, None), piece(0.1, Some(0.02), None), piece(0.22, None, Some(3e9))];
+        let pieces = vec![
+            piece(0.05, None, None),
+            piece(0.1, Some(0.02), None),
+            piece(0.22, None, Some(3e9)),
+        ];
         for bending_stiffness_n_m2 in [None, Some(0.03)] {
             let mut robot = Robot::default();
             robot.backbone.pieces.clone_from(&pieces);
@@ -271,7 +320,10 @@ mod tests {
             let before = robot.rod();
             robot.backbone.scale_bending(1.3);
             for (span, old) in robot.rod().spans.iter().zip(&before.spans) {
-                assert!((span.bending_n_m2[0] / old.bending_n_m2[0] - 1.3).abs() < 1e-12, "{span:?}");
+                assert!(
+                    (span.bending_n_m2[0] / old.bending_n_m2[0] - 1.3).abs() < 1e-12,
+                    "{span:?}"
+                );
             }
         }
     }

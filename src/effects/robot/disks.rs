@@ -7,7 +7,8 @@ use super::{Checked, MAX_PARTS, Robot, at, refuse};
 use crate::base::{BadOption, is_default};
 use crate::rod::{CompressibleSection, DiskSurface, PointMass, RodParams};
 
-/// Compressible sections, with the disks between them filling the rest of the backbone evenly (paper, Fig. 1b).
+/// Compressible sections, with the disks between them filling the rest of the backbone evenly
+/// (paper, Fig. 1b).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Sections {
@@ -29,8 +30,9 @@ pub struct Disks {
     pub count: usize,
     /// Mass of each, kg.
     pub mass_kg: f64,
-    /// Where they sit, metres from the base. Left out: one more than there are sections fill the backbone between
-    /// the sections, each spread over its thickness; any other number is lumped at equal distances up to the tip.
+    /// Where they sit, metres from the base. Left out: one more than there are sections fill the
+    /// backbone between the sections, each spread over its thickness; any other number is lumped at
+    /// equal distances up to the tip.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub positions_m: Option<Vec<f64>>,
     /// Mass of each where they differ, kg, in place of `mass_kg`; only with `positions_m`.
@@ -56,9 +58,19 @@ impl Sections {
         at(BadOption::unless_not_negative("compliance_m_per_n", self.compliance_m_per_n))?;
         at(BadOption::unless_positive("saturation_n", self.saturation_n))?;
         let fits = self.count as f64 * self.length_m <= length_m * (1.0 + 1e-9);
-        at(refuse(fits, "length_m", &self.length_m, "sections that together are no longer than the backbone"))?;
+        at(refuse(
+            fits,
+            "length_m",
+            &self.length_m,
+            "sections that together are no longer than the backbone",
+        ))?;
         let shortens = self.compliance_m_per_n * self.saturation_n < self.length_m;
-        at(refuse(shortens, "saturation_n", &self.saturation_n, "a section that keeps some length at this force"))
+        at(refuse(
+            shortens,
+            "saturation_n",
+            &self.saturation_n,
+            "a section that keeps some length at this force",
+        ))
     }
 }
 
@@ -74,8 +86,14 @@ impl Disks {
             .iter()
             .try_for_each(|&inertia| BadOption::unless_not_negative("inertia_kg_m2", inertia)))?;
         if let Some(positions) = &self.positions_m {
-            let inside = positions.len() == self.count && positions.iter().all(|s| (0.0..=length_m).contains(s));
-            at(refuse(inside, "positions_m", positions, "one place per disk, each within the backbone"))?;
+            let inside = positions.len() == self.count
+                && positions.iter().all(|s| (0.0..=length_m).contains(s));
+            at(refuse(
+                inside,
+                "positions_m",
+                positions,
+                "one place per disk, each within the backbone",
+            ))?;
         }
         let Some(masses) = &self.masses_kg else { return Ok(()) };
         at(refuse(self.positions_m.is_some(), "masses_kg", masses, "`positions_m` beside it"))?;
@@ -122,7 +140,9 @@ impl Robot {
             let density = disks.mass_kg / self.disk_thickness_m();
             places.iter().for_each(|&[start_m, end_m]| spread(rod, start_m, end_m, density));
         } else {
-            rod.masses.extend(places.iter().enumerate().map(|(k, &[position_m, _])| disks.mass(k, position_m)));
+            rod.masses.extend(
+                places.iter().enumerate().map(|(k, &[position_m, _])| disks.mass(k, position_m)),
+            );
         }
     }
 
@@ -145,7 +165,10 @@ impl Robot {
         let starts_m = rod.sections.iter().map(|section| section.start_m + section.length_m);
         let ends_m = rod.sections.iter().map(|section| section.start_m);
         let starts_m = std::iter::once(0.0).chain(starts_m);
-        starts_m.zip(ends_m.chain([self.backbone.length_m])).map(|(start_m, end_m)| [start_m, end_m]).collect()
+        starts_m
+            .zip(ends_m.chain([self.backbone.length_m]))
+            .map(|(start_m, end_m)| [start_m, end_m])
+            .collect()
     }
 }
 

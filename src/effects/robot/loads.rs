@@ -35,7 +35,9 @@ pub struct OnePlace {
 }
 
 /// Axes that a load is given in.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum Frame {
     /// The world's: the load keeps its direction (a dead load).

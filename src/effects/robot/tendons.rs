@@ -17,24 +17,26 @@ pub struct Tendons {
     /// Distance of each at the base, metres, in place of `radius_m`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub radii_m: Option<Vec<f64>>,
-    /// Distance of all at places further on, in order, with straight lines in between; beyond the last it stays.
+    /// Distance of all at places further on, in order, with straight lines in between; beyond the
+    /// last it stays.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub profile: Vec<RadiusPoint>,
     /// How far each winds around the backbone per length, from x towards y, rad/m.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub twists_rad_m: Option<Vec<f64>>,
-    /// Each one's own path in place of radius and angle: points in order, with straight lines in between. An empty
-    /// path leaves a tendon as it is.
+    /// Each one's own path in place of radius and angle: points in order, with straight lines in
+    /// between. An empty path leaves a tendon as it is.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub paths: Option<Vec<Vec<OffsetPoint>>>,
-    /// How much each is tightened at home, metres: one number, or one per tendon, which is then the zero of each drive, too.
+    /// How much each is tightened at home, metres: one number, or one per tendon, which is then the
+    /// zero of each drive, too.
     #[serde(default)]
     pub pretension_m: PerTendon,
     /// Stretch of a whole tendon per tension, m/N: one number, or one per tendon.
     #[serde(default)]
     pub compliance_m_per_n: PerTendon,
-    /// Length over which a tendon stretches at home, metres: what the drive winds up stretches no more. Left out: the
-    /// drive moves the whole tendon along.
+    /// Length over which a tendon stretches at home, metres: what the drive winds up stretches no
+    /// more. Left out: the drive moves the whole tendon along.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub elastic_length_m: Option<f64>,
     /// Where each leaves its sheath, metres from the base; left out: at the base.
@@ -73,17 +75,51 @@ impl Tendons {
         let at = |result| at("tendons", result);
         let count = self.angles_deg.len();
         at(BadOption::unless_positive("radius_m", self.radius_m))?;
-        at(refuse(!self.angles_deg.is_empty(), "angles_deg", &self.angles_deg, "at least one angle"))?;
+        at(refuse(
+            !self.angles_deg.is_empty(),
+            "angles_deg",
+            &self.angles_deg,
+            "at least one angle",
+        ))?;
         at(BadOption::unless_all_finite("angles_deg", &self.angles_deg))?;
-        at(each("radii_m", self.radii_m.as_ref(), count, &|r| r > 0.0, "one number above 0 per tendon"))?;
-        at(each("twists_rad_m", self.twists_rad_m.as_ref(), count, &f64::is_finite, "one number per tendon"))?;
+        at(each(
+            "radii_m",
+            self.radii_m.as_ref(),
+            count,
+            &|r| r > 0.0,
+            "one number above 0 per tendon",
+        ))?;
+        at(each(
+            "twists_rad_m",
+            self.twists_rad_m.as_ref(),
+            count,
+            &f64::is_finite,
+            "one number per tendon",
+        ))?;
         at(each_of("pretension_m", &self.pretension_m, count, &BadOption::unless_finite))?;
-        at(each_of("compliance_m_per_n", &self.compliance_m_per_n, count, &BadOption::unless_not_negative))?;
+        at(each_of(
+            "compliance_m_per_n",
+            &self.compliance_m_per_n,
+            count,
+            &BadOption::unless_not_negative,
+        ))?;
         at(BadOption::unless_positive_or_null("elastic_length_m", self.elastic_length_m))?;
         let inside = |s: f64| s > 0.0 && s <= length_m;
-        at(each("ends_m", self.ends_m.as_ref(), count, &inside, "one place per tendon, each within the backbone"))?;
+        at(each(
+            "ends_m",
+            self.ends_m.as_ref(),
+            count,
+            &inside,
+            "one place per tendon, each within the backbone",
+        ))?;
         let expected = "one place per tendon, each on the backbone";
-        at(each("starts_m", self.starts_m.as_ref(), count, &|s| s >= 0.0 && s < length_m, expected))?;
+        at(each(
+            "starts_m",
+            self.starts_m.as_ref(),
+            count,
+            &|s| s >= 0.0 && s < length_m,
+            expected,
+        ))?;
         let passes = (0..count).all(|i| self.start_m(i) < self.end_m(i, length_m));
         at(refuse(passes, "starts_m", &self.starts_m, "places before the tendons' ends"))?;
         self.check_profile()?;
@@ -91,13 +127,32 @@ impl Tendons {
     }
 
     fn check_profile(&self) -> Checked {
-        at("tendons", refuse(self.profile.len() <= MAX_PARTS, "profile", &self.profile.len(), "up to 10,000 places"))?;
+        at(
+            "tendons",
+            refuse(
+                self.profile.len() <= MAX_PARTS,
+                "profile",
+                &self.profile.len(),
+                "up to 10,000 places",
+            ),
+        )?;
         let mut before = 0.0;
         for (index, point) in self.profile.iter().enumerate() {
             let path = format!("tendons.profile[{index}]");
             let further = point.s_m.is_finite() && point.s_m > before;
-            at(&path, refuse(further, "s_m", &point.s_m, "a place further from the base than the one before"))?;
-            at(&path, refuse(point.radius_m.is_finite(), "radius_m", &point.radius_m, "a finite number"))?;
+            at(
+                &path,
+                refuse(
+                    further,
+                    "s_m",
+                    &point.s_m,
+                    "a place further from the base than the one before",
+                ),
+            )?;
+            at(
+                &path,
+                refuse(point.radius_m.is_finite(), "radius_m", &point.radius_m, "a finite number"),
+            )?;
             before = point.s_m;
         }
         Ok(())
@@ -105,14 +160,26 @@ impl Tendons {
 
     fn check_paths(&self) -> Checked {
         let Some(paths) = &self.paths else { return Ok(()) };
-        let complete = paths.len() == self.angles_deg.len() && paths.iter().all(|path| path.len() <= MAX_PARTS);
-        at("tendons", refuse(complete, "paths", &paths.len(), "one path per tendon, of up to 10,000 points"))?;
+        let complete = paths.len() == self.angles_deg.len()
+            && paths.iter().all(|path| path.len() <= MAX_PARTS);
+        at(
+            "tendons",
+            refuse(complete, "paths", &paths.len(), "one path per tendon, of up to 10,000 points"),
+        )?;
         for (tendon, points) in paths.iter().enumerate() {
             let mut before = f64::NEG_INFINITY;
             for (index, point) in points.iter().enumerate() {
                 let path = format!("tendons.paths[{tendon}][{index}]");
                 let further = point.s_m >= 0.0 && point.s_m.is_finite() && point.s_m > before;
-                at(&path, refuse(further, "s_m", &point.s_m, "a place further from the base than the one before"))?;
+                at(
+                    &path,
+                    refuse(
+                        further,
+                        "s_m",
+                        &point.s_m,
+                        "a place further from the base than the one before",
+                    ),
+                )?;
                 at(&path, BadOption::unless_finite("x_m", point.x_m))?;
                 at(&path, BadOption::unless_finite("y_m", point.y_m))?;
                 before = point.s_m;
@@ -123,7 +190,8 @@ impl Tendons {
 
     /// The tendons by where they end, from base to tip.
     pub(super) fn layout(&self, length_m: f64) -> TendonLayout {
-        let mut ends_m: Vec<f64> = (0..self.angles_deg.len()).map(|i| self.end_m(i, length_m)).collect();
+        let mut ends_m: Vec<f64> =
+            (0..self.angles_deg.len()).map(|i| self.end_m(i, length_m)).collect();
         ends_m.sort_by(f64::total_cmp);
         // Ends that differ by rounding alone are of one segment.
         ends_m.dedup_by(|a, b| (*a - *b).abs() < 1e-6 * length_m);
@@ -176,14 +244,22 @@ impl Tendons {
         let path = self.paths.as_ref().map_or(&[][..], |paths| &paths[i]);
         let points = if path.is_empty() {
             let (sin, cos) = exact_sin_cos_deg(self.angles_deg[i]);
-            let at = |s_m: f64, radius_m: f64| PathPoint { s_m, offset_m: [radius_m * cos, radius_m * sin] };
+            let at = |s_m: f64, radius_m: f64| PathPoint {
+                s_m,
+                offset_m: [radius_m * cos, radius_m * sin],
+            };
             let base = at(0.0, self.radii_m.as_ref().map_or(self.radius_m, |radii| radii[i]));
             let further = self.profile.iter().map(|point| at(point.s_m, point.radius_m));
             std::iter::once(base).chain(further).collect()
         } else {
-            path.iter().map(|point| PathPoint { s_m: point.s_m, offset_m: [point.x_m, point.y_m] }).collect()
+            path.iter()
+                .map(|point| PathPoint { s_m: point.s_m, offset_m: [point.x_m, point.y_m] })
+                .collect()
         };
-        TendonPath { points, twist_rad_m: self.twists_rad_m.as_ref().map_or(0.0, |twists| twists[i]) }
+        TendonPath {
+            points,
+            twist_rad_m: self.twists_rad_m.as_ref().map_or(0.0, |twists| twists[i]),
+        }
     }
 }
 
@@ -207,11 +283,17 @@ fn each_of(
     count: usize,
     good: &dyn Fn(&'static str, f64) -> Result<(), BadOption>,
 ) -> Result<(), BadOption> {
-    refuse(numbers.fits(count), key, &numbers.values(), "a number, or a list of one number per tendon")?;
+    refuse(
+        numbers.fits(count),
+        key,
+        &numbers.values(),
+        "a number, or a list of one number per tendon",
+    )?;
     numbers.values().iter().try_for_each(|&value| good(key, value))
 }
 
-/// Sine and cosine that are exact at multiples of 90 degrees, so that a symmetric robot stays symmetric.
+/// Sine and cosine that are exact at multiples of 90 degrees, so that a symmetric robot stays
+/// symmetric.
 fn exact_sin_cos_deg(angle: f64) -> (f64, f64) {
     match angle.rem_euclid(360.0) {
         0.0 => (0.0, 1.0),

@@ -27,17 +27,23 @@ pub struct WrongSetting {
 impl fmt::Display for WrongSetting {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let WrongSetting { number, meaning, found, expected, .. } = self;
-        write!(f, "setting ${number} ({meaning}) of the controller: found {found}, expected {expected}")
+        write!(
+            f,
+            "setting ${number} ({meaning}) of the controller: found {found}, expected {expected}"
+        )
     }
 }
 
-/// Describes all wrong settings, and the lines that set them right in an order in which the controller accepts them.
+/// Describes all wrong settings, and the lines that set them right in an order in which the
+/// controller accepts them.
 pub(super) fn describe(wrong: &[WrongSetting]) -> String {
     let problems: Vec<String> = wrong.iter().map(ToString::to_string).collect();
-    let mut commands: Vec<&str> = wrong.iter().flat_map(|setting| &setting.commands).map(String::as_str).collect();
+    let mut commands: Vec<&str> =
+        wrong.iter().flat_map(|setting| &setting.commands).map(String::as_str).collect();
     // Soft limits are refused before homing is on.
     commands.sort_by_key(|command| !command.starts_with("$22="));
-    let remedy = format!("send {} with a terminal program, then connect again", commands.join("  "));
+    let remedy =
+        format!("send {} with a terminal program, then connect again", commands.join("  "));
     match &problems[..] {
         [one] => format!("{one}; {remedy}"),
         all => format!("{} settings are wrong:\n  {};\n  {remedy}", all.len(), all.join("\n  ")),
@@ -65,7 +71,8 @@ struct SettingRule {
 pub(super) fn check(table: &SettingsTable, settings: &MotionSettings) -> Result<(), MotionFault> {
     // Plain GRBL has its homing passes compiled in; there `$22` only turns homing on.
     let plain = PASSES.iter().all(|pass| !table.contains_key(pass));
-    let mut wrong: Vec<WrongSetting> = rules(settings, plain).iter().filter_map(|rule| rule.wrong(table)).collect();
+    let mut wrong: Vec<WrongSetting> =
+        rules(settings, plain).iter().filter_map(|rule| rule.wrong(table)).collect();
     if !plain {
         wrong.extend(homing_passes(table));
     }
@@ -76,30 +83,59 @@ pub(super) fn check(table: &SettingsTable, settings: &MotionSettings) -> Result<
 const PASSES: [u16; 4] = [44, 45, 46, 47];
 
 fn rules(settings: &MotionSettings, plain: bool) -> Vec<SettingRule> {
-    let rule = |number, meaning, requirement| SettingRule { number, meaning, requirement, optional: false };
-    let optional = |number, meaning, requirement| SettingRule { number, meaning, requirement, optional: true };
+    let rule = |number, meaning, requirement| SettingRule {
+        number,
+        meaning,
+        requirement,
+        optional: false,
+    };
+    let optional =
+        |number, meaning, requirement| SettingRule { number, meaning, requirement, optional: true };
     // 1 + 4 + 8, see the meaning of $22 below.
     let homing = if plain { 1 } else { 13 };
     let mut rules = vec![
         // Optional: the reports themselves show whether they carry machine positions.
         optional(10, "status report fields, 1: machine position", Requirement::Bits(1)),
         rule(13, "reports in inches", Requirement::Exactly(0.0)),
-        rule(22, "homing, 1: on, 4: required after start-up, 8: switches at 0", Requirement::Bits(homing)),
+        rule(
+            22,
+            "homing, 1: on, 4: required after start-up, 8: switches at 0",
+            Requirement::Bits(homing),
+        ),
         rule(20, "soft limits", Requirement::Exactly(1.0)),
         rule(21, "hard limits", Requirement::Bits(1)),
-        rule(23, "axes that home in negative direction", Requirement::Exactly(f64::from(settings.homing_directions))),
+        rule(
+            23,
+            "axes that home in negative direction",
+            Requirement::Exactly(f64::from(settings.homing_directions)),
+        ),
         optional(376, "rotary axes", Requirement::Exactly(0.0)),
     ];
     if settings.hold_when_idle {
-        rules.push(rule(1, "delay before idle motors are switched off, 255: never", Requirement::Exactly(255.0)));
+        rules.push(rule(
+            1,
+            "delay before idle motors are switched off, 255: never",
+            Requirement::Exactly(255.0),
+        ));
     }
     let min_speed_mm_min = settings.min_speed_mm_min;
     for axis in 0..4 {
-        let speed =
-            if min_speed_mm_min > 0.0 { Requirement::AtLeast(min_speed_mm_min) } else { Requirement::Positive(3000.0) };
+        let speed = if min_speed_mm_min > 0.0 {
+            Requirement::AtLeast(min_speed_mm_min)
+        } else {
+            Requirement::Positive(3000.0)
+        };
         rules.push(rule(110 + axis, "maximum speed of an axis, mm/min", speed));
-        rules.push(rule(120 + axis, "maximum acceleration of an axis, mm/s²", Requirement::Positive(500.0)));
-        rules.push(rule(130 + axis, "travel of an axis, mm", Requirement::AtLeast(settings.travel_m * 1e3)));
+        rules.push(rule(
+            120 + axis,
+            "maximum acceleration of an axis, mm/s²",
+            Requirement::Positive(500.0),
+        ));
+        rules.push(rule(
+            130 + axis,
+            "travel of an axis, mm",
+            Requirement::AtLeast(settings.travel_m * 1e3),
+        ));
     }
     rules
 }
@@ -146,15 +182,21 @@ impl Requirement {
         match *self {
             Requirement::Exactly(exact) => exact,
             Requirement::AtLeast(min) => min.ceil(),
-            Requirement::Bits(bits) => f64::from(present.filter(|value| *value >= 0.0).unwrap_or(0.0) as u32 | bits),
+            Requirement::Bits(bits) => {
+                f64::from(present.filter(|value| *value >= 0.0).unwrap_or(0.0) as u32 | bits)
+            }
             Requirement::Positive(recommended) => recommended,
         }
     }
 }
 
-/// The axes of each homing pass are listed in `$44` and the settings after it; together they must cover all four.
+/// The axes of each homing pass are listed in `$44` and the settings after it; together they must
+/// cover all four.
 fn homing_passes(table: &SettingsTable) -> Option<WrongSetting> {
-    let homed = PASSES.into_iter().filter_map(|pass| number(table, pass)).fold(0, |all, axes| all | axes as u32);
+    let homed = PASSES
+        .into_iter()
+        .filter_map(|pass| number(table, pass))
+        .fold(0, |all, axes| all | axes as u32);
     if homed & 15 == 15 {
         return None;
     }

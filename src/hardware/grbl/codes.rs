@@ -27,8 +27,8 @@ pub fn alarm(code: u16) -> Meaning {
     find(ALARMS, code, "This controller knows an alarm that this program does not.")
 }
 
-/// Whether a reset cannot clear `ALARM:code` before a person has removed its cause: emergency stop, closed switch,
-/// protection, self-test, motor driver, expander, memory.
+/// Whether a reset cannot clear `ALARM:code` before a person has removed its cause: emergency stop,
+/// closed switch, protection, self-test, motor driver, expander, memory.
 pub fn needs_person(code: u16) -> bool {
     matches!(code, 10 | 12 | 13 | 16 | 17 | 20 | 21)
 }
@@ -47,13 +47,17 @@ type CodeText = (u16, &'static str, &'static str);
 
 fn find(entries: &[CodeText], code: u16, unknown: &'static str) -> Meaning {
     let entry = entries.iter().find(|(number, ..)| *number == code);
-    entry.map_or(Meaning { what: unknown, remedy: MANUAL }, |&(_, what, remedy)| Meaning { what, remedy })
+    entry.map_or(Meaning { what: unknown, remedy: MANUAL }, |&(_, what, remedy)| Meaning {
+        what,
+        remedy,
+    })
 }
 
 const MANUAL: &str = "Look it up in the manual of its firmware, then reset and home it.";
-const LINE: &str =
-    "The line was damaged on the way or another program sends too: check the cable, then reset and home.";
-const PROGRAM: &str = "This program sends no such line, so check what else uses the port, then reset and home.";
+const LINE: &str = "The line was damaged on the way or another program sends too: check the cable, \
+                    then reset and home.";
+const PROGRAM: &str =
+    "This program sends no such line, so check what else uses the port, then reset and home.";
 const SETTING: &str = "Correct the setting with a terminal program, then connect again.";
 const HOME: &str = "Reset and home it.";
 const SWITCHES: &str = "Check the switches and their cables, then reset and home.";
@@ -68,8 +72,16 @@ const ERRORS: &[CodeText] = &[
     (4, "A value is negative that must not be.", PROGRAM),
     (5, "Homing is switched off.", "Set $22=13 with a terminal program, then connect again."),
     (6, "The step pulse is too short.", SETTING),
-    (7, "The stored settings could not be read and were replaced by defaults.", "Set the controller up again."),
-    (8, "This command is only taken while the controller is idle.", "Wait until it stands, then try again."),
+    (
+        7,
+        "The stored settings could not be read and were replaced by defaults.",
+        "Set the controller up again.",
+    ),
+    (
+        8,
+        "This command is only taken while the controller is idle.",
+        "Wait until it stands, then try again.",
+    ),
     (9, "G-code is locked while the controller is in alarm.", HOME),
     (10, "Soft limits need homing to be on.", "Set $22=13 before $20=1."),
     (11, "The line is too long.", LINE),
@@ -97,14 +109,22 @@ const ERRORS: &[CodeText] = &[
     (33, "The target is not valid.", LINE),
     (34, "The radius of an arc does not fit its ends.", PROGRAM),
     (35, "An arc lacks its centre.", PROGRAM),
-    (36, "Words are left over that no command uses; maybe an axis is missing in the firmware.", LINE),
+    (
+        36,
+        "Words are left over that no command uses; maybe an axis is missing in the firmware.",
+        LINE,
+    ),
     (37, "The tool length offset does not go with the configured axis.", PROGRAM),
     (38, "The tool number is higher than the controller supports.", PROGRAM),
     (39, "A value is out of range.", LINE),
     (40, "A tool change is waiting to be confirmed.", PROGRAM),
     (41, "The spindle does not run and the move needs it.", PROGRAM),
     (42, "The plane does not go with the command.", PROGRAM),
-    (43, "The feed is higher than the controller allows.", "Lower max_speed_mm_min, or raise $110 to $113."),
+    (
+        43,
+        "The feed is higher than the controller allows.",
+        "Lower max_speed_mm_min, or raise $110 to $113.",
+    ),
     (44, "The spindle speed is out of range.", PROGRAM),
     (45, "A limit switch is closed, so that motion stays locked.", SWITCHES),
     (46, "The controller wants to be homed first.", HOME),
@@ -112,11 +132,19 @@ const ERRORS: &[CodeText] = &[
     (48, "Two values of the line contradict each other.", LINE),
     (49, "The power-on self-test has failed.", POWER),
     (50, "The emergency stop is pressed.", "Release it when it is safe, then reset and home."),
-    (51, "A motor driver reports a fault.", "Check motors, drivers and their supply, then reset and home."),
+    (
+        51,
+        "A motor driver reports a fault.",
+        "Check motors, drivers and their supply, then reset and home.",
+    ),
     (52, "The value is out of the range of this setting.", SETTING),
     (53, "The setting does not exist in this firmware or is switched off.", SETTING),
     (54, "The retract position lies below the drilling depth.", PROGRAM),
-    (55, "The homing settings contradict each other.", "Check $22, $23 and $44 to $47, then connect again."),
+    (
+        55,
+        "The homing settings contradict each other.",
+        "Check $22, $23 and $44 to $47, then connect again.",
+    ),
     (56, "The work coordinate system is locked.", PROGRAM),
     (57, "A program ends or begins where it must not.", FILES),
     (58, "The port of the controller that the command names cannot be used.", PROGRAM),
@@ -135,20 +163,40 @@ const ERRORS: &[CodeText] = &[
     (74, "A function of an expression got a value that it does not take.", PROGRAM),
     (75, "An expression is badly written.", PROGRAM),
     (76, "The result of an expression is no number.", PROGRAM),
-    (77, "The controller asks for a password.", "Switch its password protection off, then connect again."),
-    (78, "This user may not do that.", "Switch the controller's password protection off, then connect again."),
-    (79, "The controller takes this only after a reset, since something serious has happened.", HOME),
+    (
+        77,
+        "The controller asks for a password.",
+        "Switch its password protection off, then connect again.",
+    ),
+    (
+        78,
+        "This user may not do that.",
+        "Switch the controller's password protection off, then connect again.",
+    ),
+    (
+        79,
+        "The controller takes this only after a reset, since something serious has happened.",
+        HOME,
+    ),
 ];
 
 const ALARMS: &[CodeText] = &[
     (1, "A limit switch was hit and the position is probably lost.", SWITCHES),
-    (2, "A move would have left the travel; the position is kept.", "Check $130 to $133 and travel_m, reset and home."),
+    (
+        2,
+        "A move would have left the travel; the position is kept.",
+        "Check $130 to $133 and travel_m, reset and home.",
+    ),
     (3, "It was reset while it moved and steps may be lost.", HOME),
     (4, "The probe was not in the state it should have had before the cycle.", PROGRAM),
     (5, "The probe touched nothing within its travel.", PROGRAM),
     (6, "Homing was interrupted by a reset.", HOME),
     (7, "Homing was interrupted because the safety door opened.", CLEAR),
-    (8, "A limit switch stayed closed when homing backed away from it.", "Check that switch and $27, reset and home."),
+    (
+        8,
+        "A limit switch stayed closed when homing backed away from it.",
+        "Check that switch and $27, reset and home.",
+    ),
     (9, "Homing found no switch: it is not connected, stuck open or too far away.", SWITCHES),
     (10, "The emergency stop is pressed.", "Release it when it is safe, then reset and home."),
     (11, "The axes are not homed, and nothing else is taken before that.", "Home them."),
@@ -157,9 +205,17 @@ const ALARMS: &[CodeText] = &[
     (14, "The spindle did not reach its speed.", PROGRAM),
     (15, "Homing found no second switch of an axis with two motors.", SWITCHES),
     (16, "The power-on self-test has failed.", POWER),
-    (17, "A motor driver reports a fault.", "Check motors, drivers and their supply, then reset and home."),
+    (
+        17,
+        "A motor driver reports a fault.",
+        "Check motors, drivers and their supply, then reset and home.",
+    ),
     (18, "Homing has failed.", SWITCHES),
-    (19, "A Modbus device does not answer.", "Check the Modbus devices of the controller, then reset and home."),
+    (
+        19,
+        "A Modbus device does not answer.",
+        "Check the Modbus devices of the controller, then reset and home.",
+    ),
     (20, "The input and output expander does not answer.", POWER),
     (21, "The memory of the settings has failed.", POWER),
 ];

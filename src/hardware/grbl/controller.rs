@@ -21,7 +21,8 @@ const MAX_QUEUED: usize = 2;
 
 /// Driver of a GRBL controller with four axes. No call blocks except [`Controller::open`].
 ///
-/// After a fault it accepts no move until [`Controller::reset`] and homing; hold and reset always work.
+/// After a fault it accepts no move until [`Controller::reset`] and homing; hold and reset always
+/// work.
 pub struct Controller {
     pub(super) port: Port,
     pub(super) settings: MotionSettings,
@@ -41,7 +42,8 @@ pub struct Controller {
     pub(super) homing: HomingPhase,
     /// When a reset was sent whose greeting has not arrived.
     pub(super) reset_sent_s: Option<f64>,
-    /// Until then a greeting may still belong to a reset: the controller may have reset itself just before.
+    /// Until then a greeting may still belong to a reset: the controller may have reset itself just
+    /// before.
     pub(super) greeting_expected_until_s: f64,
     pub(super) holding: bool,
     pub(super) resumption: Resumption,
@@ -62,8 +64,8 @@ pub struct Controller {
 }
 
 impl Controller {
-    /// Wakes the controller and checks firmware and settings; moves nothing. Waits on `clock` for a few seconds at
-    /// most.
+    /// Wakes the controller and checks firmware and settings; moves nothing. Waits on `clock` for a
+    /// few seconds at most.
     ///
     /// # Errors
     /// [`MotionFault`] says what was found and what was expected.
@@ -103,7 +105,8 @@ impl Controller {
             commanded_path: CommandedPath::default(),
             stall_detector: StallDetector::default(),
         };
-        // At rest all blocks are free: this is the true queue length, whatever the controller reported.
+        // At rest all blocks are free: this is the true queue length, whatever the controller
+        // reported.
         if let (Mode::Idle, Some(free)) = (status.mode, status.free_blocks) {
             controller.info.blocks = free;
         }
@@ -115,7 +118,8 @@ impl Controller {
     /// Reads what has arrived, checks it, and queries the status twenty times a second.
     ///
     /// # Errors
-    /// The first fault since the controller was opened or reset; returned by every call until the next reset.
+    /// The first fault since the controller was opened or reset; returned by every call until the
+    /// next reset.
     pub fn poll(&mut self, now_s: f64) -> Result<(), MotionFault> {
         // Read before checking deadlines: an answer that has arrived is not late.
         self.read_replies(now_s);
@@ -125,8 +129,9 @@ impl Controller {
         self.fault.clone().map_or(Ok(()), Err)
     }
 
-    /// Starts homing as soon as the controller accepts it. A controller that was in alarm already is reset first: it
-    /// stands, and its position is discarded by homing. Failures are reported by [`Controller::poll`].
+    /// Starts homing as soon as the controller accepts it. A controller that was in alarm already
+    /// is reset first: it stands, and its position is discarded by homing. Failures are reported by
+    /// [`Controller::poll`].
     pub fn start_homing(&mut self, now_s: f64) {
         if self.fault.is_none() && self.homing == HomingPhase::No {
             if self.alarm().is_some() {
@@ -142,8 +147,8 @@ impl Controller {
         self.homing != HomingPhase::No
     }
 
-    /// The alarm that locks the controller at rest, 0 if its number is unknown; none if it is locked only because it is
-    /// not homed.
+    /// The alarm that locks the controller at rest, 0 if its number is unknown; none if it is
+    /// locked only because it is not homed.
     pub fn alarm(&self) -> Option<u16> {
         match self.state.mode {
             Mode::Alarm(code) => Some(code.unwrap_or(0)).filter(|&code| code != HOMING_REQUIRED),
@@ -156,7 +161,8 @@ impl Controller {
         self.state.homed
     }
 
-    /// Discards the position: it is not trusted until the axes have been homed again, whatever the controller reports.
+    /// Discards the position: it is not trusted until the axes have been homed again, whatever the
+    /// controller reports.
     pub fn require_homing(&mut self) {
         self.homing_required = true;
         self.commanded_path.discard();
@@ -168,10 +174,11 @@ impl Controller {
         self.homing_required
     }
 
-    /// True when nothing moves and no move is pending, because the queue is empty or a hold is complete. A reset now
-    /// keeps the position.
+    /// True when nothing moves and no move is pending, because the queue is empty or a hold is
+    /// complete. A reset now keeps the position.
     pub fn stands(&self) -> bool {
-        let done = self.state.mode == Mode::Idle && self.pending.is_none() && self.state.queued == 0;
+        let done =
+            self.state.mode == Mode::Idle && self.pending.is_none() && self.state.queued == 0;
         done || self.state.mode == Mode::Hold { complete: true }
     }
 
@@ -180,7 +187,8 @@ impl Controller {
         &self.state
     }
 
-    /// Converts between distances from the switches and machine positions, mm. The conversion is its own inverse.
+    /// Converts between distances from the switches and machine positions, mm. The conversion is
+    /// its own inverse.
     pub fn mirrored_mm(&self, along_mm: [f64; 4]) -> [f64; 4] {
         std::array::from_fn(|axis| self.settings.axis_sign(axis) * along_mm[axis])
     }
@@ -195,13 +203,18 @@ impl Controller {
         self.fault.as_ref()
     }
 
-    /// Moves all axes in a straight line to `target_mm` (machine positions of X, Y, Z and A) at `feed_mm_min`, measured
-    /// along the path in all four axes.
+    /// Moves all axes in a straight line to `target_mm` (machine positions of X, Y, Z and A) at
+    /// `feed_mm_min`, measured along the path in all four axes.
     ///
     /// # Errors
-    /// [`MotionFault::Busy`] or [`MotionFault::Refused`] leave the driver usable; any other fault was found before.
-    /// Nothing was sent.
-    pub fn move_to(&mut self, target_mm: [f64; 4], feed_mm_min: f64, now_s: f64) -> Result<(), MotionFault> {
+    /// [`MotionFault::Busy`] or [`MotionFault::Refused`] leave the driver usable; any other fault
+    /// was found before. Nothing was sent.
+    pub fn move_to(
+        &mut self,
+        target_mm: [f64; 4],
+        feed_mm_min: f64,
+        now_s: f64,
+    ) -> Result<(), MotionFault> {
         if let Some(fault) = &self.fault {
             return Err(fault.clone());
         }
@@ -210,7 +223,9 @@ impl Controller {
         if !self.state.homed {
             return Err(MoveRefusal::NotHomed.into());
         }
-        let ready = matches!(self.state.mode, Mode::Idle | Mode::Run) && !self.holding && self.reset_sent_s.is_none();
+        let ready = matches!(self.state.mode, Mode::Idle | Mode::Run)
+            && !self.holding
+            && self.reset_sent_s.is_none();
         if !ready || self.is_homing() {
             return Err(MoveRefusal::NotReady(self.state.mode).into());
         }
@@ -237,8 +252,8 @@ impl Controller {
         self.send_byte(HOLD);
     }
 
-    /// Resets the controller and discards its moves. Axes at rest keep their position. Moving axes must be homed again,
-    /// and so must all axes after a fault.
+    /// Resets the controller and discards its moves. Axes at rest keep their position. Moving axes
+    /// must be homed again, and so must all axes after a fault.
     pub fn reset(&mut self, now_s: f64) {
         // A reset of moving axes loses steps.
         if !self.stands() || self.fault.is_some() || self.is_homing() {

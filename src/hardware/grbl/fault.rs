@@ -43,7 +43,8 @@ pub enum MoveRefusal {
 /// Why the motors cannot be used.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MotionFault {
-    /// Two moves are pending, or a line has not been acknowledged yet. Try again after the next poll.
+    /// Two moves are pending, or a line has not been acknowledged yet. Try again after the next
+    /// poll.
     #[error("motion queue full or line not acknowledged; try again later")]
     Busy,
     /// The move was refused; nothing was sent.
@@ -53,15 +54,18 @@ pub enum MotionFault {
     #[error(transparent)]
     BadSettings(#[from] BadOption),
     /// The serial line is gone.
-    #[error("serial line to the controller lost ({detail}); reconnect the cable, then connect and home again")]
+    #[error(
+        "serial line to the controller lost ({detail}); reconnect the cable, then connect and home \
+         again"
+    )]
     Unplugged {
         /// Error of the operating system.
         detail: String,
     },
     /// The controller did not answer in time.
     #[error(
-        "no answer of the controller to {to} within {waited_s:.2} s; check its power and its cable, then reset and \
-         home it again"
+        "no answer of the controller to {to} within {waited_s:.2} s; check its power and its \
+         cable, then reset and home it again"
     )]
     Silent {
         /// The line or query without an answer.
@@ -71,9 +75,9 @@ pub enum MotionFault {
     },
     /// Bytes that are not GRBL arrived in place of an answer.
     #[error(
-        "the serial line carries bytes that are not GRBL ({line:?}) in place of the answer to {to} within \
-         {waited_s:.2} s; check the baud rate, the cable's shield and what is connected to the port, then reset and \
-         home again"
+        "the serial line carries bytes that are not GRBL ({line:?}) in place of the answer to {to} \
+         within {waited_s:.2} s; check the baud rate, the cable's shield and what is connected to \
+         the port, then reset and home again"
     )]
     Noise {
         /// The line or query without an answer.
@@ -85,8 +89,9 @@ pub enum MotionFault {
     },
     /// A hold that does not end.
     #[error(
-        "the controller is in the mode {mode} {waited_s:.2} s after this program wanted to resume; `~` was sent {sent} \
-         times, once the axes stood. Check its hold and door inputs, then reset and home again"
+        "the controller is in the mode {mode} {waited_s:.2} s after this program wanted to resume; \
+         `~` was sent {sent} times, once the axes stood. Check its hold and door inputs, then \
+         reset and home again"
     )]
     NotResumed {
         /// The mode.
@@ -98,8 +103,8 @@ pub enum MotionFault {
     },
     /// Homing did not end in time.
     #[error(
-        "homing did not end within {waited_s:.0} s; check that all axes can move and reach their switches, then \
-         reset and home again"
+        "homing did not end within {waited_s:.0} s; check that all axes can move and reach their \
+         switches, then reset and home again"
     )]
     HomingTimeout {
         /// Time since homing began, s.
@@ -107,8 +112,8 @@ pub enum MotionFault {
     },
     /// Received lines are not GRBL.
     #[error(
-        "{count} lines of the controller are unreadable, the last one is {line:?}; check the cable, the baud rate \
-         and the connected device, then reset and home again"
+        "{count} lines of the controller are unreadable, the last one is {line:?}; check the \
+         cable, the baud rate and the connected device, then reset and home again"
     )]
     Garbled {
         /// Number of such lines within ten seconds.
@@ -135,29 +140,34 @@ pub enum MotionFault {
     },
     /// The controller restarted by itself.
     #[error(
-        "the controller restarted ({greeting}) and lost its position; check its power supply, then reset and home \
-         it again"
+        "the controller restarted ({greeting}) and lost its position; check its power supply, then \
+         reset and home it again"
     )]
     Rebooted {
         /// Its greeting.
         greeting: String,
     },
     /// The controller is in a mode that this driver never requests.
-    #[error("the controller is in the mode {mode}, which this program did not request; reset and home it again")]
+    #[error(
+        "the controller is in the mode {mode}, which this program did not request; reset and home \
+         it again"
+    )]
     UnexpectedMode {
         /// The mode.
         mode: Mode,
     },
     /// The feed override is not 100 %.
-    #[error("feed override {percent} %, expected 100 %; set it to 100 %, then reset and home again")]
+    #[error(
+        "feed override {percent} %, expected 100 %; set it to 100 %, then reset and home again"
+    )]
     Override {
         /// The feed override, per cent.
         percent: f64,
     },
     /// An axis does not move.
     #[error(
-        "axis {} does not move: position {reached_mm:.3} mm, target {target_mm:.3} mm; check motor, driver and \
-         mechanics, then reset and home again", AXIS_NAMES[*axis]
+        "axis {} does not move: position {reached_mm:.3} mm, target {target_mm:.3} mm; check \
+         motor, driver and mechanics, then reset and home again", AXIS_NAMES[*axis]
     )]
     NotMoving {
         /// Axis, from 0.
@@ -169,8 +179,8 @@ pub enum MotionFault {
     },
     /// An axis is at a position that no command led to.
     #[error(
-        "axis {} is at {position_mm:.3} mm, expected {low_mm:.3} to {high_mm:.3} mm as commanded; something else \
-         moves it or the controller miscounts: reset and home again", AXIS_NAMES[*axis]
+        "axis {} is at {position_mm:.3} mm, expected {low_mm:.3} to {high_mm:.3} mm as commanded; \
+         something else moves it or the controller miscounts: reset and home again", AXIS_NAMES[*axis]
     )]
     Moved {
         /// Axis, from 0.
@@ -184,7 +194,8 @@ pub enum MotionFault {
     },
     /// An axis is beyond the ends of its screw.
     #[error(
-        "axis {} is at {position_mm:.3} mm, expected {low_mm} to {high_mm} mm; reset and home again",
+        "axis {} is at {position_mm:.3} mm, expected {low_mm} to {high_mm} mm; reset and home \
+         again",
         AXIS_NAMES[*axis]
     )]
     OutsideTravel {
@@ -231,7 +242,11 @@ impl MotionFault {
     /// The fault for a status report without machine positions.
     pub(super) fn no_position() -> MotionFault {
         let found = "no MPos".to_owned();
-        MotionFault::WrongFirmware { what: "status", found, expected: "the machine positions of four axes" }
+        MotionFault::WrongFirmware {
+            what: "status",
+            found,
+            expected: "the machine positions of four axes",
+        }
     }
 
     /// True when nothing was sent and nothing is broken: the caller may continue.

@@ -23,7 +23,11 @@ pub(crate) struct Move {
 }
 
 /// Composes a move to `target_mm` at `feed_mm_min`; the checks apply to the values after rounding.
-pub(crate) fn compose(target_mm: [f64; 4], feed_mm_min: f64, settings: &MotionSettings) -> Result<Move, MoveRefusal> {
+pub(crate) fn compose(
+    target_mm: [f64; 4],
+    feed_mm_min: f64,
+    settings: &MotionSettings,
+) -> Result<Move, MoveRefusal> {
     if !(feed_mm_min.is_finite() && target_mm.iter().all(|value| value.is_finite())) {
         return Err(MoveRefusal::NotFinite);
     }

@@ -14,7 +14,8 @@ use crate::hardware::clock::Clock;
 const START_UP_S: f64 = 5.0;
 /// Interval at which the line is read, s.
 const READ_INTERVAL_S: f64 = 0.005;
-/// Longest duration of moves left over by another program, s, and the interval of queries during that time.
+/// Longest duration of moves left over by another program, s, and the interval of queries during
+/// that time.
 const LEFTOVER_MOVES_S: f64 = 2.0;
 /// See [`LEFTOVER_MOVES_S`].
 const QUERY_INTERVAL_S: f64 = 0.05;
@@ -51,7 +52,8 @@ pub(super) fn identify_controller(
     clock: &dyn Clock,
 ) -> Result<(ControllerInfo, StatusReport), MotionFault> {
     let mut handshake = Handshake { port, clock, timeout_s: settings.reply_timeout_s };
-    // A controller that restarts when its port is opened, or is reset, may do so during the handshake.
+    // A controller that restarts when its port is opened, or is reset, may do so during the
+    // handshake.
     for _ in 0..2 {
         match handshake.identify(settings) {
             Err(MotionFault::Rebooted { .. }) => {}
@@ -68,7 +70,10 @@ struct Handshake<'a> {
 }
 
 impl Handshake<'_> {
-    fn identify(&mut self, settings: &MotionSettings) -> Result<(ControllerInfo, StatusReport), MotionFault> {
+    fn identify(
+        &mut self,
+        settings: &MotionSettings,
+    ) -> Result<(ControllerInfo, StatusReport), MotionFault> {
         // 1. End what another program left behind.
         self.wake()?;
         // 2. Wait until nothing moves.
@@ -81,16 +86,20 @@ impl Handshake<'_> {
         info.settings = settings_table(&self.query("$$")?);
         check::check(&info.settings, settings)?;
         check_offsets(&self.query("$#")?)?;
-        let numbers = |first: u16| [0, 1, 2, 3].map(|axis| check::number(&info.settings, first + axis).unwrap_or(0.0));
-        (info.max_speed_mm_min, info.acceleration_mm_s2, info.travel_mm) = (numbers(110), numbers(120), numbers(130));
+        let numbers = |first: u16| {
+            [0, 1, 2, 3].map(|axis| check::number(&info.settings, first + axis).unwrap_or(0.0))
+        };
+        (info.max_speed_mm_min, info.acceleration_mm_s2, info.travel_mm) =
+            (numbers(110), numbers(120), numbers(130));
         // Reports leave out values that have been reported before.
         let mut last = self.status()?;
         last.homed = last.homed.or(first.homed);
         Ok((info, last))
     }
 
-    /// Waits until nothing moves. A program that was killed leaves at most two moves, which end by themselves. One that
-    /// held the robot may leave them waiting: a reset discards them, and axes at rest keep their position.
+    /// Waits until nothing moves. A program that was killed leaves at most two moves, which end by
+    /// themselves. One that held the robot may leave them waiting: a reset discards them, and axes
+    /// at rest keep their position.
     fn wait_until_standing(&mut self) -> Result<StatusReport, MotionFault> {
         let began_s = self.clock.now_s();
         let mut before_mm = None;
@@ -98,14 +107,19 @@ impl Handshake<'_> {
             let status = self.status()?;
             // A hold without a sub-state is complete once two reports agree.
             let stood = std::mem::replace(&mut before_mm, status.position_mm) == status.position_mm;
-            let mode = if status.bare_hold && stood { Mode::Hold { complete: true } } else { status.mode };
+            let mode =
+                if status.bare_hold && stood { Mode::Hold { complete: true } } else { status.mode };
             match mode {
-                Mode::Run | Mode::Hold { complete: false } if self.clock.now_s() - began_s < LEFTOVER_MOVES_S => {
+                Mode::Run | Mode::Hold { complete: false }
+                    if self.clock.now_s() - began_s < LEFTOVER_MOVES_S =>
+                {
                     self.clock.sleep_until(self.clock.now_s() + QUERY_INTERVAL_S);
                 }
                 Mode::Hold { complete: true } => {
                     self.port.send_byte(RESET).map_err(|error| MotionFault::unplugged(&error))?;
-                    return Err(MotionFault::Rebooted { greeting: "reset during a hold".to_owned() });
+                    return Err(MotionFault::Rebooted {
+                        greeting: "reset during a hold".to_owned(),
+                    });
                 }
                 _ => return Ok(status),
             }
@@ -203,7 +217,8 @@ impl Handshake<'_> {
         }
     }
 
-    /// Passes every reply to `accept` until it returns a result; every received line extends the deadline.
+    /// Passes every reply to `accept` until it returns a result; every received line extends the
+    /// deadline.
     fn wait_for<T>(
         &mut self,
         question: &str,
@@ -211,13 +226,17 @@ impl Handshake<'_> {
     ) -> Result<T, MotionFault> {
         let began_s = self.clock.now_s();
         let (mut last_s, mut garbled) = (began_s, Vec::new());
-        while self.clock.now_s() - last_s <= self.timeout_s && self.clock.now_s() - began_s <= START_UP_S {
+        while self.clock.now_s() - last_s <= self.timeout_s
+            && self.clock.now_s() - began_s <= START_UP_S
+        {
             for received in self.read_lines()? {
                 // Long answers, such as `$$`, take longer than one reply.
                 last_s = self.clock.now_s();
                 match parse_received(received) {
                     Ok(Reply::Boot(greeting)) => return Err(MotionFault::Rebooted { greeting }),
-                    Ok(Reply::Alarm(code)) if code != HOMING_REQUIRED => return Err(MotionFault::Alarm { code }),
+                    Ok(Reply::Alarm(code)) if code != HOMING_REQUIRED => {
+                        return Err(MotionFault::Alarm { code });
+                    }
                     Ok(reply) => {
                         if let Some(result) = accept(reply) {
                             return result;
@@ -255,8 +274,12 @@ fn parse_received(received: ReceivedLine) -> Result<Reply, String> {
     }
 }
 
-/// Refuses anything but GRBL 1.1 with axes X, Y, Z and A. `free_blocks` blocks of its queue were free at rest.
-fn parse_identity(answers: &[Reply], free_blocks: Option<usize>) -> Result<ControllerInfo, MotionFault> {
+/// Refuses anything but GRBL 1.1 with axes X, Y, Z and A. `free_blocks` blocks of its queue were
+/// free at rest.
+fn parse_identity(
+    answers: &[Reply],
+    free_blocks: Option<usize>,
+) -> Result<ControllerInfo, MotionFault> {
     let field = |key: &str| {
         answers.iter().find_map(|reply| match reply {
             Reply::Info { name, text } if name == key => Some(text.clone()),
@@ -265,7 +288,11 @@ fn parse_identity(answers: &[Reply], free_blocks: Option<usize>) -> Result<Contr
     };
     let version = field("VER").unwrap_or_default();
     if !version.starts_with("1.1") {
-        return Err(MotionFault::WrongFirmware { what: "version", found: version, expected: "GRBL 1.1 or grblHAL" });
+        return Err(MotionFault::WrongFirmware {
+            what: "version",
+            found: version,
+            expected: "GRBL 1.1 or grblHAL",
+        });
     }
     // Firmware that does not name its axes has reported four positions.
     if let Some(axes) = field("AXS").filter(|axes| axes != "4:XYZA") {
@@ -274,7 +301,12 @@ fn parse_identity(answers: &[Reply], free_blocks: Option<usize>) -> Result<Contr
     let reported = field("OPT").and_then(|options| options.split(',').nth(1)?.trim().parse().ok());
     // Without either, moves count as done when the controller reports `Idle`.
     let blocks = reported.or(free_blocks).unwrap_or(0);
-    Ok(ControllerInfo { version, firmware: field("FIRMWARE").unwrap_or_default(), blocks, ..ControllerInfo::default() })
+    Ok(ControllerInfo {
+        version,
+        firmware: field("FIRMWARE").unwrap_or_default(),
+        blocks,
+        ..ControllerInfo::default()
+    })
 }
 
 fn settings_table(answers: &[Reply]) -> SettingsTable {
@@ -286,7 +318,8 @@ fn settings_table(answers: &[Reply]) -> SettingsTable {
 }
 
 /// Offsets that shift the meaning of `G1`, and the commands that clear them.
-const OFFSETS: [(&str, &str); 3] = [("G54", "G10 L2 P1 X0 Y0 Z0 A0"), ("G92", "G92.1"), ("TLO", "G49")];
+const OFFSETS: [(&str, &str); 3] =
+    [("G54", "G10 L2 P1 X0 Y0 Z0 A0"), ("G92", "G92.1"), ("TLO", "G49")];
 
 fn check_offsets(answers: &[Reply]) -> Result<(), MotionFault> {
     for reply in answers {

@@ -1,6 +1,8 @@
-//! The four lead screws, driven by a GRBL controller (grblHAL, axes X, Y, Z and A) over a serial line.
+//! The four lead screws, driven by a GRBL controller (grblHAL, axes X, Y, Z and A) over a serial
+//! line.
 //!
-//! Moves are plain `G1` lines: a feed hold stops those and keeps the position, but does not stop a jog.
+//! Moves are plain `G1` lines: a feed hold stops those and keeps the position, but does not stop a
+//! jog.
 
 mod check;
 pub mod codes;

@@ -1,4 +1,5 @@
-//! Monitors motion: axes must be where their commands put them, and must move while moves are pending.
+//! Monitors motion: axes must be where their commands put them, and must move while moves are
+//! pending.
 
 use std::collections::VecDeque;
 
@@ -7,11 +8,12 @@ use super::settings::MotionSettings;
 
 /// Largest difference between reported and commanded positions, mm.
 const POSITION_TOLERANCE_MM: f64 = 0.02;
-/// Largest distance of moving axes from the straight lines between their commands, mm. A single report may exceed it
-/// (docs/hardware.md, "Resuming").
+/// Largest distance of moving axes from the straight lines between their commands, mm. A single
+/// report may exceed it (docs/hardware.md, "Resuming").
 const MAX_OFF_LINE_MM: f64 = 0.1;
-/// The start of the oldest move that may still be running, and the targets of at most three: grblHAL reports a move as
-/// done once its last 100 ms are computed, and two more may be queued then.
+/// The start of the oldest move that may still be running, and the targets of at most three:
+/// grblHAL reports a move as done once its last 100 ms are computed, and two more may be queued
+/// then.
 const MAX_TARGETS: usize = 4;
 /// Equal reports after which axes count as standing, regardless of their interval.
 const MIN_EQUAL_REPORTS: u32 = 3;
@@ -22,7 +24,8 @@ pub(crate) struct CommandedPath {
     targets_mm: VecDeque<[f64; 4]>,
     /// Position in the previous report.
     last_mm: [f64; 4],
-    /// The previous report was off the lines: a single one may have read its axes one after the other while they moved.
+    /// The previous report was off the lines: a single one may have read its axes one after the
+    /// other while they moved.
     off_line: bool,
 }
 
@@ -52,7 +55,11 @@ impl CommandedPath {
     }
 
     /// Compares a report with the commands; `standing` when all moves are done.
-    pub(crate) fn check(&mut self, position_mm: [f64; 4], standing: bool) -> Result<(), MotionFault> {
+    pub(crate) fn check(
+        &mut self,
+        position_mm: [f64; 4],
+        standing: bool,
+    ) -> Result<(), MotionFault> {
         let Some(&target_mm) = self.targets_mm.back() else { return Ok(()) };
         for axis in 0..4 {
             self.check_axis(axis, position_mm[axis], standing)?;
@@ -70,7 +77,8 @@ impl CommandedPath {
         Ok(())
     }
 
-    /// The axis with the longest remaining distance, and its target, mm; none when all axes have arrived.
+    /// The axis with the longest remaining distance, and its target, mm; none when all axes have
+    /// arrived.
     pub(crate) fn farthest_axis(&self, position_mm: &[f64; 4]) -> Option<(usize, f64)> {
         let target_mm = self.targets_mm.back()?;
         let remaining_mm = |axis: usize| (target_mm[axis] - position_mm[axis]).abs();
@@ -84,14 +92,18 @@ impl CommandedPath {
         (0..4).all(on_its_way) && self.check_line(position_mm).is_ok()
     }
 
-    /// All axes arrive together: an axis that stands while the others move puts the position off the line.
+    /// All axes arrive together: an axis that stands while the others move puts the position off
+    /// the line.
     fn check_line(&self, position_mm: &[f64; 4]) -> Result<(), MotionFault> {
         let targets: Vec<&[f64; 4]> = self.targets_mm.iter().collect();
         // Any of the moves that may still run can be the present one.
         let nearest = targets.windows(2).map(|ends| nearest_mm(ends[0], ends[1], position_mm));
-        let distance_mm =
-            |place: &[f64; 4]| place.iter().zip(position_mm).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
-        let Some(place) = nearest.min_by(|a, b| distance_mm(a).total_cmp(&distance_mm(b))) else { return Ok(()) };
+        let distance_mm = |place: &[f64; 4]| {
+            place.iter().zip(position_mm).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+        };
+        let Some(place) = nearest.min_by(|a, b| distance_mm(a).total_cmp(&distance_mm(b))) else {
+            return Ok(());
+        };
         if distance_mm(&place) <= MAX_OFF_LINE_MM {
             return Ok(());
         }
@@ -111,7 +123,8 @@ impl CommandedPath {
         let low_mm = commands.clone().fold(f64::INFINITY, f64::min);
         let high_mm = commands.clone().fold(f64::NEG_INFINITY, f64::max);
         let target_mm = commands.next_back().unwrap_or(position_mm);
-        let on_its_way = (low_mm - POSITION_TOLERANCE_MM..=high_mm + POSITION_TOLERANCE_MM).contains(&position_mm);
+        let on_its_way = (low_mm - POSITION_TOLERANCE_MM..=high_mm + POSITION_TOLERANCE_MM)
+            .contains(&position_mm);
         let arrived = (position_mm - target_mm).abs() <= POSITION_TOLERANCE_MM;
         let stays = (position_mm - self.last_mm[axis]).abs() <= POSITION_TOLERANCE_MM;
         // A standing axis must be at its target, a moving one between its commands.
@@ -126,8 +139,8 @@ impl CommandedPath {
     }
 }
 
-/// Detects a stall: neither the axes nor the queue advance although moves are pending. A controller whose motion
-/// freezes may go on reporting that it moves.
+/// Detects a stall: neither the axes nor the queue advance although moves are pending. A controller
+/// whose motion freezes may go on reporting that it moves.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct StallDetector {
     since_s: f64,
@@ -142,8 +155,15 @@ impl StallDetector {
         (self.since_s, self.reports) = (now_s, 0);
     }
 
-    /// Takes the next report, of a controller that should be moving when `due`; returns how long it has not moved, s.
-    pub(crate) fn add_report(&mut self, due: bool, position_mm: [f64; 4], queued: usize, now_s: f64) -> f64 {
+    /// Takes the next report, of a controller that should be moving when `due`; returns how long it
+    /// has not moved, s.
+    pub(crate) fn add_report(
+        &mut self,
+        due: bool,
+        position_mm: [f64; 4],
+        queued: usize,
+        now_s: f64,
+    ) -> f64 {
         // A shorter queue is progress, too: moves may be shorter than the resolution.
         let has_advanced = position_mm != self.position_mm || queued < self.queued;
         (self.position_mm, self.queued) = (position_mm, queued);
@@ -165,10 +185,15 @@ fn nearest_mm(from: &[f64; 4], to: &[f64; 4], position: &[f64; 4]) -> [f64; 4] {
 }
 
 /// Refuses a position beyond the ends of a screw.
-pub(crate) fn within_travel(position_mm: &[f64; 4], settings: &MotionSettings) -> Result<(), MotionFault> {
+pub(crate) fn within_travel(
+    position_mm: &[f64; 4],
+    settings: &MotionSettings,
+) -> Result<(), MotionFault> {
     for (axis, &position_mm) in position_mm.iter().enumerate() {
         let (low_mm, high_mm) = settings.limits_mm(axis);
-        if !(low_mm - POSITION_TOLERANCE_MM..=high_mm + POSITION_TOLERANCE_MM).contains(&position_mm) {
+        if !(low_mm - POSITION_TOLERANCE_MM..=high_mm + POSITION_TOLERANCE_MM)
+            .contains(&position_mm)
+        {
             return Err(MotionFault::OutsideTravel { axis, position_mm, low_mm, high_mm });
         }
     }

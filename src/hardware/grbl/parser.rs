@@ -36,7 +36,8 @@ pub enum Reply {
     StartupBlock(String),
 }
 
-/// A status report. Fields that a report leaves out have not changed, except for pins, which are listed while active.
+/// A status report. Fields that a report leaves out have not changed, except for pins, which are
+/// listed while active.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StatusReport {
     /// Mode of the controller.
@@ -71,7 +72,9 @@ pub fn parse(line: &str) -> Option<Reply> {
     if let Some(code) = line.strip_prefix("ALARM:") {
         return code.trim().parse().ok().map(Reply::Alarm);
     }
-    if line.get(..5).is_some_and(|start| start.eq_ignore_ascii_case("grbl ") || start.eq_ignore_ascii_case("grblh")) {
+    if line.get(..5).is_some_and(|start| {
+        start.eq_ignore_ascii_case("grbl ") || start.eq_ignore_ascii_case("grblh")
+    }) {
         return Some(Reply::Boot(line.to_owned()));
     }
     match line.chars().next()? {
@@ -96,7 +99,8 @@ fn info(text: &str) -> Option<Reply> {
 fn status(text: &str) -> Option<StatusReport> {
     let mut fields = text.split('|');
     let name = fields.next()?;
-    let mut status = StatusReport { mode: mode(name)?, bare_hold: name == "Hold", ..StatusReport::default() };
+    let mut status =
+        StatusReport { mode: mode(name)?, bare_hold: name == "Hold", ..StatusReport::default() };
     for field in fields {
         // Other fields differ between firmware versions and are ignored.
         let Some((name, value)) = field.split_once(':') else { continue };

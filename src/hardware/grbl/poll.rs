@@ -8,8 +8,8 @@ use super::state::Mode;
 
 /// Interval of status queries, s.
 const QUERY_INTERVAL_S: f64 = 0.05;
-/// Times after which an unanswered query is sent again, s: half of `late_s` within these, because single bytes are lost
-/// on real lines.
+/// Times after which an unanswered query is sent again, s: half of `late_s` within these, because
+/// single bytes are lost on real lines.
 const REPEATED_QUERY_S: [f64; 2] = [0.05, 0.25];
 /// Millimetres, absolute positions, feed per minute, first work coordinate system.
 const SETUP: &str = "G21 G90 G94 G54";
@@ -29,8 +29,10 @@ impl Controller {
                 self.record_fault(fault);
             }
         }
-        if let Some(waited_s) =
-            self.query_sent_s.map(|query_sent_s| now_s - query_sent_s).filter(|&waited_s| waited_s > reply_s)
+        if let Some(waited_s) = self
+            .query_sent_s
+            .map(|query_sent_s| now_s - query_sent_s)
+            .filter(|&waited_s| waited_s > reply_s)
         {
             let fault = self.no_answer("a status query".to_owned(), waited_s, now_s);
             self.record_fault(fault);
@@ -43,7 +45,8 @@ impl Controller {
         }
     }
 
-    /// The fault for an answer that has not arrived: unreadable bytes, if such have arrived in its place, else silence.
+    /// The fault for an answer that has not arrived: unreadable bytes, if such have arrived in its
+    /// place, else silence.
     fn no_answer(&self, to: String, waited_s: f64, now_s: f64) -> MotionFault {
         let garbled = self.last_garbled.as_ref().filter(|(then_s, _)| now_s - then_s <= waited_s);
         match self.port.noise().or_else(|| garbled.map(|(_, line)| line.clone())) {
@@ -52,10 +55,15 @@ impl Controller {
         }
     }
 
-    /// How long an answer has been outstanding, s; 0 when none is, or during homing, when the controller may be silent.
+    /// How long an answer has been outstanding, s; 0 when none is, or during homing, when the
+    /// controller may be silent.
     pub fn waiting_s(&self, now_s: f64) -> f64 {
         let line = self.pending.as_ref().filter(|pending| pending.purpose != LinePurpose::Homing);
-        let since_s = line.map(|pending| pending.sent_s).into_iter().chain(self.query_sent_s).fold(now_s, f64::min);
+        let since_s = line
+            .map(|pending| pending.sent_s)
+            .into_iter()
+            .chain(self.query_sent_s)
+            .fold(now_s, f64::min);
         now_s - since_s
     }
 
@@ -68,7 +76,12 @@ impl Controller {
             return;
         }
         let standing = self.state.mode == Mode::Idle || self.homing == HomingPhase::Settling;
-        if !self.setup_acknowledged && self.state.homed && standing && self.pending.is_none() && self.fault.is_none() {
+        if !self.setup_acknowledged
+            && self.state.homed
+            && standing
+            && self.pending.is_none()
+            && self.fault.is_none()
+        {
             self.send(SETUP.to_owned(), LinePurpose::Setup, now_s);
         }
         // Early enough that a lost byte does not hold the robot.
@@ -90,7 +103,9 @@ impl Controller {
     }
 
     pub(crate) fn start_homing_if_free(&mut self, now_s: f64) {
-        let free = self.pending.is_none() && self.reset_sent_s.is_none() && self.state.mode != Mode::Unknown;
+        let free = self.pending.is_none()
+            && self.reset_sent_s.is_none()
+            && self.state.mode != Mode::Unknown;
         if self.homing != HomingPhase::Wanted || !free {
             return;
         }

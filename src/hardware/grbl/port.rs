@@ -5,7 +5,8 @@ use std::io;
 use super::parser::{LineReader, ReceivedLine};
 use crate::hardware::serial::SerialLine;
 
-/// Most bytes read in one call, so that a controller that never stops sending cannot block the program.
+/// Most bytes read in one call, so that a controller that never stops sending cannot block the
+/// program.
 const MAX_BYTES: usize = 1 << 16;
 
 /// A serial line with the incomplete line that is still arriving.
@@ -29,7 +30,9 @@ impl Port {
                 Ok(0) => break,
                 Ok(count) => {
                     total += count;
-                    received_lines.extend(buffer.iter().take(count).filter_map(|&byte| self.reader.push(byte)));
+                    received_lines.extend(
+                        buffer.iter().take(count).filter_map(|&byte| self.reader.push(byte)),
+                    );
                 }
                 Err(error) => return (received_lines, Err(error)),
             }

@@ -11,8 +11,9 @@ use super::state::{HOMING_REQUIRED, Mode};
 const MAX_GARBLED: usize = 3;
 /// See [`MAX_GARBLED`], seconds.
 const GARBLED_S: f64 = 10.0;
-/// Shortest time without motion, s, after which pending moves count as stalled; the reply timeout applies if it is
-/// longer. Reports come every 50 ms, and the slowest move turns a screw by a step in less than 0.15 s.
+/// Shortest time without motion, s, after which pending moves count as stalled; the reply timeout
+/// applies if it is longer. Reports come every 50 ms, and the slowest move turns a screw by a step
+/// in less than 0.15 s.
 const MIN_STALL_S: f64 = 0.3;
 
 impl Controller {
@@ -43,7 +44,9 @@ impl Controller {
             Reply::Alarm(code) => self.apply_alarm(code),
             Reply::Boot(greeting) => self.apply_greeting(greeting, now_s),
             Reply::Status(status) => self.apply_status(&status, now_s),
-            Reply::Info { name, text } if name == "MSG" && !text.is_empty() => self.state.message = text,
+            Reply::Info { name, text } if name == "MSG" && !text.is_empty() => {
+                self.state.message = text
+            }
             Reply::Info { .. } | Reply::Setting { .. } | Reply::StartupBlock(_) => {}
         }
     }
@@ -92,7 +95,8 @@ impl Controller {
         if self.reset_sent_s.is_some() {
             return;
         }
-        let line = self.take_pending().map_or_else(|| "(nothing)".to_owned(), |pending| pending.line);
+        let line =
+            self.take_pending().map_or_else(|| "(nothing)".to_owned(), |pending| pending.line);
         self.record_fault(MotionFault::Error { code, line });
     }
 
@@ -114,7 +118,8 @@ impl Controller {
 
     fn apply_greeting(&mut self, greeting: String, now_s: f64) {
         let awaited = self.reset_sent_s.take().is_some();
-        let expected = awaited || (self.pending.is_none() && now_s <= self.greeting_expected_until_s);
+        let expected =
+            awaited || (self.pending.is_none() && now_s <= self.greeting_expected_until_s);
         // A second greeting may come from a controller that lost power.
         self.homing_required |= !awaited;
         let homing = self.homing;
@@ -139,9 +144,12 @@ impl Controller {
         self.state.position_mm = status.position_mm.unwrap_or(self.state.position_mm);
         self.state.feed_mm_min = status.feed_mm_min.unwrap_or(self.state.feed_mm_min);
         if self.homing == HomingPhase::Running {
-            // The alarm's own line may have been unreadable; an alarm from before homing may still be in transit.
-            let has_begun =
-                self.pending.as_ref().is_some_and(|homing| now_s - homing.sent_s > self.settings.reply_timeout_s);
+            // The alarm's own line may have been unreadable; an alarm from before homing may still
+            // be in transit.
+            let has_begun = self
+                .pending
+                .as_ref()
+                .is_some_and(|homing| now_s - homing.sent_s > self.settings.reply_timeout_s);
             if let Mode::Alarm(Some(code)) = status.mode
                 && code != HOMING_REQUIRED
                 && has_begun
@@ -155,7 +163,9 @@ impl Controller {
         if self.reset_sent_s.is_some() {
             return;
         }
-        if let Err(fault) = self.check_mode(status, before, now_s).and_then(|()| self.check_position(status, now_s)) {
+        if let Err(fault) =
+            self.check_mode(status, before, now_s).and_then(|()| self.check_position(status, now_s))
+        {
             self.record_fault(fault);
         }
     }
@@ -164,7 +174,11 @@ impl Controller {
     fn with_hold_completed(&self, status: &StatusReport) -> StatusReport {
         let stands = status.position_mm == Some(self.state.position_mm);
         let was_holding = matches!(self.state.mode, Mode::Hold { .. });
-        let mode = if status.bare_hold && was_holding { Mode::Hold { complete: stands } } else { status.mode };
+        let mode = if status.bare_hold && was_holding {
+            Mode::Hold { complete: stands }
+        } else {
+            status.mode
+        };
         StatusReport { mode, ..*status }
     }
 
@@ -178,8 +192,14 @@ impl Controller {
         }
     }
 
-    fn check_mode(&mut self, status: &StatusReport, before: Mode, now_s: f64) -> Result<(), MotionFault> {
-        let homing_lost = self.state.homed && status.homed == Some(false) && before != Mode::Unknown;
+    fn check_mode(
+        &mut self,
+        status: &StatusReport,
+        before: Mode,
+        now_s: f64,
+    ) -> Result<(), MotionFault> {
+        let homing_lost =
+            self.state.homed && status.homed == Some(false) && before != Mode::Unknown;
         self.reported_homed = status.homed.unwrap_or(self.reported_homed);
         self.update_homed();
         if let Some(percent) = status.feed_override.filter(|&percent| percent != 100.0) {
@@ -195,7 +215,9 @@ impl Controller {
             _ if homing_lost => Err(MotionFault::Alarm { code: HOMING_REQUIRED }),
             Mode::Home if self.homing == HomingPhase::Settling => Ok(()),
             // The controller's own hold button was pressed, or the resume byte was lost.
-            mode @ Mode::Hold { .. } if !self.holding && now_s - self.resumed_s > self.settings.reply_timeout_s => {
+            mode @ Mode::Hold { .. }
+                if !self.holding && now_s - self.resumed_s > self.settings.reply_timeout_s =>
+            {
                 Err(MotionFault::UnexpectedMode { mode })
             }
             Mode::Idle | Mode::Run | Mode::Hold { .. } => Ok(()),
@@ -204,7 +226,9 @@ impl Controller {
     }
 
     fn check_position(&mut self, status: &StatusReport, now_s: f64) -> Result<(), MotionFault> {
-        if let Some(offset_mm) = status.offset_mm.filter(|offset_mm| offset_mm.iter().any(|&value| value != 0.0)) {
+        if let Some(offset_mm) =
+            status.offset_mm.filter(|offset_mm| offset_mm.iter().any(|&value| value != 0.0))
+        {
             let remedy = "G10 L2 P1 X0 Y0 Z0 A0, G92.1 and G49".to_owned();
             return Err(MotionFault::WorkOffset {
                 name: "the status report".to_owned(),
@@ -242,7 +266,12 @@ impl Controller {
     }
 
     /// Checks that a controller with pending moves moves; time is measured between its reports.
-    fn check_stall(&mut self, mode: Mode, position_mm: [f64; 4], now_s: f64) -> Result<(), MotionFault> {
+    fn check_stall(
+        &mut self,
+        mode: Mode,
+        position_mm: [f64; 4],
+        now_s: f64,
+    ) -> Result<(), MotionFault> {
         let queued = self.state.queued;
         let due = !self.holding && (mode == Mode::Run || (mode == Mode::Idle && queued > 0));
         let stalled_s = self.stall_detector.add_report(due, position_mm, queued, now_s);
@@ -250,7 +279,9 @@ impl Controller {
             return Ok(());
         }
         match self.commanded_path.farthest_axis(&position_mm) {
-            Some((axis, target_mm)) => Err(MotionFault::NotMoving { axis, reached_mm: position_mm[axis], target_mm }),
+            Some((axis, target_mm)) => {
+                Err(MotionFault::NotMoving { axis, reached_mm: position_mm[axis], target_mm })
+            }
             None => Ok(()),
         }
     }

@@ -1,8 +1,10 @@
-//! Resumes held moves: after the hold is complete, until the controller confirms, and to the end of each move.
+//! Resumes held moves: after the hold is complete, until the controller confirms, and to the end of
+//! each move.
 //!
-//! A grblHAL executes 100 ms of computed motion before it decelerates (`Hold:1`), ignores `~` until it stands
-//! (`Hold:0`), and may drop the rest of a short move: it is idle before the target, and executes the rest only with
-//! the next move of at least one step. The same target again is no move to it.
+//! A grblHAL executes 100 ms of computed motion before it decelerates (`Hold:1`), ignores `~` until
+//! it stands (`Hold:0`), and may drop the rest of a short move: it is idle before the target, and
+//! executes the rest only with the next move of at least one step. The same target again is no move
+//! to it.
 
 use super::controller::Controller;
 use super::fault::MotionFault;
@@ -74,7 +76,8 @@ impl Controller {
         self.resumption.requested_s.is_some()
     }
 
-    /// Sends `~` once the hold is complete, again while the controller still stands, and waits for its confirmation.
+    /// Sends `~` once the hold is complete, again while the controller still stands, and waits for
+    /// its confirmation.
     pub(super) fn continue_resume(&mut self, now_s: f64) {
         let Some(requested_s) = self.resumption.requested_s else { return };
         if self.fault.is_some() {
@@ -97,14 +100,18 @@ impl Controller {
             }
             mode if now_s - requested_s > RESUME_LIMIT_S => {
                 let sent = self.resumption.sent;
-                self.record_fault(MotionFault::NotResumed { mode, waited_s: now_s - requested_s, sent });
+                self.record_fault(MotionFault::NotResumed {
+                    mode,
+                    waited_s: now_s - requested_s,
+                    sent,
+                });
             }
             _ => {}
         }
     }
 
-    /// Sends the target again if a hold has ended the last move short of it; true if it did. `position_mm` is that of
-    /// standing axes.
+    /// Sends the target again if a hold has ended the last move short of it; true if it did.
+    /// `position_mm` is that of standing axes.
     pub(super) fn complete_short_move(&mut self, position_mm: &[f64; 4], now_s: f64) -> bool {
         let Some((axis, _)) = self.commanded_path.farthest_axis(position_mm) else {
             self.resumption.arrived();
@@ -113,11 +120,17 @@ impl Controller {
         let Some((target_mm, feed_mm_min)) = self.last_move else { return false };
         let due = self.resumption.may_end_short && self.resumption.completions < MAX_COMPLETIONS;
         // Off the path it did not fall short, so sending it again would hide a fault.
-        if !due || self.holding || !self.setup_acknowledged || !self.commanded_path.is_between(position_mm) {
+        if !due
+            || self.holding
+            || !self.setup_acknowledged
+            || !self.commanded_path.is_between(position_mm)
+        {
             return false;
         }
         let displaced_mm = self.displaced_mm(target_mm, axis);
-        let Ok(the_move) = gcode::compose(displaced_mm, feed_mm_min, &self.settings) else { return false };
+        let Ok(the_move) = gcode::compose(displaced_mm, feed_mm_min, &self.settings) else {
+            return false;
+        };
         self.resumption.completions += 1;
         self.state.message = format!(
             "{} stood at {:.3} mm after a hold; target {:.3} mm sent again",
@@ -132,7 +145,11 @@ impl Controller {
     fn displaced_mm(&self, mut target_mm: [f64; 4], axis: usize) -> [f64; 4] {
         let setting = self.info.settings.get(&(STEPS_PER_MM + axis as u16));
         let steps_per_mm: f64 = setting.and_then(|value| value.parse().ok()).unwrap_or(0.0);
-        let step_mm = if steps_per_mm > 0.0 { (1e3 / steps_per_mm).ceil() * 1e-3 } else { MAX_DISPLACEMENT_MM };
+        let step_mm = if steps_per_mm > 0.0 {
+            (1e3 / steps_per_mm).ceil() * 1e-3
+        } else {
+            MAX_DISPLACEMENT_MM
+        };
         let (low_mm, high_mm) = self.settings.limits_mm(axis);
         // A target at the end of its travel can only be displaced inwards.
         let inwards = if target_mm[axis] > 0.5 * (low_mm + high_mm) { -1.0 } else { 1.0 };

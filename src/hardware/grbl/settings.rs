@@ -7,7 +7,8 @@ use crate::base::BadOption;
 /// Longest time from a reset to the greeting, beyond the reply time, s.
 pub(super) const GREETING_S: f64 = 1.0;
 
-/// How to reach the controller and how it must be configured. The controller's own settings are checked, never written.
+/// How to reach the controller and how it must be configured. The controller's own settings are
+/// checked, never written.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct MotionSettings {
@@ -25,11 +26,14 @@ pub struct MotionSettings {
     pub travel_m: f64,
     /// Largest feed that is sent, mm/min along the path in all four axes together.
     pub max_speed_mm_min: f64,
-    /// Axes whose switch is at the lower end (`$23`): the sum of 1 for X, 2 for Y, 4 for Z and 8 for A.
+    /// Axes whose switch is at the lower end (`$23`): the sum of 1 for X, 2 for Y, 4 for Z and 8
+    /// for A.
     pub homing_directions: u8,
-    /// Require that the motors stay energised at rest (`$1=255`), so that the tendons cannot drive the screws back.
+    /// Require that the motors stay energised at rest (`$1=255`), so that the tendons cannot drive
+    /// the screws back.
     pub hold_when_idle: bool,
-    /// Speed that every axis must reach, mm/min: follows from the limits of the commands, 0 if there are none.
+    /// Speed that every axis must reach, mm/min: follows from the limits of the commands, 0 if
+    /// there are none.
     #[serde(skip)]
     #[schemars(skip)]
     pub min_speed_mm_min: f64,
@@ -74,8 +78,8 @@ impl MotionSettings {
         if self.axis_sign(axis) < 0.0 { (-travel_mm, 0.0) } else { (0.0, travel_mm) }
     }
 
-    /// 1 for an axis whose machine position increases away from its switch, −1 for one whose switch is at the upper
-    /// end.
+    /// 1 for an axis whose machine position increases away from its switch, −1 for one whose switch
+    /// is at the upper end.
     pub fn axis_sign(&self, axis: usize) -> f64 {
         if self.homing_directions & (1 << axis) == 0 { -1.0 } else { 1.0 }
     }

@@ -13,10 +13,14 @@ use crate::base::{Point3, distance_m};
 use super::axes::{AXES, AxesOptions};
 use super::grbl::{Controller, Mode, codes};
 use super::interrupt::Interrupt;
-use super::safety::{Guard, GuardState, Latch, SafetyAction, SafetyInputs, SafetyLimits, StopReason};
+use super::safety::{
+    Guard, GuardState, Latch, SafetyAction, SafetyInputs, SafetyLimits, StopReason,
+};
 use super::tracking::{TipPose, TrackerClient};
 use plausibility::TipJump;
-use stop_reasons::{ARM, ENDED, INTERRUPTED, controller_fault, interrupted, late_answer, program_ended};
+use stop_reasons::{
+    ARM, ENDED, INTERRUPTED, controller_fault, interrupted, late_answer, program_ended,
+};
 use tip_following::TipFollowing;
 use tracking_loss::LastPoseChange;
 
@@ -133,7 +137,8 @@ impl Rig {
         self.expected_m = tip_m;
     }
 
-    /// Starts homing, or activates a robot that is homed. A controller that is in alarm is reset before it is homed.
+    /// Starts homing, or activates a robot that is homed. A controller that is in alarm is reset
+    /// before it is homed.
     ///
     /// # Errors
     /// [`MoveError`]: nothing was sent.
@@ -159,7 +164,8 @@ impl Rig {
         Ok(())
     }
 
-    /// Releases a robot at rest for work on it, until [`Rig::start`]; false while it moves or is not active.
+    /// Releases a robot at rest for work on it, until [`Rig::start`]; false while it moves or is
+    /// not active.
     pub fn park(&mut self, now_s: f64) -> bool {
         let parked = self.stands() && self.guard.park();
         if parked {
@@ -201,7 +207,8 @@ impl Rig {
         }
     }
 
-    /// Why the robot has to be held now: the controller is late, tracking is lost, or the measured tip is implausible.
+    /// Why the robot has to be held now: the controller is late, tracking is lost, or the measured
+    /// tip is implausible.
     fn hold_reason(&mut self, now_s: f64) -> Option<StopReason> {
         let waiting_s = self.parts.controller.waiting_s(now_s);
         if waiting_s > self.parts.late_s {
@@ -226,8 +233,14 @@ impl Rig {
     /// Axes that were reset before they stood may have lost steps: the next program has to know.
     fn require_homing(&mut self, now_s: f64) {
         let position_lost = self.parts.controller.homing_required();
-        let latch = self.parts.latch.as_ref().filter(|latch| position_lost && latch.homing_required().is_none());
-        if let Some(Err(error)) = latch.map(|latch| latch.require_homing("reset before the axes stood")) {
+        let latch = self
+            .parts
+            .latch
+            .as_ref()
+            .filter(|latch| position_lost && latch.homing_required().is_none());
+        if let Some(Err(error)) =
+            latch.map(|latch| latch.require_homing("reset before the axes stood"))
+        {
             self.log_event(now_s, "", format!("could not store that homing is required: {error}"));
         }
     }
@@ -241,15 +254,18 @@ impl Rig {
 
     /// Stops a robot that did not execute a command in time, for later programs as well.
     pub fn stop(&mut self, what: String, now_s: f64) {
-        let action = self.guard.request_stop(StopReason { kind: "controller", what, remedy: ARM.to_owned() }, now_s);
+        let action = self
+            .guard
+            .request_stop(StopReason { kind: "controller", what, remedy: ARM.to_owned() }, now_s);
         self.apply_action(action, now_s);
         if action != SafetyAction::Nothing {
             self.log_state(now_s);
         }
     }
 
-    /// Ends operation: a moving robot is held, and its queue is discarded at one of the next polls, as after a stop, so
-    /// that the next program finds it at rest. False when there is nothing left to wait for.
+    /// Ends operation: a moving robot is held, and its queue is discarded at one of the next polls,
+    /// as after a stop, so that the next program finds it at rest. False when there is nothing left
+    /// to wait for.
     pub fn shut_down(&mut self, why: &str, now_s: f64) -> bool {
         // A robot at rest needs no stop.
         if !self.stands() || *self.state() == GuardState::Homing {
@@ -268,7 +284,9 @@ impl Rig {
     }
 
     fn is_plausible(&self, pose: &TipPose) -> bool {
-        let near = |expected_m: &Point3| distance_m(&pose.position_m, expected_m) <= self.parts.limits.tip_from_model_m;
+        let near = |expected_m: &Point3| {
+            distance_m(&pose.position_m, expected_m) <= self.parts.limits.tip_from_model_m
+        };
         self.expected_m.as_ref().is_none_or(near)
     }
 
@@ -281,12 +299,18 @@ impl Rig {
     /// Logs the present state.
     fn log_state(&mut self, now_s: f64) {
         let (kind, what) = match self.state() {
-            GuardState::Held { reason, .. } => (reason.kind, format!("{}; resumes automatically", reason.what)),
+            GuardState::Held { reason, .. } => {
+                (reason.kind, format!("{}; resumes automatically", reason.what))
+            }
             GuardState::Stopped { reason, .. } => {
                 let reason = reason.clone();
                 let mut what = format!("{}; {}", reason.what, reason.remedy);
                 // A program that ends regularly must not lock the robot for the next one.
-                let latch = self.parts.latch.as_ref().filter(|_| ![INTERRUPTED, ENDED].contains(&reason.kind));
+                let latch = self
+                    .parts
+                    .latch
+                    .as_ref()
+                    .filter(|_| ![INTERRUPTED, ENDED].contains(&reason.kind));
                 if let Some(Err(error)) = latch.map(|latch| latch.stop(&reason)) {
                     what = format!("{what}; could not store this stop for later programs: {error}");
                 }

@@ -38,11 +38,17 @@ pub enum MoveError {
 }
 
 impl Rig {
-    /// Moves the tendons to `pulls_m` in about `duration_s`, if the limits and the state of the robot permit it.
+    /// Moves the tendons to `pulls_m` in about `duration_s`, if the limits and the state of the
+    /// robot permit it.
     ///
     /// # Errors
     /// [`MoveError`]: nothing was sent.
-    pub fn command(&mut self, pulls_m: &[f64], duration_s: f64, now_s: f64) -> Result<(), MoveError> {
+    pub fn command(
+        &mut self,
+        pulls_m: &[f64],
+        duration_s: f64,
+        now_s: f64,
+    ) -> Result<(), MoveError> {
         self.check_command(pulls_m, duration_s)?;
         let target: [f64; AXES] = std::array::from_fn(|axis| pulls_m[axis]);
         self.send_move(target, duration_s, now_s)
@@ -59,8 +65,9 @@ impl Rig {
         Ok(self.parts.limits.check_command(pulls_m, &self.commanded_m, duration_s, 1)?)
     }
 
-    /// Moves all tendons towards home by at most one step; true once they are there. From the switches the way home is
-    /// longer than any permitted displacement, so the travel limit does not apply.
+    /// Moves all tendons towards home by at most one step; true once they are there. From the
+    /// switches the way home is longer than any permitted displacement, so the travel limit does
+    /// not apply.
     ///
     /// # Errors
     /// [`MoveError`]: nothing was sent.
@@ -70,16 +77,24 @@ impl Rig {
         }
         let limits = &self.parts.limits;
         let step_m = limits.step_m(duration_s);
-        let largest_m = self.commanded_m.iter().fold(0.0_f64, |largest, pull| largest.max(pull.abs()));
+        let largest_m =
+            self.commanded_m.iter().fold(0.0_f64, |largest, pull| largest.max(pull.abs()));
         // All tendons shrink by one share, so that opposite ones stay in balance.
         let share = if largest_m > step_m { 1.0 - step_m / largest_m } else { 0.0 };
         self.send_move(self.commanded_m.map(|pull| pull * share), duration_s, now_s)?;
         Ok(share == 0.0)
     }
 
-    fn send_move(&mut self, pulls_m: [f64; AXES], duration_s: f64, now_s: f64) -> Result<(), MoveError> {
-        let (from_mm, to_mm) = (self.parts.machine_mm(&self.commanded_m), self.parts.machine_mm(&pulls_m));
-        let length_mm = from_mm.iter().zip(&to_mm).map(|(from, to)| (to - from).powi(2)).sum::<f64>().sqrt();
+    fn send_move(
+        &mut self,
+        pulls_m: [f64; AXES],
+        duration_s: f64,
+        now_s: f64,
+    ) -> Result<(), MoveError> {
+        let (from_mm, to_mm) =
+            (self.parts.machine_mm(&self.commanded_m), self.parts.machine_mm(&pulls_m));
+        let length_mm =
+            from_mm.iter().zip(&to_mm).map(|(from, to)| (to - from).powi(2)).sum::<f64>().sqrt();
         if length_mm >= MIN_MOVE_MM {
             // GRBL's feed is along the path in all four axes.
             let feed_mm_min = (length_mm / (MOVING_SHARE * duration_s) * 60.0).max(MIN_FEED_MM_MIN);
@@ -89,7 +104,9 @@ impl Rig {
                 Err(MotionFault::Busy | MotionFault::Refused(grbl::MoveRefusal::NotReady(_))) => {
                     return Err(MoveError::Busy);
                 }
-                Err(MotionFault::Refused(refusal)) => return Err(MoveError::RefusedByDriver(refusal)),
+                Err(MotionFault::Refused(refusal)) => {
+                    return Err(MoveError::RefusedByDriver(refusal));
+                }
                 // The next poll finds the same fault and handles it.
                 Err(_) => return Err(MoveError::NotActive("without a working controller")),
             }

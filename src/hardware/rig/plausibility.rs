@@ -1,4 +1,5 @@
-//! Holds the robot while the measured tip is implausible: it has jumped, or is too far from the predicted one.
+//! Holds the robot while the measured tip is implausible: it has jumped, or is too far from the
+//! predicted one.
 
 use super::Rig;
 use super::stop_reasons::implausible;
@@ -6,8 +7,8 @@ use crate::base::{Point3, distance_m};
 use crate::hardware::safety::{GuardState, StopReason};
 use crate::hardware::tracking::TipPose;
 
-/// Share of a jump that has to be undone before the tip is plausible again: the robot is held meanwhile, so that a tip
-/// that stays away has not moved but is measured elsewhere.
+/// Share of a jump that has to be undone before the tip is plausible again: the robot is held
+/// meanwhile, so that a tip that stays away has not moved but is measured elsewhere.
 const UNDONE_SHARE: f64 = 0.5;
 
 /// A tip that moved faster than it can.
@@ -21,8 +22,8 @@ pub(super) struct TipJump {
 impl TipJump {
     fn describe(&self, most_m_s: f64) -> String {
         format!(
-            "the measured tip jumped by {:.0} mm within {:.0} ms ({:.1} m/s, expected at most {most_m_s}): its body has \
-             moved on the tip, or another one is taken for it",
+            "the measured tip jumped by {:.0} mm within {:.0} ms ({:.1} m/s, expected at most \
+             {most_m_s}): its body has moved on the tip, or another one is taken for it",
             self.by_m * 1e3,
             self.within_s * 1e3,
             self.by_m / self.within_s
@@ -42,9 +43,11 @@ impl Rig {
         let pose = self.parts.tracking.latest()?;
         let (pose, tip_m) = (*pose, pose.position_m);
         // A jump is over once the tip is back near where it came from.
-        self.jump = self.jump.filter(|jump| distance_m(&tip_m, &jump.from_m) > UNDONE_SHARE * jump.by_m);
+        self.jump =
+            self.jump.filter(|jump| distance_m(&tip_m, &jump.from_m) > UNDONE_SHARE * jump.by_m);
         if let Some(last) = self.last_plausible {
-            let (by_m, within_s) = (distance_m(&tip_m, &last.position_m), time_between_s(&last, &pose));
+            let (by_m, within_s) =
+                (distance_m(&tip_m, &last.position_m), time_between_s(&last, &pose));
             if within_s > 0.0 && by_m > limits.tip_speed_m_s * within_s {
                 // The first jump counts; later ones would hide where the tip came from.
                 self.jump.get_or_insert(TipJump { from_m: last.position_m, by_m, within_s });
@@ -57,7 +60,8 @@ impl Rig {
             let off_m = distance_m(&tip_m, expected_m);
             if off_m > limits.tip_from_model_m {
                 return Some(implausible(format!(
-                    "the measured tip is {off_m:.3} m from the predicted one, expected at most {} m",
+                    "the measured tip is {off_m:.3} m from the predicted one, expected at most {} \
+                     m",
                     limits.tip_from_model_m
                 )));
             }
@@ -67,9 +71,9 @@ impl Rig {
     }
 }
 
-/// Time from pose to pose, s, by the tracker's clock: local times may belong to two estimates of the clock offset, which
-/// falls when a frame is less delayed than all before. A tracker that has restarted counts from zero, so that local times
-/// have to serve.
+/// Time from pose to pose, s, by the tracker's clock: local times may belong to two estimates of
+/// the clock offset, which falls when a frame is less delayed than all before. A tracker that has
+/// restarted counts from zero, so that local times have to serve.
 fn time_between_s(first: &TipPose, second: &TipPose) -> f64 {
     f64::max(second.stamp_s - first.stamp_s, second.time_s - first.time_s)
 }

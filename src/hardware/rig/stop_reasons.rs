@@ -17,7 +17,11 @@ pub(super) fn interrupted() -> StopReason {
 }
 
 pub(super) fn program_ended(why: &str) -> StopReason {
-    StopReason { kind: ENDED, what: why.to_owned(), remedy: "start the program again to continue".to_owned() }
+    StopReason {
+        kind: ENDED,
+        what: why.to_owned(),
+        remedy: "start the program again to continue".to_owned(),
+    }
 }
 
 pub(super) fn controller_fault(fault: &MotionFault) -> StopReason {
@@ -33,8 +37,8 @@ pub(super) fn implausible(what: String) -> StopReason {
     StopReason {
         kind: "tip",
         what,
-        remedy: "check bodies, frames and tendons with `spinebench doctor`, then run `spinebench arm --plant \
-         PLANT.yaml`"
+        remedy: "check bodies, frames and tendons with `spinebench doctor`, then run `spinebench \
+                 arm --plant PLANT.yaml`"
             .to_owned(),
     }
 }

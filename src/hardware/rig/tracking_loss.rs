@@ -1,7 +1,8 @@
-//! Holds the robot when tracking is lost: no valid pose for `tracking_hold_s`, many lost frames, two sources of frames, or
-//! a tracker that repeats one pose.
+//! Holds the robot when tracking is lost: no valid pose for `tracking_hold_s`, many lost frames,
+//! two sources of frames, or a tracker that repeats one pose.
 //!
-//! The reason goes to the guard (`safety/guard.rs`), which holds the robot at once and stops it after `hold_stop_s`.
+//! The reason goes to the guard (`safety/guard.rs`), which holds the robot at once and stops it
+//! after `hold_stop_s`.
 
 use super::Rig;
 use crate::base::{Point3, distance_m};
@@ -19,7 +20,8 @@ const MIN_FROZEN_TIP_M: f64 = 0.005;
 /// Time after a frame of a second source during which the robot is held, s.
 const SECOND_SOURCE_S: f64 = 0.5;
 
-/// Largest share of frames that may be lost: beyond it, gaps of `tracking_hold_s` are a matter of seconds.
+/// Largest share of frames that may be lost: beyond it, gaps of `tracking_hold_s` are a matter of
+/// seconds.
 const MAX_LOSS: f64 = 0.25;
 
 /// State when the tracker's pose last changed.
@@ -57,9 +59,11 @@ impl Rig {
 
     /// A tracker that repeats one pose with new time stamps while the motors and the model move.
     fn frozen_tracking(&mut self) -> Option<StopReason> {
-        let (status, position_mm) = (self.parts.tracking.status(), self.parts.controller.state().position_mm);
+        let (status, position_mm) =
+            (self.parts.tracking.status(), self.parts.controller.state().position_mm);
         if status.changes != self.last_pose_change.count {
-            self.last_pose_change = LastPoseChange { count: status.changes, position_mm, expected_m: self.expected_m };
+            self.last_pose_change =
+                LastPoseChange { count: status.changes, position_mm, expected_m: self.expected_m };
             return None;
         }
         // Without a prediction the tip may well stand still.
@@ -67,7 +71,10 @@ impl Rig {
             self.last_pose_change.expected_m = self.expected_m;
             return None;
         };
-        let turned_mm = position_mm.iter().zip(&self.last_pose_change.position_mm).map(|(to, from)| (to - from).abs());
+        let turned_mm = position_mm
+            .iter()
+            .zip(&self.last_pose_change.position_mm)
+            .map(|(to, from)| (to - from).abs());
         let turned_mm = turned_mm.fold(0.0, f64::max);
         let unchanged_s = status.unchanged_s;
         let frozen = unchanged_s >= MIN_FROZEN_S
@@ -76,8 +83,8 @@ impl Rig {
         frozen.then(|| {
             tracking(
                 format!(
-                    "the tracker has repeated one pose for {:.0} ms while a screw moved by {turned_mm:.1} mm: it no \
-                     longer measures",
+                    "the tracker has repeated one pose for {:.0} ms while a screw moved by \
+                     {turned_mm:.1} mm: it no longer measures",
                     unchanged_s * 1e3
                 ),
                 "restart its streaming and check it with `spinebench doctor`",
@@ -88,7 +95,11 @@ impl Rig {
 
 /// A reason of this kind, with its remedy before arming.
 pub(super) fn tracking(what: String, remedy: &str) -> StopReason {
-    StopReason { kind: "tracking", what, remedy: format!("{remedy}, then run `spinebench arm --plant PLANT.yaml`") }
+    StopReason {
+        kind: "tracking",
+        what,
+        remedy: format!("{remedy}, then run `spinebench arm --plant PLANT.yaml`"),
+    }
 }
 
 fn second_source(found: &str) -> StopReason {
@@ -102,19 +113,28 @@ fn many_lost(share: f64) -> StopReason {
         100.0 * share,
         100.0 * MAX_LOSS
     );
-    tracking(what, "check the network between the tracker and this computer (a cable instead of a radio link)")
+    tracking(
+        what,
+        "check the network between the tracker and this computer (a cable instead of a radio link)",
+    )
 }
 
 /// The reason for a pose that is too old.
 fn old_pose(age_s: f64, allowed_s: f64, status: &TrackingStatus) -> StopReason {
     let aged = || format!("tracking lost: the last valid pose is {:.0} ms old", age_s * 1e3);
-    let found = if age_s.is_finite() { aged() } else { "tracking lost: no valid pose so far".to_owned() };
+    let found =
+        if age_s.is_finite() { aged() } else { "tracking lost: no valid pose so far".to_owned() };
     let stranger = || {
         let from = status.foreign_source?;
         Some(format!("{} datagrams from {from}, which is not the server", status.foreign))
     };
     let unseen = || status.unseen.map(str::to_owned);
-    let why = status.fault.clone().or_else(unseen).or_else(stranger).or_else(|| status.socket_error.clone());
+    let why = status
+        .fault
+        .clone()
+        .or_else(unseen)
+        .or_else(stranger)
+        .or_else(|| status.socket_error.clone());
     let why = why.map(|why| format!(" ({why})")).unwrap_or_default();
     let what = format!("{found}, expected at most {:.0} ms{why}", allowed_s * 1e3);
     tracking(what, "make both bodies visible and check that Motive streams")

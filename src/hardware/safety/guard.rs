@@ -1,8 +1,8 @@
 //! The state machine that holds and stops the robot (diagram in docs/hardware.md).
 //!
 //! It knows no device. The rig gives it [`SafetyInputs`] every 5 ms and executes the
-//! [`SafetyAction`] that [`Guard::evaluate`] returns. Lost tracking arrives as a `hold_reason`: the robot is held at
-//! once, and stopped if it lasts for `hold_stop_s`.
+//! [`SafetyAction`] that [`Guard::evaluate`] returns. Lost tracking arrives as a `hold_reason`: the
+//! robot is held at once, and stopped if it lasts for `hold_stop_s`.
 
 use std::collections::VecDeque;
 
@@ -96,12 +96,13 @@ pub struct Guard {
     holds_s: VecDeque<f64>,
 }
 
-/// Longest time until the axes stand, s; then their queue is discarded all the same. A reset of decelerating axes loses
-/// their position.
+/// Longest time until the axes stand, s; then their queue is discarded all the same. A reset of
+/// decelerating axes loses their position.
 const STAND_S: f64 = 1.0;
 /// The same after a fault of the motors, whose position cannot be trusted anyway.
 const STAND_ANYWAY_S: f64 = 0.15;
-/// Window in which a robot may be held `most_holds` times, s: a person who passes the cameras causes one or two holds.
+/// Window in which a robot may be held `most_holds` times, s: a person who passes the cameras
+/// causes one or two holds.
 const HOLDS_S: f64 = 10.0;
 
 impl Guard {
@@ -117,7 +118,10 @@ impl Guard {
 
     /// Starts homing, if the state permits it.
     pub fn begin_homing(&mut self) -> bool {
-        self.enter_if(matches!(self.state, GuardState::Idle | GuardState::Active), GuardState::Homing)
+        self.enter_if(
+            matches!(self.state, GuardState::Idle | GuardState::Active),
+            GuardState::Homing,
+        )
     }
 
     /// Activates a robot that is homed.
@@ -125,7 +129,8 @@ impl Guard {
         self.enter_if(matches!(self.state, GuardState::Idle), GuardState::Active)
     }
 
-    /// Parks a robot at rest, for example while a person works on it: tracking is ignored until it is active again.
+    /// Parks a robot at rest, for example while a person works on it: tracking is ignored until it
+    /// is active again.
     pub fn park(&mut self) -> bool {
         self.enter_if(matches!(self.state, GuardState::Active), GuardState::Idle)
     }
@@ -134,7 +139,9 @@ impl Guard {
     pub fn request_stop(&mut self, reason: StopReason, now_s: f64) -> SafetyAction {
         match self.state {
             GuardState::Idle | GuardState::Stopped { .. } => SafetyAction::Nothing,
-            GuardState::Homing | GuardState::Active | GuardState::Held { .. } => self.stop(reason, now_s),
+            GuardState::Homing | GuardState::Active | GuardState::Held { .. } => {
+                self.stop(reason, now_s)
+            }
         }
     }
 
@@ -154,10 +161,14 @@ impl Guard {
             return self.stop(reason.clone(), now_s);
         }
         match (&self.state, &inputs.hold_reason) {
-            (GuardState::Homing, _) if inputs.homed => self.enter(GuardState::Active, SafetyAction::Nothing),
+            (GuardState::Homing, _) if inputs.homed => {
+                self.enter(GuardState::Active, SafetyAction::Nothing)
+            }
             (GuardState::Active, Some(reason)) => self.hold(reason.clone(), now_s),
             (GuardState::Held { .. }, None) => self.enter(GuardState::Active, SafetyAction::Resume),
-            (GuardState::Held { since_s, .. }, Some(reason)) if now_s - since_s >= self.limits.hold_stop_s => {
+            (GuardState::Held { since_s, .. }, Some(reason))
+                if now_s - since_s >= self.limits.hold_stop_s =>
+            {
                 let reason = reason.clone();
                 self.stop(reason, now_s)
             }
@@ -171,8 +182,10 @@ impl Guard {
         self.holds_s.push_back(now_s);
         let (count, most) = (self.holds_s.len(), self.limits.most_holds);
         if count > most {
-            let what =
-                format!("held {count} times within {HOLDS_S} s, expected at most {most}; last reason: {}", reason.what);
+            let what = format!(
+                "held {count} times within {HOLDS_S} s, expected at most {most}; last reason: {}",
+                reason.what
+            );
             return self.stop(StopReason { what, ..reason }, now_s);
         }
         self.enter(GuardState::Held { reason, since_s: now_s }, SafetyAction::Hold)
@@ -200,7 +213,8 @@ impl Guard {
         self.enter(GuardState::Stopped { reason, since_s: now_s }, action)
     }
 
-    /// Discards the queue once the axes stand, or should have for long, so that nothing starts again by itself.
+    /// Discards the queue once the axes stand, or should have for long, so that nothing starts
+    /// again by itself.
     fn finish_stop(&mut self, inputs: &SafetyInputs, now_s: f64) -> SafetyAction {
         let patience_s = if inputs.motion_fault.is_some() { STAND_ANYWAY_S } else { STAND_S };
         match self.stopping_s {

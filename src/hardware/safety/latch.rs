@@ -1,4 +1,5 @@
-//! The latch: a stop is stored in a file and outlives the program, until a person has inspected the robot.
+//! The latch: a stop is stored in a file and outlives the program, until a person has inspected the
+//! robot.
 
 use std::fs;
 use std::io::{self, Write};
@@ -22,11 +23,14 @@ impl Latch {
         Latch { stop_file: file("stopped"), rehome_file: file("rehome"), log: file("log") }
     }
 
-    /// Folder for the state of this user's programs (`XDG_STATE_HOME`, or `.local/state` in the home folder).
+    /// Folder for the state of this user's programs (`XDG_STATE_HOME`, or `.local/state` in the
+    /// home folder).
     pub fn folder() -> PathBuf {
         let state_home = std::env::var_os("XDG_STATE_HOME").map(PathBuf::from);
-        let home =
-            || std::env::var_os("HOME").map_or_else(std::env::temp_dir, |home| Path::new(&home).join(".local/state"));
+        let home = || {
+            std::env::var_os("HOME")
+                .map_or_else(std::env::temp_dir, |home| Path::new(&home).join(".local/state"))
+        };
         state_home.filter(|path| path.is_absolute()).unwrap_or_else(home).join("spinebench")
     }
 
@@ -35,8 +39,8 @@ impl Latch {
         read(&self.stop_file)
     }
 
-    /// Why homing is required whatever the controller reports; none if it is not. A file that cannot be read counts as
-    /// present.
+    /// Why homing is required whatever the controller reports; none if it is not. A file that
+    /// cannot be read counts as present.
     pub fn homing_required(&self) -> Option<String> {
         read(&self.rehome_file)
     }
@@ -67,14 +71,16 @@ impl Latch {
         fs::write(file, format!("{line}\n"))
     }
 
-    /// Stops the robot for this and all later programs, requires homing, and logs it: any fault may have cost steps.
+    /// Stops the robot for this and all later programs, requires homing, and logs it: any fault may
+    /// have cost steps.
     ///
     /// # Errors
     /// When the file cannot be written.
     pub fn stop(&self, reason: &StopReason) -> io::Result<()> {
         let line = format!("{} UTC: {} [{}]", utc(SystemTime::now()), reason.what, reason.kind);
         // The latch first: the log is informative only, and its disk may be full.
-        let (latched, homing_required) = (self.write_file(&self.stop_file, &line), self.require_homing(&line));
+        let (latched, homing_required) =
+            (self.write_file(&self.stop_file, &line), self.require_homing(&line));
         // Both files are tried before either error is returned.
         latched.and(homing_required)?;
         self.write(&format!("stopped: {line}; {}", reason.remedy))
@@ -123,7 +129,8 @@ fn utc(time: SystemTime) -> String {
     let (days, second_of_day) = (seconds / 86_400 + 719_468, seconds % 86_400);
     let era = days / 146_097;
     let day_of_era = days % 146_097;
-    let year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
+    let year_of_era =
+        (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
     let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
     let shifted = (5 * day_of_year + 2) / 153;
     let day = day_of_year - (153 * shifted + 2) / 5 + 1;
@@ -155,7 +162,11 @@ mod tests {
     fn arming_does_not_bring_the_position_back() {
         let folder = tempfile::tempdir().unwrap();
         let latch = Latch::new(folder.path(), "robot");
-        let reason = StopReason { kind: "tip", what: "somewhere else".to_owned(), remedy: "look".to_owned() };
+        let reason = StopReason {
+            kind: "tip",
+            what: "somewhere else".to_owned(),
+            remedy: "look".to_owned(),
+        };
         latch.stop(&reason).unwrap();
         assert!(latch.release().unwrap().is_some() && latch.read().is_none());
         assert!(latch.homing_required().is_some_and(|why| why.contains("somewhere else")));

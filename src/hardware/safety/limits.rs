@@ -14,10 +14,11 @@ pub struct SafetyLimits {
     pub max_step_m: f64,
     /// Largest speed of a tendon, m/s.
     pub max_speed_m_s: f64,
-    /// Largest length by which two opposite tendons together may be let out, metres; a slacker tendon falls off its
-    /// spool.
+    /// Largest length by which two opposite tendons together may be let out, metres; a slacker
+    /// tendon falls off its spool.
     pub slack_m: f64,
-    /// Largest length by which two opposite tendons together may be pulled in, metres; more would crush the spine.
+    /// Largest length by which two opposite tendons together may be pulled in, metres; more would
+    /// crush the spine.
     pub over_tension_m: f64,
     /// Age of the last valid pose above which the robot is held, s.
     pub tracking_hold_s: f64,
@@ -113,15 +114,17 @@ impl SafetyLimits {
         self.max_step_m.min(self.max_speed_m_s * duration_s)
     }
 
-    /// Number of ticks of `tick_s` from `last_m` to `pulls_m`; 0 if nothing moves or a value is not a number.
+    /// Number of ticks of `tick_s` from `last_m` to `pulls_m`; 0 if nothing moves or a value is not
+    /// a number.
     pub fn ticks(&self, pulls_m: &[f64], last_m: &[f64], tick_s: f64) -> usize {
         let changes = pulls_m.iter().zip(last_m).map(|(to, from)| (to - from).abs());
-        let largest_m = changes.fold(0.0, |largest, change| if change > largest { change } else { largest });
+        let largest_m =
+            changes.fold(0.0, |largest, change| if change > largest { change } else { largest });
         ((largest_m - ROUNDING_M) / self.step_m(tick_s)).ceil().max(0.0) as usize
     }
 
-    /// Checks the command `pulls_m` after `last_m`, executed in `duration_s` and `steps` steps. Opposite tendons are
-    /// half the number of tendons apart.
+    /// Checks the command `pulls_m` after `last_m`, executed in `duration_s` and `steps` steps.
+    /// Opposite tendons are half the number of tendons apart.
     ///
     /// # Errors
     /// [`CommandRefusal`] names the first limit that is exceeded.
@@ -162,11 +165,18 @@ impl SafetyLimits {
         Ok(())
     }
 
-    /// Number of ticks of `tick_s` (at least one) in which the drive may move from `last_m` to `pulls_m`.
+    /// Number of ticks of `tick_s` (at least one) in which the drive may move from `last_m` to
+    /// `pulls_m`.
     ///
     /// # Errors
-    /// [`CommandRefusal`] names the first limit that is exceeded, over [`MAX_TICKS`] ticks if it needs more.
-    pub fn check_in_ticks(&self, pulls_m: &[f64], last_m: &[f64], tick_s: f64) -> Result<usize, CommandRefusal> {
+    /// [`CommandRefusal`] names the first limit that is exceeded, over [`MAX_TICKS`] ticks if it
+    /// needs more.
+    pub fn check_in_ticks(
+        &self,
+        pulls_m: &[f64],
+        last_m: &[f64],
+        tick_s: f64,
+    ) -> Result<usize, CommandRefusal> {
         let ticks = self.ticks(pulls_m, last_m, tick_s).clamp(1, MAX_TICKS);
         self.check_command(pulls_m, last_m, tick_s * ticks as f64, ticks).map(|()| ticks)
     }
@@ -178,7 +188,8 @@ impl SafetyLimits {
             return Ok(());
         }
         for index in 0..half {
-            let (sum, last) = (pulls_m[index] + pulls_m[index + half], last_m[index] + last_m[index + half]);
+            let (sum, last) =
+                (pulls_m[index] + pulls_m[index + half], last_m[index] + last_m[index + half]);
             // The last sum widens the bound: from outside, every step back is permitted.
             let (low, high) = (f64::min(-self.slack_m, last), f64::max(self.over_tension_m, last));
             within("sum with its antagonist (m)", index, sum, low, high)?;
@@ -187,7 +198,13 @@ impl SafetyLimits {
     }
 }
 
-fn within(what: &'static str, index: usize, found: f64, low: f64, high: f64) -> Result<(), CommandRefusal> {
+fn within(
+    what: &'static str,
+    index: usize,
+    found: f64,
+    low: f64,
+    high: f64,
+) -> Result<(), CommandRefusal> {
     if found >= low - ROUNDING_M && found <= high + ROUNDING_M {
         return Ok(());
     }

@@ -1,5 +1,5 @@
-//! Safety between policy and motors: the limits of commands, the state machine that holds and stops the robot
-//! ([`Guard`]), and the latch that stores a stop.
+//! Safety between policy and motors: the limits of commands, the state machine that holds and stops
+//! the robot ([`Guard`]), and the latch that stores a stop.
 
 mod guard;
 mod latch;

@@ -6,7 +6,8 @@ use super::fault::TrackingFault;
 use super::pose::RigidPose;
 use crate::base::Point3;
 
-/// Points count as collinear if their spread across the longest direction is below this share of the spread along it.
+/// Points count as collinear if their spread across the longest direction is below this share of
+/// the spread along it.
 const THINNEST: f64 = 0.02;
 
 /// Standard normal quantile of a two-sided 95 % interval.
@@ -26,17 +27,19 @@ pub struct Alignment {
     pub worst_m: f64,
     /// Root mean square of the distances of the points from their centre, metres.
     pub spread_m: f64,
-    /// Half width of the 95 % interval of the rotation about its least determined axis, radians, if the residuals are
-    /// noise.
+    /// Half width of the 95 % interval of the rotation about its least determined axis, radians, if
+    /// the residuals are noise.
     pub turn_rad: f64,
     /// How many times as far as predicted the points are from their centre, across the robot.
     pub ratio: f64,
-    /// Root mean square of the angles between measured and predicted directions across the robot, radians, weighted by
-    /// their lengths.
+    /// Root mean square of the angles between measured and predicted directions across the robot,
+    /// radians, weighted by their lengths.
     pub apart_rad: f64,
-    /// Correlation of measured and predicted coordinates along the robot: negative for a mirror image.
+    /// Correlation of measured and predicted coordinates along the robot: negative for a mirror
+    /// image.
     pub upright: f64,
-    /// As `pose`, with the shift of the point nearest to the robot's axis, which does not depend on how far the robot bends.
+    /// As `pose`, with the shift of the point nearest to the robot's axis, which does not depend on
+    /// how far the robot bends.
     pub straight_pose: RigidPose,
 }
 
@@ -59,21 +62,30 @@ impl Alignment {
 ///
 /// # Errors
 /// As [`align`].
-pub fn realign(present: &RigidPose, robot_m: &[Point3], measured_m: &[Point3]) -> Result<Alignment, TrackingFault> {
+pub fn realign(
+    present: &RigidPose,
+    robot_m: &[Point3],
+    measured_m: &[Point3],
+) -> Result<Alignment, TrackingFault> {
     let motion = present.motion();
     let body = |point: &Point3| (motion * nalgebra::Point3::from(*point)).coords.into();
     align(robot_m, &measured_m.iter().map(body).collect::<Vec<Point3>>())
 }
 
-/// The rigid motion that brings the points `robot_m` in the robot's base frame closest to the same points `body_m`,
-/// measured with an `alignment` of identity (Kabsch's method, without scale).
+/// The rigid motion that brings the points `robot_m` in the robot's base frame closest to the same
+/// points `body_m`, measured with an `alignment` of identity (Kabsch's method, without scale).
 ///
 /// # Errors
-/// [`TrackingFault::Alignment`] for fewer than three points, values that are not lengths, or collinear points.
+/// [`TrackingFault::Alignment`] for fewer than three points, values that are not lengths, or
+/// collinear points.
 pub fn align(robot_m: &[Point3], body_m: &[Point3]) -> Result<Alignment, TrackingFault> {
     let refuse = |why: String| Err(TrackingFault::Alignment(why));
     if robot_m.len() != body_m.len() {
-        return refuse(format!("{} points in the robot's frame and {} measured", robot_m.len(), body_m.len()));
+        return refuse(format!(
+            "{} points in the robot's frame and {} measured",
+            robot_m.len(),
+            body_m.len()
+        ));
     }
     if robot_m.len() < 3 {
         return refuse(format!(
@@ -81,7 +93,12 @@ pub fn align(robot_m: &[Point3], body_m: &[Point3]) -> Result<Alignment, Trackin
             robot_m.len()
         ));
     }
-    if robot_m.iter().chain(body_m).flatten().any(|value| !value.is_finite() || value.abs() > LARGEST_M) {
+    if robot_m
+        .iter()
+        .chain(body_m)
+        .flatten()
+        .any(|value| !value.is_finite() || value.abs() > LARGEST_M)
+    {
         return refuse(format!("a coordinate is not a number within ±{LARGEST_M} m"));
     }
     let (robot, robot_centre) = centred(robot_m);
@@ -91,8 +108,8 @@ pub fn align(robot_m: &[Point3], body_m: &[Point3]) -> Result<Alignment, Trackin
         if thinness < THINNEST {
             let expected = "bend the robot in at least two directions";
             return refuse(format!(
-                "{whose} lie on a line (ratio of width to length {thinness:.4}, expected at least {THINNEST}); \
-                 {expected}"
+                "{whose} lie on a line (ratio of width to length {thinness:.4}, expected at least \
+                 {THINNEST}); {expected}"
             ));
         }
     }
@@ -100,22 +117,35 @@ pub fn align(robot_m: &[Point3], body_m: &[Point3]) -> Result<Alignment, Trackin
     let turn = turn_between(&robot, &body);
     let shift = body_centre - turn * robot_centre;
     let motion = Isometry3::from_parts(shift.into(), UnitQuaternion::from_rotation_matrix(&turn));
-    let squares: Vec<f64> = robot.iter().zip(&body).map(|(from, to)| (turn * from - to).norm_squared()).collect();
+    let squares: Vec<f64> =
+        robot.iter().zip(&body).map(|(from, to)| (turn * from - to).norm_squared()).collect();
     let residual_m = (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
     let worst_m = squares.iter().copied().fold(0.0, f64::max).sqrt();
     let count = robot.len() as f64;
     let spread_m = (robot.iter().map(|point| point.norm_squared()).sum::<f64>() / count).sqrt();
-    // About the axis of the largest spread, only the other two spreads determine the rotation; six numbers are fitted.
+    // About the axis of the largest spread, only the other two spreads determine the rotation; six
+    // numbers are fitted.
     let [smallest, middle, _] = spreads(&robot);
     let freedom = (3.0 * count - 6.0).max(1.0);
     let noise_variance_m2 = squares.iter().sum::<f64>() / freedom;
     let turn_rad = NORMAL_95 * (noise_variance_m2 / (smallest + middle)).sqrt();
     let turned: Vec<Vector3<f64>> = robot.iter().map(|point| turn * point).collect();
     let Bends { ratio, apart_rad, upright, straightest } = compare_bends(&turned, &body);
-    let straight_shift = body[straightest] + body_centre - turn * (robot[straightest] + robot_centre);
+    let straight_shift =
+        body[straightest] + body_centre - turn * (robot[straightest] + robot_centre);
     let straight = Isometry3::from_parts(straight_shift.into(), motion.rotation);
     let (pose, straight_pose) = (RigidPose::of(&motion), RigidPose::of(&straight));
-    Ok(Alignment { pose, residual_m, worst_m, spread_m, turn_rad, ratio, apart_rad, upright, straight_pose })
+    Ok(Alignment {
+        pose,
+        residual_m,
+        worst_m,
+        spread_m,
+        turn_rad,
+        ratio,
+        apart_rad,
+        upright,
+        straight_pose,
+    })
 }
 
 /// Comparison of points that were turned into each other's frame.
@@ -150,7 +180,9 @@ fn compare_bends(predicted: &[Vector3<f64>], measured: &[Vector3<f64>]) -> Bends
         predicted_squares += along.dot(from).powi(2);
         measured_squares += along.dot(to).powi(2);
     }
-    let nearest = |a: &usize, b: &usize| across(&predicted[*a]).norm().total_cmp(&across(&predicted[*b]).norm());
+    let nearest = |a: &usize, b: &usize| {
+        across(&predicted[*a]).norm().total_cmp(&across(&predicted[*b]).norm())
+    };
     Bends {
         ratio: products / squares,
         apart_rad: if weights > 0.0 { (angles / weights).sqrt() } else { f64::INFINITY },
@@ -186,11 +218,12 @@ fn spreads(points: &[Vector3<f64>]) -> [f64; 3] {
 /// The rotation that brings `from` closest to `to`.
 fn turn_between(from: &[Vector3<f64>], to: &[Vector3<f64>]) -> Rotation3<f64> {
     // Kabsch: the singular vectors of the covariance give the closest orthogonal matrix.
-    let covariance: Matrix3<f64> = from.iter().zip(to).map(|(from, to)| to * from.transpose()).sum();
+    let covariance: Matrix3<f64> =
+        from.iter().zip(to).map(|(from, to)| to * from.transpose()).sum();
     let svd = covariance.svd(true, true);
     let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else { return Rotation3::identity() };
-    // The closest orthogonal matrix may be a reflection: then the smallest direction is inverted. Singular values are
-    // sorted, so it is the last one.
+    // The closest orthogonal matrix may be a reflection: then the smallest direction is inverted.
+    // Singular values are sorted, so it is the last one.
     let handedness = (u * v_t).determinant().signum();
     let turn = u * Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, handedness)) * v_t;
     Rotation3::from_matrix_unchecked(turn)

@@ -25,7 +25,10 @@ pub(super) struct TrackedBodies {
 
 impl TrackedBodies {
     /// Finds the bodies of `settings`; without a model they are known by their ids alone.
-    pub(super) fn find(settings: &TrackingSettings, model: Option<&ModelDef>) -> Result<TrackedBodies, TrackingFault> {
+    pub(super) fn find(
+        settings: &TrackingSettings,
+        model: Option<&ModelDef>,
+    ) -> Result<TrackedBodies, TrackingFault> {
         let id = |role, body: &BodyName| match (body, model) {
             (body, Some(model)) => id_of(role, body, model),
             (BodyName::Id(id), None) => Ok(*id),
@@ -59,7 +62,9 @@ impl TrackedBodies {
         match self.base {
             _ if missing(self.tip) => "frames without the tip's body",
             Some(base) if missing(base) => "frames without the base's body",
-            Some(base) if !is_tracked(base) && !is_tracked(self.tip) => "base and tip are not tracked",
+            Some(base) if !is_tracked(base) && !is_tracked(self.tip) => {
+                "base and tip are not tracked"
+            }
             Some(base) if !is_tracked(base) => "the base is not tracked",
             _ => "the tip is not tracked",
         }
@@ -88,13 +93,19 @@ fn id_of(role: &'static str, body: &BodyName, model: &ModelDef) -> Result<i32, T
     // A second body with the same id makes the frames ambiguous, whatever its name.
     let count = model.rigid_bodies().filter(|(_, other)| *other == id).count();
     if count > 1 {
-        return Err(TrackingFault::BodyDouble { role, body: BodyName::Id(id), count, there_are: listed(model) });
+        return Err(TrackingFault::BodyDouble {
+            role,
+            body: BodyName::Id(id),
+            count,
+            there_are: listed(model),
+        });
     }
     Ok(id)
 }
 
 fn listed(model: &ModelDef) -> String {
-    let mut names: Vec<String> = model.rigid_bodies().map(|(name, id)| format!("'{name}' (id {id})")).collect();
+    let mut names: Vec<String> =
+        model.rigid_bodies().map(|(name, id)| format!("'{name}' (id {id})")).collect();
     if names.is_empty() {
         return "none".into();
     }
@@ -118,7 +129,7 @@ fn pose(body: &RigidBody) -> Option<RigidPose> {
     let position_m = body.position.map(f64::from);
     let [x, y, z, w] = body.orientation.map(f64::from);
     let length2 = w * w + x * x + y * y + z * z;
-    let possible =
-        position_m.iter().all(|value| value.abs() < MAX_COORDINATE_M) && (length2 - 1.0).abs() < UNIT_TOLERANCE;
+    let possible = position_m.iter().all(|value| value.abs() < MAX_COORDINATE_M)
+        && (length2 - 1.0).abs() < UNIT_TOLERANCE;
     possible.then_some(RigidPose { position_m, quaternion: [w, x, y, z] })
 }

@@ -35,11 +35,15 @@ pub struct TrackerClient {
 }
 
 impl TrackerClient {
-    /// Connects to the server and finds the robot's bodies. Waits for answers on `clock`, at most `connect_s` for each.
+    /// Connects to the server and finds the robot's bodies. Waits for answers on `clock`, at most
+    /// `connect_s` for each.
     ///
     /// # Errors
     /// [`TrackingFault`] says what was found, what was expected and how to continue.
-    pub fn open(settings: TrackingSettings, clock: &dyn Clock) -> Result<TrackerClient, TrackingFault> {
+    pub fn open(
+        settings: TrackingSettings,
+        clock: &dyn Clock,
+    ) -> Result<TrackerClient, TrackingFault> {
         settings.check()?;
         let mut sockets = TrackerSockets::open(&settings)?;
         let server = handshake::connect(&mut sockets, &settings, clock)?;
@@ -66,8 +70,8 @@ impl TrackerClient {
         })
     }
 
-    /// Processes everything that has arrived by local time `now_s`, and sends what is due. Never blocks and never
-    /// fails: [`TrackerClient::status`] counts what goes wrong.
+    /// Processes everything that has arrived by local time `now_s`, and sends what is due. Never
+    /// blocks and never fails: [`TrackerClient::status`] counts what goes wrong.
     pub fn poll(&mut self, now_s: f64) {
         for _ in 0..MAX_PER_POLL {
             match self.sockets.receive() {
@@ -131,8 +135,9 @@ impl TrackerClient {
         }
     }
 
-    /// The tip at a local time, s: interpolated between the valid samples before and after if they are at most 2.5
-    /// frame periods apart, else the sample before if it is at most one period old, else none.
+    /// The tip at a local time, s: interpolated between the valid samples before and after if they
+    /// are at most 2.5 frame periods apart, else the sample before if it is at most one period old,
+    /// else none.
     pub fn pose_at(&self, time_s: f64) -> Option<TipPose> {
         self.stream.pose_at(time_s)
     }
@@ -142,8 +147,8 @@ impl TrackerClient {
         self.stream.latest()
     }
 
-    /// Age of the newest valid sample at `now_s`, s; infinite before the first one. The delay of late frames counts as
-    /// age, relative to the smallest delay of the last ten seconds.
+    /// Age of the newest valid sample at `now_s`, s; infinite before the first one. The delay of
+    /// late frames counts as age, relative to the smallest delay of the last ten seconds.
     pub fn age_s(&self, now_s: f64) -> f64 {
         self.latest().map_or(f64::INFINITY, |tip| now_s - tip.time_s)
     }

@@ -13,7 +13,10 @@ pub enum TrackingFault {
     #[error(transparent)]
     Settings(#[from] BadOption),
     /// The system refused a socket.
-    #[error("tracking: could not {doing} ({source}); check `interface` and that no other program uses the port")]
+    #[error(
+        "tracking: could not {doing} ({source}); check `interface` and that no other program uses \
+         the port"
+    )]
     Socket {
         /// The operation that failed.
         doing: String,
@@ -22,8 +25,9 @@ pub enum TrackingFault {
     },
     /// No server answered the handshake.
     #[error(
-        "tracking: no answer of a NatNet server at {server} within {waited_s} s ({unreadable} other datagrams \
-         received); start Motive, enable streaming, check `server`, `command_port` and firewalls"
+        "tracking: no answer of a NatNet server at {server} within {waited_s} s ({unreadable} \
+         other datagrams received); start Motive, enable streaming, check `server`, `command_port` \
+         and firewalls"
     )]
     NoServer {
         /// Address of the server.
@@ -35,8 +39,8 @@ pub enum TrackingFault {
     },
     /// The server did not describe its bodies.
     #[error(
-        "tracking: {server} did not describe its bodies within {waited_s} s ({unreadable} other datagrams \
-         received); check its NatNet version, restart its streaming"
+        "tracking: {server} did not describe its bodies within {waited_s} s ({unreadable} other \
+         datagrams received); check its NatNet version, restart its streaming"
     )]
     NoModel {
         /// Address of the server.
@@ -58,8 +62,9 @@ pub enum TrackingFault {
     },
     /// The server's transport differs from the configured one.
     #[error(
-        "tracking: the server streams by {found:?} to {found_at}, expected {expected:?} to {expected_at}; set \
-         `transport`, `multicast_group` and `data_port` as in Motive's streaming settings"
+        "tracking: the server streams by {found:?} to {found_at}, expected {expected:?} to \
+         {expected_at}; set `transport`, `multicast_group` and `data_port` as in Motive's \
+         streaming settings"
     )]
     Transport {
         /// Transport of the server.
@@ -73,8 +78,8 @@ pub enum TrackingFault {
     },
     /// The server does not track the configured body.
     #[error(
-        "tracking: the server has no rigid body {body} (the robot's {role}); it has {there_are}. Create it in \
-         Motive or set `{role}_body`; names are case-sensitive"
+        "tracking: the server has no rigid body {body} (the robot's {role}); it has {there_are}. \
+         Create it in Motive or set `{role}_body`; names are case-sensitive"
     )]
     BodyMissing {
         /// `base` or `tip`.
@@ -86,8 +91,8 @@ pub enum TrackingFault {
     },
     /// Several bodies have the configured name or id.
     #[error(
-        "tracking: the server has {count} rigid bodies {body} (the robot's {role}); it has {there_are}. Rename one of \
-         them in Motive, or give them different streaming ids"
+        "tracking: the server has {count} rigid bodies {body} (the robot's {role}); it has \
+         {there_are}. Rename one of them in Motive, or give them different streaming ids"
     )]
     BodyDouble {
         /// `base` or `tip`.
@@ -101,8 +106,8 @@ pub enum TrackingFault {
     },
     /// Base and tip are the same body, once by name and once by id.
     #[error(
-        "tracking: base and tip are the same rigid body, streaming id {id}; `base_body` and `tip_body` must \
-     differ"
+        "tracking: base and tip are the same rigid body, streaming id {id}; `base_body` and \
+         `tip_body` must differ"
     )]
     BodyShared {
         /// Its streaming id.

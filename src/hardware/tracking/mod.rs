@@ -1,8 +1,8 @@
 //! Motion capture: the tip of the robot in its base frame, from an OptiTrack NatNet stream.
 //!
-//! [`TrackerClient`] talks to Motive over UDP and never blocks after [`TrackerClient::open`]. [`FrameStream`] checks
-//! each datagram: sent by our server, decodable, newer than the last one, both bodies tracked. The result is a
-//! [`TipPose`] at a local time.
+//! [`TrackerClient`] talks to Motive over UDP and never blocks after [`TrackerClient::open`].
+//! [`FrameStream`] checks each datagram: sent by our server, decodable, newer than the last one,
+//! both bodies tracked. The result is a [`TipPose`] at a local time.
 
 mod align;
 mod bodies;

@@ -2,8 +2,8 @@
 
 use std::net::{SocketAddr, SocketAddrV4};
 
-/// Addresses of the server. The port of its frames is learnt from the first frame; a port that the server announced
-/// takes precedence.
+/// Addresses of the server. The port of its frames is learnt from the first frame; a port that the
+/// server announced takes precedence.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PeerFilter {
     command: SocketAddrV4,
@@ -27,8 +27,8 @@ impl PeerFilter {
         let SocketAddr::V4(from) = from else { return false };
         let port = from.port();
         let is_learnt = self.frames_port.is_none_or(|learnt_port| learnt_port == port);
-        let is_announced =
-            self.is_named_port(port) && !self.frames_port.is_some_and(|learnt_port| self.is_named_port(learnt_port));
+        let is_announced = self.is_named_port(port)
+            && !self.frames_port.is_some_and(|learnt_port| self.is_named_port(learnt_port));
         from.ip() == self.command.ip() && (is_learnt || is_announced)
     }
 

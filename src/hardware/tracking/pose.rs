@@ -33,7 +33,10 @@ impl RigidPose {
 
     /// The pose of a rigid motion; its quaternion has w ≥ 0.
     pub fn of(motion: &Isometry3<f64>) -> RigidPose {
-        RigidPose { position_m: motion.translation.vector.into(), quaternion: rotation::parts(&motion.rotation) }
+        RigidPose {
+            position_m: motion.translation.vector.into(),
+            quaternion: rotation::parts(&motion.rotation),
+        }
     }
 
     /// The rigid motion of this pose; the quaternion is normalised.
@@ -43,7 +46,8 @@ impl RigidPose {
         Isometry3::from_parts(Translation3::from(Vector3::from(self.position_m)), turn)
     }
 
-    /// The pose at `fraction` of the way to `other`: linear in position, constant angular rate about one axis.
+    /// The pose at `fraction` of the way to `other`: linear in position, constant angular rate
+    /// about one axis.
     pub fn towards(&self, other: &RigidPose, fraction: f64) -> RigidPose {
         let (from, to) = (self.motion(), other.motion());
         let turn = rotation::between(&from.rotation, &to.rotation, fraction);
@@ -51,7 +55,8 @@ impl RigidPose {
         RigidPose::of(&Isometry3::from_parts(position.into(), turn))
     }
 
-    /// Refuses values that are not finite and quaternions whose norm is not 1; `key` names the setting.
+    /// Refuses values that are not finite and quaternions whose norm is not 1; `key` names the
+    /// setting.
     ///
     /// # Errors
     /// [`BadOption`].
@@ -60,7 +65,12 @@ impl RigidPose {
         let finite = self.position_m.iter().all(|value| value.is_finite());
         let valid = finite && (length - 1.0).abs() <= UNIT_TOLERANCE;
         let found = format!("position_m {:?}, quaternion {:?}", self.position_m, self.quaternion);
-        BadOption::unless(valid, key, found, "a finite position and a quaternion (w, x, y, z) of length 1")
+        BadOption::unless(
+            valid,
+            key,
+            found,
+            "a finite position and a quaternion (w, x, y, z) of length 1",
+        )
     }
 }
 

@@ -1,21 +1,24 @@
-//! Frame numbers and time stamps: new frames, lost frames, restarts of the server, and frames of another source.
+//! Frame numbers and time stamps: new frames, lost frames, restarts of the server, and frames of
+//! another source.
 //!
-//! A second server on the same computer and port can only be told by its count and its clock: one frame cannot be
-//! seconds ahead of the server's clock, count hundreds of frames within one period, or alternate with frames that are
-//! seconds newer.
+//! A second server on the same computer and port can only be told by its count and its clock: one
+//! frame cannot be seconds ahead of the server's clock, count hundreds of frames within one period,
+//! or alternate with frames that are seconds newer.
 
 /// Duration, s, and number of frames with lower numbers after which the server counts as restarted.
 const MIN_RESTART_S: f64 = 1.0;
 const MIN_RESTART_FRAMES: u32 = 5;
 
-/// Difference of clocks or counts, s, above which a frame is of another source: far more than delays and gaps are.
+/// Difference of clocks or counts, s, above which a frame is of another source: far more than
+/// delays and gaps are.
 const MIN_JUMP_S: f64 = 1.0;
 /// Ratio of the true frame rate to the configured one that is not taken for a jump.
 const MAX_RATE_RATIO: f64 = 5.0;
-/// Frames from long before that alternate with new ones, after which they count as another source's.
+/// Frames from long before that alternate with new ones, after which they count as another
+/// source's.
 const MAX_ALTERNATING: u32 = 2;
-/// The same of frames that are at least this old, s, but not from long before: these must be in order among themselves,
-/// which delayed frames of one server are not.
+/// The same of frames that are at least this old, s, but not from long before: these must be in
+/// order among themselves, which delayed frames of one server are not.
 const MIN_BEHIND_S: f64 = 0.1;
 const MAX_ALTERNATING_IN_ORDER: u32 = 10;
 
@@ -89,8 +92,8 @@ impl FrameSequence {
         self.restart_expected = true;
     }
 
-    /// Classifies the next frame, received at `now_s`, when the server's clock reads `present_s` at most (infinite if
-    /// that is not known yet).
+    /// Classifies the next frame, received at `now_s`, when the server's clock reads `present_s` at
+    /// most (infinite if that is not known yet).
     pub(crate) fn classify(&mut self, stamp: FrameStamp, now_s: f64, present_s: f64) -> FrameOrder {
         let Some(last) = self.last else {
             self.accept(stamp);
@@ -125,7 +128,8 @@ impl FrameSequence {
         let passed_s = stamp.stamp_s - last.stamp_s;
         let ahead = f64::from(stamp.ahead(last));
         let counted_s = if self.rate_hz > 0.0 { ahead / self.rate_hz } else { passed_s };
-        let miscounted = ahead > 0.0 && passed_s > 0.0 && counted_s > MIN_JUMP_S + MAX_RATE_RATIO * passed_s;
+        let miscounted =
+            ahead > 0.0 && passed_s > 0.0 && counted_s > MIN_JUMP_S + MAX_RATE_RATIO * passed_s;
         stamp.stamp_s - present_s > MIN_JUMP_S || miscounted
     }
 
@@ -137,13 +141,15 @@ impl FrameSequence {
             return false;
         }
         let long_before = age_s > MIN_JUMP_S;
-        let before = self.behind.replace((*stamp, now_s)).filter(|(_, then_s)| now_s - then_s <= MIN_JUMP_S);
+        let before =
+            self.behind.replace((*stamp, now_s)).filter(|(_, then_s)| now_s - then_s <= MIN_JUMP_S);
         let continues = before.is_some_and(|(before, _)| long_before || stamp.follows(&before));
         self.alternating = if continues { self.alternating + 1 } else { 1 };
         self.alternating > if long_before { MAX_ALTERNATING } else { MAX_ALTERNATING_IN_ORDER }
     }
 
-    /// Single stragglers are old; a consecutive run of frames that are all older than the last one is a restart.
+    /// Single stragglers are old; a consecutive run of frames that are all older than the last one
+    /// is a restart.
     fn restarted(&mut self, stamp: FrameStamp, now_s: f64) -> bool {
         let Some(run) = &mut self.refused else {
             self.refused = Some(RefusedRun { since_s: now_s, frames: 1, last: stamp });
@@ -155,7 +161,8 @@ impl FrameSequence {
         } else if now_s - run.since_s > MIN_RESTART_S {
             *run = RefusedRun { since_s: now_s, frames: 1, last: stamp };
         }
-        self.restart_expected || (run.frames >= MIN_RESTART_FRAMES && now_s - run.since_s >= MIN_RESTART_S)
+        self.restart_expected
+            || (run.frames >= MIN_RESTART_FRAMES && now_s - run.since_s >= MIN_RESTART_S)
     }
 }
 
@@ -178,14 +185,18 @@ mod tests {
     fn numbers_wrap() {
         let mut sequence = FrameSequence::default();
         sequence.classify(at(i32::MAX, 1.0), 0.0, NOW);
-        assert_eq!(sequence.classify(at(i32::MIN + 1, 1.02), 0.02, NOW), FrameOrder::New { lost: 1 });
+        assert_eq!(
+            sequence.classify(at(i32::MIN + 1, 1.02), 0.02, NOW),
+            FrameOrder::New { lost: 1 }
+        );
     }
 
     #[test]
     fn a_straggler_is_old_and_a_second_of_them_a_restart() {
         let mut sequence = FrameSequence::default();
         sequence.classify(stamp(1000), 0.0, NOW);
-        let orders: Vec<FrameOrder> = (1..150).map(|k| sequence.classify(stamp(k), f64::from(k) * 0.01, NOW)).collect();
+        let orders: Vec<FrameOrder> =
+            (1..150).map(|k| sequence.classify(stamp(k), f64::from(k) * 0.01, NOW)).collect();
         let restart = orders.iter().position(|order| *order == FrameOrder::Restart);
         assert!(restart.is_some_and(|at| (99..=102).contains(&at)), "{restart:?}");
         assert!(orders[..99].iter().all(|order| *order == FrameOrder::Old));
@@ -197,7 +208,10 @@ mod tests {
         let mut sequence = FrameSequence::default();
         sequence.classify(at(1, 5.0), 0.0, NOW);
         for k in 2..500 {
-            assert_eq!(sequence.classify(at(k, 5.0), f64::from(k) * 0.01, NOW), FrameOrder::StuckClock);
+            assert_eq!(
+                sequence.classify(at(k, 5.0), f64::from(k) * 0.01, NOW),
+                FrameOrder::StuckClock
+            );
         }
         assert_eq!(sequence.classify(at(500, 9.0), 5.0, NOW), FrameOrder::New { lost: 498 });
     }
@@ -233,10 +247,15 @@ mod tests {
                 [behind.classify(ahead, now_s, NOW), behind.classify(stamp(k), now_s, NOW)]
             })
             .collect();
-        assert_eq!(orders.iter().filter(|order| **order == FrameOrder::Foreign).count(), 18, "{orders:?}");
+        assert_eq!(
+            orders.iter().filter(|order| **order == FrameOrder::Foreign).count(),
+            18,
+            "{orders:?}"
+        );
     }
 
-    /// Two servers whose clocks agree within half a second: the frames of the one behind are old, and in order.
+    /// Two servers whose clocks agree within half a second: the frames of the one behind are old,
+    /// and in order.
     #[test]
     fn a_source_a_little_behind_is_told_from_delayed_frames() {
         let mut sequence = FrameSequence::new(100.0);
@@ -252,7 +271,8 @@ mod tests {
         assert_eq!(found.count(), 20);
         // One server, every second frame of which takes from 0 to 0.4 s longer, each its own time.
         let mut sequence = FrameSequence::new(100.0);
-        let mut arrivals: Vec<(i32, i32)> = (1..=400).map(|k| (k + k % 2 * (k * 37 % 41), k)).collect();
+        let mut arrivals: Vec<(i32, i32)> =
+            (1..=400).map(|k| (k + k % 2 * (k * 37 % 41), k)).collect();
         arrivals.sort_unstable();
         for (arrived, number) in arrivals {
             let stamp = FrameStamp { number, stamp_s: 0.01 * f64::from(number) };

@@ -96,21 +96,22 @@ pub struct TrackingSettings {
     pub multicast_group: Ipv4Addr,
     /// IPv4 address of this computer on the cameras' network; 0.0.0.0 lets the system choose.
     pub interface: Ipv4Addr,
-    /// Rigid body fixed to the robot's base; null if there is none and the base does not move relative to the cameras:
-    /// the base body's frame is then Motive's own.
+    /// Rigid body fixed to the robot's base; null if there is none and the base does not move
+    /// relative to the cameras: the base body's frame is then Motive's own.
     pub base_body: Option<BodyName>,
     /// Rigid body fixed to the robot's tip.
     pub tip_body: BodyName,
     /// Frame rate set in Motive, Hz; determines which gaps between samples are interpolated.
     pub rate_hz: f64,
-    /// `auto`, or the version of the stream: `3.0`, `3.1`, `4.0`, `4.1`. Unicast servers are asked to send it.
+    /// `auto`, or the version of the stream: `3.0`, `3.1`, `4.0`, `4.1`. Unicast servers are asked
+    /// to send it.
     pub version: StreamVersion,
     /// Longest time for an answer of the server while connecting, s.
     pub connect_s: f64,
     /// `Y` or `Z`, as in Motive's streaming settings.
     pub up_axis: UpAxis,
-    /// Pose of the robot's base frame in the base body's frame, in the axes given by `up_axis`: x up, z along the
-    /// straight robot.
+    /// Pose of the robot's base frame in the base body's frame, in the axes given by `up_axis`: x
+    /// up, z along the straight robot.
     pub alignment: RigidPose,
     /// Pose of the robot's tip in the tip body's frame, in the same axes.
     pub tip_offset: RigidPose,
@@ -153,7 +154,8 @@ impl TrackingSettings {
         BadOption::unless_counted("data_port", self.data_port.into())?;
         BadOption::unless_positive("rate_hz", self.rate_hz)?;
         BadOption::unless_positive("connect_s", self.connect_s)?;
-        let (group, expected) = (self.multicast_group, "an address of 224.0.0.0 to 239.255.255.255");
+        let (group, expected) =
+            (self.multicast_group, "an address of 224.0.0.0 to 239.255.255.255");
         BadOption::unless(group.is_multicast(), "multicast_group", group, expected)?;
         let distinct = self.base_body.as_ref() != Some(&self.tip_body);
         BadOption::unless(distinct, "tip_body", &self.tip_body, "another body than base_body")?;

@@ -26,10 +26,17 @@ impl TrackerSockets {
     /// Opens the command socket, on a port that the system chooses.
     pub(crate) fn open(settings: &TrackingSettings) -> Result<TrackerSockets, TrackingFault> {
         let local = SocketAddrV4::new(settings.interface, 0);
-        let command = socket(local, false)
-            .map_err(|source| TrackingFault::Socket { doing: format!("open a UDP socket at {local}"), source })?;
+        let command = socket(local, false).map_err(|source| TrackingFault::Socket {
+            doing: format!("open a UDP socket at {local}"),
+            source,
+        })?;
         let server = SocketAddrV4::new(settings.server, settings.command_port);
-        Ok(TrackerSockets { command, group: None, server, buffer: vec![0; BUFFER_BYTES].into_boxed_slice() })
+        Ok(TrackerSockets {
+            command,
+            group: None,
+            server,
+            buffer: vec![0; BUFFER_BYTES].into_boxed_slice(),
+        })
     }
 
     /// Joins the multicast group of the frames.
@@ -63,13 +70,18 @@ impl TrackerSockets {
     }
 }
 
-const PASSING: [ErrorKind; 4] =
-    [ErrorKind::WouldBlock, ErrorKind::Interrupted, ErrorKind::ConnectionReset, ErrorKind::ConnectionRefused];
+const PASSING: [ErrorKind; 4] = [
+    ErrorKind::WouldBlock,
+    ErrorKind::Interrupted,
+    ErrorKind::ConnectionReset,
+    ErrorKind::ConnectionRefused,
+];
 
 fn waiting(socket: &UdpSocket, buffer: &mut [u8]) -> io::Result<Option<(usize, SocketAddr)>> {
     match socket.recv_from(buffer) {
         Ok((length, from)) => Ok(Some((length, from))),
-        // Some systems report a closed port of the server here; a missing answer is detected elsewhere.
+        // Some systems report a closed port of the server here; a missing answer is detected
+        // elsewhere.
         Err(error) if PASSING.contains(&error.kind()) => Ok(None),
         Err(error) => Err(error),
     }
@@ -87,7 +99,8 @@ fn socket(local: SocketAddrV4, shared: bool) -> io::Result<UdpSocket> {
 
 /// Other programs on this computer may join the same group.
 fn joined(group: SocketAddrV4, interface: Ipv4Addr) -> io::Result<UdpSocket> {
-    // Bound to the group's address, Unix delivers only this group; Windows does not accept that address.
+    // Bound to the group's address, Unix delivers only this group; Windows does not accept that
+    // address.
     let address = if cfg!(windows) { Ipv4Addr::UNSPECIFIED } else { *group.ip() };
     let socket = socket(SocketAddrV4::new(address, group.port()), true)?;
     socket.join_multicast_v4(group.ip(), &interface)?;

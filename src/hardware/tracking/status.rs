@@ -23,7 +23,8 @@ pub struct TrackingStatus {
     pub foreign: u64,
     /// Sender of the last of those.
     pub foreign_source: Option<SocketAddr>,
-    /// Frames from our server's address and port with another count or another clock: a second server streams there.
+    /// Frames from our server's address and port with another count or another clock: a second
+    /// server streams there.
     pub second_source: u64,
     /// The last of those: when it came, s, and how it differs.
     pub second_source_last: Option<(f64, String)>,
@@ -43,11 +44,13 @@ pub struct TrackingStatus {
     pub rate_hz: Option<f64>,
     /// Mean delay of the frames beyond the smallest one, s.
     pub latency_jitter_s: f64,
-    /// Time from mid-exposure to transmission of the last frame by the server's clock, s, if the server reports it.
+    /// Time from mid-exposure to transmission of the last frame by the server's clock, s, if the
+    /// server reports it.
     pub camera_latency_s: Option<f64>,
     /// What is wrong with the frames since the last valid one.
     pub unseen: Option<&'static str>,
-    /// How long all values of the tip's body have been identical to the last bit, s: real cameras are never that still.
+    /// How long all values of the tip's body have been identical to the last bit, s: real cameras
+    /// are never that still.
     pub unchanged_s: f64,
     /// Number of changes of those values.
     pub changes: u64,
@@ -71,8 +74,14 @@ impl TrackingStatus {
         now_s: f64,
     ) {
         self.second_source += 1;
-        let after = last.map(|last| format!(" after {} stamped {:.2} s", last.number, last.stamp_s));
-        let found = format!("frame {} stamped {:.2} s{}", stamp.number, stamp.stamp_s, after.unwrap_or_default());
+        let after =
+            last.map(|last| format!(" after {} stamped {:.2} s", last.number, last.stamp_s));
+        let found = format!(
+            "frame {} stamped {:.2} s{}",
+            stamp.number,
+            stamp.stamp_s,
+            after.unwrap_or_default()
+        );
         self.second_source_last = Some((now_s, format!("{found}, both from {from}")));
     }
 

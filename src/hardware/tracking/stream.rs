@@ -66,8 +66,8 @@ pub struct FrameStream {
 }
 
 impl FrameStream {
-    /// A stream of a server that has announced its identity and its bodies; the bodies are not needed if both are given
-    /// by their streaming ids.
+    /// A stream of a server that has announced its identity and its bodies; the bodies are not
+    /// needed if both are given by their streaming ids.
     ///
     /// # Errors
     /// [`TrackingFault`] for an unsupported version, or bodies that are missing or not unique.
@@ -150,9 +150,15 @@ impl FrameStream {
                 self.take_new(frame, stamp, now_s);
                 return Received::Frame;
             }
-            FrameOrder::Duplicate => (&mut self.status.duplicates, "frames with the number of the previous one"),
-            FrameOrder::Old => (&mut self.status.out_of_order, "frames with lower numbers than the previous one"),
-            FrameOrder::StuckClock => (&mut self.status.stuck_clock, "frames whose time stamps do not increase"),
+            FrameOrder::Duplicate => {
+                (&mut self.status.duplicates, "frames with the number of the previous one")
+            }
+            FrameOrder::Old => {
+                (&mut self.status.out_of_order, "frames with lower numbers than the previous one")
+            }
+            FrameOrder::StuckClock => {
+                (&mut self.status.stuck_clock, "frames whose time stamps do not increase")
+            }
         };
         *rejected_count += 1;
         if order == FrameOrder::Old {
@@ -192,7 +198,8 @@ impl FrameStream {
         self.status.valid += 1;
         self.status.unseen = None;
         self.samples.push(stamp.stamp_s, self.mounting.tip(&base, &tip));
-        let unchanged_since_s = self.unchanged.filter(|unchanged| unchanged.0 == tip).map(|unchanged| unchanged.1);
+        let unchanged_since_s =
+            self.unchanged.filter(|unchanged| unchanged.0 == tip).map(|unchanged| unchanged.1);
         self.status.changes += u64::from(unchanged_since_s.is_none());
         let since_s = unchanged_since_s.unwrap_or(stamp.stamp_s);
         self.unchanged = Some((tip, since_s));
@@ -205,7 +212,8 @@ impl FrameStream {
         }
         self.recent_stamps.push_back(stamp);
         let first = self.recent_stamps.front().unwrap_or(&stamp);
-        let (frames, time_s) = (stamp.number.wrapping_sub(first.number), stamp.stamp_s - first.stamp_s);
+        let (frames, time_s) =
+            (stamp.number.wrapping_sub(first.number), stamp.stamp_s - first.stamp_s);
         self.status.rate_hz = (time_s > 0.0).then(|| f64::from(frames) / time_s);
         let (exposed, sent) = (frame.timing.camera_mid_exposure, frame.timing.transmit);
         let latency_s = sent.saturating_sub(exposed) as f64 / self.clock_hz.max(1) as f64;
@@ -214,7 +222,8 @@ impl FrameStream {
         self.status.camera_latency_s = reported.then_some(latency_s);
     }
 
-    /// Takes the answer to a new handshake: the server may have restarted with other ports, versions and bodies.
+    /// Takes the answer to a new handshake: the server may have restarted with other ports,
+    /// versions and bodies.
     pub(super) fn reconnect(&mut self, server: &ServerInfo, now_s: f64) {
         match decoder(&self.settings, server) {
             Ok(decoder) => self.decoder = decoder,
@@ -225,8 +234,13 @@ impl FrameStream {
         }
         self.clock_hz = server.high_res_clock_frequency;
         self.peer_filter.reconnect(server.connection.data_port);
-        // Frames that have been refused as another source's do not become ours because ours are silent.
-        let refused = self.status.second_source_last.as_ref().is_some_and(|(then_s, _)| now_s - then_s < UNSEEN_S);
+        // Frames that have been refused as another source's do not become ours because ours are
+        // silent.
+        let refused = self
+            .status
+            .second_source_last
+            .as_ref()
+            .is_some_and(|(then_s, _)| now_s - then_s < UNSEEN_S);
         if !refused {
             self.sequence.expect_restart();
         }
@@ -247,8 +261,9 @@ impl FrameStream {
         self.wants_model
     }
 
-    /// The tip at a local time, s: interpolated between the valid samples before and after if they are at most 2.5
-    /// frame periods apart, else the sample before if it is at most one period old, else none.
+    /// The tip at a local time, s: interpolated between the valid samples before and after if they
+    /// are at most 2.5 frame periods apart, else the sample before if it is at most one period old,
+    /// else none.
     pub fn pose_at(&self, time_s: f64) -> Option<TipPose> {
         self.samples.at(time_s)
     }

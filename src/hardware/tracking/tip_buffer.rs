@@ -54,15 +54,16 @@ impl TipBuffer {
         self.samples.back()
     }
 
-    /// The pose at a local time: interpolated between its neighbours if they are close together, else the sample before
-    /// if it is at most one period old, else none.
+    /// The pose at a local time: interpolated between its neighbours if they are close together,
+    /// else the sample before if it is at most one period old, else none.
     pub(super) fn at(&self, time_s: f64) -> Option<TipPose> {
         let after = self.samples.partition_point(|sample| sample.time_s <= time_s);
         let before = *self.samples.get(after.checked_sub(1)?)?;
         let next = self.samples.get(after);
-        if let Some(next) = next
-            .filter(|next| next.time_s - before.time_s <= (MAX_INTERPOLATED_PERIODS + PERIOD_TOLERANCE) * self.period_s)
-        {
+        if let Some(next) = next.filter(|next| {
+            next.time_s - before.time_s
+                <= (MAX_INTERPOLATED_PERIODS + PERIOD_TOLERANCE) * self.period_s
+        }) {
             let fraction = (time_s - before.time_s) / (next.time_s - before.time_s);
             let pose = before.pose().towards(&next.pose(), fraction);
             return Some(TipPose::new(time_s - self.offset_s, time_s, pose));

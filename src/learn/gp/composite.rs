@@ -6,8 +6,8 @@ use super::kernels::{Component, FACTORS, Hyperparameter, PairRow, STATIONARY};
 use crate::base::Rows;
 use crate::learn::LearnError;
 
-/// An expression on samples of a known width. Its hyper-parameters are the logarithms of the signal variance of each
-/// product, then of those of each factor.
+/// An expression on samples of a known width. Its hyper-parameters are the logarithms of the signal
+/// variance of each product, then of those of each factor.
 pub(super) struct Composite {
     leaves: Vec<Leaf>,
     products: Vec<Vec<usize>>,
@@ -40,7 +40,10 @@ pub(super) struct RowRates {
 
 impl Composite {
     /// The covariance of `expression` on samples of `inputs` inputs.
-    pub(super) fn new(expression: &KernelExpression, inputs: usize) -> Result<Composite, LearnError> {
+    pub(super) fn new(
+        expression: &KernelExpression,
+        inputs: usize,
+    ) -> Result<Composite, LearnError> {
         // The signal variances of the products come first.
         let mut from = expression.products.len();
         let mut leaves = Vec::new();
@@ -51,7 +54,9 @@ impl Composite {
                 expected: "registered kernels",
             };
             let mut registered = STATIONARY.iter().chain(FACTORS).copied();
-            let component = registered.find(|component| component.name() == factor.kernel).ok_or_else(unknown)?;
+            let component = registered
+                .find(|component| component.name() == factor.kernel)
+                .ok_or_else(unknown)?;
             let inputs = factor.inputs.of(inputs)?;
             let count = component.hyperparameters(inputs.len()).len();
             leaves.push(Leaf { component, inputs, from, count });
@@ -68,7 +73,8 @@ impl Composite {
     /// The hyper-parameters without the noise, with names of their own.
     pub(super) fn hyperparameters(&self) -> Vec<Hyperparameter> {
         let signal = |product: &Vec<usize>| {
-            let names: Vec<&str> = product.iter().map(|&leaf| self.leaves[leaf].component.name()).collect();
+            let names: Vec<&str> =
+                product.iter().map(|&leaf| self.leaves[leaf].component.name()).collect();
             Hyperparameter::signal_variance(format!("signal variance of {}", names.join(" * ")))
         };
         let of_leaves = self.leaves.iter().flat_map(|leaf| {
@@ -85,8 +91,8 @@ impl Composite {
         &natural[leaf.from..leaf.from + leaf.count]
     }
 
-    /// Writes the covariances of the point `at` with a run of training points. `natural` are the hyper-parameters, not their
-    /// logarithms.
+    /// Writes the covariances of the point `at` with a run of training points. `natural` are the
+    /// hyper-parameters, not their logarithms.
     pub(super) fn row(&self, natural: &[f64], run: PointRun, at: &[f64], out: &mut [f64]) {
         let PointRun { points, from, self_index } = run;
         let values: Vec<Vec<f64>> = self
@@ -104,7 +110,10 @@ impl Composite {
         for (factors, signal) in self.products.iter().zip(natural) {
             product.fill(*signal);
             for &leaf in factors {
-                product.iter_mut().zip(&values[leaf]).for_each(|(product, value)| *product *= value);
+                product
+                    .iter_mut()
+                    .zip(&values[leaf])
+                    .for_each(|(product, value)| *product *= value);
             }
             out.iter_mut().zip(&product).for_each(|(out, product)| *out += product);
         }
@@ -140,7 +149,8 @@ impl Composite {
         all
     }
 
-    /// Writes the derivative of a row of the Gram matrix with respect to the logarithm of hyper-parameter `k`.
+    /// Writes the derivative of a row of the Gram matrix with respect to the logarithm of
+    /// hyper-parameter `k`.
     pub(super) fn rate(&self, natural: &[f64], row: &RowRates, k: usize, out: &mut [f64]) {
         out.fill(0.0);
         let mut product = vec![0.0; out.len()];
@@ -168,23 +178,32 @@ impl Composite {
 }
 
 impl KernelExpression {
-    /// Names of the hyper-parameters on samples of `inputs` inputs, without the noise: the signal variance of each product,
-    /// then those of each factor.
+    /// Names of the hyper-parameters on samples of `inputs` inputs, without the noise: the signal
+    /// variance of each product, then those of each factor.
     ///
     /// # Errors
     /// [`LearnError::Setting`] for inputs that the samples do not have.
     pub fn hyperparameter_names(&self, inputs: usize) -> Result<Vec<String>, LearnError> {
-        Ok(Composite::new(self, inputs)?.hyperparameters().into_iter().map(|parameter| parameter.name).collect())
+        Ok(Composite::new(self, inputs)?
+            .hyperparameters()
+            .into_iter()
+            .map(|parameter| parameter.name)
+            .collect())
     }
 
-    /// The Gram matrix of `samples` (N × N, without the noise of the process) under `parameters`, in the order of
-    /// [`KernelExpression::hyperparameter_names`]. Inputs count as they are, not standardised.
+    /// The Gram matrix of `samples` (N × N, without the noise of the process) under `parameters`,
+    /// in the order of [`KernelExpression::hyperparameter_names`]. Inputs count as they are, not
+    /// standardised.
     ///
     /// # Errors
     /// [`LearnError`] for inputs that the samples do not have or another number of parameters.
     pub fn gram(&self, samples: &Rows, parameters: &[f64]) -> Result<Rows, LearnError> {
         let composite = Composite::new(self, samples.width())?;
-        LearnError::unless_shape("hyper-parameters of a kernel", parameters.len(), composite.len())?;
+        LearnError::unless_shape(
+            "hyper-parameters of a kernel",
+            parameters.len(),
+            composite.len(),
+        )?;
         let points = TrainingPoints::of(samples);
         let mut out = Rows::new(points.n);
         let mut row = vec![0.0; points.n];

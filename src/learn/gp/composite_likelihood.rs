@@ -33,7 +33,8 @@ impl Likelihood<'_> {
         for j in 0..n {
             let inverse = self.inverse.column(j);
             // Half of the diagonal, and each pair off it once: ½ Σ_ij W_ij ∂K_ij.
-            let mut w: Vec<f64> = self.alpha[j..].iter().zip(inverse).map(|(a, k)| a * self.alpha[j] - k).collect();
+            let mut w: Vec<f64> =
+                self.alpha[j..].iter().zip(inverse).map(|(a, k)| a * self.alpha[j] - k).collect();
             trace += w[0];
             w[0] *= 0.5;
             let row = composite.row_rates(
@@ -49,8 +50,14 @@ impl Likelihood<'_> {
         out[composite.len()] = -0.5 * self.covariance.noise_variance(&self.theta) * trace;
     }
 
-    /// `∂K/∂θ_k w_p` for every hyper-parameter k and each of `count` probes p: column `k · count + p` of n numbers.
-    pub(super) fn composite_images(&self, composite: &Composite, probes: &[f64], count: usize) -> Vec<f64> {
+    /// `∂K/∂θ_k w_p` for every hyper-parameter k and each of `count` probes p: column `k · count +
+    /// p` of n numbers.
+    pub(super) fn composite_images(
+        &self,
+        composite: &Composite,
+        probes: &[f64],
+        count: usize,
+    ) -> Vec<f64> {
         let (n, natural) = (self.points.n, natural(&self.theta));
         let noise = self.covariance.noise_variance(&self.theta);
         let mut images = vec![0.0; n * count * (composite.len() + 1)];

@@ -29,8 +29,8 @@ impl schemars::JsonSchema for KernelExpression {
     fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
         let names: Vec<&str> = kernels::names().collect();
         let description = format!(
-            "A kernel or an expression of kernels with +, * and parentheses, such as `se_ard + linear[tendons]`: {}; \
-             `_ard` may be left out.",
+            "A kernel or an expression of kernels with +, * and parentheses, such as `se_ard + \
+             linear[tendons]`: {}; `_ard` may be left out.",
             names.join(", ")
         );
         let short = names.iter().filter_map(|name| name.strip_suffix("_ard"));
@@ -42,25 +42,31 @@ impl schemars::JsonSchema for KernelExpression {
 }
 
 /// How the matrix λ of the paper's eq. 18 is read.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum Lambda {
     /// λ = diag(l₁⁻², …): `l` is the distance over which the function varies, as in the textbooks.
     #[default]
     InverseSquares,
-    /// λ = diag(l₁², …), as printed: `l` is then the inverse of that distance. With `l` free this names the same
-    /// functions by other numbers; only [`Gp::length_scales`](super::Gp::length_scales) tells the two apart.
+    /// λ = diag(l₁², …), as printed: `l` is then the inverse of that distance. With `l` free this
+    /// names the same functions by other numbers; only
+    /// [`Gp::length_scales`](super::Gp::length_scales) tells the two apart.
     AsPrinted,
 }
 
 /// Whether a process is exact, or which approximation of it takes more points.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum Approximation {
     /// None: costs grow with the cube of the number of points.
     #[default]
     Exact,
-    /// Inducing points by a lower bound of the likelihood (Titsias 2009): the process that is nearest to the exact one.
+    /// Inducing points by a lower bound of the likelihood (Titsias 2009): the process that is
+    /// nearest to the exact one.
     Sgpr,
     /// Inducing points with the variances of the exact process (Snelson & Ghahramani 2006).
     Fitc,
@@ -73,7 +79,8 @@ impl Approximation {
     }
 }
 
-/// How a Gaussian process is fitted. Unknown keys are refused; missing ones take the values of [`Default`].
+/// How a Gaussian process is fitted. Unknown keys are refused; missing ones take the values of
+/// [`Default`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct GpConfig {
@@ -88,14 +95,15 @@ pub struct GpConfig {
     /// Inducing points of an approximation at most; an exact process has none.
     #[serde(skip_serializing_if = "is_default_inducing")]
     pub inducing_points: usize,
-    /// How an experiment chooses the rows that it fits from the predefined points. [`Gp::fit`](super::Gp::fit) takes all that
-    /// it is given.
+    /// How an experiment chooses the rows that it fits from the predefined points.
+    /// [`Gp::fit`](super::Gp::fit) takes all that it is given.
     #[serde(skip_serializing_if = "is_default")]
     pub selection: Selection,
     /// Reading of the paper's λ.
     pub lambda: Lambda,
-    /// Starting points of the search for hyper-parameters, per output; the first is the conventional one
-    /// (signal variance 1, length-scales 1, noise variance 0.1), the others fill the plausible range evenly.
+    /// Starting points of the search for hyper-parameters, per output; the first is the
+    /// conventional one (signal variance 1, length-scales 1, noise variance 0.1), the others fill
+    /// the plausible range evenly.
     pub starts: usize,
     /// Rows on which the starts compete when there are more: the winner is then fitted to all rows.
     pub start_rows: usize,
@@ -110,10 +118,13 @@ pub struct GpConfig {
 }
 
 /// How rows are dealt to the folds of a cross-validation.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum FoldOrder {
-    /// Contiguous blocks, so that a row's neighbours in time are held out with it: the honest choice for a walk.
+    /// Contiguous blocks, so that a row's neighbours in time are held out with it: the honest
+    /// choice for a walk.
     #[default]
     Blocks,
     /// Every k-th row.
@@ -153,12 +164,18 @@ impl Default for GpConfig {
 impl GpConfig {
     /// Checks the ranges.
     pub fn check(&self) -> Result<(), LearnError> {
-        let GpConfig { starts, start_rows, noise_floor, tolerance, inducing_points, folds, .. } = *self;
+        let GpConfig { starts, start_rows, noise_floor, tolerance, inducing_points, folds, .. } =
+            *self;
         LearnError::unless_setting((1..=1000).contains(&starts), "starts", starts, "1 to 1000")?;
         LearnError::unless_setting(start_rows >= 10, "start_rows", start_rows, "at least 10")?;
         let floored = noise_floor > 0.0 && noise_floor < 1.0;
         LearnError::unless_setting(floored, "noise_floor", noise_floor, "above 0 and below 1")?;
-        LearnError::unless_setting(tolerance > 0.0 && tolerance.is_finite(), "tolerance", tolerance, "above 0")?;
+        LearnError::unless_setting(
+            tolerance > 0.0 && tolerance.is_finite(),
+            "tolerance",
+            tolerance,
+            "above 0",
+        )?;
         let induced = (2..=2000).contains(&inducing_points);
         LearnError::unless_setting(induced, "inducing_points", inducing_points, "2 to 2000")?;
         LearnError::unless_setting(folds >= 2, "folds", folds, "at least 2")
@@ -179,6 +196,10 @@ impl GpConfig {
             Approximation::Sgpr => ("sgpr", "at most 100000 points"),
             Approximation::Fitc => ("fitc", "at most 100000 points"),
         };
-        Err(LearnError::Setting { key: "approximation", found: format!("`{found}` with {points} points"), expected })
+        Err(LearnError::Setting {
+            key: "approximation",
+            found: format!("`{found}` with {points} points"),
+            expected,
+        })
     }
 }

@@ -1,8 +1,9 @@
 //! Coordinates of the hyper-parameter search.
 //!
-//! Along `ln l` the likelihood of an input that does not matter slopes ever less and the search crawls; along `λ = l⁻²` it
-//! is nearly linear there. So the search moves in `u = −½ ln(λ + ε)`: `ln l` for short length-scales, linear in λ for long
-//! ones, and the end of the range (an input without influence) is an ordinary bound.
+//! Along `ln l` the likelihood of an input that does not matter slopes ever less and the search
+//! crawls; along `λ = l⁻²` it is nearly linear there. So the search moves in `u = −½ ln(λ + ε)`:
+//! `ln l` for short length-scales, linear in λ for long ones, and the end of the range (an input
+//! without influence) is an ordinary bound.
 
 use super::covariance::Covariance;
 use super::likelihood::Likelihood;
@@ -10,11 +11,12 @@ use crate::math::optimise::Objective;
 
 /// ε: the bend lies at the standardised length-scale 10.
 const BEND: f64 = 0.01;
-/// Curvature in nats per squared coordinate that every hyper-parameter has at least: keeps the step finite along those
-/// that the data say nothing of.
+/// Curvature in nats per squared coordinate that every hyper-parameter has at least: keeps the step
+/// finite along those that the data say nothing of.
 const RIDGE: f64 = 0.3;
 
-/// The search's coordinates from logarithmic hyper-parameters; `lengths` says which of them are length-scales.
+/// The search's coordinates from logarithmic hyper-parameters; `lengths` says which of them are
+/// length-scales.
 pub(super) fn to_search_coordinates(lengths: &[bool], theta: &[f64]) -> Vec<f64> {
     map_lengths(lengths, theta, |ln_length| -0.5 * ((-2.0 * ln_length).exp() + BEND).ln())
 }
@@ -57,8 +59,12 @@ pub(super) struct SearchObjective<L> {
 
 impl<L: LogLikelihood> SearchObjective<L> {
     pub(super) fn new(likelihood: L) -> Self {
-        let lengths =
-            likelihood.covariance().hyperparameters(1.0).iter().map(|parameter| parameter.is_length).collect();
+        let lengths = likelihood
+            .covariance()
+            .hyperparameters(1.0)
+            .iter()
+            .map(|parameter| parameter.is_length)
+            .collect();
         SearchObjective { lengths, likelihood, stretch: Vec::new() }
     }
 }
@@ -67,7 +73,9 @@ impl<L: LogLikelihood> Objective for SearchObjective<L> {
     fn value(&mut self, u: &[f64]) -> f64 {
         let theta = from_search_coordinates(&self.lengths, u);
         // With λ = l⁻² the definition of u gives d ln l/du = 1 + ε/λ.
-        let stretch = |(ln, is_length): (&f64, &bool)| if *is_length { 1.0 + BEND * (2.0 * ln).exp() } else { 1.0 };
+        let stretch = |(ln, is_length): (&f64, &bool)| {
+            if *is_length { 1.0 + BEND * (2.0 * ln).exp() } else { 1.0 }
+        };
         // Kept for the gradient, which is always asked at the latest value.
         self.stretch = theta.iter().zip(&self.lengths).map(stretch).collect();
         self.likelihood.value(&theta)

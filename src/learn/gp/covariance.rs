@@ -1,5 +1,5 @@
-//! Hyper-parameters, and rows of scaled squared distances: what the Gram matrix, its gradient and the predictions of
-//! every kernel are made of.
+//! Hyper-parameters, and rows of scaled squared distances: what the Gram matrix, its gradient and
+//! the predictions of every kernel are made of.
 
 use std::sync::Arc;
 
@@ -22,9 +22,14 @@ pub(super) enum Covariance {
 
 impl Covariance {
     /// The covariance of `expression` on samples of `inputs` inputs.
-    pub(super) fn new(expression: &KernelExpression, inputs: usize) -> Result<Covariance, LearnError> {
+    pub(super) fn new(
+        expression: &KernelExpression,
+        inputs: usize,
+    ) -> Result<Covariance, LearnError> {
         Ok(match expression.stationary() {
-            Some(kernel) => Covariance::Stationary(kernel, HyperparameterLayout::of(kernel, inputs)),
+            Some(kernel) => {
+                Covariance::Stationary(kernel, HyperparameterLayout::of(kernel, inputs))
+            }
             None => Covariance::Composite(Arc::new(Composite::new(expression, inputs)?)),
         })
     }
@@ -123,13 +128,16 @@ impl TrainingPoints {
 
     /// The points numbered `which`.
     pub(super) fn select(&self, which: &[usize]) -> Self {
-        let values = (0..self.inputs).flat_map(|d| which.iter().map(move |&i| self.input(d)[i])).collect();
+        let values =
+            (0..self.inputs).flat_map(|d| which.iter().map(move |&i| self.input(d)[i])).collect();
         TrainingPoints { n: which.len(), inputs: self.inputs, values }
     }
 
     /// Each input divided by its length-scale.
     pub(super) fn scaled(&self, length_scales: &[f64]) -> Self {
-        let values = (0..self.inputs).flat_map(|d| self.input(d).iter().map(move |x| x / length_scales[d])).collect();
+        let values = (0..self.inputs)
+            .flat_map(|d| self.input(d).iter().map(move |x| x / length_scales[d]))
+            .collect();
         TrainingPoints { n: self.n, inputs: self.inputs, values }
     }
 
@@ -161,7 +169,13 @@ impl TrainingPoints {
 
     /// `Σ_i weight_i (x_i − centre)²` over input `d` of the points from number `from` on.
     #[inline(always)]
-    pub(super) fn weighted_squares(&self, d: usize, from: usize, weights: &[f64], centre: f64) -> f64 {
+    pub(super) fn weighted_squares(
+        &self,
+        d: usize,
+        from: usize,
+        weights: &[f64],
+        centre: f64,
+    ) -> f64 {
         let (weights, weights_rest) = weights.as_chunks::<16>();
         let (x, x_rest) = self.input(d)[from..].as_chunks::<16>();
         // A fixed number of partial sums: the result does not depend on the vector width.

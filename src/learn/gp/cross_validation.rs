@@ -4,9 +4,9 @@ use super::sparse::SparseLikelihood;
 use super::{FoldOrder, Gp};
 
 impl Gp {
-    /// Cross-validated mean absolute error of each output, in its unit: folds and their order as configured, every row
-    /// predicted by a process that has not seen its fold but keeps the hyper-parameters fitted to all rows (which
-    /// makes it exact without a fit per fold).
+    /// Cross-validated mean absolute error of each output, in its unit: folds and their order as
+    /// configured, every row predicted by a process that has not seen its fold but keeps the
+    /// hyper-parameters fitted to all rows (which makes it exact without a fit per fold).
     pub fn cross_validation_mae(&self) -> Vec<f64> {
         let n = self.points();
         let folds = self.folds();
@@ -29,7 +29,9 @@ impl Gp {
         let n = self.points();
         let count = self.config.folds.min(n);
         match self.config.fold_order {
-            FoldOrder::Blocks => (0..count).map(|f| (f * n / count..(f + 1) * n / count).collect()).collect(),
+            FoldOrder::Blocks => {
+                (0..count).map(|f| (f * n / count..(f + 1) * n / count).collect()).collect()
+            }
             FoldOrder::Interleaved => (0..count).map(|f| (f..n).step_by(count).collect()).collect(),
         }
     }

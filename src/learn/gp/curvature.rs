@@ -1,10 +1,11 @@
 //! Estimate of the likelihood's curvature, for Newton-like first steps of the search.
 //!
-//! The expected Hessian of `−ln p` is the Fisher information `F_ij = ½ tr(K⁻¹ ∂K/∂θ_i K⁻¹ ∂K/∂θ_j)` (Rasmussen & Williams
-//! 2006, section 5.4.1's Hessian in expectation). It is `½ E[(∂K/∂θ_i w)ᵀ K⁻¹ (∂K/∂θ_j w)]` for `w` with covariance K⁻¹
-//! (Hutchinson's trace estimator): a few such vectors cost N² each instead of N³. One of them is `α`, which has that
-//! covariance if the model is right and makes that term the "average information" of Gilmour, Thompson & Cullis 1995;
-//! the others are `L⁻ᵀ z` for fixed vectors `z` of random signs.
+//! The expected Hessian of `−ln p` is the Fisher information `F_ij = ½ tr(K⁻¹ ∂K/∂θ_i K⁻¹ ∂K/∂θ_j)`
+//! (Rasmussen & Williams 2006, section 5.4.1's Hessian in expectation). It is `½ E[(∂K/∂θ_i w)ᵀ K⁻¹
+//! (∂K/∂θ_j w)]` for `w` with covariance K⁻¹ (Hutchinson's trace estimator): a few such vectors
+//! cost N² each instead of N³. One of them is `α`, which has that covariance if the model is right
+//! and makes that term the "average information" of Gilmour, Thompson & Cullis 1995; the others are
+//! `L⁻ᵀ z` for fixed vectors `z` of random signs.
 
 use rand::RngExt;
 
@@ -31,7 +32,9 @@ impl Likelihood<'_> {
         probes.extend_from_slice(&self.alpha);
         // 2. ∂K/∂θ_k applied to each probe.
         let mut images = match self.covariance.clone() {
-            Covariance::Stationary(kernel, layout) => self.stationary_images(kernel, layout, &probes),
+            Covariance::Stationary(kernel, layout) => {
+                self.stationary_images(kernel, layout, &probes)
+            }
             Covariance::Composite(composite) => self.composite_images(&composite, &probes, PROBES),
         };
         // 3. Half of K⁻¹ on each side makes all entries dot products.
@@ -48,7 +51,12 @@ impl Likelihood<'_> {
     }
 
     /// `∂K/∂θ_k w_p` for every hyper-parameter k and probe p: column `k · PROBES + p` of n numbers.
-    fn stationary_images(&self, kernel: &dyn Kernel, layout: HyperparameterLayout, probes: &[f64]) -> Vec<f64> {
+    fn stationary_images(
+        &self,
+        kernel: &dyn Kernel,
+        layout: HyperparameterLayout,
+        probes: &[f64],
+    ) -> Vec<f64> {
         let n = self.points.n;
         let theta = &self.theta;
         let (shape, signal) = (layout.shape(theta), layout.signal_variance(theta));

@@ -7,7 +7,8 @@
 //! inputs     = "tendons" | "place" | number [ "-" number ] { "," number [ "-" number ] }
 //! ```
 //!
-//! Inputs count from 1. `place` is the last three, the simulated position of an error model; `tendons` are those before.
+//! Inputs count from 1. `place` is the last three, the simulated position of an error model;
+//! `tendons` are those before.
 
 use super::kernels::{self, FACTORS, Kernel};
 use crate::learn::LearnError;
@@ -50,18 +51,24 @@ const PLACE: usize = 3;
 impl Inputs {
     /// The inputs from 0 among `count`.
     pub(super) fn of(&self, count: usize) -> Result<Vec<usize>, LearnError> {
-        let refuse = |found: String, expected| Err(LearnError::Setting { key: "kernel", found, expected });
+        let refuse =
+            |found: String, expected| Err(LearnError::Setting { key: "kernel", found, expected });
         match self {
             Inputs::All => Ok((0..count).collect()),
-            Inputs::Tendons | Inputs::Place if count <= PLACE => {
-                refuse(format!("{self} of {count} inputs"), "more than three inputs, the last three a position")
-            }
+            Inputs::Tendons | Inputs::Place if count <= PLACE => refuse(
+                format!("{self} of {count} inputs"),
+                "more than three inputs, the last three a position",
+            ),
             Inputs::Tendons => Ok((0..count - PLACE).collect()),
             Inputs::Place => Ok((count - PLACE..count).collect()),
             Inputs::Ranges(ranges) => {
-                let inputs: Vec<usize> = ranges.iter().flat_map(|&(first, last)| first - 1..last).collect();
+                let inputs: Vec<usize> =
+                    ranges.iter().flat_map(|&(first, last)| first - 1..last).collect();
                 match inputs.iter().find(|&&input| input >= count) {
-                    Some(input) => refuse(format!("input {} of {count}", input + 1), "inputs that the samples have"),
+                    Some(input) => refuse(
+                        format!("input {} of {count}", input + 1),
+                        "inputs that the samples have",
+                    ),
                     None => Ok(inputs),
                 }
             }
@@ -124,7 +131,11 @@ impl KernelExpression {
     /// One stationary kernel on all inputs.
     pub fn of(kernel: &'static dyn Kernel) -> KernelExpression {
         let factor = Factor { kernel: kernel.name(), inputs: Inputs::All };
-        KernelExpression { text: kernel.name().to_owned(), factors: vec![factor], products: vec![vec![0]] }
+        KernelExpression {
+            text: kernel.name().to_owned(),
+            factors: vec![factor],
+            products: vec![vec![0]],
+        }
     }
 
     /// The expression with registered names.
@@ -178,11 +189,19 @@ impl Parser<'_> {
         while self.takes('*') {
             let next = self.factor()?;
             // Distributive law: every product of the left with every one of the right.
-            let pairs = product.products.iter().flat_map(|a| next.products.iter().map(move |b| [&a[..], b].concat()));
-            product = ParsedPart { text: format!("{} * {}", product.text, next.text), products: pairs.collect() };
+            let pairs = product
+                .products
+                .iter()
+                .flat_map(|a| next.products.iter().map(move |b| [&a[..], b].concat()));
+            product = ParsedPart {
+                text: format!("{} * {}", product.text, next.text),
+                products: pairs.collect(),
+            };
             // Nested sums multiply out exponentially.
             if product.products.iter().map(Vec::len).sum::<usize>() > MAX_FACTORS {
-                return Err(self.error("too many products: expected at most 32 factors once sums are multiplied out"));
+                return Err(self.error(
+                    "too many products: expected at most 32 factors once sums are multiplied out",
+                ));
             }
         }
         Ok(product)
@@ -194,7 +213,8 @@ impl Parser<'_> {
             if !self.takes(')') {
                 return Err(self.error("expected `)`"));
             }
-            let text = if inner.products.len() > 1 { format!("({})", inner.text) } else { inner.text };
+            let text =
+                if inner.products.len() > 1 { format!("({})", inner.text) } else { inner.text };
             return Ok(ParsedPart { text, ..inner });
         }
         let start = self.peek_at();
@@ -203,11 +223,13 @@ impl Parser<'_> {
             return Err(self.error("expected a kernel or `(`"));
         }
         let name = kernels::find(&word).map(|kernel| kernel.name());
-        let name = name.or_else(|| FACTORS.iter().map(|factor| factor.name()).find(|name| *name == word));
+        let name =
+            name.or_else(|| FACTORS.iter().map(|factor| factor.name()).find(|name| *name == word));
         let Some(kernel) = name else {
             let names: Vec<&str> = kernels::names().collect();
             self.at = start;
-            return Err(self.error(&format!("unknown kernel `{word}`, expected one of {}", names.join(", "))));
+            return Err(self
+                .error(&format!("unknown kernel `{word}`, expected one of {}", names.join(", "))));
         };
         let inputs = if self.takes('[') { self.inputs()? } else { Inputs::All };
         let text = format!("{kernel}{inputs}");
@@ -267,7 +289,9 @@ impl Parser<'_> {
     fn word(&mut self) -> String {
         let start = self.peek_at();
         let remaining = &self.text[start..];
-        let length = remaining.find(|c: char| !(c.is_ascii_alphanumeric() || c == '_')).unwrap_or(remaining.len());
+        let length = remaining
+            .find(|c: char| !(c.is_ascii_alphanumeric() || c == '_'))
+            .unwrap_or(remaining.len());
         self.at = start + length;
         remaining[..length].to_owned()
     }
@@ -308,14 +332,18 @@ mod tests {
 
     #[test]
     fn sums_of_products_are_multiplied_out_and_share_their_factors() {
-        let parsed = KernelExpression::parse(" ( se+linear[place] ) *periodic[1-2,4]+ white").unwrap();
+        let parsed =
+            KernelExpression::parse(" ( se+linear[place] ) *periodic[1-2,4]+ white").unwrap();
         assert_eq!(parsed.name(), "(se_ard + linear[place]) * periodic[1-2, 4] + white");
         assert_eq!(parsed.products, [vec![0, 2], vec![1, 2], vec![3]]);
         assert_eq!(parsed.factors[2].inputs.of(7).unwrap(), [0, 1, 3]);
         assert_eq!(parsed.factors[1].inputs.of(7).unwrap(), [4, 5, 6]);
         assert_eq!(KernelExpression::parse(parsed.name()).unwrap(), parsed, "its text is itself");
         assert!(parsed.stationary().is_none());
-        assert_eq!(KernelExpression::parse("((matern52))").unwrap().stationary().unwrap().name(), "matern52_ard");
+        assert_eq!(
+            KernelExpression::parse("((matern52))").unwrap().stationary().unwrap().name(),
+            "matern52_ard"
+        );
     }
 
     #[test]
@@ -334,7 +362,10 @@ mod tests {
         ] {
             let error = KernelExpression::parse(text).unwrap_err();
             assert!(error.column == column && error.what.contains(what), "{text}: {error:?}");
-            assert!(text.is_empty() || error.to_string().lines().last().unwrap().ends_with('^'), "{error}");
+            assert!(
+                text.is_empty() || error.to_string().lines().last().unwrap().ends_with('^'),
+                "{error}"
+            );
         }
     }
 

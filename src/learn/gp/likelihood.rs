@@ -1,8 +1,9 @@
 //! The log marginal likelihood and its gradient: Rasmussen & Williams 2006, eqs 5.8 and 5.9.
 //!
-//! With `K = σ_s² C + σ_n² I`, `α = K⁻¹ y` and `W = α αᵀ − K⁻¹`, `∂ ln p / ∂θ = ½ Σ_ij W_ij ∂K_ij/∂θ`. One value costs
-//! N³/3 multiplications and additions (Cholesky), its gradient 2N³/3 more (the inverse) and nothing else of that
-//! order: distances, correlations and their slopes are made again row by row, which is quicker than reading them back.
+//! With `K = σ_s² C + σ_n² I`, `α = K⁻¹ y` and `W = α αᵀ − K⁻¹`, `∂ ln p / ∂θ = ½ Σ_ij W_ij
+//! ∂K_ij/∂θ`. One value costs N³/3 multiplications and additions (Cholesky), its gradient 2N³/3
+//! more (the inverse) and nothing else of that order: distances, correlations and their slopes are
+//! made again row by row, which is quicker than reading them back.
 
 use super::covariance::{Covariance, HyperparameterLayout, TrainingPoints};
 use super::kernels::Kernel;
@@ -14,7 +15,8 @@ use crate::learn::simd::dot;
 use crate::math::optimise::Objective;
 use crate::math::vectorised;
 
-/// Minus the log marginal likelihood of one standardised output as a function of the logarithmic hyper-parameters.
+/// Minus the log marginal likelihood of one standardised output as a function of the logarithmic
+/// hyper-parameters.
 pub(super) struct Likelihood<'a> {
     pub(super) covariance: Covariance,
     pub(super) points: &'a TrainingPoints,
@@ -32,7 +34,12 @@ pub(super) struct Likelihood<'a> {
 }
 
 impl<'a> Likelihood<'a> {
-    pub(super) fn new(covariance: Covariance, mean: MeanFunction, points: &'a TrainingPoints, y: &'a [f64]) -> Self {
+    pub(super) fn new(
+        covariance: Covariance,
+        mean: MeanFunction,
+        points: &'a TrainingPoints,
+        y: &'a [f64],
+    ) -> Self {
         let n = points.n;
         Likelihood {
             covariance,
@@ -97,8 +104,13 @@ impl Objective for Likelihood<'_> {
         if self.mean.is_zero() {
             return data_fit + self.factor.half_log_determinant() + normalisation;
         }
-        let Some(mean_term) = self.mean.regress(&self.factor, self.y, &mut self.alpha) else { return f64::INFINITY };
-        0.5 * dot(self.y, &self.alpha) + self.factor.half_log_determinant() + normalisation + mean_term
+        let Some(mean_term) = self.mean.regress(&self.factor, self.y, &mut self.alpha) else {
+            return f64::INFINITY;
+        };
+        0.5 * dot(self.y, &self.alpha)
+            + self.factor.half_log_determinant()
+            + normalisation
+            + mean_term
     }
 
     fn gradient(&mut self, out: &mut [f64]) {
@@ -115,7 +127,12 @@ impl Objective for Likelihood<'_> {
 
 impl Likelihood<'_> {
     /// The gradient for one stationary kernel, from the inverse of the Gram matrix.
-    fn stationary_gradient(&self, kernel: &dyn Kernel, layout: HyperparameterLayout, out: &mut [f64]) {
+    fn stationary_gradient(
+        &self,
+        kernel: &dyn Kernel,
+        layout: HyperparameterLayout,
+        out: &mut [f64],
+    ) {
         let n = self.points.n;
         let HyperparameterLayout { inputs, lengths, shapes } = layout;
         let shape = layout.shape(&self.theta);
@@ -173,9 +190,14 @@ mod tests {
 
     fn samples(n: usize) -> (TrainingPoints, Vec<f64>) {
         let mut rows = Rows::new(3);
-        (0..n).map(|i| i as f64).for_each(|i| rows.push(&[(1.7 * i).sin(), (0.9 * i).cos(), (0.31 * i * i).sin()]));
+        (0..n)
+            .map(|i| i as f64)
+            .for_each(|i| rows.push(&[(1.7 * i).sin(), (0.9 * i).cos(), (0.31 * i * i).sin()]));
         let all: Vec<usize> = (0..n).collect();
-        let y = rows.iter().enumerate().map(|(i, x)| x[0] + (2.0 * x[1]).sin() + 0.2 * (77.0 * i as f64).sin());
+        let y = rows
+            .iter()
+            .enumerate()
+            .map(|(i, x)| x[0] + (2.0 * x[1]).sin() + 0.2 * (77.0 * i as f64).sin());
         let y = y.collect();
         (TrainingPoints::standardised(&rows, &Standardiser::fit(&rows, &all)), y)
     }
@@ -184,13 +206,17 @@ mod tests {
     fn expressions() -> Vec<KernelExpression> {
         let alone = KERNELS.iter().map(|kernel| kernel.name().to_owned());
         let beside = FACTORS.iter().map(|factor| format!("se_ard + {}[1, 3]", factor.name()));
-        let nested = ["(matern52 + linear) * (periodic[2] + constant)", "se[1-2] * rational_quadratic[3] + white"];
+        let nested = [
+            "(matern52 + linear) * (periodic[2] + constant)",
+            "se[1-2] * rational_quadratic[3] + white",
+        ];
         let texts = alone.chain(beside).chain(nested.map(str::to_owned));
         texts.map(|text| KernelExpression::parse(&text).unwrap()).collect()
     }
 
     fn somewhere(covariance: &Covariance) -> Vec<f64> {
-        let mut theta: Vec<f64> = (0..covariance.len()).map(|k| 0.4 + 0.3 * (k as f64).sin()).collect();
+        let mut theta: Vec<f64> =
+            (0..covariance.len()).map(|k| 0.4 + 0.3 * (k as f64).sin()).collect();
         theta[covariance.len() - 1] = -2.0;
         theta
     }
@@ -212,12 +238,14 @@ mod tests {
                 &theta,
                 expression.name(),
             );
-            let lengths: Vec<bool> = covariance.hyperparameters(1.0).iter().map(|one| one.is_length).collect();
+            let lengths: Vec<bool> =
+                covariance.hyperparameters(1.0).iter().map(|one| one.is_length).collect();
             let mut far = theta.clone();
             if let Some(length) = lengths.iter().position(|is_length| *is_length) {
                 far[length] = 3.5;
             }
-            let mut bent = SearchObjective::new(Likelihood::new(covariance, MeanFunction::Zero, &points, &y));
+            let mut bent =
+                SearchObjective::new(Likelihood::new(covariance, MeanFunction::Zero, &points, &y));
             check_gradient(&mut bent, &to_search_coordinates(&lengths, &far), expression.name());
         }
     }
@@ -228,7 +256,9 @@ mod tests {
         let (points, y) = samples(45);
         for kernel in KERNELS {
             let quick = Covariance::new(&KernelExpression::of(*kernel), 3).unwrap();
-            let slow = Covariance::Composite(Arc::new(Composite::new(&KernelExpression::of(*kernel), 3).unwrap()));
+            let slow = Covariance::Composite(Arc::new(
+                Composite::new(&KernelExpression::of(*kernel), 3).unwrap(),
+            ));
             let theta = somewhere(&quick);
             let [(a, of_a), (b, of_b)] = [quick, slow].map(|covariance| {
                 let mut likelihood = Likelihood::new(covariance, MeanFunction::Zero, &points, &y);
@@ -238,7 +268,11 @@ mod tests {
                 (value, [gradient, likelihood.information()].concat())
             });
             assert!((a - b).abs() < 1e-9 * a.abs(), "{}: {a} {b}", kernel.name());
-            let apart = of_a.iter().zip(&of_b).map(|(a, b)| (a - b).abs() / (1.0 + a.abs())).fold(0.0, f64::max);
+            let apart = of_a
+                .iter()
+                .zip(&of_b)
+                .map(|(a, b)| (a - b).abs() / (1.0 + a.abs()))
+                .fold(0.0, f64::max);
             assert!(apart < 1e-8, "{}: {apart}", kernel.name());
         }
     }
@@ -249,7 +283,8 @@ mod tests {
         for expression in expressions() {
             let covariance = Covariance::new(&expression, 3).unwrap();
             let (theta, count) = (somewhere(&covariance), covariance.len());
-            let mut likelihood = Likelihood::new(covariance.clone(), MeanFunction::Zero, &points, &y);
+            let mut likelihood =
+                Likelihood::new(covariance.clone(), MeanFunction::Zero, &points, &y);
             likelihood.value(&theta);
             let estimated = likelihood.information();
             // The noise entry is ½ σ_n⁴ tr(K⁻²), which the inverse gives exactly.

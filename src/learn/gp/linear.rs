@@ -1,13 +1,16 @@
-//! Cholesky factors and inverses of covariance matrices, on one thread and in memory that is used again.
+//! Cholesky factors and inverses of covariance matrices, on one thread and in memory that is used
+//! again.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::{factor, inverse, solve};
 use faer::linalg::triangular_inverse::invert_lower_triangular;
-use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
+use faer::linalg::triangular_solve::{
+    solve_lower_triangular_in_place, solve_upper_triangular_in_place,
+};
 use faer::{MatMut, MatRef, Par};
 
-/// A square matrix of which only the lower triangle is used, column-major. Columns are padded: at distances
-/// of a power of two they would compete for the same sets of a cache.
+/// A square matrix of which only the lower triangle is used, column-major. Columns are padded: at
+/// distances of a power of two they would compete for the same sets of a cache.
 #[derive(Clone, Debug)]
 pub(super) struct Lower {
     n: usize,
@@ -34,10 +37,13 @@ impl Lower {
         &mut self.values[j * self.stride + j..j * self.stride + self.n]
     }
 
-    /// Columns `j` to `j + 3` from row `j` down; what stands above their diagonals is zero in an inverse factor.
+    /// Columns `j` to `j + 3` from row `j` down; what stands above their diagonals is zero in an
+    /// inverse factor.
     #[inline]
     pub(super) fn panel(&self, j: usize) -> [&[f64]; 4] {
-        std::array::from_fn(|c| &self.values[(j + c) * self.stride + j..(j + c) * self.stride + self.n])
+        std::array::from_fn(|c| {
+            &self.values[(j + c) * self.stride + j..(j + c) * self.stride + self.n]
+        })
     }
 
     pub(super) fn view(&self) -> MatRef<'_, f64> {
@@ -45,14 +51,25 @@ impl Lower {
     }
 
     pub(super) fn view_mut(&mut self) -> MatMut<'_, f64> {
-        MatMut::from_column_major_slice_with_stride_mut(&mut self.values, self.n, self.n, self.stride)
+        MatMut::from_column_major_slice_with_stride_mut(
+            &mut self.values,
+            self.n,
+            self.n,
+            self.stride,
+        )
     }
 
-    /// Replaces a symmetric matrix by its Cholesky factor L; false when it is not positive definite.
+    /// Replaces a symmetric matrix by its Cholesky factor L; false when it is not positive
+    /// definite.
     pub(super) fn factor(&mut self, memory: &mut FactorBuffers) -> bool {
         let stack = MemStack::new(&mut memory.0);
-        let result =
-            factor::cholesky_in_place(self.view_mut(), Default::default(), Par::Seq, stack, Default::default());
+        let result = factor::cholesky_in_place(
+            self.view_mut(),
+            Default::default(),
+            Par::Seq,
+            stack,
+            Default::default(),
+        );
         // NaN on the diagonal must not count as a success.
         result.is_ok() && (0..self.n).all(|j| self.column(j)[0] > 0.0)
     }

@@ -1,9 +1,9 @@
 //! Mean functions: what the process is taken to be before its kernel speaks.
 //!
-//! The weights of the basis functions have a flat prior and are integrated out (Rasmussen & Williams 2006, section 2.7 with
-//! B → ∞): predictions add `h(x)ᵀ β` with `β` of generalised least squares (eq. 2.41), variances what is not known of `β`
-//! (eq. 2.42), and hyper-parameters maximise the likelihood without the weights (eq. 2.45), which is that of restricted
-//! maximum likelihood.
+//! The weights of the basis functions have a flat prior and are integrated out (Rasmussen &
+//! Williams 2006, section 2.7 with B → ∞): predictions add `h(x)ᵀ β` with `β` of generalised least
+//! squares (eq. 2.41), variances what is not known of `β` (eq. 2.42), and hyper-parameters maximise
+//! the likelihood without the weights (eq. 2.45), which is that of restricted maximum likelihood.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,7 +11,9 @@ use super::covariance::TrainingPoints;
 use crate::learn::simd::dot;
 
 /// Mean function of a Gaussian process, on top of the mean of the training outputs.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum MeanFunction {
     /// None beside the mean of the training outputs.
@@ -29,8 +31,8 @@ impl MeanFunction {
         *self == MeanFunction::Zero
     }
 
-    /// Rows that a process with this mean on so many inputs needs at least: the weights of the mean, and two for kernel and
-    /// noise.
+    /// Rows that a process with this mean on so many inputs needs at least: the weights of the
+    /// mean, and two for kernel and noise.
     pub fn least_rows(self, inputs: usize) -> usize {
         match self {
             MeanFunction::Zero => 2,
@@ -40,8 +42,8 @@ impl MeanFunction {
     }
 }
 
-/// Part of a basis function that those before it must leave unexplained, as a share of its size: below it the points do not
-/// tell its weight.
+/// Part of a basis function that those before it must leave unexplained, as a share of its size:
+/// below it the points do not tell its weight.
 const INDEPENDENCE_TOLERANCE: f64 = 1e-6;
 
 /// The basis functions whose weights some points can tell.
@@ -53,7 +55,8 @@ pub(super) struct MeanBasis {
 }
 
 impl MeanBasis {
-    /// The basis of `mean` on `points`: an input that the others determine, or that does not vary, has no slope of its own.
+    /// The basis of `mean` on `points`: an input that the others determine, or that does not vary,
+    /// has no slope of its own.
     pub(super) fn of(mean: MeanFunction, points: &TrainingPoints) -> MeanBasis {
         if mean.is_zero() || points.n == 0 {
             return MeanBasis::default();
@@ -69,7 +72,10 @@ impl MeanBasis {
             // Gram & Schmidt, twice: once leaves rounding errors as large as the threshold.
             for direction in directions.iter().chain(&directions) {
                 let share = dot(direction, &remainder);
-                remainder.iter_mut().zip(direction).for_each(|(remainder, unit)| *remainder -= share * unit);
+                remainder
+                    .iter_mut()
+                    .zip(direction)
+                    .for_each(|(remainder, unit)| *remainder -= share * unit);
             }
             let independent_size = dot(&remainder, &remainder).sqrt();
             if independent_size > INDEPENDENCE_TOLERANCE * size {

@@ -31,8 +31,9 @@ impl MeanRegression {
         self.basis.len() == 0
     }
 
-    /// Takes the fitted mean out of `alpha`, which is `K⁻¹ y` before; returns what integrating the weights out adds to minus the
-    /// log likelihood (Rasmussen & Williams 2006, eq. 2.45), `None` when the points do not tell the weights.
+    /// Takes the fitted mean out of `alpha`, which is `K⁻¹ y` before; returns what integrating the
+    /// weights out adds to minus the log likelihood (Rasmussen & Williams 2006, eq. 2.45), `None`
+    /// when the points do not tell the weights.
     pub(super) fn regress(&mut self, gram: &Lower, y: &[f64], alpha: &mut [f64]) -> Option<f64> {
         let (n, count) = (y.len(), self.basis.len());
         self.solved = self.columns.clone();
@@ -43,7 +44,8 @@ impl MeanRegression {
         let mut factor = Lower::zeros(count);
         for j in 0..count {
             for i in j..count {
-                factor.column_mut(j)[i - j] = dot(&self.columns[i * n..(i + 1) * n], &self.solved[j * n..(j + 1) * n]);
+                factor.column_mut(j)[i - j] =
+                    dot(&self.columns[i * n..(i + 1) * n], &self.solved[j * n..(j + 1) * n]);
             }
         }
         let mut memory = FactorBuffers::new(count);
@@ -66,7 +68,8 @@ impl MeanRegression {
         Some(mean_term)
     }
 
-    /// Takes what the weights explain out of the inverse of the Gram matrix: `K⁻¹ − K⁻¹ H A⁻¹ Hᵀ K⁻¹`.
+    /// Takes what the weights explain out of the inverse of the Gram matrix: `K⁻¹ − K⁻¹ H A⁻¹ Hᵀ
+    /// K⁻¹`.
     pub(super) fn project(&self, inverse: &mut Lower) {
         if self.is_zero() {
             return;
@@ -75,12 +78,17 @@ impl MeanRegression {
         for half in self.halves.chunks_exact(n) {
             for j in 0..n {
                 let weight = half[j];
-                inverse.column_mut(j).iter_mut().zip(&half[j..]).for_each(|(value, half)| *value -= weight * half);
+                inverse
+                    .column_mut(j)
+                    .iter_mut()
+                    .zip(&half[j..])
+                    .for_each(|(value, half)| *value -= weight * half);
             }
         }
     }
 
-    /// What the mean adds to predictions, given the factor of the Gram matrix: `E = L_A⁻¹ (−(L⁻¹ H)ᵀ, 1)`.
+    /// What the mean adds to predictions, given the factor of the Gram matrix: `E = L_A⁻¹ (−(L⁻¹
+    /// H)ᵀ, 1)`.
     pub(super) fn added(&self, gram: &Lower) -> Option<AddedTerm> {
         let factor = self.factor.as_ref()?;
         let count = self.basis.len();
@@ -90,7 +98,8 @@ impl MeanRegression {
         // A column a row of E before L_A⁻¹.
         let width = n + count;
         let mut rows = vec![0.0; width * count];
-        for (k, (row, half)) in rows.chunks_exact_mut(width).zip(halves.chunks_exact(n)).enumerate() {
+        for (k, (row, half)) in rows.chunks_exact_mut(width).zip(halves.chunks_exact(n)).enumerate()
+        {
             row.iter_mut().zip(half).for_each(|(row, half)| *row = -half);
             row[n + k] = 1.0;
         }
@@ -116,7 +125,9 @@ mod tests {
         for i in (0..n).map(|i| i as f64) {
             let x = [3.0 + (1.7 * i).sin(), -2.0 + 0.5 * (0.9 * i).cos()];
             inputs.push(&x);
-            outputs.push(&[4.0 + 2.0 * x[0] - 3.0 * x[1] + 0.05 * (9.0 * x[0]).sin() + 0.01 * (77.0 * i).sin()]);
+            outputs.push(&[4.0 + 2.0 * x[0] - 3.0 * x[1]
+                + 0.05 * (9.0 * x[0]).sin()
+                + 0.01 * (77.0 * i).sin()]);
         }
         (inputs, outputs)
     }
@@ -128,11 +139,14 @@ mod tests {
         let y: Vec<f64> = outputs.values().iter().map(|value| value - 10.0).collect();
         for text in ["se_ard", "matern32 + white", "se_ard[1] * periodic[2]"] {
             let covariance = Covariance::new(&KernelExpression::parse(text).unwrap(), 2).unwrap();
-            let mut theta: Vec<f64> = (0..covariance.len()).map(|k| 0.3 * (k as f64).cos()).collect();
+            let mut theta: Vec<f64> =
+                (0..covariance.len()).map(|k| 0.3 * (k as f64).cos()).collect();
             theta[covariance.len() - 1] = -3.0;
             for mean in MEANS {
                 let mut likelihood = Likelihood::new(covariance.clone(), mean, &points, &y);
-                for (k, [found, expected]) in both_gradients(&mut likelihood, &theta).into_iter().enumerate() {
+                for (k, [found, expected]) in
+                    both_gradients(&mut likelihood, &theta).into_iter().enumerate()
+                {
                     let apart = (found - expected).abs() / (1.0 + expected.abs());
                     assert!(apart < 1e-5, "{text} {mean:?} {k}: {found} {expected}");
                 }
@@ -140,7 +154,8 @@ mod tests {
         }
     }
 
-    /// A mean with unknown weights is a zero mean and a kernel of very uncertain weights (Rasmussen & Williams 2006, eq. 2.40).
+    /// A mean with unknown weights is a zero mean and a kernel of very uncertain weights (Rasmussen
+    /// & Williams 2006, eq. 2.40).
     #[test]
     fn predictions_are_those_of_a_kernel_with_very_uncertain_weights() {
         let (inputs, outputs) = table(40);
@@ -149,19 +164,30 @@ mod tests {
         // Signal variances of both products, length-scales, and scales of the dot product.
         let wide = [
             ("se_ard + constant", MeanFunction::Constant, vec![0.5, 1e7, 0.8, 1.2]),
-            ("se_ard + constant + linear", MeanFunction::Linear, vec![0.5, 1e7, 1e7, 0.8, 1.2, 1.0, 1.0]),
+            (
+                "se_ard + constant + linear",
+                MeanFunction::Linear,
+                vec![0.5, 1e7, 1e7, 0.8, 1.2, 1.0, 1.0],
+            ),
         ];
         for (kernel, mean, natural) in wide {
             let of = |kernel: &str, mean: MeanFunction, theta: Vec<f64>| {
-                let config = GpConfig { kernel: KernelExpression::parse(kernel).unwrap(), mean, ..GpConfig::default() };
+                let config = GpConfig {
+                    kernel: KernelExpression::parse(kernel).unwrap(),
+                    mean,
+                    ..GpConfig::default()
+                };
                 let gp = Gp::condition(&inputs, &outputs, &config, vec![theta], 0).unwrap();
                 let (value, variance) = gp.predict(&at).unwrap();
                 (value[0], variance[0], gp.cross_validation_mae()[0])
             };
             let theta = natural.iter().map(|value: &f64| value.ln()).chain([noise]).collect();
             let (a, b, c) = of(kernel, MeanFunction::Zero, theta);
-            let (mean_value, variance, error) =
-                of("se_ard", mean, [0.5, 0.8, 1.2].map(f64::ln).into_iter().chain([noise]).collect());
+            let (mean_value, variance, error) = of(
+                "se_ard",
+                mean,
+                [0.5, 0.8, 1.2].map(f64::ln).into_iter().chain([noise]).collect(),
+            );
             assert!(
                 (a - mean_value).abs() < 1e-5 && (b / variance - 1.0).abs() < 1e-4,
                 "{kernel}: {a} {mean_value} {b} {variance}"
@@ -174,13 +200,19 @@ mod tests {
     fn far_from_the_samples_a_linear_mean_goes_on_and_its_variance_grows() {
         let (inputs, outputs) = table(60);
         let fit = |mean: MeanFunction| {
-            Gp::fit(&inputs, &outputs, &GpConfig { mean, starts: 2, ..GpConfig::default() }).unwrap()
+            Gp::fit(&inputs, &outputs, &GpConfig { mean, starts: 2, ..GpConfig::default() })
+                .unwrap()
         };
         let linear = fit(MeanFunction::Linear);
         let plane = |x: [f64; 2]| 4.0 + 2.0 * x[0] - 3.0 * x[1];
         let (far, farther) = ([23.0, 8.0], [43.0, 18.0]);
         let (value, variance) = linear.predict(&far).unwrap();
-        assert!((value[0] - plane(far)).abs() < 3.0 * variance[0].sqrt() + 0.5, "{} {}", value[0], plane(far));
+        assert!(
+            (value[0] - plane(far)).abs() < 3.0 * variance[0].sqrt() + 0.5,
+            "{} {}",
+            value[0],
+            plane(far)
+        );
         assert!(linear.predict(&farther).unwrap().1[0] > 2.0 * variance[0]);
         let error = |gp: &Gp| (gp.mean(&far).unwrap()[0] - plane(far)).abs();
         assert!(error(&linear) < 0.1 * error(&fit(MeanFunction::Constant)));

@@ -1,5 +1,6 @@
-//! Gaussian-process regression (paper IV-B, eqs 18–20): several outputs, each with its own hyper-parameters, which maximise
-//! the log marginal likelihood. Exact, or sparse with inducing points; with zero mean or a mean function.
+//! Gaussian-process regression (paper IV-B, eqs 18–20): several outputs, each with its own
+//! hyper-parameters, which maximise the log marginal likelihood. Exact, or sparse with inducing
+//! points; with zero mean or a mean function.
 
 mod composite;
 mod composite_likelihood;
@@ -36,8 +37,8 @@ use crate::base::Rows;
 use covariance::{Covariance, TrainingPoints};
 use posterior::{BLOCK, Posterior};
 
-/// A fitted Gaussian process. Written by serde as its data and hyper-parameters; what is read back predicts the same
-/// bits.
+/// A fitted Gaussian process. Written by serde as its data and hyper-parameters; what is read back
+/// predicts the same bits.
 #[derive(Clone, Serialize, Deserialize)]
 #[serde(try_from = "stored::StoredGp", into = "stored::StoredGp")]
 pub struct Gp {
@@ -54,7 +55,10 @@ pub struct Gp {
 
 impl std::fmt::Debug for Gp {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Gp").field("config", &self.config).field("points", &self.inputs.len()).finish_non_exhaustive()
+        f.debug_struct("Gp")
+            .field("config", &self.config)
+            .field("points", &self.inputs.len())
+            .finish_non_exhaustive()
     }
 }
 
@@ -68,11 +72,12 @@ pub struct Prediction {
 }
 
 impl Gp {
-    /// Fits every column of `outputs` (N rows) to `inputs` (N rows) by maximum marginal likelihood, on one thread.
+    /// Fits every column of `outputs` (N rows) to `inputs` (N rows) by maximum marginal likelihood,
+    /// on one thread.
     ///
     /// # Errors
-    /// Numbers that are not finite, fewer than 2 rows, tables of different lengths, settings out of range, a kernel on inputs
-    /// that are not there.
+    /// Numbers that are not finite, fewer than 2 rows, tables of different lengths, settings out of
+    /// range, a kernel on inputs that are not there.
     pub fn fit(inputs: &Rows, outputs: &Rows, config: &GpConfig) -> Result<Gp, LearnError> {
         config.check()?;
         check_samples(inputs, outputs)?;
@@ -83,20 +88,23 @@ impl Gp {
         let mut theta = Vec::with_capacity(columns.len());
         for (output, y) in columns.iter().enumerate() {
             // Outputs differ in smoothness and noise, so each has its own hyper-parameters.
-            let search = if config.approximation.is_exact() { search::search } else { sparse::search };
-            let optimum = search(config, &covariance, &points, y).ok_or(LearnError::NotPositiveDefinite { output })?;
+            let search =
+                if config.approximation.is_exact() { search::search } else { sparse::search };
+            let optimum = search(config, &covariance, &points, y)
+                .ok_or(LearnError::NotPositiveDefinite { output })?;
             evaluations += optimum.evaluations;
             theta.push(optimum.theta);
         }
         Self::condition(inputs, outputs, config, theta, evaluations)
     }
 
-    /// Conditions on the samples under given hyper-parameters, without a search: `theta` holds, per output, the
-    /// natural logarithms of signal variance, length-scales, shapes and noise variance in standardised units, in the
-    /// order of [`Gp::theta`].
+    /// Conditions on the samples under given hyper-parameters, without a search: `theta` holds, per
+    /// output, the natural logarithms of signal variance, length-scales, shapes and noise variance
+    /// in standardised units, in the order of [`Gp::theta`].
     ///
     /// # Errors
-    /// As [`Gp::fit`]; [`LearnError::NotPositiveDefinite`] when the hyper-parameters leave no usable covariance.
+    /// As [`Gp::fit`]; [`LearnError::NotPositiveDefinite`] when the hyper-parameters leave no
+    /// usable covariance.
     pub fn condition(
         inputs: &Rows,
         outputs: &Rows,
@@ -113,8 +121,12 @@ impl Gp {
         for (output, (y, theta)) in columns.iter().zip(&theta).enumerate() {
             LearnError::unless_shape("hyper-parameters", theta.len(), covariance.len())?;
             let posterior = match config.approximation {
-                Approximation::Exact => Posterior::exact(&covariance, config.mean, &points, y, theta),
-                Approximation::Sgpr | Approximation::Fitc => Posterior::sparse(config, &covariance, &points, y, theta),
+                Approximation::Exact => {
+                    Posterior::exact(&covariance, config.mean, &points, y, theta)
+                }
+                Approximation::Sgpr | Approximation::Fitc => {
+                    Posterior::sparse(config, &covariance, &points, y, theta)
+                }
             };
             posteriors.push(posterior.ok_or(LearnError::NotPositiveDefinite { output })?);
         }
@@ -185,13 +197,15 @@ impl Gp {
         self.evaluations
     }
 
-    /// Log marginal likelihood of each output (nats), of the standardised values: of `sgpr` its lower bound, of `fitc` that of
-    /// the approximate process, with a mean function without its weights.
+    /// Log marginal likelihood of each output (nats), of the standardised values: of `sgpr` its
+    /// lower bound, of `fitc` that of the approximate process, with a mean function without its
+    /// weights.
     pub fn log_marginal_likelihood(&self) -> Vec<f64> {
         self.posteriors.iter().map(|posterior| posterior.log_marginal_likelihood).collect()
     }
 
-    /// Noise standard deviation σ_n of each output, in its unit; without that of `white` in an expression.
+    /// Noise standard deviation σ_n of each output, in its unit; without that of `white` in an
+    /// expression.
     pub fn noise_std(&self) -> Vec<f64> {
         let noise = |(c, theta): (usize, &Vec<f64>)| {
             self.covariance.noise_variance(theta).sqrt() * self.output_standardiser.scale(c)
@@ -199,8 +213,9 @@ impl Gp {
         self.theta.iter().enumerate().map(noise).collect()
     }
 
-    /// `l` of each output (row) and input (column) as the configured reading of eq. 18 has it: in the inputs' units
-    /// ([`Lambda::InverseSquares`]) or their inverses ([`Lambda::AsPrinted`]). `None` for an expression of several kernels.
+    /// `l` of each output (row) and input (column) as the configured reading of eq. 18 has it: in
+    /// the inputs' units ([`Lambda::InverseSquares`]) or their inverses ([`Lambda::AsPrinted`]).
+    /// `None` for an expression of several kernels.
     pub fn length_scales(&self) -> Option<Rows> {
         let Covariance::Stationary(_, layout) = self.covariance else { return None };
         let mut out = Rows::new(self.inputs.width());
@@ -219,12 +234,16 @@ impl Gp {
 
     /// Names of the hyper-parameters in the order of [`Gp::theta`].
     pub fn hyperparameter_names(&self) -> Vec<String> {
-        self.covariance.hyperparameters(self.config.noise_floor).into_iter().map(|parameter| parameter.name).collect()
+        self.covariance
+            .hyperparameters(self.config.noise_floor)
+            .into_iter()
+            .map(|parameter| parameter.name)
+            .collect()
     }
 
-    /// Logarithms of the hyper-parameters of each output in standardised units: for one stationary kernel signal variance,
-    /// length-scales, the kernel's shapes, noise variance; for an expression the signal variance of each product, those of
-    /// each factor, noise variance.
+    /// Logarithms of the hyper-parameters of each output in standardised units: for one stationary
+    /// kernel signal variance, length-scales, the kernel's shapes, noise variance; for an
+    /// expression the signal variance of each product, those of each factor, noise variance.
     pub fn theta(&self) -> &[Vec<f64>] {
         &self.theta
     }
@@ -250,12 +269,14 @@ impl Gp {
         self.check_width(input.len())?;
         let x = self.standardised(input);
         let mut k = vec![0.0; self.max_points()];
-        let mean_of =
-            |(c, p): (usize, &Posterior)| self.output_standardiser.invert(c, p.mean(&x, &mut k[..p.points()]));
+        let mean_of = |(c, p): (usize, &Posterior)| {
+            self.output_standardiser.invert(c, p.mean(&x, &mut k[..p.points()]))
+        };
         Ok(self.posteriors.iter().enumerate().map(mean_of).collect())
     }
 
-    /// Posterior mean and variance (of the noise-free function) of every output at one point (paper eq. 19).
+    /// Posterior mean and variance (of the noise-free function) of every output at one point (paper
+    /// eq. 19).
     ///
     /// # Errors
     /// [`LearnError::Shape`] for a query of another width.
@@ -295,10 +316,12 @@ impl Gp {
         check_finite("inputs", inputs)?;
         let width = self.outputs();
         let (mut mean, mut variance) = (Rows::new(width), Rows::new(width));
-        let (mut k, mut v) = (vec![0.0; self.max_points() * BLOCK], vec![0.0; self.max_points() * BLOCK]);
+        let (mut k, mut v) =
+            (vec![0.0; self.max_points() * BLOCK], vec![0.0; self.max_points() * BLOCK]);
         for block in inputs.values().chunks(BLOCK * self.inputs()) {
             let count = block.len() / self.inputs();
-            let queries: Vec<f64> = block.chunks_exact(self.inputs()).flat_map(|row| self.standardised(row)).collect();
+            let queries: Vec<f64> =
+                block.chunks_exact(self.inputs()).flat_map(|row| self.standardised(row)).collect();
             let (mut means, mut variances) = (vec![0.0; count * width], vec![0.0; count * width]);
             for (c, posterior) in self.posteriors.iter().enumerate() {
                 let scale = self.output_standardiser.scale(c);

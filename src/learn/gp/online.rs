@@ -1,8 +1,9 @@
 //! A fitted process that takes further samples one by one.
 //!
-//! What a process knows is the prior for what is measured later: a Gaussian process with its posterior mean and covariance,
-//! conditioned on the added samples, is the process of all samples with the same hyper-parameters. A sample adds a row to the
-//! Cholesky factor of the added ones and costs `O((N + n)²)` for N fitted and n added samples; one that leaves costs `O(n²)`. That holds
+//! What a process knows is the prior for what is measured later: a Gaussian process with its
+//! posterior mean and covariance, conditioned on the added samples, is the process of all samples
+//! with the same hyper-parameters. A sample adds a row to the Cholesky factor of the added ones and
+//! costs `O((N + n)²)` for N fitted and n added samples; one that leaves costs `O(n²)`. That holds
 //! for inducing points and mean functions as for an exact process.
 
 use serde::{Deserialize, Serialize};
@@ -16,17 +17,21 @@ use crate::learn::LearnError;
 use crate::learn::simd::dot;
 
 /// Which added sample leaves when there are too many.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum Leaving {
     /// The oldest.
     #[default]
     Oldest,
-    /// The one that is most strongly correlated with the new one, over all outputs: what it told, the new one tells as well.
+    /// The one that is most strongly correlated with the new one, over all outputs: what it told,
+    /// the new one tells as well.
     MostAlike,
 }
 
-/// A fitted process and the samples that were added to it. Standardisation, hyper-parameters and fitted samples stay.
+/// A fitted process and the samples that were added to it. Standardisation, hyper-parameters and
+/// fitted samples stay.
 #[derive(Clone)]
 pub struct OnlineGp {
     gp: Gp,
@@ -60,7 +65,8 @@ impl AddedSamples {
         let scale = self.prior.scale();
         for (k, added) in k.iter_mut().zip(&self.features) {
             // Posterior covariance of the fitted process: it is the prior of the added samples.
-            *k = scale * *k - dot(&added.projection, &features.projection) + dot(&added.image, &features.image);
+            *k = scale * *k - dot(&added.projection, &features.projection)
+                + dot(&added.image, &features.image);
         }
         k
     }
@@ -86,13 +92,16 @@ impl AddedSamples {
         self.alpha = alpha;
     }
 
-    /// Takes sample `index` out: the rows below it become the factor of what they were without its column.
+    /// Takes sample `index` out: the rows below it become the factor of what they were without its
+    /// column.
     fn remove(&mut self, index: usize) {
         self.factor.remove(index);
         self.features.remove(index);
         self.residuals.remove(index);
-        // A rank-one update of the trailing rows by the removed column (Golub & Van Loan, section 6.5.4).
-        let mut column: Vec<f64> = self.factor[index..].iter_mut().map(|row| row.remove(index)).collect();
+        // A rank-one update of the trailing rows by the removed column (Golub & Van Loan, section
+        // 6.5.4).
+        let mut column: Vec<f64> =
+            self.factor[index..].iter_mut().map(|row| row.remove(index)).collect();
         for k in 0..column.len() {
             let at = index + k;
             let (diagonal, value) = (self.factor[at][at], column[k]);
@@ -145,7 +154,8 @@ impl OnlineGp {
         self.inputs.len()
     }
 
-    /// Adds a sample in the units of inputs and outputs; where there are as many as may be, another leaves.
+    /// Adds a sample in the units of inputs and outputs; where there are as many as may be, another
+    /// leaves.
     ///
     /// # Errors
     /// [`LearnError`] for another width or numbers that are not finite; nothing is added then.
@@ -172,7 +182,8 @@ impl OnlineGp {
             // they leave of the variance.
             let mut row = samples.solve_half(&covariances);
             let PosteriorFeatures { projection, image } = &features;
-            let variance = posterior.prior.variance(&x) - dot(projection, projection) + dot(image, image);
+            let variance =
+                posterior.prior.variance(&x) - dot(projection, projection) + dot(image, image);
             // Rounding may leave less than nothing of a variance that is known.
             let variance = variance.max(0.0) + noise(&self.gp, c, &points);
             // A sample that coincides with another leaves no remainder; the factor must stay
@@ -238,14 +249,18 @@ impl OnlineGp {
         let mut correlations = vec![0.0; self.added()];
         for (posterior, samples) in self.gp.posteriors.iter().zip(&self.outputs) {
             let k = samples.covariances(&posterior.features(x), x);
-            for ((correlation, k), features) in correlations.iter_mut().zip(k).zip(&samples.features) {
+            for ((correlation, k), features) in
+                correlations.iter_mut().zip(k).zip(&samples.features)
+            {
                 let PosteriorFeatures { projection, image } = features;
-                let variance = posterior.prior.variance(x) - dot(projection, projection) + dot(image, image);
+                let variance =
+                    posterior.prior.variance(x) - dot(projection, projection) + dot(image, image);
                 // Squares: a sample that is strongly anticorrelated tells as much.
                 *correlation += k * k / variance.max(1e-12);
             }
         }
-        (1..correlations.len()).fold(0, |best, i| if correlations[i] > correlations[best] { i } else { best })
+        (1..correlations.len())
+            .fold(0, |best, i| if correlations[i] > correlations[best] { i } else { best })
     }
 }
 
@@ -280,8 +295,14 @@ mod tests {
     fn fitted(rows: &[usize], kernel: &str, mean: MeanFunction, kind: Approximation) -> Gp {
         let (inputs, outputs) = table(90);
         let kernel = KernelExpression::parse(kernel).unwrap();
-        let config =
-            GpConfig { kernel, mean, approximation: kind, inducing_points: 90, starts: 1, ..GpConfig::default() };
+        let config = GpConfig {
+            kernel,
+            mean,
+            approximation: kind,
+            inducing_points: 90,
+            starts: 1,
+            ..GpConfig::default()
+        };
         Gp::fit(&inputs.select(rows), &outputs.select(rows), &config).unwrap()
     }
 
@@ -292,8 +313,10 @@ mod tests {
         (all.inputs, all.outputs) = (inputs.select(rows), outputs.select(rows));
         let points = TrainingPoints::standardised(&all.inputs, &gp.input_standardiser);
         for (c, theta) in gp.theta.iter().enumerate() {
-            let y: Vec<f64> = all.outputs.iter().map(|row| gp.output_standardiser.apply(c, row[c])).collect();
-            all.posteriors[c] = Posterior::exact(&gp.covariance, gp.config.mean, &points, &y, theta).unwrap();
+            let y: Vec<f64> =
+                all.outputs.iter().map(|row| gp.output_standardiser.apply(c, row[c])).collect();
+            all.posteriors[c] =
+                Posterior::exact(&gp.covariance, gp.config.mean, &points, &y, theta).unwrap();
         }
         all
     }
@@ -305,9 +328,19 @@ mod tests {
             assert_eq!(online.mean(row).unwrap(), mean);
             for c in 0..2 {
                 let scale = gp.output_standardiser.scale(c);
-                assert!((mean[c] - wanted[c]).abs() < tolerance * scale, "{what}: {} {}", mean[c], wanted[c]);
+                assert!(
+                    (mean[c] - wanted[c]).abs() < tolerance * scale,
+                    "{what}: {} {}",
+                    mean[c],
+                    wanted[c]
+                );
                 let apart = (variance[c] - wanted_variance[c]).abs();
-                assert!(apart < tolerance * scale * scale, "{what}: {} {}", variance[c], wanted_variance[c]);
+                assert!(
+                    apart < tolerance * scale * scale,
+                    "{what}: {} {}",
+                    variance[c],
+                    wanted_variance[c]
+                );
             }
         }
     }
@@ -325,9 +358,15 @@ mod tests {
                     assert_same(&online, &gp, 1e-12, &what);
                     (40..60).for_each(|i| online.add(inputs.row(i), outputs.row(i)).unwrap());
                     assert_eq!(online.added(), 20);
-                    // With every sample as an inducing point the sparse process is the exact one, to its jitter.
+                    // With every sample as an inducing point the sparse process is the exact one,
+                    // to its jitter.
                     let tolerance = if kind == Approximation::Exact { 1e-9 } else { 1e-5 };
-                    assert_same(&online, &refitted(&gp, &(0..60).collect::<Vec<usize>>()), tolerance, &what);
+                    assert_same(
+                        &online,
+                        &refitted(&gp, &(0..60).collect::<Vec<usize>>()),
+                        tolerance,
+                        &what,
+                    );
                     online.restart();
                     assert_same(&online, &gp, 1e-12, &what);
                 }
@@ -362,7 +401,12 @@ mod tests {
     #[test]
     fn samples_that_are_none_are_refused_and_change_nothing() {
         let (inputs, outputs) = table(90);
-        let gp = fitted(&(0..30).collect::<Vec<usize>>(), "se_ard", MeanFunction::Zero, Approximation::Exact);
+        let gp = fitted(
+            &(0..30).collect::<Vec<usize>>(),
+            "se_ard",
+            MeanFunction::Zero,
+            Approximation::Exact,
+        );
         assert!(OnlineGp::new(&gp, 0, Leaving::Oldest).is_err());
         let mut online = OnlineGp::new(&gp, 5, Leaving::Oldest).unwrap();
         assert!(online.add(&inputs.row(31)[..2], outputs.row(31)).is_err());

@@ -1,4 +1,5 @@
-//! Mean and variance of one output at new points: paper eq. 19; Rasmussen & Williams 2006, algorithm 2.1.
+//! Mean and variance of one output at new points: paper eq. 19; Rasmussen & Williams 2006,
+//! algorithm 2.1.
 
 use std::sync::Arc;
 
@@ -19,8 +20,8 @@ use crate::math::vectorised;
 /// Queries that a batch handles at once: their covariances with all points stay in cache.
 pub(super) const BLOCK: usize = 512;
 
-/// Rows of `L⁻¹` that are multiplied at once, up to the diagonal: the zeros beyond it cost less than a triangular product's
-/// small parts.
+/// Rows of `L⁻¹` that are multiplied at once, up to the diagonal: the zeros beyond it cost less
+/// than a triangular product's small parts.
 const PANEL: usize = 48;
 
 /// One fitted output in standardised units.
@@ -36,8 +37,9 @@ pub(super) struct Posterior {
     pub(super) inducing: Vec<usize>,
 }
 
-/// What a mean function or inducing points add to the zero-mean process on its points: `hᵀβ` to the mean, and to the variance
-/// `‖E (v, h)‖²` with `v = L⁻¹ k` and the values h of the basis functions.
+/// What a mean function or inducing points add to the zero-mean process on its points: `hᵀβ` to the
+/// mean, and to the variance `‖E (v, h)‖²` with `v = L⁻¹ k` and the values h of the basis
+/// functions.
 #[derive(Clone)]
 pub(super) struct AddedTerm {
     pub(super) basis: MeanBasis,
@@ -64,7 +66,8 @@ impl AddedTerm {
     /// `E (v, h)`; `scaled` is v over `scale`.
     fn image(&self, x: &[f64], scaled: &[f64], scale: f64) -> Vec<f64> {
         let (n, values) = (scaled.len(), self.basis.at(x).collect::<Vec<f64>>());
-        let row = |row: &[f64]| vectorised!(scale * dot(&row[..n], scaled) + dot(&row[n..], &values));
+        let row =
+            |row: &[f64]| vectorised!(scale * dot(&row[..n], scaled) + dot(&row[n..], &values));
         self.rows.chunks_exact(n + values.len()).map(row).collect()
     }
 
@@ -106,7 +109,8 @@ impl FittedPrior {
         }
     }
 
-    /// Writes the covariances of the standardised query `x` with all points, over [`FittedPrior::scale`].
+    /// Writes the covariances of the standardised query `x` with all points, over
+    /// [`FittedPrior::scale`].
     pub(super) fn covariances(&self, x: &[f64], k: &mut [f64]) {
         match self {
             FittedPrior::Stationary { kernel, shape, length_scales, scaled, .. } => {
@@ -136,7 +140,8 @@ impl FittedPrior {
 }
 
 impl Posterior {
-    /// Conditions an exact process on the points; `None` when the covariance matrix is not positive definite.
+    /// Conditions an exact process on the points; `None` when the covariance matrix is not positive
+    /// definite.
     pub(super) fn exact(
         covariance: &Covariance,
         mean: MeanFunction,
@@ -194,8 +199,8 @@ impl Posterior {
         (mean, self.variance(x, v, explained))
     }
 
-    /// `v` and `E (v, h)` at the standardised point `x`: the posterior covariance of two points is that before any sample, less the
-    /// product of their `v`, plus that of their `E (v, h)`.
+    /// `v` and `E (v, h)` at the standardised point `x`: the posterior covariance of two points is
+    /// that before any sample, less the product of their `v`, plus that of their `E (v, h)`.
     pub(super) fn features(&self, x: &[f64]) -> PosteriorFeatures {
         let (mut k, mut v) = (vec![0.0; self.points()], vec![0.0; self.points()]);
         self.mean_variance(x, &mut k, &mut v);
@@ -205,16 +210,26 @@ impl Posterior {
         PosteriorFeatures { projection: v, image }
     }
 
-    /// Variance at `x` when the points explain `explained` of it, which is `‖v‖²`; both over the prior's scale.
+    /// Variance at `x` when the points explain `explained` of it, which is `‖v‖²`; both over the
+    /// prior's scale.
     fn variance(&self, x: &[f64], v: &[f64], explained: f64) -> f64 {
         let scale = self.prior.scale();
         let remaining = self.prior.variance(x) - scale * scale * explained;
-        self.added.as_ref().map_or(remaining, |added| remaining + added.variance(x, v, scale)).max(0.0)
+        self.added
+            .as_ref()
+            .map_or(remaining, |added| remaining + added.variance(x, v, scale))
+            .max(0.0)
     }
 
-    /// [`Posterior::mean_variance`] of up to [`BLOCK`] standardised queries, by products of panels of `L⁻¹`; `k` and `v` are
-    /// room for `BLOCK` numbers per point.
-    pub(super) fn block(&self, queries: &[f64], k: &mut [f64], v: &mut [f64], mut put: impl FnMut(usize, f64, f64)) {
+    /// [`Posterior::mean_variance`] of up to [`BLOCK`] standardised queries, by products of panels
+    /// of `L⁻¹`; `k` and `v` are room for `BLOCK` numbers per point.
+    pub(super) fn block(
+        &self,
+        queries: &[f64],
+        k: &mut [f64],
+        v: &mut [f64],
+        mut put: impl FnMut(usize, f64, f64),
+    ) {
         let n = self.alpha.len();
         let count = queries.len() / self.inputs;
         // 1. Covariances and means, query by query.
@@ -239,8 +254,9 @@ impl Posterior {
         }
     }
 
-    /// Prediction errors (standardised) of the rows numbered `fold` when they are held out: with `K⁻¹ = L⁻ᵀ L⁻¹`,
-    /// `y − ŷ = (K⁻¹_ff)⁻¹ α_f` (Rasmussen & Williams 2006, section 5.4.2; Sundararajan & Keerthi 2001).
+    /// Prediction errors (standardised) of the rows numbered `fold` when they are held out: with
+    /// `K⁻¹ = L⁻ᵀ L⁻¹`, `y − ŷ = (K⁻¹_ff)⁻¹ α_f` (Rasmussen & Williams 2006, section 5.4.2;
+    /// Sundararajan & Keerthi 2001).
     pub(super) fn held_out_errors(&self, fold: &[usize]) -> Vec<f64> {
         let n = self.alpha.len();
         let mut block = Lower::zeros(fold.len());
@@ -265,11 +281,16 @@ impl Posterior {
         errors
     }
 
-    /// What the unknown mean function takes from the inverse of the Gram matrix of an exact process at rows i and j.
+    /// What the unknown mean function takes from the inverse of the Gram matrix of an exact process
+    /// at rows i and j.
     pub(super) fn mean_correction(&self, i: usize, j: usize) -> f64 {
         let Some(added) = &self.added else { return 0.0 };
         let n = self.alpha.len();
         let image = |row: &[f64], i: usize| dot(&row[i..n], self.inverse_factor.column(i));
-        added.rows.chunks_exact(n + added.basis.len()).map(|row| image(row, i) * image(row, j)).sum()
+        added
+            .rows
+            .chunks_exact(n + added.basis.len())
+            .map(|row| image(row, i) * image(row, j))
+            .sum()
     }
 }

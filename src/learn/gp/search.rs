@@ -20,7 +20,8 @@ const COARSE_TOLERANCE: f64 = 0.1;
 /// Candidates kept from one stage to the next; the last stage takes one.
 const MAX_CANDIDATES: usize = 3;
 
-/// Maximises the log marginal likelihood of the standardised output `y`; `None` when no start is usable.
+/// Maximises the log marginal likelihood of the standardised output `y`; `None` when no start is
+/// usable.
 pub(super) fn search(
     config: &GpConfig,
     covariance: &Covariance,
@@ -38,13 +39,16 @@ pub(super) fn search(
     let mut evaluations = 0;
     // The likelihood of a kernel has several optima, as of short lengths and little noise.
     let starts = starts(config.starts, &parameters);
-    let mut candidates: Vec<Vec<f64>> = starts.iter().map(|theta| to_search_coordinates(&lengths, theta)).collect();
+    let mut candidates: Vec<Vec<f64>> =
+        starts.iter().map(|theta| to_search_coordinates(&lengths, theta)).collect();
     for (stage, &rows) in sizes.iter().enumerate() {
         let last = stage + 1 == sizes.len();
         let (subset, y) = evenly_spaced(points, y, rows);
-        let mut likelihood = SearchObjective::new(Likelihood::new(covariance.clone(), config.mean, &subset, &y));
+        let mut likelihood =
+            SearchObjective::new(Likelihood::new(covariance.clone(), config.mean, &subset, &y));
         let mut climb = |start: &[f64], tolerance: f64| {
-            let minimum = minimise(&mut likelihood, start, &limits(&parameters, &lengths, tolerance));
+            let minimum =
+                minimise(&mut likelihood, start, &limits(&parameters, &lengths, tolerance));
             evaluations += minimum.evaluations;
             minimum
         };
@@ -62,11 +66,17 @@ pub(super) fn search(
         }
         candidates = distinct(minima);
     }
-    candidates.first().map(|u| FittedHyperparameters { theta: from_search_coordinates(&lengths, u), evaluations })
+    candidates
+        .first()
+        .map(|u| FittedHyperparameters { theta: from_search_coordinates(&lengths, u), evaluations })
 }
 
 /// So many of the points, at equal distances: neighbours of a recording resemble each other.
-pub(super) fn evenly_spaced(points: &TrainingPoints, y: &[f64], rows: usize) -> (TrainingPoints, Vec<f64>) {
+pub(super) fn evenly_spaced(
+    points: &TrainingPoints,
+    y: &[f64],
+    rows: usize,
+) -> (TrainingPoints, Vec<f64>) {
     let which: Vec<usize> = (0..rows).map(|i| i * points.n / rows).collect();
     (points.select(&which), which.iter().map(|&i| y[i]).collect())
 }
@@ -85,19 +95,26 @@ fn distinct(minima: Vec<Minimum>) -> Vec<Vec<f64>> {
 }
 
 pub(super) fn limits(parameters: &[Hyperparameter], lengths: &[bool], tolerance: f64) -> Bfgs {
-    let (low, high): (Vec<f64>, Vec<f64>) =
-        parameters.iter().map(|parameter| (parameter.bounds.0.ln(), parameter.bounds.1.ln())).unzip();
-    let bounds = to_search_coordinates(lengths, &low).into_iter().zip(to_search_coordinates(lengths, &high)).collect();
+    let (low, high): (Vec<f64>, Vec<f64>) = parameters
+        .iter()
+        .map(|parameter| (parameter.bounds.0.ln(), parameter.bounds.1.ln()))
+        .unzip();
+    let bounds = to_search_coordinates(lengths, &low)
+        .into_iter()
+        .zip(to_search_coordinates(lengths, &high))
+        .collect();
     // A step of 2 in a logarithm is a factor of seven.
     Bfgs { bounds, tolerance, max_evaluations: 300, max_step: 2.0 }
 }
 
-/// The conventional start, then a low-discrepancy sequence in the plausible box: the additive recurrence with powers of
-/// the root of `x^(d+1) = x + 1`, which needs no seed.
+/// The conventional start, then a low-discrepancy sequence in the plausible box: the additive
+/// recurrence with powers of the root of `x^(d+1) = x + 1`, which needs no seed.
 fn starts(count: usize, parameters: &[Hyperparameter]) -> Vec<Vec<f64>> {
-    let mut out: Vec<Vec<f64>> = vec![parameters.iter().map(|parameter| parameter.start.ln()).collect()];
+    let mut out: Vec<Vec<f64>> =
+        vec![parameters.iter().map(|parameter| parameter.start.ln()).collect()];
     // Fixed-point iteration for the generalised golden ratio.
-    let root = (0..64).fold(2.0_f64, |root, _| (1.0 + root).powf(1.0 / (parameters.len() as f64 + 1.0)));
+    let root =
+        (0..64).fold(2.0_f64, |root, _| (1.0 + root).powf(1.0 / (parameters.len() as f64 + 1.0)));
     for i in 1..count {
         let coordinate = |(k, parameter): (usize, &Hyperparameter)| {
             let (low, high) = parameter.plausible;

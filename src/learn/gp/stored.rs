@@ -1,4 +1,5 @@
-//! Stored form of a fitted process: samples and hyper-parameters. The factors are recomputed on reading.
+//! Stored form of a fitted process: samples and hyper-parameters. The factors are recomputed on
+//! reading.
 
 use serde::{Deserialize, Serialize};
 
@@ -18,8 +19,8 @@ pub(super) struct StoredGp {
     evaluations: usize,
 }
 
-/// The settings of the fit, every one of them: the format of the store leaves no field out. How rows were chosen is no part
-/// of a fit.
+/// The settings of the fit, every one of them: the format of the store leaves no field out. How
+/// rows were chosen is no part of a fit.
 #[derive(Serialize, Deserialize)]
 #[serde(remote = "GpConfig", deny_unknown_fields)]
 struct StoredConfig {
@@ -80,6 +81,12 @@ impl TryFrom<StoredGp> for Gp {
 
     fn try_from(stored: StoredGp) -> Result<Gp, LearnError> {
         let theta = stored.hyperparameters.rows()?.iter().map(<[f64]>::to_vec).collect();
-        Gp::condition(&stored.inputs.rows()?, &stored.outputs.rows()?, &stored.config, theta, stored.evaluations)
+        Gp::condition(
+            &stored.inputs.rows()?,
+            &stored.outputs.rows()?,
+            &stored.config,
+            theta,
+            stored.evaluations,
+        )
     }
 }

@@ -12,7 +12,11 @@ pub(super) struct Adam<T> {
 
 impl<T: Real> Adam<T> {
     pub(super) fn new(len: usize) -> Self {
-        Adam { first_moment: vec![T::default(); len], second_moment: vec![T::default(); len], steps: 0 }
+        Adam {
+            first_moment: vec![T::default(); len],
+            second_moment: vec![T::default(); len],
+            steps: 0,
+        }
     }
 
     /// One step down the gradient.
@@ -24,7 +28,8 @@ impl<T: Real> Adam<T> {
         // Bias correction: moments that begin at zero are too small at first.
         let corrected = rate / (1.0 - BETA_1.powi(self.steps));
         let (rate, unbias) = (T::of(corrected), T::of(1.0 / (1.0 - BETA_2.powi(self.steps))));
-        let (b1, c1, b2, c2) = (T::of(BETA_1), T::of(1.0 - BETA_1), T::of(BETA_2), T::of(1.0 - BETA_2));
+        let (b1, c1, b2, c2) =
+            (T::of(BETA_1), T::of(1.0 - BETA_1), T::of(BETA_2), T::of(1.0 - BETA_2));
         let epsilon = T::of(1e-8);
         vectorised!({
             let moments = self.first_moment.iter_mut().zip(&mut self.second_moment);

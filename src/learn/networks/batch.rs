@@ -1,5 +1,5 @@
-//! Forward pass, loss and back-propagation through time of a batch of windows: Rumelhart, Hinton & Williams 1986;
-//! Goodfellow, Bengio & Courville 2016, section 10.2.2.
+//! Forward pass, loss and back-propagation through time of a batch of windows: Rumelhart, Hinton &
+//! Williams 1986; Goodfellow, Bengio & Courville 2016, section 10.2.2.
 
 use super::config::Loss;
 use super::kinds::{HiddenUnit, MAX_SAVED, MAX_SUMS, Past};
@@ -11,8 +11,8 @@ use crate::math::vectorised;
 /// Units computed together in registers.
 const U: usize = 4;
 
-/// A batch of equally long windows and the room to work on it. Chunk `t · groups + g` of a row holds sixteen windows
-/// at time `t`.
+/// A batch of equally long windows and the room to work on it. Chunk `t · groups + g` of a row
+/// holds sixteen windows at time `t`.
 pub(super) struct SequenceBatch<T> {
     sizes: Sizes,
     window: usize,
@@ -44,7 +44,9 @@ impl<T: Real> SequenceBatch<T> {
         // Sixteen windows fill the lanes of a chunk; the last group may be partly empty.
         let groups = batch.div_ceil(LANES);
         let width = window * groups;
-        let table = |rows: usize, present: bool, width: usize| ChunkTable::zeros(usize::from(present) * rows, width);
+        let table = |rows: usize, present: bool, width: usize| {
+            ChunkTable::zeros(usize::from(present) * rows, width)
+        };
         SequenceBatch {
             sizes,
             window,
@@ -82,13 +84,22 @@ impl<T: Real> SequenceBatch<T> {
         }
     }
 
-    /// Mean squared error (standardised) over the counted rows and its gradient, written to `gradient`.
-    pub(super) fn loss_and_gradient(&mut self, weights: &Weights<T>, gradient: &mut Weights<T>) -> T {
+    /// Mean squared error (standardised) over the counted rows and its gradient, written to
+    /// `gradient`.
+    pub(super) fn loss_and_gradient(
+        &mut self,
+        weights: &Weights<T>,
+        gradient: &mut Weights<T>,
+    ) -> T {
         self.sizes.kind.work()(self, weights, gradient)
     }
 
     /// As [`SequenceBatch::loss_and_gradient`], for networks of `C`.
-    pub(super) fn work<C: HiddenUnit>(&mut self, weights: &Weights<T>, gradient: &mut Weights<T>) -> T {
+    pub(super) fn work<C: HiddenUnit>(
+        &mut self,
+        weights: &Weights<T>,
+        gradient: &mut Weights<T>,
+    ) -> T {
         vectorised!({
             self.forward::<C>(weights);
             let loss = self.compare(weights);
@@ -162,11 +173,23 @@ impl<T: Real> SequenceBatch<T> {
         for at in 0..self.window * self.groups {
             let group = at % self.groups;
             // Rows that do not count, and empty lanes, have no error and hence no gradient.
-            let active = if at / self.groups < first_row { 0 } else { self.filled.saturating_sub(group * LANES) };
+            let active = if at / self.groups < first_row {
+                0
+            } else {
+                self.filled.saturating_sub(group * LANES)
+            };
             for first in (0..outputs).step_by(U) {
                 let mut acc: [Chunk<T>; U] = std::array::from_fn(|u| [bias[first + u]; LANES]);
                 if active > 0 {
-                    accumulate(&mut acc, from_hidden, ports, first, &self.hidden, at + self.groups, hidden);
+                    accumulate(
+                        &mut acc,
+                        from_hidden,
+                        ports,
+                        first,
+                        &self.hidden,
+                        at + self.groups,
+                        hidden,
+                    );
                 }
                 for (u, acc) in acc.iter().enumerate().take(outputs - first) {
                     let place = (first + u) * self.errors.width + at;
@@ -229,18 +252,26 @@ impl<T: Real> SequenceBatch<T> {
         let value_before = if C::CARRIES { self.hidden.chunks[hidden + at] } else { zero };
         let memory_before = if C::MEMORY { self.memory.chunks[hidden + at] } else { zero };
         let is_last = later >= self.window * self.groups;
-        let from_later =
-            |on: bool, table: &ChunkTable<T>| if on && !is_last { table.chunks[carried + later] } else { zero };
+        let from_later = |on: bool, table: &ChunkTable<T>| {
+            if on && !is_last { table.chunks[carried + later] } else { zero }
+        };
         let carried_value = from_later(C::CARRIES, &self.carried[0]);
         let carried_memory = from_later(C::MEMORY, &self.carried[1]);
         let saved: [Chunk<T>; MAX_SAVED] = std::array::from_fn(
             #[inline(always)]
-            |k| if k < C::SAVED { self.saved.chunks[(k * units + unit) * self.saved.width + at] } else { zero },
+            |k| {
+                if k < C::SAVED {
+                    self.saved.chunks[(k * units + unit) * self.saved.width + at]
+                } else {
+                    zero
+                }
+            },
         );
         let (mut d_sums, mut d_before, mut d_memory) = ([zero; MAX_SUMS], zero, zero);
         for lane in 0..LANES {
             // A value reaches later ones through the sums and, in a gated unit, directly.
-            let d_value = if C::CARRIES { d_value[lane] + carried_value[lane] } else { d_value[lane] };
+            let d_value =
+                if C::CARRIES { d_value[lane] + carried_value[lane] } else { d_value[lane] };
             let back = C::backward(&Past {
                 value: value[lane],
                 value_before: value_before[lane],
@@ -282,11 +313,19 @@ impl<T: Real> SequenceBatch<T> {
             let (column, row) = (number * units, number * units * width);
             if block.inputs {
                 let out = &mut from_inputs[column..];
-                outer(out, stride, rows(&self.inputs, 0, inputs), rows(&self.deltas, row, units), width);
+                outer(
+                    out,
+                    stride,
+                    rows(&self.inputs, 0, inputs),
+                    rows(&self.deltas, row, units),
+                    width,
+                );
             }
             if block.state && later > 0 {
-                let (before, after) =
-                    (rows(&self.hidden, self.groups, hidden), rows(&self.deltas, row + self.groups, units));
+                let (before, after) = (
+                    rows(&self.hidden, self.groups, hidden),
+                    rows(&self.deltas, row + self.groups, units),
+                );
                 outer(&mut from_state[column..], stride, before, after, later);
             }
         }
@@ -304,7 +343,14 @@ fn rows<T>(table: &ChunkTable<T>, from: usize, count: usize) -> TableRows<'_, T>
 }
 
 /// `out[c][r] = from[r][c]`.
-fn transpose<T: Real>(from: &[T], stride: usize, rows: usize, columns: usize, out: &mut [T], out_stride: usize) {
+fn transpose<T: Real>(
+    from: &[T],
+    stride: usize,
+    rows: usize,
+    columns: usize,
+    out: &mut [T],
+    out_stride: usize,
+) {
     for r in 0..rows {
         for c in 0..columns {
             out[c * out_stride + r] = from[r * stride + c];

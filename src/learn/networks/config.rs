@@ -11,7 +11,9 @@ fn is_one(value: &usize) -> bool {
 }
 
 /// Which rows of a window the loss counts.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum Loss {
     /// Every row: the network is trained to answer from its first step after a reset, as in use.
@@ -22,26 +24,30 @@ pub enum Loss {
 }
 
 /// What moves the weights.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum Optimiser {
     /// Steps on batches of windows (Kingma & Ba 2015).
     #[default]
     Adam,
-    /// Steps on all windows at once, an epoch each, by limited-memory BFGS (Liu & Nocedal 1989). `batch`, `learning_rate`,
-    /// `decay_patience`, `decay` and `stop_check_updates` have no meaning for it.
+    /// Steps on all windows at once, an epoch each, by limited-memory BFGS (Liu & Nocedal 1989).
+    /// `batch`, `learning_rate`, `decay_patience`, `decay` and `stop_check_updates` have no meaning
+    /// for it.
     Lbfgs,
 }
 
-/// How a network is made and trained. Unknown keys are refused; missing ones take the values of [`Default`].
+/// How a network is made and trained. Unknown keys are refused; missing ones take the values of
+/// [`Default`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct NetworkConfig {
     /// Kind of the hidden layer (paper: `elman`).
     #[serde(skip_serializing_if = "is_default")]
     pub kind: NetworkKind,
-    /// Rows of inputs that the network sees at a step: this row and those before it. Nothing: 4 for `feed_forward`, 1 for the
-    /// other kinds.
+    /// Rows of inputs that the network sees at a step: this row and those before it. Nothing: 4 for
+    /// `feed_forward`, 1 for the other kinds.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub history: Option<usize>,
     /// Networks that are trained from different random weights; the answer is their mean.
@@ -52,32 +58,39 @@ pub struct NetworkConfig {
     pub optimiser: Optimiser,
     /// Hidden units (paper: 30).
     pub hidden: usize,
-    /// Consecutive rows through which errors are propagated back. With 1 the recurrent weights are never used.
+    /// Consecutive rows through which errors are propagated back. With 1 the recurrent weights are
+    /// never used.
     pub window: usize,
-    /// Rows from the start of one window to the start of the next; the first start is drawn anew in every epoch.
+    /// Rows from the start of one window to the start of the next; the first start is drawn anew in
+    /// every epoch.
     pub stride: usize,
     /// Rows of a window that the loss counts.
     pub loss: Loss,
     /// Share of the rows that are trained on; the rest validates (paper: 0.7).
     pub train_share: f64,
-    /// Contiguous blocks into which the rows are cut in time order before each is split, its first rows to training
-    /// and its last to validation. 1: the first 70 % and the last 30 % of the recording.
+    /// Contiguous blocks into which the rows are cut in time order before each is split, its first
+    /// rows to training and its last to validation. 1: the first 70 % and the last 30 % of the
+    /// recording.
     pub split_blocks: usize,
     /// Windows per step of the optimiser.
     pub batch: usize,
     /// Adam's first learning rate.
     pub learning_rate: f64,
-    /// Epochs without a better validation error after which the learning rate is multiplied by `decay`.
+    /// Epochs without a better validation error after which the learning rate is multiplied by
+    /// `decay`.
     pub decay_patience: usize,
     /// Factor on the learning rate.
     pub decay: f64,
-    /// Epochs without a better validation error after which training stops; the best weights are kept.
+    /// Epochs without a better validation error after which training stops; the best weights are
+    /// kept.
     pub patience: usize,
     /// Most epochs.
     pub max_epochs: usize,
-    /// Stop as soon as the validation error (mean absolute, in the outputs' unit) is this small: `training: paper`.
+    /// Stop as soon as the validation error (mean absolute, in the outputs' unit) is this small:
+    /// `training: paper`.
     pub stop_at_validation_mae_m: Option<f64>,
-    /// Optimiser steps between evaluations of the validation error when `stop_at_validation_mae_m` is set.
+    /// Optimiser steps between evaluations of the validation error when `stop_at_validation_mae_m`
+    /// is set.
     pub stop_check_updates: usize,
 }
 
@@ -113,7 +126,8 @@ impl NetworkConfig {
         self.history.unwrap_or(self.kind.default_history())
     }
 
-    /// Checks that `rows` rows, with recordings that begin at `sequences`, suffice for training and validation.
+    /// Checks that `rows` rows, with recordings that begin at `sequences`, suffice for training and
+    /// validation.
     ///
     /// # Errors
     /// [`LearnError::TooFewRows`], or [`LearnError::Sequences`] for starts that do not increase.
@@ -153,7 +167,13 @@ impl NetworkConfig {
             ("train_share", self.train_share, 0.05, 0.95, "0.05 to 0.95"),
             ("learning_rate", self.learning_rate, 1e-8, 1.0, "1e-8 to 1"),
             ("decay", self.decay, 0.01, 1.0, "0.01 to 1"),
-            ("stop_at_validation_mae_m", self.stop_at_validation_mae_m.unwrap_or(1.0), 1e-300, 1e300, "above 0"),
+            (
+                "stop_at_validation_mae_m",
+                self.stop_at_validation_mae_m.unwrap_or(1.0),
+                1e-300,
+                1e300,
+                "above 0",
+            ),
         ];
         ranges.into_iter().try_for_each(|(key, found, low, high, expected)| {
             LearnError::unless_setting(found >= low && found <= high, key, found, expected)

@@ -17,8 +17,13 @@ pub(super) struct FullBatch {
 }
 
 impl FullBatch {
-    pub(super) fn new(start: &Weights<f32>, samples: &TrainingSamples, config: &NetworkConfig) -> Self {
-        let double = |values: &[f32]| values.iter().map(|value| f64::from(*value)).collect::<Vec<f64>>();
+    pub(super) fn new(
+        start: &Weights<f32>,
+        samples: &TrainingSamples,
+        config: &NetworkConfig,
+    ) -> Self {
+        let double =
+            |values: &[f32]| values.iter().map(|value| f64::from(*value)).collect::<Vec<f64>>();
         // A line search needs the same function at every step: no random offset of windows.
         let windows = samples.split.windows(config.window, config.stride, 0);
         let mut batch = SequenceBatch::new(start.sizes, config.window, windows.len(), config.loss);
@@ -34,7 +39,12 @@ impl FullBatch {
 
 impl Epochs for FullBatch {
     /// Ends when no step makes the loss smaller.
-    fn epoch(&mut self, session: &mut Session, epoch: usize, _: f64) -> Result<EpochEnd, LearnError> {
+    fn epoch(
+        &mut self,
+        session: &mut Session,
+        epoch: usize,
+        _: f64,
+    ) -> Result<EpochEnd, LearnError> {
         let FullBatch { batch, weights, gradient, search } = self;
         let moved = search.step(&mut |at: &[f64], slope: &mut [f64]| {
             weights.values.copy_from_slice(at);

@@ -1,4 +1,5 @@
-//! The last rows of inputs, side by side. Before a sequence's first row stands that row itself: a robot at rest.
+//! The last rows of inputs, side by side. Before a sequence's first row stands that row itself: a
+//! robot at rest.
 
 /// Rows of standardised inputs, the newest first.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,7 +4,8 @@ use super::kinds::{HiddenUnit, MAX_SUMS};
 use super::weights::{Sizes, Weights};
 use crate::math::vectorised;
 
-/// The hidden units' values and memories between two steps, all zero after a reset; and room for the units' sums.
+/// The hidden units' values and memories between two steps, all zero after a reset; and room for
+/// the units' sums.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct MemberState {
     values: Vec<f32>,
@@ -15,7 +16,11 @@ pub(super) struct MemberState {
 impl MemberState {
     pub(super) fn new(sizes: Sizes) -> Self {
         let units = sizes.units();
-        MemberState { values: vec![0.0; units], memories: vec![0.0; units], sums: vec![0.0; sizes.row_len()] }
+        MemberState {
+            values: vec![0.0; units],
+            memories: vec![0.0; units],
+            sums: vec![0.0; sizes.row_len()],
+        }
     }
 
     pub(super) fn reset(&mut self) {
@@ -31,7 +36,8 @@ impl MemberState {
         out: &mut [f32],
     ) {
         let Sizes { hidden, .. } = weights.sizes;
-        let (units, ports, stride) = (weights.sizes.units(), weights.sizes.ports(), weights.sizes.row_len());
+        let (units, ports, stride) =
+            (weights.sizes.units(), weights.sizes.ports(), weights.sizes.row_len());
         let remembers = C::SUMS.iter().any(|block| block.state);
         vectorised!({
             let [from_inputs, from_state, bias] = weights.hidden();
@@ -50,7 +56,11 @@ impl MemberState {
                 std::array::from_fn(|block| sums.get(block * units..(block + 1) * units).unwrap_or(&sums[..units]));
             let (values, memories) = (&mut values[..units], &mut memories[..units]);
             for u in 0..units {
-                let after = C::forward(&std::array::from_fn(|block| sums[block][u]), values[u], memories[u]);
+                let after = C::forward(
+                    &std::array::from_fn(|block| sums[block][u]),
+                    values[u],
+                    memories[u],
+                );
                 (values[u], memories[u]) = (after.value, after.memory);
             }
             let (from_hidden, bias) = weights.output().split_at(hidden * ports);

@@ -30,7 +30,12 @@ impl MiniBatches {
 
 impl Epochs for MiniBatches {
     /// Ends early once the validation error is as small as the settings ask for.
-    fn epoch(&mut self, session: &mut Session, epoch: usize, rate: f64) -> Result<EpochEnd, LearnError> {
+    fn epoch(
+        &mut self,
+        session: &mut Session,
+        epoch: usize,
+        rate: f64,
+    ) -> Result<EpochEnd, LearnError> {
         let config = session.config;
         let mut rng = session.seed.child("epochs").index(epoch as u64).rng();
         // Another offset in each epoch: every row stands at every place of a window in time.
@@ -38,7 +43,11 @@ impl Epochs for MiniBatches {
         let mut windows = session.samples.split.windows(config.window, config.stride, offset);
         windows.shuffle(&mut rng);
         let mut sum = 0.0;
-        let end = |sum: f64, stopped| EpochEnd { training_loss: sum / windows.len() as f64, rate, stopped };
+        let end = |sum: f64, stopped| EpochEnd {
+            training_loss: sum / windows.len() as f64,
+            rate,
+            stopped,
+        };
         for starts in windows.chunks(config.batch) {
             interruption_point();
             self.batch.load(&session.samples.inputs, &session.samples.targets, starts);
@@ -51,7 +60,10 @@ impl Epochs for MiniBatches {
             self.adam.step(&mut session.weights().values, &self.gradient.values, rate);
             session.updates += 1;
             let has_target = config.stop_at_validation_mae_m.is_some();
-            if has_target && session.updates.is_multiple_of(config.stop_check_updates) && session.reaches()? {
+            if has_target
+                && session.updates.is_multiple_of(config.stop_check_updates)
+                && session.reaches()?
+            {
                 return Ok(end(sum, Some(Stopped::Reached)));
             }
         }

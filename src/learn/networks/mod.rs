@@ -1,5 +1,6 @@
-//! Networks (paper IV-A), used step by step in closed loop. `kinds/` has the formulas of one hidden unit, Elman's, which is the
-//! paper's, and others; `batch.rs` back-propagates them through time, `session.rs` trains, and `member.rs` takes a step.
+//! Networks (paper IV-A), used step by step in closed loop. `kinds/` has the formulas of one hidden
+//! unit, Elman's, which is the paper's, and others; `batch.rs` back-propagates them through time,
+//! `session.rs` trains, and `member.rs` takes a step.
 
 mod adam;
 mod batch;

@@ -10,8 +10,9 @@ use crate::base::Rows;
 use crate::learn::standardise::check_finite;
 use crate::learn::{LearnError, Standardiser, exact};
 
-/// A network of one hidden layer with a linear output layer (the paper's is Elman's: IV-A, eqs 17 and 21), or the mean of
-/// several such networks, its members. Inputs and outputs are in their own units; standardising is inside.
+/// A network of one hidden layer with a linear output layer (the paper's is Elman's: IV-A, eqs 17
+/// and 21), or the mean of several such networks, its members. Inputs and outputs are in their own
+/// units; standardising is inside.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "StoredNetwork", into = "StoredNetwork")]
 pub struct Network {
@@ -82,7 +83,12 @@ impl Network {
     ///
     /// # Errors
     /// Wrong widths, or an input that is not finite (the state is then left as it was).
-    pub fn step(&self, state: &mut NetworkState, input: &[f64], out: &mut [f64]) -> Result<(), LearnError> {
+    pub fn step(
+        &self,
+        state: &mut NetworkState,
+        input: &[f64],
+        out: &mut [f64],
+    ) -> Result<(), LearnError> {
         let sums = state.members.first().map_or(0, |member| member.sums.len());
         LearnError::unless_shape("columns of a query", input.len(), self.inputs())?;
         LearnError::unless_shape("columns of an answer", out.len(), self.outputs())?;
@@ -111,8 +117,8 @@ impl Network {
         out.iter_mut().enumerate().for_each(|(o, out)| *out = self.outputs.invert(o, *out * share));
     }
 
-    /// Outputs row by row, as [`Network::step`] gives them when the state is reset at the rows in `sequences`
-    /// (increasing; the first row always begins a sequence).
+    /// Outputs row by row, as [`Network::step`] gives them when the state is reset at the rows in
+    /// `sequences` (increasing; the first row always begins a sequence).
     ///
     /// # Errors
     /// Another width, numbers that are not finite, start rows out of order.
@@ -135,7 +141,8 @@ impl Network {
     }
 }
 
-/// Stored form of a network. Text that was written before there were kinds lacks the fields with a default.
+/// Stored form of a network. Text that was written before there were kinds lacks the fields with a
+/// default.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct StoredNetwork {

@@ -17,13 +17,27 @@ pub(super) struct TrainingSamples {
 }
 
 impl TrainingSamples {
-    pub(super) fn new(network: &Network, inputs: &Rows, outputs: &Rows, sequences: &[usize], split: Split) -> Self {
-        let pick = |rows: &Rows, run: &std::ops::Range<usize>| rows.select(&run.clone().collect::<Vec<_>>());
+    pub(super) fn new(
+        network: &Network,
+        inputs: &Rows,
+        outputs: &Rows,
+        sequences: &[usize],
+        split: Split,
+    ) -> Self {
+        let pick = |rows: &Rows, run: &std::ops::Range<usize>| {
+            rows.select(&run.clone().collect::<Vec<_>>())
+        };
         let targets = outputs.values().iter().enumerate();
         TrainingSamples {
             inputs: with_history(network, inputs, sequences),
-            targets: targets.map(|(i, v)| network.outputs.apply(i % outputs.width(), *v) as f32).collect(),
-            held_out: split.validate.iter().map(|run| (pick(inputs, run), pick(outputs, run))).collect(),
+            targets: targets
+                .map(|(i, v)| network.outputs.apply(i % outputs.width(), *v) as f32)
+                .collect(),
+            held_out: split
+                .validate
+                .iter()
+                .map(|run| (pick(inputs, run), pick(outputs, run)))
+                .collect(),
             split,
         }
     }
@@ -33,7 +47,12 @@ impl TrainingSamples {
         let (mut sum, mut count) = (0.0, 0);
         for (inputs, outputs) in &self.held_out {
             let answers = network.predict_rows(inputs, &[])?;
-            sum += answers.values().iter().zip(outputs.values()).map(|(a, b)| (a - b).abs()).sum::<f64>();
+            sum += answers
+                .values()
+                .iter()
+                .zip(outputs.values())
+                .map(|(a, b)| (a - b).abs())
+                .sum::<f64>();
             count += outputs.values().len();
         }
         Ok(sum / f64::from(u32::try_from(count).unwrap_or(u32::MAX)))
@@ -49,7 +68,9 @@ fn with_history(network: &Network, inputs: &Rows, sequences: &[usize]) -> Vec<f3
         if starts.next_if_eq(&index).is_some() {
             history.reset();
         }
-        table.extend_from_slice(history.push(row.iter().enumerate().map(|(i, v)| network.inputs.apply(i, *v) as f32)));
+        table.extend_from_slice(
+            history.push(row.iter().enumerate().map(|(i, v)| network.inputs.apply(i, *v) as f32)),
+        );
     }
     table
 }

@@ -22,7 +22,12 @@ pub(super) struct EpochEnd {
 /// One pass of an optimiser over the windows.
 pub(super) trait Epochs {
     /// Moves the session's weights.
-    fn epoch(&mut self, session: &mut Session, epoch: usize, rate: f64) -> Result<EpochEnd, LearnError>;
+    fn epoch(
+        &mut self,
+        session: &mut Session,
+        epoch: usize,
+        rate: f64,
+    ) -> Result<EpochEnd, LearnError>;
 }
 
 /// State of a running training.
@@ -40,7 +45,12 @@ pub(super) struct Session<'a> {
 }
 
 impl<'a> Session<'a> {
-    pub(super) fn new(start: Network, samples: &'a TrainingSamples, config: &'a NetworkConfig, seed: Seed) -> Self {
+    pub(super) fn new(
+        start: Network,
+        samples: &'a TrainingSamples,
+        config: &'a NetworkConfig,
+        seed: Seed,
+    ) -> Self {
         let best = start.members[0].clone();
         let (best_mae, best_epoch, updates) = (f64::INFINITY, 0, 0);
         Session { network: start, samples, config, seed, best, best_mae, best_epoch, updates }
@@ -54,7 +64,9 @@ impl<'a> Session<'a> {
     pub(super) fn run(mut self) -> Result<Trained, LearnError> {
         let mut optimiser: Box<dyn Epochs> = match self.config.optimiser {
             Optimiser::Adam => Box::new(MiniBatches::new(self.network.sizes, self.config)),
-            Optimiser::Lbfgs => Box::new(FullBatch::new(&self.network.members[0], self.samples, self.config)),
+            Optimiser::Lbfgs => {
+                Box::new(FullBatch::new(&self.network.members[0], self.samples, self.config))
+            }
         };
         let mut history = Vec::new();
         let mut rate = self.config.learning_rate;
@@ -73,8 +85,8 @@ impl<'a> Session<'a> {
             if let Some(stopped) = end.stopped {
                 return Ok(self.finish(history, stopped));
             }
-            // The rate decays on a plateau, counted anew after each decay; training ends on the epochs
-            // since the best one, which a decay does not reset.
+            // The rate decays on a plateau, counted anew after each decay; training ends on the
+            // epochs since the best one, which a decay does not reset.
             epochs_on_plateau = if better { 0 } else { epochs_on_plateau + 1 };
             if epochs_on_plateau >= self.config.decay_patience {
                 (rate, epochs_on_plateau) = (rate * self.config.decay, 0);

@@ -1,4 +1,5 @@
-//! The three small matrix products behind a network, with the batch as the vector axis: a chunk is sixteen samples.
+//! The three small matrix products behind a network, with the batch as the vector axis: a chunk is
+//! sixteen samples.
 
 use crate::learn::simd::Real;
 
@@ -8,7 +9,8 @@ pub(super) const LANES: usize = 16;
 /// Sixteen samples of one quantity.
 pub(super) type Chunk<T> = [T; LANES];
 
-/// A table of chunks: row `r` (a unit or an input) holds `width` chunks (times and groups of samples).
+/// A table of chunks: row `r` (a unit or an input) holds `width` chunks (times and groups of
+/// samples).
 #[derive(Clone, Debug)]
 pub(super) struct ChunkTable<T> {
     pub(super) width: usize,
@@ -26,7 +28,8 @@ impl<T: Real> ChunkTable<T> {
     }
 }
 
-/// `acc[u] += Σ_r weights[r][first + u] · table[r][at]` for `U` units; `weights` has rows of `stride` numbers.
+/// `acc[u] += Σ_r weights[r][first + u] · table[r][at]` for `U` units; `weights` has rows of
+/// `stride` numbers.
 #[inline(always)]
 pub(super) fn accumulate<T: Real, const U: usize>(
     acc: &mut [Chunk<T>; U],
@@ -38,7 +41,9 @@ pub(super) fn accumulate<T: Real, const U: usize>(
     rows: usize,
 ) {
     let columns = table.chunks.get(at..).unwrap_or_default();
-    for (weights, x) in weights.chunks_exact(stride).zip(columns.iter().step_by(table.width)).take(rows) {
+    for (weights, x) in
+        weights.chunks_exact(stride).zip(columns.iter().step_by(table.width)).take(rows)
+    {
         let Some(w) = weights.get(first..).and_then(|w| w.first_chunk::<U>()) else { return };
         for u in 0..U {
             for lane in 0..LANES {
@@ -48,7 +53,8 @@ pub(super) fn accumulate<T: Real, const U: usize>(
     }
 }
 
-/// Rows of a table, each from chunk `from` on. `from` may lie beyond a row's chunks: the rows that follow are then meant.
+/// Rows of a table, each from chunk `from` on. `from` may lie beyond a row's chunks: the rows that
+/// follow are then meant.
 #[derive(Clone, Copy)]
 pub(super) struct TableRows<'a, T> {
     pub(super) table: &'a ChunkTable<T>,
@@ -56,10 +62,16 @@ pub(super) struct TableRows<'a, T> {
     pub(super) count: usize,
 }
 
-/// `out[r][u] += Σ_l a[r][l] · b[u][l]` over all lanes of `len` chunks, for the rows of `a` and of `b`; `out` has rows of
-/// `stride` numbers.
+/// `out[r][u] += Σ_l a[r][l] · b[u][l]` over all lanes of `len` chunks, for the rows of `a` and of
+/// `b`; `out` has rows of `stride` numbers.
 #[inline(always)]
-pub(super) fn outer<T: Real>(out: &mut [T], stride: usize, a: TableRows<T>, b: TableRows<T>, len: usize) {
+pub(super) fn outer<T: Real>(
+    out: &mut [T],
+    stride: usize,
+    a: TableRows<T>,
+    b: TableRows<T>,
+    len: usize,
+) {
     let mut r = 0;
     while r + 3 <= a.count {
         outer_rows::<T, 3>(out, stride, a, r, b, len);
@@ -81,7 +93,8 @@ fn outer_rows<T: Real, const R: usize>(
     b: TableRows<T>,
     len: usize,
 ) {
-    let lines: [&[Chunk<T>]; R] = std::array::from_fn(|r| &a.table.row(row + r)[a.from..a.from + len]);
+    let lines: [&[Chunk<T>]; R] =
+        std::array::from_fn(|r| &a.table.row(row + r)[a.from..a.from + len]);
     for u in (0..b.count).step_by(2) {
         let left = &b.table.chunks[u * b.table.width + b.from..][..len];
         let right = &b.table.chunks[(u + 1) * b.table.width + b.from..][..len];

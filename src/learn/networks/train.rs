@@ -48,8 +48,8 @@ pub struct Trained {
     pub epochs: usize,
     /// Steps of the optimiser.
     pub updates: usize,
-    /// Best mean absolute error on the validation rows, over rows and outputs, in the outputs' unit, with the state
-    /// carried through each run of validation rows as it is in use.
+    /// Best mean absolute error on the validation rows, over rows and outputs, in the outputs'
+    /// unit, with the state carried through each run of validation rows as it is in use.
     #[serde(with = "exact::decimal")]
     pub validation_mae: f64,
     /// Why it ended.
@@ -59,13 +59,14 @@ pub struct Trained {
 }
 
 impl Network {
-    /// Trains a network from random weights on `inputs` → `outputs` (one row per sample, in time order). `sequences`
-    /// holds the first rows of the recordings that follow one another in the tables (empty: one recording); no
-    /// window crosses such a row. The same seed gives the same bits.
+    /// Trains a network from random weights on `inputs` → `outputs` (one row per sample, in time
+    /// order). `sequences` holds the first rows of the recordings that follow one another in the
+    /// tables (empty: one recording); no window crosses such a row. The same seed gives the same
+    /// bits.
     ///
     /// # Errors
-    /// Numbers that are not finite, too few rows for a window and a validation, bad sequences, settings out of range,
-    /// a loss that is not finite.
+    /// Numbers that are not finite, too few rows for a window and a validation, bad sequences,
+    /// settings out of range, a loss that is not finite.
     pub fn train(
         inputs: &Rows,
         outputs: &Rows,
@@ -79,7 +80,8 @@ impl Network {
         // Validation rows must not decide the standardising either.
         let rows = split.training_rows();
         let (kind, history, hidden) = (config.kind, config.history(), config.hidden);
-        let sizes = Sizes { kind, inputs: inputs.width() * history, hidden, outputs: outputs.width() };
+        let sizes =
+            Sizes { kind, inputs: inputs.width() * history, hidden, outputs: outputs.width() };
         let random = |member| Weights::random(sizes, member_seed(seed, member).child("weights"));
         let start = Network {
             sizes,
@@ -93,8 +95,9 @@ impl Network {
         start.train_members(&samples, config, seed)
     }
 
-    /// Trains on from this network's weights on other samples (the paper's policy B retrains that of policy A). The
-    /// network keeps its kind, its sizes, its members and its standardising; otherwise as [`Network::train`].
+    /// Trains on from this network's weights on other samples (the paper's policy B retrains that
+    /// of policy A). The network keeps its kind, its sizes, its members and its standardising;
+    /// otherwise as [`Network::train`].
     ///
     /// # Errors
     /// As [`Network::train`]; [`LearnError::Shape`] for tables of other widths.
@@ -126,7 +129,8 @@ impl Network {
         let mut all: Option<Trained> = None;
         for (number, member) in self.members.iter().enumerate() {
             let alone = Network { members: vec![member.clone()], ..self.clone() };
-            let mut trained = Session::new(alone, samples, config, member_seed(seed, number)).run()?;
+            let mut trained =
+                Session::new(alone, samples, config, member_seed(seed, number)).run()?;
             all = Some(match all {
                 None => trained,
                 Some(mut all) => {
@@ -140,7 +144,11 @@ impl Network {
                 }
             });
         }
-        all.ok_or_else(|| LearnError::Setting { key: "members", found: "0".to_owned(), expected: "1 to 100" })
+        all.ok_or_else(|| LearnError::Setting {
+            key: "members",
+            found: "0".to_owned(),
+            expected: "1 to 100",
+        })
     }
 }
 

@@ -6,7 +6,8 @@ use super::kinds::NetworkKind;
 use crate::base::Seed;
 use crate::learn::simd::Real;
 
-/// Units are computed this many at a time, so their number is rounded up; the extra ones stay at zero.
+/// Units are computed this many at a time, so their number is rounded up; the extra ones stay at
+/// zero.
 pub(super) const TILE: usize = 8;
 
 /// Kind and sizes of a network.
@@ -35,13 +36,15 @@ impl Sizes {
         self.kind.weighted_sums().len() * self.units()
     }
 
-    /// Numbers of the hidden layer: `inputs` rows of input weights, `hidden` rows of recurrent weights and a row of
-    /// biases, each `sums` wide. Weights of what a block does not see stay at zero.
+    /// Numbers of the hidden layer: `inputs` rows of input weights, `hidden` rows of recurrent
+    /// weights and a row of biases, each `sums` wide. Weights of what a block does not see stay at
+    /// zero.
     pub(super) fn hidden_len(&self) -> usize {
         (self.inputs + self.hidden + 1) * self.row_len()
     }
 
-    /// Numbers of both layers; the output layer has `hidden` rows of weights and a row of biases, `ports` wide.
+    /// Numbers of both layers; the output layer has `hidden` rows of weights and a row of biases,
+    /// `ports` wide.
     pub(super) fn len(&self) -> usize {
         self.hidden_len() + (self.hidden + 1) * self.ports()
     }
@@ -49,11 +52,16 @@ impl Sizes {
     /// Whether row `row` of the hidden layer is seen by block `block`.
     fn connects(&self, row: usize, block: usize) -> bool {
         let block = self.kind.weighted_sums()[block];
-        if row < self.inputs { block.inputs } else { row == self.inputs + self.hidden || block.state }
+        if row < self.inputs {
+            block.inputs
+        } else {
+            row == self.inputs + self.hidden || block.state
+        }
     }
 }
 
-/// Weights of the hidden and of the linear output layer `y = W_o h + c`, or a gradient with respect to them.
+/// Weights of the hidden and of the linear output layer `y = W_o h + c`, or a gradient with respect
+/// to them.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Weights<T> {
     pub(super) sizes: Sizes,
@@ -74,20 +82,24 @@ impl<T: Real> Weights<T> {
         for (row, values) in hidden.chunks_exact_mut(sizes.row_len()).enumerate() {
             for (block, values) in values.chunks_exact_mut(sizes.units()).enumerate() {
                 if sizes.connects(row, block) {
-                    values[..sizes.hidden].iter_mut().for_each(|w| *w = T::of(rng.random_range(-reach..reach)));
+                    values[..sizes.hidden]
+                        .iter_mut()
+                        .for_each(|w| *w = T::of(rng.random_range(-reach..reach)));
                 }
             }
         }
         for row in output.chunks_exact_mut(sizes.ports()) {
-            row[..sizes.outputs].iter_mut().for_each(|w| *w = T::of(rng.random_range(-reach..reach)));
+            row[..sizes.outputs]
+                .iter_mut()
+                .for_each(|w| *w = T::of(rng.random_range(-reach..reach)));
         }
         weights
     }
 
     /// The hidden layer's input weights, recurrent weights and biases.
     pub(super) fn hidden(&self) -> [&[T]; 3] {
-        let (from_inputs, state_and_bias) =
-            self.values[..self.sizes.hidden_len()].split_at(self.sizes.inputs * self.sizes.row_len());
+        let (from_inputs, state_and_bias) = self.values[..self.sizes.hidden_len()]
+            .split_at(self.sizes.inputs * self.sizes.row_len());
         let (from_state, bias) = state_and_bias.split_at(self.sizes.hidden * self.sizes.row_len());
         [from_inputs, from_state, bias]
     }

@@ -23,22 +23,29 @@ pub(super) fn check_sequences(sequences: &[usize], rows: usize) -> Result<(), Le
 }
 
 impl Split {
-    /// Cuts `rows` rows into `split_blocks` blocks in time order, each block's first `train_share` to training and its
-    /// rest to validation, and both at the starts of sequences.
-    pub(super) fn new(rows: usize, sequences: &[usize], config: &NetworkConfig) -> Result<Self, LearnError> {
+    /// Cuts `rows` rows into `split_blocks` blocks in time order, each block's first `train_share`
+    /// to training and its rest to validation, and both at the starts of sequences.
+    pub(super) fn new(
+        rows: usize,
+        sequences: &[usize],
+        config: &NetworkConfig,
+    ) -> Result<Self, LearnError> {
         check_sequences(sequences, rows)?;
         let mut split = Split::default();
         for block in 0..config.split_blocks {
-            let (from, to) = (block * rows / config.split_blocks, (block + 1) * rows / config.split_blocks);
+            let (from, to) =
+                (block * rows / config.split_blocks, (block + 1) * rows / config.split_blocks);
             let middle = from + ((to - from) as f64 * config.train_share).round() as usize;
             split.train.extend(cut(from..middle, sequences));
             split.validate.extend(cut(middle..to, sequences));
         }
-        let windows: usize = split.train.iter().map(|run| (run.len() + 1).saturating_sub(config.window)).sum();
+        let windows: usize =
+            split.train.iter().map(|run| (run.len() + 1).saturating_sub(config.window)).sum();
         let validation_rows: usize = split.validate.iter().map(ExactSizeIterator::len).sum();
         if windows == 0 || validation_rows == 0 {
             let why = "a window of training rows within one sequence and a row to validate on";
-            let needed = ((config.window as f64 / config.train_share).ceil() as usize + 1) * config.split_blocks;
+            let needed = ((config.window as f64 / config.train_share).ceil() as usize + 1)
+                * config.split_blocks;
             return Err(LearnError::TooFewRows { found: rows, needed, why });
         }
         Ok(split)
@@ -88,7 +95,13 @@ mod tests {
     #[test]
     fn bad_sequences_are_named() {
         let config = NetworkConfig::default();
-        assert_eq!(Split::new(50, &[0, 30, 30], &config), Err(LearnError::Sequences { place: 2, found: 30, rows: 50 }));
-        assert!(matches!(Split::new(10, &[], &config), Err(LearnError::TooFewRows { found: 10, .. })));
+        assert_eq!(
+            Split::new(50, &[0, 30, 30], &config),
+            Err(LearnError::Sequences { place: 2, found: 30, rows: 50 })
+        );
+        assert!(matches!(
+            Split::new(10, &[], &config),
+            Err(LearnError::TooFewRows { found: 10, .. })
+        ));
     }
 }

@@ -1,4 +1,5 @@
-//! The graph of a model file: its operators, constants, input and output (message numbers of `onnx.proto`).
+//! The graph of a model file: its operators, constants, input and output (message numbers of
+//! `onnx.proto`).
 
 use std::collections::BTreeMap;
 
@@ -55,7 +56,10 @@ pub(super) struct OnnxGraph {
 /// Reads the graph of a model.
 pub(super) fn read(bytes: &[u8]) -> Result<OnnxGraph, OnnxError> {
     let model = fields(bytes)?;
-    let graph = model.iter().find(|(number, _)| *number == 7).ok_or(OnnxError::NotOnnx("it has no graph"))?;
+    let graph = model
+        .iter()
+        .find(|(number, _)| *number == 7)
+        .ok_or(OnnxError::NotOnnx("it has no graph"))?;
     let mut read = OnnxGraph::default();
     for (number, value) in fields(graph.1.bytes()?)? {
         match number {
@@ -119,7 +123,11 @@ fn tensor(bytes: &[u8]) -> Result<(String, Tensor), OnnxError> {
             8 => name = value.text()?,
             9 => raw = Some(value.bytes()?),
             10 => values.extend(value.doubles()?),
-            13 | 14 => return Err(OnnxError::NotOnnx("its weights lie in another file; export them into the model")),
+            13 | 14 => {
+                return Err(OnnxError::NotOnnx(
+                    "its weights lie in another file; export them into the model",
+                ));
+            }
             _ => {}
         }
     }
@@ -133,7 +141,8 @@ fn tensor(bytes: &[u8]) -> Result<(String, Tensor), OnnxError> {
         values = of_raw(raw);
     }
     let dims = dims.into_iter().map(|dim| usize::try_from(dim).unwrap_or(0)).collect();
-    let tensor = Tensor::new(dims, values).ok_or(OnnxError::NotOnnx("a constant of another size than its shape"))?;
+    let tensor = Tensor::new(dims, values)
+        .ok_or(OnnxError::NotOnnx("a constant of another size than its shape"))?;
     Ok((name, tensor))
 }
 
@@ -144,12 +153,22 @@ fn end(bytes: &[u8]) -> Result<GraphEnd, OnnxError> {
             1 => read.name = value.text()?,
             // ValueInfo.type, Type.tensor_type, Tensor.shape, Shape.dim, Dimension.dim_value.
             2 => {
-                for (_, tensor) in fields(value.bytes()?)?.into_iter().filter(|(number, _)| *number == 1) {
-                    for (_, shape) in fields(tensor.bytes()?)?.into_iter().filter(|(number, _)| *number == 2) {
-                        for (_, dim) in fields(shape.bytes()?)?.into_iter().filter(|(number, _)| *number == 1) {
-                            let value = fields(dim.bytes()?)?.into_iter().find(|(number, _)| *number == 1);
+                for (_, tensor) in
+                    fields(value.bytes()?)?.into_iter().filter(|(number, _)| *number == 1)
+                {
+                    for (_, shape) in
+                        fields(tensor.bytes()?)?.into_iter().filter(|(number, _)| *number == 2)
+                    {
+                        for (_, dim) in
+                            fields(shape.bytes()?)?.into_iter().filter(|(number, _)| *number == 1)
+                        {
+                            let value =
+                                fields(dim.bytes()?)?.into_iter().find(|(number, _)| *number == 1);
                             let size = value.map(|(_, size)| size.number()).transpose()?;
-                            read.dims.push(size.and_then(|size| usize::try_from(size).ok()).filter(|size| *size > 0));
+                            read.dims.push(
+                                size.and_then(|size| usize::try_from(size).ok())
+                                    .filter(|size| *size > 0),
+                            );
                         }
                     }
                 }

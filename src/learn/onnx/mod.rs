@@ -1,5 +1,6 @@
-//! Feed-forward networks from ONNX files (<https://onnx.ai/onnx/repo-docs/IR.html>): read, checked and evaluated in double
-//! precision. Operators are those of the standard, restricted to what policies are made of ([`OPERATORS`]).
+//! Feed-forward networks from ONNX files (<https://onnx.ai/onnx/repo-docs/IR.html>): read, checked
+//! and evaluated in double precision. Operators are those of the standard, restricted to what
+//! policies are made of ([`OPERATORS`]).
 
 mod graph;
 mod network;

@@ -54,7 +54,11 @@ pub(super) fn apply(node: &OnnxNode, inputs: &[Option<&Tensor>]) -> Result<Tenso
         "Cast" | "Dropout" | "Identity" => at(0).cloned(),
         "Clip" => {
             let bound = |place: usize, key: &str, default: f64| {
-                let input = inputs.get(place).copied().flatten().and_then(|tensor| tensor.values.first().copied());
+                let input = inputs
+                    .get(place)
+                    .copied()
+                    .flatten()
+                    .and_then(|tensor| tensor.values.first().copied());
                 input.unwrap_or_else(|| node.float(key, default))
             };
             let (low, high) = (bound(1, "min", f64::NEG_INFINITY), bound(2, "max", f64::INFINITY));
@@ -71,10 +75,13 @@ pub(super) fn apply(node: &OnnxNode, inputs: &[Option<&Tensor>]) -> Result<Tenso
         }
         "Concat" => concatenated(inputs, node.integer("axis", 0), name),
         "Constant" => {
-            let tensor = node.attributes.get("value").and_then(|attribute| attribute.tensor.clone());
+            let tensor =
+                node.attributes.get("value").and_then(|attribute| attribute.tensor.clone());
             let single = || node.attributes.get("value_float").map(|attribute| attribute.float);
             let scalar = || single().map(|value| Tensor { dims: vec![], values: vec![value] });
-            tensor.or_else(scalar).ok_or_else(|| shape(name, "found no tensor of numbers".to_owned()))
+            tensor
+                .or_else(scalar)
+                .ok_or_else(|| shape(name, "found no tensor of numbers".to_owned()))
         }
         "Gemm" => gemm(node, at(0)?, at(1)?, inputs.get(2).copied().flatten()),
         "MatMul" => at(0)?.times(at(1)?, name),
@@ -155,9 +162,9 @@ fn concatenated(inputs: &[Option<&Tensor>], axis: i64, name: &str) -> Result<Ten
     let parts: Vec<&Tensor> = inputs.iter().copied().flatten().collect();
     let axes = parts.first().map_or(0, |first| first.dims.len());
     let last = i64::try_from(axes).unwrap_or(0) - 1;
-    let equal = parts
-        .iter()
-        .all(|part| part.dims.len() == axes && axes > 0 && part.dims[..axes - 1] == parts[0].dims[..axes - 1]);
+    let equal = parts.iter().all(|part| {
+        part.dims.len() == axes && axes > 0 && part.dims[..axes - 1] == parts[0].dims[..axes - 1]
+    });
     if !equal || (axis != -1 && axis != last) {
         return Err(shape(
             name,
@@ -166,7 +173,9 @@ fn concatenated(inputs: &[Option<&Tensor>], axis: i64, name: &str) -> Result<Ten
     }
     let rows: usize = parts[0].dims[..axes - 1].iter().product();
     let width = |part: &Tensor| part.dims[axes - 1];
-    let row = |row: usize| parts.iter().flat_map(move |part| part.values[row * width(part)..][..width(part)].to_vec());
+    let row = |row: usize| {
+        parts.iter().flat_map(move |part| part.values[row * width(part)..][..width(part)].to_vec())
+    };
     let values = (0..rows).flat_map(row).collect();
     let mut dims = parts[0].dims.clone();
     dims[axes - 1] = parts.iter().map(|part| width(part)).sum();
@@ -181,7 +190,11 @@ fn reshaped(input: &Tensor, requested: &[f64], name: &str) -> Result<Tensor, Onn
     let sizes: Vec<f64> = requested.iter().enumerate().map(explicit).collect();
     let explicit_count: f64 = sizes.iter().filter(|size| **size > 0.0).product();
     let inferred = input.values.len() as f64 / explicit_count;
-    let dims = sizes.iter().map(|&size| if size < 0.0 { inferred as usize } else { size as usize }).collect();
-    let wrong = || shape(name, format!("found {} numbers for the shape {sizes:?}", input.values.len()));
+    let dims = sizes
+        .iter()
+        .map(|&size| if size < 0.0 { inferred as usize } else { size as usize })
+        .collect();
+    let wrong =
+        || shape(name, format!("found {} numbers for the shape {sizes:?}", input.values.len()));
     Tensor::new(dims, input.values.clone()).ok_or_else(wrong)
 }

@@ -68,18 +68,23 @@ impl<'a> WireValue<'a> {
 
 /// Little-endian numbers of four bytes.
 pub(super) fn floats(bytes: &[u8]) -> Vec<f64> {
-    bytes.chunks_exact(4).map(|four| f64::from(f32::from_le_bytes([four[0], four[1], four[2], four[3]]))).collect()
+    bytes
+        .chunks_exact(4)
+        .map(|four| f64::from(f32::from_le_bytes([four[0], four[1], four[2], four[3]])))
+        .collect()
 }
 
 /// Little-endian numbers of eight bytes.
 pub(super) fn doubles(bytes: &[u8]) -> Vec<f64> {
-    let number = |eight: &[u8]| eight.iter().rev().fold(0_u64, |all, byte| all << 8 | u64::from(*byte));
+    let number =
+        |eight: &[u8]| eight.iter().rev().fold(0_u64, |all, byte| all << 8 | u64::from(*byte));
     bytes.chunks_exact(8).map(|eight| f64::from_bits(number(eight))).collect()
 }
 
 /// Little-endian whole numbers of eight bytes.
 pub(super) fn integers(bytes: &[u8]) -> Vec<f64> {
-    let number = |eight: &[u8]| eight.iter().rev().fold(0_u64, |all, byte| all << 8 | u64::from(*byte));
+    let number =
+        |eight: &[u8]| eight.iter().rev().fold(0_u64, |all, byte| all << 8 | u64::from(*byte));
     bytes.chunks_exact(8).map(|eight| number(eight).cast_signed() as f64).collect()
 }
 
@@ -100,7 +105,8 @@ fn varint(bytes: &mut &[u8]) -> Result<u64, OnnxError> {
 }
 
 fn take<'a>(bytes: &mut &'a [u8], count: u64) -> Result<&'a [u8], OnnxError> {
-    let count = usize::try_from(count).ok().filter(|count| *count <= bytes.len()).ok_or(TRUNCATED)?;
+    let count =
+        usize::try_from(count).ok().filter(|count| *count <= bytes.len()).ok_or(TRUNCATED)?;
     let (front, remaining) = bytes.split_at(count);
     *bytes = remaining;
     Ok(front)

@@ -17,7 +17,10 @@ impl Tensor {
     }
 
     pub(super) fn map(&self, function: impl Fn(f64) -> f64) -> Tensor {
-        Tensor { dims: self.dims.clone(), values: self.values.iter().map(|&value| function(value)).collect() }
+        Tensor {
+            dims: self.dims.clone(),
+            values: self.values.iter().map(|&value| function(value)).collect(),
+        }
     }
 
     /// Rows and columns of a matrix; a vector is one row.
@@ -25,13 +28,18 @@ impl Tensor {
         match self.dims.as_slice() {
             [columns] => Ok((1, *columns)),
             [rows, columns] => Ok((*rows, *columns)),
-            dims => Err(shape(operator, format!("found an array of {} axes, expected a matrix", dims.len()))),
+            dims => Err(shape(
+                operator,
+                format!("found an array of {} axes, expected a matrix", dims.len()),
+            )),
         }
     }
 
     pub(super) fn transposed(&self, operator: &str) -> Result<Tensor, OnnxError> {
         let (rows, columns) = self.matrix(operator)?;
-        let values = (0..columns).flat_map(|j| (0..rows).map(move |i| self.values[i * columns + j])).collect();
+        let values = (0..columns)
+            .flat_map(|j| (0..rows).map(move |i| self.values[i * columns + j]))
+            .collect();
         Ok(Tensor { dims: vec![columns, rows], values })
     }
 
@@ -70,7 +78,12 @@ impl Tensor {
                 (a, b) if a == b => dims.push(a),
                 (1, b) => dims.push(b),
                 (a, 1) => dims.push(a),
-                _ => return Err(shape(operator, format!("found shapes {:?} and {:?}", self.dims, other.dims))),
+                _ => {
+                    return Err(shape(
+                        operator,
+                        format!("found shapes {:?} and {:?}", self.dims, other.dims),
+                    ));
+                }
             }
         }
         let index_in = |source: &[usize], place: usize| {
@@ -85,7 +98,9 @@ impl Tensor {
         };
         let count: usize = dims.iter().product();
         let values = (0..count)
-            .map(|place| function(self.values[index_in(&left, place)], other.values[index_in(&right, place)]))
+            .map(|place| {
+                function(self.values[index_in(&left, place)], other.values[index_in(&right, place)])
+            })
             .collect();
         Ok(Tensor { dims, values })
     }

@@ -1,5 +1,6 @@
-//! Sequential D-optimal design for a full quadratic: each point is the one that raises the determinant of the information
-//! matrix most (Wynn 1970; Atkinson, Donev & Tobias 2007, ch. 12), which is where the fit so far is least certain.
+//! Sequential D-optimal design for a full quadratic: each point is the one that raises the
+//! determinant of the information matrix most (Wynn 1970; Atkinson, Donev & Tobias 2007, ch. 12),
+//! which is where the fit so far is least certain.
 
 use super::largest;
 use crate::base::{Rows, Seed};
@@ -11,15 +12,23 @@ pub(super) fn choose(inputs: &Rows, count: usize, _seed: Seed) -> Vec<usize> {
     let features: Vec<Vec<f64>> = inputs.iter().map(quadratic).collect();
     let size = features[0].len();
     // The inverse of the information matrix, updated by Sherman & Morrison's formula.
-    let mut inverse: Vec<Vec<f64>> =
-        (0..size).map(|a| (0..size).map(|b| if a == b { 1.0 / RIDGE } else { 0.0 }).collect()).collect();
+    let mut inverse: Vec<Vec<f64>> = (0..size)
+        .map(|a| (0..size).map(|b| if a == b { 1.0 / RIDGE } else { 0.0 }).collect())
+        .collect();
     let mut chosen: Vec<usize> = Vec::with_capacity(count);
     while chosen.len() < count {
-        let gains: Vec<f64> = features
-            .iter()
-            .enumerate()
-            .map(|(i, row)| if chosen.contains(&i) { -1.0 } else { dot(row, &times(&inverse, row)).max(0.0) })
-            .collect();
+        let gains: Vec<f64> =
+            features
+                .iter()
+                .enumerate()
+                .map(|(i, row)| {
+                    if chosen.contains(&i) {
+                        -1.0
+                    } else {
+                        dot(row, &times(&inverse, row)).max(0.0)
+                    }
+                })
+                .collect();
         // det(M + x xᵀ) = det(M) (1 + xᵀ M⁻¹ x): the largest variance gains most.
         let next = largest(&gains);
         let along = times(&inverse, &features[next]);

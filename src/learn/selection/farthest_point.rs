@@ -6,7 +6,8 @@ use crate::base::{Rows, Seed};
 /// Begins with the point nearest to the mean.
 pub(super) fn choose(inputs: &Rows, count: usize, _seed: Seed) -> Vec<usize> {
     // The inputs are standardised, so that their mean is zero.
-    let central: Vec<f64> = inputs.iter().map(|row| -row.iter().map(|x| x * x).sum::<f64>()).collect();
+    let central: Vec<f64> =
+        inputs.iter().map(|row| -row.iter().map(|x| x * x).sum::<f64>()).collect();
     let mut chosen = vec![largest(&central)];
     let mut nearest = vec![f64::INFINITY; inputs.len()];
     while chosen.len() < count {

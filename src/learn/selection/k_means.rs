@@ -1,4 +1,5 @@
-//! The points nearest to the centres of k-means: Lloyd 1982 from the starts of k-means++, Arthur & Vassilvitskii 2007.
+//! The points nearest to the centres of k-means: Lloyd 1982 from the starts of k-means++, Arthur &
+//! Vassilvitskii 2007.
 
 use rand::RngExt;
 
@@ -19,11 +20,16 @@ pub(super) fn choose(inputs: &Rows, count: usize, seed: Seed) -> Vec<usize> {
         }
         owners = nearest;
         for (k, centre) in centres.iter_mut().enumerate() {
-            let members: Vec<&[f64]> =
-                inputs.iter().zip(&owners).filter(|(_, owner)| **owner == k).map(|(row, _)| row).collect();
+            let members: Vec<&[f64]> = inputs
+                .iter()
+                .zip(&owners)
+                .filter(|(_, owner)| **owner == k)
+                .map(|(row, _)| row)
+                .collect();
             // A centre that has lost its points stays where it was.
             if !members.is_empty() {
-                let mean = |d: usize| members.iter().map(|row| row[d]).sum::<f64>() / members.len() as f64;
+                let mean =
+                    |d: usize| members.iter().map(|row| row[d]).sum::<f64>() / members.len() as f64;
                 *centre = (0..inputs.width()).map(mean).collect();
             }
         }
@@ -43,7 +49,8 @@ fn nearest_centre(row: &[f64], centres: &[Vec<f64>]) -> usize {
     (0..centres.len()).min_by(|a, b| to(a).total_cmp(&to(b))).unwrap_or(0)
 }
 
-/// Points drawn one by one with a probability in proportion to their squared distance from those drawn before.
+/// Points drawn one by one with a probability in proportion to their squared distance from those
+/// drawn before.
 fn starts(inputs: &Rows, count: usize, random: &mut Generator) -> Vec<Vec<f64>> {
     let mut centres = vec![inputs.row(random.random_range(0..inputs.len())).to_vec()];
     let mut nearest = vec![f64::INFINITY; inputs.len()];

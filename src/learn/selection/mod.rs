@@ -1,5 +1,6 @@
-//! Which of many predefined points are measured: the sparse choice of the paper (section IV-B) and others. A rule is one
-//! file and one line of `selections!`. No rule sees outputs: they are not measured yet.
+//! Which of many predefined points are measured: the sparse choice of the paper (section IV-B) and
+//! others. A rule is one file and one line of `selections!`. No rule sees outputs: they are not
+//! measured yet.
 
 use serde::{Deserialize, Serialize};
 
@@ -45,10 +46,12 @@ selections! {
 }
 
 impl Selection {
-    /// Numbers (from 0, rising) of `count` of the rows of `inputs`. Distances count in standard deviations of each column.
+    /// Numbers (from 0, rising) of `count` of the rows of `inputs`. Distances count in standard
+    /// deviations of each column.
     ///
     /// # Errors
-    /// [`LearnError::TooFewRows`] when more are asked for than there are, [`LearnError::Setting`] for none.
+    /// [`LearnError::TooFewRows`] when more are asked for than there are, [`LearnError::Setting`]
+    /// for none.
     pub fn choose(self, inputs: &Rows, count: usize, seed: Seed) -> Result<Vec<usize>, LearnError> {
         LearnError::unless_setting(count > 0, "gp_points", count, "at least 1 point")?;
         if count > inputs.len() {
@@ -87,7 +90,9 @@ mod tests {
     fn grid() -> Rows {
         let mut rows = Rows::new(2);
         for i in 0..12 {
-            (0..10).map(|j| if i % 2 == 0 { j } else { 9 - j }).for_each(|j| rows.push(&[f64::from(i), f64::from(j)]));
+            (0..10)
+                .map(|j| if i % 2 == 0 { j } else { 9 - j })
+                .for_each(|j| rows.push(&[f64::from(i), f64::from(j)]));
         }
         rows
     }
@@ -95,7 +100,11 @@ mod tests {
     /// Largest distance of a point from the nearest chosen one.
     fn gap(rows: &Rows, chosen: &[usize]) -> f64 {
         let nearest = |row: &[f64]| {
-            chosen.iter().map(|&i| squared_distance(row, rows.row(i))).fold(f64::INFINITY, f64::min).sqrt()
+            chosen
+                .iter()
+                .map(|&i| squared_distance(row, rows.row(i)))
+                .fold(f64::INFINITY, f64::min)
+                .sqrt()
         };
         rows.iter().map(nearest).fold(0.0, f64::max)
     }
@@ -107,10 +116,20 @@ mod tests {
             for count in [1, 2, 17, 119, 120] {
                 let chosen = rule.choose(&rows, count, Seed(3)).unwrap();
                 assert_eq!(chosen.len(), count, "{rule:?}");
-                assert!(chosen.windows(2).all(|pair| pair[0] < pair[1]) && chosen[count - 1] < 120, "{rule:?}");
-                assert_eq!(chosen, rule.choose(&rows, count, Seed(3)).unwrap(), "{rule:?} is repeatable");
+                assert!(
+                    chosen.windows(2).all(|pair| pair[0] < pair[1]) && chosen[count - 1] < 120,
+                    "{rule:?}"
+                );
+                assert_eq!(
+                    chosen,
+                    rule.choose(&rows, count, Seed(3)).unwrap(),
+                    "{rule:?} is repeatable"
+                );
             }
-            assert!(rule.choose(&rows, 0, Seed(3)).is_err() && rule.choose(&rows, 121, Seed(3)).is_err());
+            assert!(
+                rule.choose(&rows, 0, Seed(3)).is_err()
+                    && rule.choose(&rows, 121, Seed(3)).is_err()
+            );
         }
     }
 
@@ -127,9 +146,10 @@ mod tests {
     fn rules_that_spread_points_leave_smaller_gaps_than_chance() {
         let rows = grid();
         let of = |rule: Selection| gap(&rows, &rule.choose(&rows, 15, Seed(3)).unwrap());
-        let by_chance: f64 =
-            (0..20).map(|seed| gap(&rows, &Selection::Random.choose(&rows, 15, Seed(seed)).unwrap())).sum::<f64>()
-                / 20.0;
+        let by_chance: f64 = (0..20)
+            .map(|seed| gap(&rows, &Selection::Random.choose(&rows, 15, Seed(seed)).unwrap()))
+            .sum::<f64>()
+            / 20.0;
         for rule in [Selection::FarthestPoint, Selection::KMeans, Selection::GreatestVariance] {
             assert!(of(rule) < 0.8 * by_chance, "{rule:?}: {} by chance {by_chance}", of(rule));
         }

@@ -1,14 +1,15 @@
 //! Box-constrained BFGS for few unknowns and an expensive function.
 //!
-//! Nocedal & Wright, Numerical Optimization, 2006: Hessian approximation B by damped BFGS (procedure 18.2), each step
-//! the minimum of the quadratic model within the box (section 16.5), shortened until it decreases enough (Armijo).
-//! The gradient is evaluated only at accepted steps. B starts from
-//! the function's own estimate of its curvature where it has one.
+//! Nocedal & Wright, Numerical Optimization, 2006: Hessian approximation B by damped BFGS
+//! (procedure 18.2), each step the minimum of the quadratic model within the box (section 16.5),
+//! shortened until it decreases enough (Armijo). The gradient is evaluated only at accepted steps.
+//! B starts from the function's own estimate of its curvature where it has one.
 
 use super::quadratic::minimise_quadratic;
 use crate::base::interruption_point;
 
-/// Share of the decrease along the slope that a step must reach: the usual c₁ (Nocedal & Wright, section 3.1).
+/// Share of the decrease along the slope that a step must reach: the usual c₁ (Nocedal & Wright,
+/// section 3.1).
 const ARMIJO: f64 = 1e-4;
 /// Shortenings of a step after which no shorter one helps: converged to rounding.
 const MAX_SHORTENINGS: usize = 30;
@@ -71,7 +72,8 @@ pub fn minimise(objective: &mut dyn Objective, start: &[f64], limits: &Bfgs) -> 
     let n = start.len();
     let x: Vec<f64> = start.iter().zip(&limits.bounds).map(|(x, b)| x.clamp(b.0, b.1)).collect();
     let value = objective.value(&x);
-    let mut current = Minimum { x, value, hessian: Vec::new(), evaluations: 1, stop: Stop::BadStart };
+    let mut current =
+        Minimum { x, value, hessian: Vec::new(), evaluations: 1, stop: Stop::BadStart };
     if !value.is_finite() {
         return current;
     }
@@ -109,8 +111,9 @@ fn first_hessian(gradient: &[f64]) -> Vec<f64> {
     (0..n * n).map(|i| if i % (n + 1) == 0 { norm } else { 0.0 }).collect()
 }
 
-/// The step that minimises the quadratic model within the box and the longest step, and the decrease that the model
-/// promises for it; `None` when the approximation is no longer positive definite.
+/// The step that minimises the quadratic model within the box and the longest step, and the
+/// decrease that the model promises for it; `None` when the approximation is no longer positive
+/// definite.
 fn direction(current: &Minimum, gradient: &[f64], limits: &Bfgs) -> Option<(Vec<f64>, f64)> {
     let n = gradient.len();
     let room: Vec<(f64, f64)> = (current.x.iter().zip(&limits.bounds))
@@ -122,7 +125,8 @@ fn direction(current: &Minimum, gradient: &[f64], limits: &Bfgs) -> Option<(Vec<
     (predicted_decrease >= 0.0).then_some((step, predicted_decrease))
 }
 
-/// Shortens the step until the function decreases enough; sets `current.stop` and returns `None` otherwise.
+/// Shortens the step until the function decreases enough; sets `current.stop` and returns `None`
+/// otherwise.
 fn search(
     objective: &mut dyn Objective,
     current: &mut Minimum,
@@ -137,7 +141,9 @@ fn search(
             return None;
         }
         let x: Vec<f64> = (0..step.len())
-            .map(|i| length.mul_add(step[i], current.x[i]).clamp(limits.bounds[i].0, limits.bounds[i].1))
+            .map(|i| {
+                length.mul_add(step[i], current.x[i]).clamp(limits.bounds[i].0, limits.bounds[i].1)
+            })
             .collect();
         let slope: f64 = (0..x.len()).map(|i| gradient[i] * (x[i] - current.x[i])).sum();
         interruption_point();
@@ -146,16 +152,19 @@ fn search(
         if value <= current.value + ARMIJO * slope && slope < 0.0 {
             return Some((x, value));
         }
-        // The minimum of the parabola through both values and the slope, kept within a tenth and a half.
+        // The minimum of the parabola through both values and the slope, kept within a tenth and a
+        // half.
         let curvature = value - current.value - slope;
-        let shorter = if curvature.is_finite() && curvature > 0.0 { -0.5 * slope / curvature } else { 0.1 };
+        let shorter =
+            if curvature.is_finite() && curvature > 0.0 { -0.5 * slope / curvature } else { 0.1 };
         length *= shorter.clamp(0.1, 0.5);
     }
     current.stop = Stop::NoDecrease;
     None
 }
 
-/// Damped BFGS update of B (Nocedal & Wright, procedure 18.2); the first one rescales B to the curvature seen.
+/// Damped BFGS update of B (Nocedal & Wright, procedure 18.2); the first one rescales B to the
+/// curvature seen.
 fn update(b: &mut [f64], s: &[f64], y: &[f64], is_first: bool) {
     let n = s.len();
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
@@ -213,7 +222,8 @@ mod tests {
     #[test]
     fn stays_in_the_box() {
         // On x ≤ 0.5 the minimum is at x = 0.5, y = 0.25.
-        let found = minimise(&mut Rosenbrock([0.0; 2]), &[-1.2, 1.0], &limits([(-5.0, 0.5), (-5.0, 5.0)]));
+        let found =
+            minimise(&mut Rosenbrock([0.0; 2]), &[-1.2, 1.0], &limits([(-5.0, 0.5), (-5.0, 5.0)]));
         assert!((found.x[0] - 0.5).abs() < 1e-9 && (found.x[1] - 0.25).abs() < 1e-6, "{found:?}");
     }
 
@@ -238,6 +248,9 @@ mod tests {
         let blind = minimise(&mut Quadratic([0.0; 2], false), &[0.0, 0.5], &box_);
         assert_eq!((newton.evaluations, newton.stop), (2, Stop::Converged));
         assert!(blind.evaluations > 3 && (blind.x[1] - 2.0).abs() < 1e-6);
-        assert_eq!(minimise(&mut Quadratic([0.0; 2], true), &[f64::NAN, 0.0], &box_).stop, Stop::BadStart);
+        assert_eq!(
+            minimise(&mut Quadratic([0.0; 2], true), &[f64::NAN, 0.0], &box_).stop,
+            Stop::BadStart
+        );
     }
 }

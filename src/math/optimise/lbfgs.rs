@@ -1,5 +1,6 @@
-//! Limited-memory BFGS for many unknowns: Nocedal & Wright, Numerical Optimization, 2006, algorithms 7.4 and 7.5, with the
-//! weak Wolfe line search of Lewis & Overton, Mathematical Programming 2013, algorithm 2.6.
+//! Limited-memory BFGS for many unknowns: Nocedal & Wright, Numerical Optimization, 2006,
+//! algorithms 7.4 and 7.5, with the weak Wolfe line search of Lewis & Overton, Mathematical
+//! Programming 2013, algorithm 2.6.
 
 use std::collections::VecDeque;
 
@@ -33,7 +34,12 @@ pub struct Lbfgs {
 impl Lbfgs {
     /// A search that begins at `start`.
     pub fn new(start: Vec<f64>) -> Self {
-        Lbfgs { gradient: vec![0.0; start.len()], point: start, value: f64::NAN, pairs: VecDeque::new() }
+        Lbfgs {
+            gradient: vec![0.0; start.len()],
+            point: start,
+            value: f64::NAN,
+            pairs: VecDeque::new(),
+        }
     }
 
     /// Where it stands.
@@ -46,8 +52,8 @@ impl Lbfgs {
         self.value
     }
 
-    /// One step; `function` gives the value at a point and writes the gradient. The length of the step as a share of the full
-    /// one; `None` where no step makes the value smaller.
+    /// One step; `function` gives the value at a point and writes the gradient. The length of the
+    /// step as a share of the full one; `None` where no step makes the value smaller.
     pub fn step(&mut self, function: &mut impl FnMut(&[f64], &mut [f64]) -> f64) -> Option<f64> {
         if self.pairs.is_empty() && self.value.is_nan() {
             self.value = function(&self.point, &mut self.gradient);
@@ -84,7 +90,11 @@ impl Lbfgs {
     }
 
     /// Goes along `direction` as far as value and slope fall enough.
-    fn search(&mut self, direction: Vec<f64>, function: &mut impl FnMut(&[f64], &mut [f64]) -> f64) -> Option<f64> {
+    fn search(
+        &mut self,
+        direction: Vec<f64>,
+        function: &mut impl FnMut(&[f64], &mut [f64]) -> f64,
+    ) -> Option<f64> {
         let slope = dot(&self.gradient, &direction);
         if slope.is_nan() || slope >= 0.0 {
             return None;
@@ -109,8 +119,11 @@ impl Lbfgs {
     }
 
     fn accept(&mut self, point: Vec<f64>, gradient: Vec<f64>, value: f64) {
-        let difference = |to: &[f64], from: &[f64]| to.iter().zip(from).map(|(a, b)| a - b).collect::<Vec<f64>>();
-        let (step, change) = (difference(&point, &self.point), difference(&gradient, &self.gradient));
+        let difference = |to: &[f64], from: &[f64]| {
+            to.iter().zip(from).map(|(a, b)| a - b).collect::<Vec<f64>>()
+        };
+        let (step, change) =
+            (difference(&point, &self.point), difference(&gradient, &self.gradient));
         let curvature = dot(&step, &change);
         // Only such pairs keep the approximation positive definite.
         if curvature > 0.0 {

@@ -8,7 +8,8 @@ mod quadratic;
 pub use bfgs::{Bfgs, Minimum, Objective, Stop, minimise};
 pub use lbfgs::Lbfgs;
 
-/// Each component of the gradient at `at`: as the function gives it, and by central differences of its values.
+/// Each component of the gradient at `at`: as the function gives it, and by central differences of
+/// its values.
 #[cfg(test)]
 pub(crate) fn both_gradients(objective: &mut dyn Objective, at: &[f64]) -> Vec<[f64; 2]> {
     let mut gradient = vec![0.0; at.len()];
@@ -19,6 +20,7 @@ pub(crate) fn both_gradients(objective: &mut dyn Objective, at: &[f64]) -> Vec<[
         x[k] += by;
         objective.value(&x)
     };
-    let difference = |(k, analytic): (usize, f64)| [analytic, (moved(k, 1e-5) - moved(k, -1e-5)) / 2e-5];
+    let difference =
+        |(k, analytic): (usize, f64)| [analytic, (moved(k, 1e-5) - moved(k, -1e-5)) / 2e-5];
     gradient.into_iter().enumerate().map(difference).collect()
 }

@@ -1,8 +1,8 @@
 //! Box-constrained convex quadratic programs of few unknowns.
 
-/// The `d` within `room` that minimises `gᵀd + ½ dᵀBd`, for symmetric `b` (row-major); `None` when B is not positive
-/// definite. Active-set method (Nocedal & Wright, section 16.5): unknowns that would leave the box are fixed at its
-/// bound; those with a negative multiplier are released.
+/// The `d` within `room` that minimises `gᵀd + ½ dᵀBd`, for symmetric `b` (row-major); `None` when
+/// B is not positive definite. Active-set method (Nocedal & Wright, section 16.5): unknowns that
+/// would leave the box are fixed at its bound; those with a negative multiplier are released.
 pub(crate) fn minimise_quadratic(b: &[f64], g: &[f64], room: &[(f64, f64)]) -> Option<Vec<f64>> {
     let n = g.len();
     let mut fixed: Vec<Option<f64>> = vec![None; n];
@@ -11,8 +11,11 @@ pub(crate) fn minimise_quadratic(b: &[f64], g: &[f64], room: &[(f64, f64)]) -> O
     for _ in 0..4 * n + 4 {
         // The minimum of the free unknowns, with the others at their bounds.
         let free: Vec<usize> = (0..n).filter(|&i| fixed[i].is_none()).collect();
-        let reduced_gradient = |i: usize| g[i] + (0..n).filter_map(|j| fixed[j].map(|w| b[i * n + j] * w)).sum::<f64>();
-        let matrix: Vec<f64> = free.iter().flat_map(|&i| free.iter().map(move |&j| b[i * n + j])).collect();
+        let reduced_gradient = |i: usize| {
+            g[i] + (0..n).filter_map(|j| fixed[j].map(|w| b[i * n + j] * w)).sum::<f64>()
+        };
+        let matrix: Vec<f64> =
+            free.iter().flat_map(|&i| free.iter().map(move |&j| b[i * n + j])).collect();
         let rhs: Vec<f64> = free.iter().map(|&i| -reduced_gradient(i)).collect();
         let solved = solve_spd(&matrix, &rhs)?;
         free.iter().zip(&solved).for_each(|(&i, s)| d[i] = s.clamp(room[i].0, room[i].1));
@@ -29,7 +32,8 @@ pub(crate) fn minimise_quadratic(b: &[f64], g: &[f64], room: &[(f64, f64)]) -> O
             Some(_) => model_gradient(*i),
             None => 0.0,
         };
-        let released = (0..n).filter(|i| descent(i) > 1e-12).max_by(|a, b| descent(a).total_cmp(&descent(b)));
+        let released =
+            (0..n).filter(|i| descent(i) > 1e-12).max_by(|a, b| descent(a).total_cmp(&descent(b)));
         match released {
             Some(i) => fixed[i] = None,
             None => break,

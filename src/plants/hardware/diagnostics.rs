@@ -11,7 +11,8 @@ use crate::hardware::tracking::TrackingStatus;
 pub struct Diagnostics {
     /// Firmware and version of the controller.
     pub controller: String,
-    /// The alarm that the controller is in, 0 if its number is unknown. Being not homed is no alarm here.
+    /// The alarm that the controller is in, 0 if its number is unknown. Being not homed is no alarm
+    /// here.
     pub alarm: Option<u16>,
     /// Limit switches that are closed.
     pub closed_switches: [bool; AXES],
@@ -35,14 +36,23 @@ impl Hardware {
     /// Collects the diagnostics, those of the tracker over `watch_s`; moves nothing.
     pub fn run_diagnostics(&mut self, watch_s: f64) -> Diagnostics {
         self.supervised.clock.sleep_until(self.supervised.clock.now_s() + watch_s);
-        // Predicts the tip with all tendons at home; a model without an equilibrium predicts nothing.
+        // Predicts the tip with all tendons at home; a model without an equilibrium predicts
+        // nothing.
         let _ = self.model.home();
         let home_m = self.expected_m();
-        let real_time = self.supervised.clock.is_real().then(|| RealTime::new(Priority::ControlLoop).is_granted());
+        let real_time = self
+            .supervised
+            .clock
+            .is_real()
+            .then(|| RealTime::new(Priority::ControlLoop).is_granted());
         let now_s = self.supervised.clock.now_s();
         let rig = self.supervised.rig();
         Diagnostics {
-            controller: format!("{} {}", rig.controller().info().firmware, rig.controller().info().version),
+            controller: format!(
+                "{} {}",
+                rig.controller().info().firmware,
+                rig.controller().info().version
+            ),
             alarm: rig.controller().alarm(),
             closed_switches: rig.controller().state().pins.limits,
             homed: rig.controller().homed(),

@@ -30,11 +30,16 @@ pub struct RefusedRow {
     pub refusal: CommandRefusal,
 }
 
-/// Checks `commands` (displacements) against `limits`, in ticks of `step_s`; every trial starts at home.
+/// Checks `commands` (displacements) against `limits`, in ticks of `step_s`; every trial starts at
+/// home.
 ///
 /// # Errors
 /// [`RefusedRow`]: the first command that the robot would refuse.
-pub fn dry_run(limits: &SafetyLimits, commands: &Recording, step_s: f64) -> Result<DryRun, RefusedRow> {
+pub fn dry_run(
+    limits: &SafetyLimits,
+    commands: &Recording,
+    step_s: f64,
+) -> Result<DryRun, RefusedRow> {
     let mut summary = DryRun::default();
     for (_, rows) in commands.trials() {
         summary.trials += 1;
@@ -50,7 +55,9 @@ pub fn dry_run(limits: &SafetyLimits, commands: &Recording, step_s: f64) -> Resu
                 (summary.largest_step_m, summary.largest_row) = (step_m, row);
             }
             let [low, high] = summary.reach_m;
-            summary.reach_m = pulls_m.iter().fold([low, high], |[low, high], &pull| [low.min(pull), high.max(pull)]);
+            summary.reach_m = pulls_m
+                .iter()
+                .fold([low, high], |[low, high], &pull| [low.min(pull), high.max(pull)]);
             last_m = pulls_m.to_vec();
         }
     }

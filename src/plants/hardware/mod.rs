@@ -1,4 +1,5 @@
-//! A real robot as a plant: four lead screws, a tracker, and the guard between the policy and the motors.
+//! A real robot as a plant: four lead screws, a tracker, and the guard between the policy and the
+//! motors.
 
 pub(crate) mod diagnostics;
 pub(crate) mod dry_run;

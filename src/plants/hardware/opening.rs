@@ -19,7 +19,8 @@ use crate::hardware::tracking::{TrackerClient, TrackingSettings};
 const PATIENCE_S: f64 = 2.0;
 
 impl Hardware {
-    /// Opens the motors and the tracker of `options`, or simulators of both for a rehearsal; moves nothing.
+    /// Opens the motors and the tracker of `options`, or simulators of both for a rehearsal; moves
+    /// nothing.
     ///
     /// # Errors
     /// A message: a stored stop, a port, a setting or a body that is not as required.
@@ -28,7 +29,8 @@ impl Hardware {
             Some(rehearsal) => {
                 let (rehearsal, serial, tracking) = Rehearsal::open(options, rehearsal, seed)?;
                 let clock = rehearsal.clock();
-                let parts = OpenedDevices { serial, clock, latch: None, interrupt: rehearsal.interrupt() };
+                let parts =
+                    OpenedDevices { serial, clock, latch: None, interrupt: rehearsal.interrupt() };
                 let mut plant = Hardware::with_devices(options, &tracking, step_s, parts)?;
                 plant.rehearsal = Some(rehearsal);
                 Ok(plant)
@@ -72,8 +74,10 @@ impl Hardware {
         // Every axis has to be fast enough for the largest step in a tick.
         let min_speed_mm_min = slowest_axis_mm_min(&options.safety, step_s);
         let motion = MotionSettings { min_speed_mm_min, ..options.motion.clone() };
-        let controller = Controller::open(serial, &motion, clock.as_ref()).map_err(|fault| fault.to_string());
-        let tracking = TrackerClient::open(tracking.clone(), clock.as_ref()).map_err(|fault| fault.to_string());
+        let controller =
+            Controller::open(serial, &motion, clock.as_ref()).map_err(|fault| fault.to_string());
+        let tracking = TrackerClient::open(tracking.clone(), clock.as_ref())
+            .map_err(|fault| fault.to_string());
         let ready = match (controller, tracking) {
             (Ok(controller), Ok(tracking)) => Ok((controller, tracking)),
             (Err(one), Err(other)) => Err(format!("{one}; and {other}")),
@@ -107,7 +111,10 @@ impl Hardware {
 }
 
 fn no_port(port: &str, error: &std::io::Error) -> String {
-    format!("{port}: cannot open the port: {error}; check the cable, the name, and that no other program uses it")
+    format!(
+        "{port}: cannot open the port: {error}; check the cable, the name, and that no other \
+         program uses it"
+    )
 }
 
 /// The devices of [`Hardware::with_devices`].

@@ -21,7 +21,8 @@ static FREE: Condvar = Condvar::new();
 pub(crate) struct RobotLock(());
 
 impl RobotLock {
-    /// Waits until no other part of this program uses the robot, and has the operator attach what is missing.
+    /// Waits until no other part of this program uses the robot, and has the operator attach what
+    /// is missing.
     ///
     /// # Errors
     /// A message, if no operator answers.

@@ -36,8 +36,8 @@ pub struct HardwareOptions {
     /// Rest at home before a trial, s.
     #[serde(default = "settle_s")]
     pub settle_s: f64,
-    /// Simulators of the motors and the tracker around a simulated robot, in place of the real devices, behind the same
-    /// drivers.
+    /// Simulators of the motors and the tracker around a simulated robot, in place of the real
+    /// devices, behind the same drivers.
     #[serde(default)]
     pub rehearsal: Option<RehearsalOptions>,
     /// Effects that the operator attaches to the robot before a trial, such as a load at the tip.
@@ -67,8 +67,8 @@ pub struct RehearsalOptions {
     /// Gaps without frames of this length, s, one every three seconds.
     #[serde(default, skip_serializing_if = "is_default")]
     pub gap_s: f64,
-    /// True pose of the robot's base frame in the base body's frame; null: the pose in `tracking.alignment`. For
-    /// testing `spinebench align`.
+    /// True pose of the robot's base frame in the base body's frame; null: the pose in
+    /// `tracking.alignment`. For testing `spinebench align`.
     #[serde(default)]
     pub alignment: Option<RigidPose>,
 }
@@ -91,9 +91,12 @@ impl HardwareOptions {
 
     /// Refuses an answer time after which the guard has stopped the robot already.
     fn check_reply_timeout(&self) -> Result<(), BadOption> {
-        let (reply_s, stop_s) = (self.motion.reply_timeout_s, self.motion.late_s + self.safety.hold_stop_s);
-        let found =
-            format!("{reply_s} s with late_s {} and hold_stop_s {}", self.motion.late_s, self.safety.hold_stop_s);
+        let (reply_s, stop_s) =
+            (self.motion.reply_timeout_s, self.motion.late_s + self.safety.hold_stop_s);
+        let found = format!(
+            "{reply_s} s with late_s {} and hold_stop_s {}",
+            self.motion.late_s, self.safety.hold_stop_s
+        );
         let expected = "at most motion.late_s + safety.hold_stop_s, when a held robot is stopped";
         BadOption::unless(reply_s <= stop_s, "reply_timeout_s", found, expected)
     }
@@ -109,7 +112,10 @@ impl PlantOptions for HardwareOptions {
         let named = |letter: char| letter.is_ascii_alphanumeric() || "_-".contains(letter);
         if self.name.is_empty() || !self.name.chars().all(named) {
             let expected = "letters, digits, `_` and `-`";
-            return Err((String::new(), BadOption { key: "name", found: self.name.clone(), expected }));
+            return Err((
+                String::new(),
+                BadOption { key: "name", found: self.name.clone(), expected },
+            ));
         }
         self.motion.check().map_err(at("motion"))?;
         self.safety.check().map_err(at("safety"))?;

@@ -11,9 +11,10 @@ const MAX_TRACKING_WAIT_S: f64 = 10.0;
 const MAX_STANDING_WAIT_S: f64 = 5.0;
 
 impl Hardware {
-    /// Hangs a weight of `load_kg` on the tip, in place of whatever hangs there, for the following trials. In a
-    /// rehearsal the simulated robot takes it. A real robot is brought home and parked, the operator is asked for
-    /// `what` unless it is done already (`None`), and both bodies must be tracked again.
+    /// Hangs a weight of `load_kg` on the tip, in place of whatever hangs there, for the following
+    /// trials. In a rehearsal the simulated robot takes it. A real robot is brought home and
+    /// parked, the operator is asked for `what` unless it is done already (`None`), and both bodies
+    /// must be tracked again.
     ///
     /// # Errors
     /// A message: the robot is stopped, no operator answers, or bodies are not tracked.
@@ -24,10 +25,13 @@ impl Hardware {
             self.park().map_err(|error| error.to_string())?;
             operator::ask_operator(what)?;
             let now_s = self.supervised.clock.now_s();
-            let tracked = self.supervised.wait(now_s + MAX_TRACKING_WAIT_S, |rig, now_s| rig.fresh_tip(now_s));
+            let tracked = self
+                .supervised
+                .wait(now_s + MAX_TRACKING_WAIT_S, |rig, now_s| rig.fresh_tip(now_s));
             tracked.ok_or("base and tip are not tracked; make both bodies visible")?;
         }
-        let load: Vec<EffectSpec> = (load_kg > 0.0).then(|| EffectSpec::tip_load(load_kg)).into_iter().collect();
+        let load: Vec<EffectSpec> =
+            (load_kg > 0.0).then(|| EffectSpec::tip_load(load_kg)).into_iter().collect();
         self.model = DrivenModel::new(&self.unloaded_model, &load);
         self.supervised.rig().set_expected_tip(None);
         Ok(())
@@ -40,7 +44,13 @@ impl Hardware {
         }
         self.go_home()?;
         let now_s = self.supervised.clock.now_s();
-        let parked = self.supervised.wait(now_s + MAX_STANDING_WAIT_S, |rig, now_s| rig.park(now_s).then_some(()));
-        parked.ok_or_else(|| PlantError::Stopped("the axes do not come to rest at home; inspect the robot".to_owned()))
+        let parked = self
+            .supervised
+            .wait(now_s + MAX_STANDING_WAIT_S, |rig, now_s| rig.park(now_s).then_some(()));
+        parked.ok_or_else(|| {
+            PlantError::Stopped(
+                "the axes do not come to rest at home; inspect the robot".to_owned(),
+            )
+        })
     }
 }

@@ -11,8 +11,8 @@ use crate::hardware::safety::GuardState;
 const MAX_HOMING_S: f64 = 120.0;
 /// Longest wait for a pose after a tick, s.
 const MAX_POSE_WAIT_S: f64 = 0.03;
-/// Share of a tick by which a command may be late without shifting the following ticks: it has to wait for the pose of
-/// the last tick.
+/// Share of a tick by which a command may be late without shifting the following ticks: it has to
+/// wait for the pose of the last tick.
 const MAX_LATE_SHARE: f64 = 0.1;
 
 impl Hardware {
@@ -45,8 +45,8 @@ impl Hardware {
         }
     }
 
-    /// Waits until the robot is active and, if it was held after its first `events` events, has ended its moves; true if
-    /// it was held.
+    /// Waits until the robot is active and, if it was held after its first `events` events, has
+    /// ended its moves; true if it was held.
     fn wait_until_active(&self, events: usize, deadline_s: f64) -> Result<bool, PlantError> {
         let ended = self.supervised.wait(deadline_s, |rig, _| {
             let was_held = rig.events().iter().skip(events).any(|event| event.state == "held");
@@ -71,13 +71,16 @@ impl Hardware {
         PlantError::Stopped(message)
     }
 
-    /// Refuses a command before the model moves, so that both stay where they are. The model decides how far following
-    /// tendons go. The others must keep the limits of single tendons in the ticks that they need: a tendon that has
-    /// followed so far may have a long way to go.
+    /// Refuses a command before the model moves, so that both stay where they are. The model
+    /// decides how far following tendons go. The others must keep the limits of single tendons in
+    /// the ticks that they need: a tendon that has followed so far may have a long way to go.
     fn check_commands(&self, commands: &[TendonCommand]) -> Result<(), PlantError> {
         let last_m = self.supervised.rig().commanded_m();
-        let pulls_m: Vec<f64> =
-            commands.iter().zip(last_m).map(|(command, last_m)| command.pull_m_or(last_m)).collect();
+        let pulls_m: Vec<f64> = commands
+            .iter()
+            .zip(last_m)
+            .map(|(command, last_m)| command.pull_m_or(last_m))
+            .collect();
         let admitted = if commands.contains(&TendonCommand::Follow) {
             let ticks = self.safety.ticks(&pulls_m, &last_m, self.step_s).max(1);
             self.safety.check_each_tendon(&pulls_m, &last_m, self.step_s * ticks as f64, ticks)
@@ -87,16 +90,24 @@ impl Hardware {
         admitted.map_err(|refusal| PlantError::Refused(refusal.to_string()))
     }
 
-    /// Moves the tendons to `pulls_m` in as many ticks as the limits require; true if the robot was held meanwhile. The
-    /// command was given at `called_s`, the first tick begins at `begin_s`.
-    fn drive_in_ticks(&mut self, pulls_m: &[f64], called_s: f64, begin_s: f64) -> Result<bool, PlantError> {
+    /// Moves the tendons to `pulls_m` in as many ticks as the limits require; true if the robot was
+    /// held meanwhile. The command was given at `called_s`, the first tick begins at `begin_s`.
+    fn drive_in_ticks(
+        &mut self,
+        pulls_m: &[f64],
+        called_s: f64,
+        begin_s: f64,
+    ) -> Result<bool, PlantError> {
         let from_m = self.supervised.rig().commanded_m();
         let ticks = self.safety.ticks(pulls_m, &from_m, self.step_s).max(1);
         let (mut was_held, mut called_s) = (false, called_s);
         for tick in 1..=ticks {
             let share = tick as f64 / ticks as f64;
-            let tick_pulls_m: Vec<f64> =
-                pulls_m.iter().zip(&from_m).map(|(to, from)| share * to + (1.0 - share) * from).collect();
+            let tick_pulls_m: Vec<f64> = pulls_m
+                .iter()
+                .zip(&from_m)
+                .map(|(to, from)| share * to + (1.0 - share) * from)
+                .collect();
             let events = self.event_count();
             self.send(&tick_pulls_m, called_s)?;
             let end_s = begin_s + self.step_s * tick as f64;
@@ -127,7 +138,8 @@ impl Hardware {
     /// The tracker's present measurement; not valid without a pose.
     fn observe(&self, pulls_m: Vec<f64>) -> Observation {
         let requested_s = self.supervised.clock.now_s();
-        let between = self.supervised.wait(requested_s + MAX_POSE_WAIT_S, |rig, _| rig.tip_at(requested_s));
+        let between =
+            self.supervised.wait(requested_s + MAX_POSE_WAIT_S, |rig, _| rig.tip_at(requested_s));
         // If several frames in a row are lost, the last pose is used while it is plausible.
         let pose = between.or_else(|| self.supervised.rig().fresh_tip(requested_s));
         Observation {
@@ -173,7 +185,8 @@ impl Plant for Hardware {
         }
         self.go_home()?;
         self.model.home()?;
-        let (events, rested_s) = (self.event_count(), self.supervised.clock.now_s() + self.settle_s);
+        let (events, rested_s) =
+            (self.event_count(), self.supervised.clock.now_s() + self.settle_s);
         self.supervised.clock.sleep_until(rested_s);
         self.wait_until_active(events, rested_s + self.patience_s)?;
         let home = [TendonCommand::Pull(0.0); AXES];
@@ -185,23 +198,28 @@ impl Plant for Hardware {
 
     fn drive(&mut self, commands: &[TendonCommand]) -> Result<Observation, PlantError> {
         let now_s = self.supervised.clock.now_s();
-        let _priority = self.supervised.clock.is_real().then(|| RealTime::new(Priority::ControlLoop));
+        let _priority =
+            self.supervised.clock.is_real().then(|| RealTime::new(Priority::ControlLoop));
         if now_s > self.due_s + 0.5 * self.step_s {
             self.timing.missed += 1;
         }
         self.check_commands(commands)?;
-        // The model decides how far following tendons move. A copy goes ahead, as the whole command may be refused.
+        // The model decides how far following tendons move. A copy goes ahead, as the whole command
+        // may be refused.
         let mut model = self.model.clone();
         model.advance(commands, self.step_s)?;
         let predicted = model.observation(commands, 0.0);
         let travel_m = self.safety.travel_m;
-        let follow = |(command, pull_m): (&TendonCommand, &f64)| command.pull_m_or(pull_m.clamp(-travel_m, travel_m));
+        let follow = |(command, pull_m): (&TendonCommand, &f64)| {
+            command.pull_m_or(pull_m.clamp(-travel_m, travel_m))
+        };
         let pulls_m: Vec<f64> = commands.iter().zip(&predicted.pulls_m).map(follow).collect();
-        // The complete command, following tendons included, is checked before anything is sent; it takes as many ticks
-        // as it needs.
+        // The complete command, following tendons included, is checked before anything is sent; it
+        // takes as many ticks as it needs.
         let last_m = self.supervised.rig().commanded_m();
         let ticks = self.safety.ticks(&pulls_m, &last_m, self.step_s).max(1);
-        let admitted = self.safety.check_command(&pulls_m, &last_m, self.step_s * ticks as f64, ticks);
+        let admitted =
+            self.safety.check_command(&pulls_m, &last_m, self.step_s * ticks as f64, ticks);
         admitted.map_err(|refusal| PlantError::Refused(refusal.to_string()))?;
         self.model = model;
         self.supervised.rig().set_expected_tip(Some(predicted.tip_m));

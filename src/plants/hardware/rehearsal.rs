@@ -1,4 +1,5 @@
-//! A rehearsal: simulators of the motors and the tracker around a simulated robot, behind the real drivers.
+//! A rehearsal: simulators of the motors and the tracker around a simulated robot, behind the real
+//! drivers.
 
 use std::sync::Arc;
 
@@ -10,13 +11,14 @@ use crate::hardware::interrupt::Interrupt;
 use crate::hardware::serial::SerialLine;
 use crate::hardware::tracking::{Mounting, RigidPose, TrackingSettings};
 use crate::simulators::{
-    ControllerOptions, RehearsalClock, RunningSimulator, SimulatedController, SimulatedRobot, SimulatedTracker,
-    Simulator, TrackerFault, TrackerOptions, pipe,
+    ControllerOptions, RehearsalClock, RunningSimulator, SimulatedController, SimulatedRobot,
+    SimulatedTracker, Simulator, TrackerFault, TrackerOptions, pipe,
 };
 
 use super::options::{HardwareOptions, RehearsalOptions};
 
-/// Speed (mm/min) and acceleration (mm/s²) of the simulated axes, sufficient for steps of 3 mm at 5 Hz.
+/// Speed (mm/min) and acceleration (mm/s²) of the simulated axes, sufficient for steps of 3 mm at 5
+/// Hz.
 const AXIS_SETTINGS: [(u16, &str); 2] = [(110, "3000"), (120, "500")];
 
 /// Interval of gaps of the simulated tracker, s.
@@ -31,20 +33,28 @@ pub struct Rehearsal {
 }
 
 impl Rehearsal {
-    /// Starts the simulators and registers the calling thread with their clock, which would otherwise advance without
-    /// it. Returns the rehearsal, the driver's end of the serial line, and the settings of the tracker's client.
+    /// Starts the simulators and registers the calling thread with their clock, which would
+    /// otherwise advance without it. Returns the rehearsal, the driver's end of the serial line,
+    /// and the settings of the tracker's client.
     pub(super) fn open(
         options: &HardwareOptions,
         rehearsal: &RehearsalOptions,
         seed: Seed,
     ) -> Result<(Rehearsal, Box<dyn SerialLine>, TrackingSettings), String> {
         let clock: Arc<dyn Clock> = Arc::new(RehearsalClock::default());
-        // A pseudo-terminal delivers with a delay, which is late on a clock that does not wait for it.
+        // A pseudo-terminal delivers with a delay, which is late on a clock that does not wait for
+        // it.
         let (simulator_end, driver_end) = pipe();
-        let (simulator, tracking) = build_simulator(options, rehearsal, Box::new(simulator_end), seed)?;
+        let (simulator, tracking) =
+            build_simulator(options, rehearsal, Box::new(simulator_end), seed)?;
         clock.join();
-        let running = RunningSimulator::start(simulator, Arc::clone(&clock)).map_err(|error| error.to_string())?;
-        Ok((Rehearsal { running, clock, interrupt: Interrupt::default() }, Box::new(driver_end), tracking))
+        let running = RunningSimulator::start(simulator, Arc::clone(&clock))
+            .map_err(|error| error.to_string())?;
+        Ok((
+            Rehearsal { running, clock, interrupt: Interrupt::default() },
+            Box::new(driver_end),
+            tracking,
+        ))
     }
 
     /// The clock of the simulators.
@@ -63,8 +73,8 @@ impl Rehearsal {
     }
 }
 
-/// Simulated motors at the other end of `serial`, a simulated robot and tracker, and the settings of the tracker's
-/// client.
+/// Simulated motors at the other end of `serial`, a simulated robot and tracker, and the settings
+/// of the tracker's client.
 pub(super) fn build_simulator(
     options: &HardwareOptions,
     rehearsal: &RehearsalOptions,
@@ -73,27 +83,39 @@ pub(super) fn build_simulator(
 ) -> Result<(Simulator, TrackingSettings), String> {
     let mut controller_options = ControllerOptions { seed: seed.0, ..ControllerOptions::default() };
     for (first, value) in AXIS_SETTINGS {
-        controller_options.settings.extend((first..first + 4).map(|number| (number, value.to_owned())));
+        controller_options
+            .settings
+            .extend((first..first + 4).map(|number| (number, value.to_owned())));
     }
     controller_options.settings.insert(23, options.motion.homing_directions.to_string());
     let controller = SimulatedController::new(serial, controller_options);
-    let tracker_options = TrackerOptions { noise_m: rehearsal.noise_m, seed, ..TrackerOptions::default() };
+    let tracker_options =
+        TrackerOptions { noise_m: rehearsal.noise_m, seed, ..TrackerOptions::default() };
     let mut tracker = SimulatedTracker::new(tracker_options)
         .map_err(|error| format!("cannot start the simulated tracker: {error}"))?;
     let network = tracker.settings().map_err(|error| error.to_string())?;
     let faults = [
         (rehearsal.loss, TrackerFault::Loss(rehearsal.loss)),
         (rehearsal.jitter_s, TrackerFault::Jitter(rehearsal.jitter_s)),
-        (rehearsal.gap_s, TrackerFault::Gaps { every_s: GAP_INTERVAL_S, lasting_s: rehearsal.gap_s }),
+        (
+            rehearsal.gap_s,
+            TrackerFault::Gaps { every_s: GAP_INTERVAL_S, lasting_s: rehearsal.gap_s },
+        ),
     ];
-    faults.into_iter().filter(|(amount, _)| *amount > 0.0).for_each(|(_, fault)| tracker.inject(fault));
+    faults
+        .into_iter()
+        .filter(|(amount, _)| *amount > 0.0)
+        .for_each(|(_, fault)| tracker.inject(fault));
     let tracking = TrackingSettings {
         up_axis: options.tracking.up_axis,
         alignment: options.tracking.alignment,
         tip_offset: options.tracking.tip_offset,
         ..network
     };
-    let truth = TrackingSettings { alignment: rehearsal.alignment.unwrap_or(tracking.alignment), ..tracking.clone() };
+    let truth = TrackingSettings {
+        alignment: rehearsal.alignment.unwrap_or(tracking.alignment),
+        ..tracking.clone()
+    };
     let mounting = Mounting::of(&truth);
     let body = RehearsalRobot::new(&rehearsal.model, &options.attached);
     let tip_body = Box::new(move |base: &RigidPose, tip: &RigidPose| mounting.tip_body(base, tip));
@@ -129,7 +151,8 @@ impl RehearsalRobot {
             pulls_m: [0.0; AXES],
             unchanged_s: 0.0,
         };
-        // Before homing the screws have arbitrary positions; the robot starts with its tendons at home.
+        // Before homing the screws have arbitrary positions; the robot starts with its tendons at
+        // home.
         let _ = robot.driven.home();
         robot.update_tip();
         robot

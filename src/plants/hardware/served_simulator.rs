@@ -1,4 +1,5 @@
-//! Simulated motors and tracker for other programs: a serial port and UDP ports of this computer, by the wall clock.
+//! Simulated motors and tracker for other programs: a serial port and UDP ports of this computer,
+//! by the wall clock.
 
 use super::HardwareOptions;
 use super::rehearsal::build_simulator;
@@ -24,10 +25,15 @@ impl ServedSimulator {
     /// # Errors
     /// A message, if there is no rehearsal or the system refuses a port.
     pub fn open(options: &HardwareOptions, seed: Seed) -> Result<ServedSimulator, String> {
-        let rehearsal = options.rehearsal.as_ref().ok_or("found no `rehearsal`, expected the model to simulate")?;
-        let (serial, port) = TtyLine::served().map_err(|error| format!("cannot open a pseudo-terminal: {error}"))?;
+        let rehearsal = options
+            .rehearsal
+            .as_ref()
+            .ok_or("found no `rehearsal`, expected the model to simulate")?;
+        let (serial, port) =
+            TtyLine::served().map_err(|error| format!("cannot open a pseudo-terminal: {error}"))?;
         let (simulator, tracking) = build_simulator(options, rehearsal, Box::new(serial), seed)?;
-        let mut plant = HardwareOptions { tracking, rehearsal: None, attached: Vec::new(), ..options.clone() };
+        let mut plant =
+            HardwareOptions { tracking, rehearsal: None, attached: Vec::new(), ..options.clone() };
         plant.motion.port = port;
         Ok(ServedSimulator { simulator, clock: WallClock::new(), due_s: 0.0, plant })
     }

@@ -10,8 +10,8 @@ use crate::hardware::rig::Rig;
 
 /// Interval at which the rig is polled, s.
 const POLL_INTERVAL_S: f64 = 0.005;
-/// Longest wait at the end until the robot stands and its queue is discarded, s: a late answer of the controller must
-/// still arrive.
+/// Longest wait at the end until the robot stands and its queue is discarded, s: a late answer of
+/// the controller must still arrive.
 const MAX_SHUTDOWN_S: f64 = 5.0;
 
 /// A rig that a thread of its own polls, whatever its user does.
@@ -23,7 +23,8 @@ pub(crate) struct SupervisedRig {
 }
 
 impl SupervisedRig {
-    /// Supervises `rig` from now on. The calling thread is registered with the clock, and deregistered on drop.
+    /// Supervises `rig` from now on. The calling thread is registered with the clock, and
+    /// deregistered on drop.
     pub(crate) fn new(rig: Rig, clock: Arc<dyn Clock>) -> SupervisedRig {
         let (rig, ended) = (Arc::new(Mutex::new(rig)), Arc::new(AtomicBool::new(false)));
         clock.join();
@@ -47,7 +48,11 @@ impl SupervisedRig {
     }
 
     /// Polls the rig until `ready` returns a result; none after `deadline_s`.
-    pub(crate) fn wait<T>(&self, deadline_s: f64, mut ready: impl FnMut(&mut Rig, f64) -> Option<T>) -> Option<T> {
+    pub(crate) fn wait<T>(
+        &self,
+        deadline_s: f64,
+        mut ready: impl FnMut(&mut Rig, f64) -> Option<T>,
+    ) -> Option<T> {
         loop {
             let now_s = self.clock.now_s();
             {
@@ -76,7 +81,9 @@ impl Drop for SupervisedRig {
         let why = if std::thread::panicking() { "the program failed" } else { "the program ended" };
         let now_s = self.clock.now_s();
         if self.rig().shut_down(why, now_s) {
-            self.wait(now_s + MAX_SHUTDOWN_S, |rig, now_s| (!rig.shut_down(why, now_s)).then_some(()));
+            self.wait(now_s + MAX_SHUTDOWN_S, |rig, now_s| {
+                (!rig.shut_down(why, now_s)).then_some(())
+            });
         }
         self.ended.store(true, Ordering::SeqCst);
         self.clock.leave();

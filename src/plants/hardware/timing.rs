@@ -40,7 +40,8 @@ impl Lateness {
         self.most_s
     }
 
-    /// Quantile `share` of the times, s: at most 2.3 % above the exact one, never below it; 0 if there are none.
+    /// Quantile `share` of the times, s: at most 2.3 % above the exact one, never below it; 0 if
+    /// there are none.
     pub fn quantile_s(&self, share: f64) -> f64 {
         let rank = (share * self.count as f64).ceil();
         let mut below = 0;
@@ -63,7 +64,11 @@ fn bin(time_s: f64) -> usize {
 }
 
 fn upper_s(bin: usize) -> f64 {
-    if bin + 1 == BINS { f64::INFINITY } else { MIN_S * 10_f64.powf(bin as f64 / BINS_PER_DECADE as f64) }
+    if bin + 1 == BINS {
+        f64::INFINITY
+    } else {
+        MIN_S * 10_f64.powf(bin as f64 / BINS_PER_DECADE as f64)
+    }
 }
 
 /// Delays of ticks and of commands.
@@ -71,7 +76,8 @@ fn upper_s(bin: usize) -> f64 {
 pub struct LoopTiming {
     /// Delay of the end of each tick.
     pub jitter: Lateness,
-    /// Time from the call of a step until its line is sent; for a command of several ticks, from the start of each.
+    /// Time from the call of a step until its line is sent; for a command of several ticks, from
+    /// the start of each.
     pub latency: Lateness,
     /// Ticks that began late because the policy took longer than a tick.
     pub missed: usize,
@@ -90,7 +96,10 @@ mod tests {
         (1..=1000).for_each(|k| lateness.push(1e-5 * f64::from(k)));
         for share in [0.01, 0.5, 0.9, 0.99] {
             let (found_s, exact_s) = (lateness.quantile_s(share), share * 1e-2);
-            assert!(found_s >= exact_s && found_s <= 1.024 * exact_s, "{share}: {found_s} s, {exact_s} s");
+            assert!(
+                found_s >= exact_s && found_s <= 1.024 * exact_s,
+                "{share}: {found_s} s, {exact_s} s"
+            );
         }
         assert_eq!((lateness.count(), lateness.quantile_s(1.0)), (1000, 0.01));
         for odd_s in [-1.0, 0.0, f64::NAN, 1e9] {

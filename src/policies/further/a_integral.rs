@@ -1,5 +1,5 @@
-//! Policy A with integral action: what remains between target and tip, once the command has been reached, is added to the
-//! target that Algorithm 2 is given.
+//! Policy A with integral action: what remains between target and tip, once the command has been
+//! reached, is added to the target that Algorithm 2 is given.
 
 use crate::base::{BadOption, Point3, PolicyError, distance_m};
 use crate::policies::paper::a::AlgorithmTwo;
@@ -59,7 +59,8 @@ impl AIntegralOptions {
 struct IntegratedA {
     a: AlgorithmTwo,
     options: AIntegralOptions,
-    /// A copy of the drive's limits, to know when the command in force is the one that was demanded.
+    /// A copy of the drive's limits, to know when the command in force is the one that was
+    /// demanded.
     limits: ActuatorLimits,
     arrived: bool,
     target_m: Option<Point3>,
@@ -89,7 +90,8 @@ impl ControlLaw for IntegratedA {
 
     fn decide(&mut self, reading: TipReading, target_m: &Point3) -> Result<Demand, PolicyError> {
         let aim_m: Point3 = std::array::from_fn(|axis| target_m[axis] + self.offset_m[axis]);
-        // The same target as before, moved: the loop of Algorithm 2 goes on. At another one it begins again.
+        // The same target as before, moved: the loop of Algorithm 2 goes on. At another one it
+        // begins again.
         if self.target_m == Some(*target_m) {
             self.a.retarget(&aim_m);
         }

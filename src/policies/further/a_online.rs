@@ -1,5 +1,6 @@
-//! Policy A whose error model goes on learning: each command that the drive has carried out and the tip that was measured under it
-//! are a further point of the Gaussian process (eq. 20), until the trial ends.
+//! Policy A whose error model goes on learning: each command that the drive has carried out and the
+//! tip that was measured under it are a further point of the Gaussian process (eq. 20), until the
+//! trial ends.
 
 use std::sync::Arc;
 
@@ -10,7 +11,8 @@ use crate::policies::parts::actuator_limits::ActuatorLimits;
 use crate::policies::parts::single_controller::{ControlLaw, Demand, SingleController};
 use crate::policies::parts::tip_tracker::TipReading;
 use crate::policies::{
-    BuildError, Deserialize, ErrorModel, INVERSE, LearningErrorModel, ModelNeed, PolicyEntry, Serialize, SeriesLabel,
+    BuildError, Deserialize, ErrorModel, INVERSE, LearningErrorModel, ModelNeed, PolicyEntry,
+    Serialize, SeriesLabel,
 };
 
 pub(crate) const ENTRY: PolicyEntry = PolicyEntry {
@@ -21,7 +23,8 @@ pub(crate) const ENTRY: PolicyEntry = PolicyEntry {
     make: |mut parts, options| {
         let model = parts.inverse("a_online", &INVERSE)?;
         let AOnlineOptions { points, leaves, most_m } = options.a_online;
-        let missing = BuildError::Missing { policy: "a_online", model: "error model that learns on" };
+        let missing =
+            BuildError::Missing { policy: "a_online", model: "error model that learns on" };
         let fitted = parts.error("a_online")?;
         let learning = fitted.learning(points, leaves).ok_or(missing)?;
         let bounded = Arc::new(BoundedError { learning: Arc::clone(&learning), fitted, most_m });
@@ -40,12 +43,14 @@ pub(crate) const ENTRY: PolicyEntry = PolicyEntry {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct AOnlineOptions {
-    /// Most points that a trial adds, 1 to 1000; then one leaves for each that comes. Those that were fitted stay.
+    /// Most points that a trial adds, 1 to 1000; then one leaves for each that comes. Those that
+    /// were fitted stay.
     pub points: usize,
     /// Which of them leaves.
     pub leaves: Leaving,
-    /// What was learned in the trial moves the target no further than this, metres: beyond the border of the workspace the tip
-    /// does not follow, and what is left of the error would be learned as a gap again and again.
+    /// What was learned in the trial moves the target no further than this, metres: beyond the
+    /// border of the workspace the tip does not follow, and what is left of the error would be
+    /// learned as a gap again and again.
     pub most_m: f64,
 }
 
@@ -86,9 +91,11 @@ struct LearningA {
     a: AlgorithmTwo,
     /// What `a` asks, within its bound.
     error: Arc<dyn LearningErrorModel>,
-    /// A copy of the drive's limits, to know when the command in force is the one that was demanded.
+    /// A copy of the drive's limits, to know when the command in force is the one that was
+    /// demanded.
     limits: ActuatorLimits,
-    /// That command and the simulated tip that the network was asked for with it; nothing while the drive is on its way.
+    /// That command and the simulated tip that the network was asked for with it; nothing while the
+    /// drive is on its way.
     carried_out: Option<(Displacements, Point3)>,
 }
 
@@ -143,7 +150,9 @@ mod tests {
             let noise = |k: f64| 0.0004 * (k * i).sin();
             outputs.push(&[gap_m(x) + noise(7.1), 0.05 * x + noise(3.3), noise(5.7)]);
         }
-        Arc::new(GpError::new(Gp::fit(&inputs, &outputs, &GpConfig::default()).unwrap(), 2).unwrap())
+        Arc::new(
+            GpError::new(Gp::fit(&inputs, &outputs, &GpConfig::default()).unwrap(), 2).unwrap(),
+        )
     }
 
     /// Distance from target to true tip after so many ticks with a gap that has grown by 5 mm.
@@ -161,30 +170,43 @@ mod tests {
     fn online(learning: &Arc<dyn LearningErrorModel>, max_step_m: Option<f64>) -> LearningA {
         let mut options = PolicyOptions::default();
         options.limits.max_step_m = max_step_m;
-        let a = AlgorithmTwo::new(Box::new(Linear), Arc::<dyn LearningErrorModel>::clone(learning), &options);
-        LearningA { a, error: learning.clone(), limits: ActuatorLimits::new(options.limits), carried_out: None }
+        let a = AlgorithmTwo::new(
+            Box::new(Linear),
+            Arc::<dyn LearningErrorModel>::clone(learning),
+            &options,
+        );
+        LearningA {
+            a,
+            error: learning.clone(),
+            limits: ActuatorLimits::new(options.limits),
+            carried_out: None,
+        }
     }
 
     #[test]
     fn what_the_process_was_not_told_is_learned_in_the_trial_and_forgotten_after_it() {
         let error = error_model();
-        let mut plain = AlgorithmTwo::new(Box::new(Linear), error.clone(), &PolicyOptions::default());
+        let mut plain =
+            AlgorithmTwo::new(Box::new(Linear), error.clone(), &PolicyOptions::default());
         let learning = error.learning(100, Leaving::Oldest).unwrap();
         let mut online = online(&learning, None);
         let (without, with) = (remaining_m(&mut plain, 60), remaining_m(&mut online, 60));
         assert!(without > 0.004 && with < 0.5 * without, "{without} {with}");
-        let predicted_m = |model: &dyn ErrorModel| model.error_m(&[0.009, -0.002], &[0.036, -0.01, 0.2]);
+        let predicted_m =
+            |model: &dyn ErrorModel| model.error_m(&[0.009, -0.002], &[0.036, -0.01, 0.2]);
         assert_ne!(predicted_m(&*learning), predicted_m(&*error));
         online.reset();
         assert_eq!(predicted_m(&*learning), predicted_m(&*error));
     }
 
-    /// A tip that does not follow: what is learned says ever more, and the target moves no further than the bound.
+    /// A tip that does not follow: what is learned says ever more, and the target moves no further
+    /// than the bound.
     #[test]
     fn what_is_learned_moves_the_target_no_further_than_the_bound() {
         let error = error_model();
         let learning = error.learning(100, Leaving::Oldest).unwrap();
-        let bounded = BoundedError { learning: learning.clone(), fitted: error.clone(), most_m: 0.004 };
+        let bounded =
+            BoundedError { learning: learning.clone(), fitted: error.clone(), most_m: 0.004 };
         let (pulls_m, simulated_m) = ([0.009, -0.002], [0.036, -0.01, 0.2]);
         assert_eq!(bounded.error_m(&pulls_m, &simulated_m), error.error_m(&pulls_m, &simulated_m));
         for _ in 0..20 {
@@ -204,7 +226,8 @@ mod tests {
         let learning = error.learning(100, Leaving::MostAlike).unwrap();
         let mut online = online(&learning, Some(0.0001));
         remaining_m(&mut online, 5);
-        let predicted_m = |model: &dyn ErrorModel| model.error_m(&[0.009, -0.002], &[0.036, -0.01, 0.2]);
+        let predicted_m =
+            |model: &dyn ErrorModel| model.error_m(&[0.009, -0.002], &[0.036, -0.01, 0.2]);
         assert_eq!(predicted_m(&*learning), predicted_m(&*error));
     }
 }

@@ -1,6 +1,6 @@
-//! Policy C without its chatter: the controllers of C, with a time that each stays in charge at least, a second and lower
-//! threshold below which nothing is changed back, and a memory of which controller did better where. The paper names
-//! chatter as C's weakness and proposes such a memory.
+//! Policy C without its chatter: the controllers of C, with a time that each stays in charge at
+//! least, a second and lower threshold below which nothing is changed back, and a memory of which
+//! controller did better where. The paper names chatter as C's weakness and proposes such a memory.
 
 use crate::base::{Action, BadOption, Observation, Point3, Policy, PolicyError, distance_m};
 use crate::policies::paper::a::AlgorithmTwo;
@@ -9,7 +9,9 @@ use crate::policies::parts::actuator_limits::ActuatorLimits;
 use crate::policies::parts::inverse_network::InverseNetworkController;
 use crate::policies::parts::single_controller::ControlLaw;
 use crate::policies::parts::tip_tracker::TipTracker;
-use crate::policies::{Deserialize, INVERSE, INVERSE_B, ModelNeed, PolicyEntry, Serialize, SeriesLabel};
+use crate::policies::{
+    Deserialize, INVERSE, INVERSE_B, ModelNeed, PolicyEntry, Serialize, SeriesLabel,
+};
 
 pub(crate) const ENTRY: PolicyEntry = PolicyEntry {
     name: "c_hysteresis",
@@ -102,10 +104,12 @@ impl SteadySwitch {
         }
         self.target_m = Some(*target_m);
         self.tried_m = [None; 2];
-        let near = |(at_m, _): &&(Point3, Branch)| distance_m(at_m, target_m) <= self.options.region_m;
+        let near =
+            |(at_m, _): &&(Point3, Branch)| distance_m(at_m, target_m) <= self.options.region_m;
         let nearby = self.memory.iter().filter(near);
-        let nearest =
-            nearby.min_by(|one, other| distance_m(&one.0, target_m).total_cmp(&distance_m(&other.0, target_m)));
+        let nearest = nearby.min_by(|one, other| {
+            distance_m(&one.0, target_m).total_cmp(&distance_m(&other.0, target_m))
+        });
         if let Some(&(_, better)) = nearest {
             self.change_to(better);
         }
@@ -166,7 +170,8 @@ impl Policy for SteadySwitch {
         let demand = [self.a.decide(reading, target_m)?, self.b.decide(reading, target_m)?];
         let mut finished = false;
         if reading.fresh {
-            let moved_m = self.last_tip_m.map_or(f64::INFINITY, |last_m| distance_m(&last_m, &reading.tip_m));
+            let moved_m =
+                self.last_tip_m.map_or(f64::INFINITY, |last_m| distance_m(&last_m, &reading.tip_m));
             self.last_tip_m = Some(reading.tip_m);
             let in_charge = &demand[self.charge as usize];
             let arrived = self.limits.limit(&in_charge.pulls_m, &seen.pulls_m)?.arrived;
@@ -176,6 +181,10 @@ impl Policy for SteadySwitch {
         }
         self.dwelt += 1;
         let limited = self.limits.apply(&demand[self.charge as usize].pulls_m, &seen.pulls_m)?;
-        Ok(Action { pulls_m: limited.pulls_m, settled: finished && limited.arrived, branch: self.charge.name() })
+        Ok(Action {
+            pulls_m: limited.pulls_m,
+            settled: finished && limited.arrived,
+            branch: self.charge.name(),
+        })
     }
 }

@@ -1,5 +1,5 @@
-//! Integral feedback without a model and without data: in each tick the tip's error in x and y is integrated by a fixed gain
-//! into pulls on the tendons that lie in its direction.
+//! Integral feedback without a model and without data: in each tick the tip's error in x and y is
+//! integrated by a fixed gain into pulls on the tendons that lie in its direction.
 
 use crate::base::{BadOption, Point3, PolicyError};
 use crate::policies::parts::bends::BendDirections;
@@ -15,7 +15,8 @@ pub(crate) const ENTRY: PolicyEntry = PolicyEntry {
     closed_loop_only: true,
     make: |parts, options| {
         let bends = BendDirections::new(parts.layout("integral")?, options.limits);
-        let controller = IntegralController { bend_m: vec![0.0; bends.len()], bends, options: options.integral };
+        let controller =
+            IntegralController { bend_m: vec![0.0; bends.len()], bends, options: options.integral };
         Ok(Box::new(SingleController::new(controller, "", options)))
     },
     ..PolicyEntry::PLAIN
@@ -33,7 +34,8 @@ pub struct IntegralOptions {
 
 impl Default for IntegralOptions {
     fn default() -> Self {
-        // A metre of tendon moves the tip by 3 to 5 metres, so that an error shrinks by a quarter or less in a tick.
+        // A metre of tendon moves the tip by 3 to 5 metres, so that an error shrinks by a quarter
+        // or less in a tick.
         IntegralOptions { gain: 0.05, settled_m: 0.001 }
     }
 }
@@ -61,7 +63,8 @@ impl ControlLaw for IntegralController {
         let error_m = [target_m[0] - reading.tip_m[0], target_m[1] - reading.tip_m[1]];
         // Without a new measurement the error is not known: the command stays.
         if reading.fresh {
-            let change_m = error_m.map(|error_m| self.options.gain * error_m).repeat(self.bend_m.len() / 2);
+            let change_m =
+                error_m.map(|error_m| self.options.gain * error_m).repeat(self.bend_m.len() / 2);
             self.bends.advance(&mut self.bend_m, &change_m);
         }
         let settled = error_m[0].hypot(error_m[1]) <= self.options.settled_m;

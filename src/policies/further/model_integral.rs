@@ -1,5 +1,5 @@
-//! The inverse of the nominal model with integral action: the cheap baseline that needs a model and no data. It is [`super::mpc`]
-//! without the Gaussian process, a single tick ahead.
+//! The inverse of the nominal model with integral action: the cheap baseline that needs a model and
+//! no data. It is [`super::mpc`] without the Gaussian process, a single tick ahead.
 
 use super::mpc::{MpcOptions, RecedingHorizon};
 use crate::policies::parts::disturbance::DisturbanceOptions;
@@ -15,7 +15,8 @@ pub(crate) const ENTRY: PolicyEntry = PolicyEntry {
     make: |mut parts, options| {
         let (travel_m, slack_m) = (options.limits.travel_m, options.model_integral.slack_m);
         let layout = parts.layout("model_integral")?;
-        let model = RestModel::new(parts.tip_model("model_integral")?, None, layout, travel_m, slack_m);
+        let model =
+            RestModel::new(parts.tip_model("model_integral")?, None, layout, travel_m, slack_m);
         let controller = RecedingHorizon::new(model, options.model_integral.as_horizon(), options);
         Ok(Box::new(SingleController::new(controller, "", options)))
     },
@@ -26,7 +27,8 @@ pub(crate) const ENTRY: PolicyEntry = PolicyEntry {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ModelIntegralOptions {
-    /// A tendon that follows is let out by this much more than in the model: it must not be taut where the robot differs.
+    /// A tendon that follows is let out by this much more than in the model: it must not be taut
+    /// where the robot differs.
     pub slack_m: f64,
     /// How the integral grows: the error that remains is the disturbance of the model.
     pub disturbance: DisturbanceOptions,
@@ -47,6 +49,11 @@ impl ModelIntegralOptions {
     }
 
     fn as_horizon(self) -> MpcOptions {
-        MpcOptions { horizon: 1, slack_m: self.slack_m, disturbance: self.disturbance, ..MpcOptions::default() }
+        MpcOptions {
+            horizon: 1,
+            slack_m: self.slack_m,
+            disturbance: self.disturbance,
+            ..MpcOptions::default()
+        }
     }
 }

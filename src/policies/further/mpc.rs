@@ -1,8 +1,10 @@
-//! Receding horizon on the nominal rod: the disturbance estimate and the Gaussian process say where the robot differs from
-//! the rod, Gauss-Newton steps on the rod's derivatives find the bend at the target, and the horizon plans the moves to it.
+//! Receding horizon on the nominal rod: the disturbance estimate and the Gaussian process say where
+//! the robot differs from the rod, Gauss-Newton steps on the rod's derivatives find the bend at the
+//! target, and the horizon plans the moves to it.
 //!
-//! The rod is taken at rest: it is damped within a few hundredths of a second, a tick lasts a fifth of one. What it has not
-//! settled of a move counts as noise of the measurement ([`DisturbanceOptions::lag_per_motion`]).
+//! The rod is taken at rest: it is damped within a few hundredths of a second, a tick lasts a fifth
+//! of one. What it has not settled of a move counts as noise of the measurement
+//! ([`DisturbanceOptions::lag_per_motion`]).
 
 use crate::base::{BadOption, Point3, PolicyError, distance_m};
 use crate::policies::parts::actuator_limits::{LimitOptions, largest_change_m};
@@ -11,7 +13,9 @@ use crate::policies::parts::horizon::first_move_m;
 use crate::policies::parts::rest_model::{ExpectedPose, RestModel};
 use crate::policies::parts::single_controller::{ControlLaw, Demand, SingleController};
 use crate::policies::parts::tip_tracker::TipReading;
-use crate::policies::{Deserialize, ModelAccess, ModelNeed, PolicyEntry, PolicyOptions, Serialize, SeriesLabel};
+use crate::policies::{
+    Deserialize, ModelAccess, ModelNeed, PolicyEntry, PolicyOptions, Serialize, SeriesLabel,
+};
 
 pub(crate) const ENTRY: PolicyEntry = PolicyEntry {
     name: "mpc",
@@ -22,8 +26,13 @@ pub(crate) const ENTRY: PolicyEntry = PolicyEntry {
     make: |mut parts, options| {
         let error = Some(parts.error("mpc")?);
         let (travel_m, slack_m) = (options.limits.travel_m, options.mpc.slack_m);
-        let model = RestModel::new(parts.tip_model("mpc")?, error, parts.layout("mpc")?, travel_m, slack_m);
-        Ok(Box::new(SingleController::new(RecedingHorizon::new(model, options.mpc, options), "", options)))
+        let model =
+            RestModel::new(parts.tip_model("mpc")?, error, parts.layout("mpc")?, travel_m, slack_m);
+        Ok(Box::new(SingleController::new(
+            RecedingHorizon::new(model, options.mpc, options),
+            "",
+            options,
+        )))
     },
     ..PolicyEntry::PLAIN
 };
@@ -34,15 +43,19 @@ pub(crate) const ENTRY: PolicyEntry = PolicyEntry {
 pub struct MpcOptions {
     /// Ticks that are planned, 1 to 50.
     pub horizon: usize,
-    /// Weight of a move's square beside that of the tip's error, metres of tip for each metre of bend, squared.
+    /// Weight of a move's square beside that of the tip's error, metres of tip for each metre of
+    /// bend, squared.
     pub move_weight: f64,
-    /// Gauss-Newton steps of the inverse in a tick, 1 to 50; the first tick at a target takes four times as many.
+    /// Gauss-Newton steps of the inverse in a tick, 1 to 50; the first tick at a target takes four
+    /// times as many.
     pub inverse_steps: usize,
-    /// A tendon that follows is let out by this much more than in the model: it must not be taut where the robot differs.
+    /// A tendon that follows is let out by this much more than in the model: it must not be taut
+    /// where the robot differs.
     pub slack_m: f64,
     /// How the disturbance is estimated.
     pub disturbance: DisturbanceOptions,
-    /// The policy has settled when no component of the bend is farther than this from the bend at the target, metres,
+    /// The policy has settled when no component of the bend is farther than this from the bend at
+    /// the target, metres,
     pub settled_pull_m: f64,
     /// and the standard deviation of the disturbance is no larger than this, metres.
     pub settled_sd_m: f64,
@@ -66,7 +79,12 @@ impl MpcOptions {
     pub(crate) fn check(&self) -> Result<(), BadOption> {
         BadOption::unless_within("horizon", self.horizon, 1..=50, "a whole number from 1 to 50")?;
         BadOption::unless_not_negative("move_weight", self.move_weight)?;
-        BadOption::unless_within("inverse_steps", self.inverse_steps, 1..=50, "a whole number from 1 to 50")?;
+        BadOption::unless_within(
+            "inverse_steps",
+            self.inverse_steps,
+            1..=50,
+            "a whole number from 1 to 50",
+        )?;
         BadOption::unless_not_negative("slack_m", self.slack_m)?;
         self.disturbance.check()?;
         BadOption::unless_positive("settled_pull_m", self.settled_pull_m)?;
@@ -96,9 +114,21 @@ pub(crate) struct RecedingHorizon {
 }
 
 impl RecedingHorizon {
-    pub(crate) fn new(model: RestModel, options: MpcOptions, all: &PolicyOptions) -> RecedingHorizon {
+    pub(crate) fn new(
+        model: RestModel,
+        options: MpcOptions,
+        all: &PolicyOptions,
+    ) -> RecedingHorizon {
         let disturbance = DisturbanceFilter::new(options.disturbance);
-        RecedingHorizon { model, options, limits: all.limits, disturbance, in_force: None, before_m: None, goal: None }
+        RecedingHorizon {
+            model,
+            options,
+            limits: all.limits,
+            disturbance,
+            in_force: None,
+            before_m: None,
+            goal: None,
+        }
     }
 
     /// The pose at the target, with the present disturbance.
@@ -115,29 +145,36 @@ impl RecedingHorizon {
         goal
     }
 
-    /// The pose after the first move towards `goal`. A move that the drive limits takes the fastest tendon as far as the drive
-    /// does in a tick, but no component of the bend past the goal.
+    /// The pose after the first move towards `goal`. A move that the drive limits takes the fastest
+    /// tendon as far as the drive does in a tick, but no component of the bend past the goal.
     fn next(&mut self, in_force: &ExpectedPose, goal: &ExpectedPose) -> ExpectedPose {
         let MpcOptions { horizon, move_weight, .. } = self.options;
         let step_m = self.limits.max_step_m.unwrap_or(2.0 * self.limits.travel_m);
         let Some(jacobian) = self.model.jacobian(&goal.bend_m) else { return goal.clone() };
         // The bend counts by what it moves of the tip at the goal.
         let metric = jacobian.transpose() * jacobian;
-        let remaining_m: Vec<f64> = goal.bend_m.iter().zip(&in_force.bend_m).map(|(to, from)| to - from).collect();
+        let remaining_m: Vec<f64> =
+            goal.bend_m.iter().zip(&in_force.bend_m).map(|(to, from)| to - from).collect();
         let mut change_m = first_move_m(&metric, &remaining_m, horizon, move_weight, step_m);
         let limited = change_m.iter().any(|change_m| change_m.abs() >= step_m);
         let mut next = in_force.clone();
         for _ in 0..MAX_SCALINGS {
-            let bend_m: Vec<f64> = in_force.bend_m.iter().zip(&change_m).map(|(from, change)| from + change).collect();
+            let bend_m: Vec<f64> =
+                in_force.bend_m.iter().zip(&change_m).map(|(from, change)| from + change).collect();
             let Some(pose) = self.model.expect(&bend_m) else {
                 // No equilibrium there: half the way.
                 change_m.iter_mut().for_each(|change_m| *change_m *= 0.5);
                 continue;
             };
             let largest_m = largest_change_m(&in_force.pulls_m, &pose.pulls_m);
-            let at_goal = bend_m.iter().zip(&goal.bend_m).all(|(bend, goal)| (bend - goal).abs() <= BEND_TOLERANCE_M);
+            let at_goal = bend_m
+                .iter()
+                .zip(&goal.bend_m)
+                .all(|(bend, goal)| (bend - goal).abs() <= BEND_TOLERANCE_M);
             next = pose;
-            if largest_m <= step_m && (!limited || at_goal || largest_m >= MIN_SHARE_OF_LIMIT * step_m) {
+            if largest_m <= step_m
+                && (!limited || at_goal || largest_m >= MIN_SHARE_OF_LIMIT * step_m)
+            {
                 break;
             }
             // Into the middle of the accepted band: pulls are not linear in the bend.
@@ -179,7 +216,8 @@ impl ControlLaw for RecedingHorizon {
         let goal = self.goal(&in_force, target_m);
         let next = self.next(&in_force, &goal);
         let moved_m = largest_change_m(&in_force.bend_m, &goal.bend_m);
-        let disturbance_settled = !reading.fresh || self.disturbance.sd_m() <= self.options.settled_sd_m;
+        let disturbance_settled =
+            !reading.fresh || self.disturbance.sd_m() <= self.options.settled_sd_m;
         let settled = moved_m <= self.options.settled_pull_m && disturbance_settled;
         let pulls_m = next.pulls_m.clone();
         self.before_m = Some(in_force.tip_m);

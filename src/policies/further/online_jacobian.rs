@@ -1,5 +1,6 @@
-//! Control by a Jacobian that is estimated while the robot moves (Yip & Camarillo 2014), here by a Kalman filter: each row
-//! of the Jacobian is a random walk, and each motion measures it along its own direction. No data are collected before.
+//! Control by a Jacobian that is estimated while the robot moves (Yip & Camarillo 2014), here by a
+//! Kalman filter: each row of the Jacobian is a random walk, and each motion measures it along its
+//! own direction. No data are collected before.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -27,9 +28,11 @@ pub(crate) const ENTRY: PolicyEntry = PolicyEntry {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct OnlineJacobianOptions {
-    /// Share of the measured error that a tick takes away, according to the Jacobian: above 0, at most 1.
+    /// Share of the measured error that a tick takes away, according to the Jacobian: above 0, at
+    /// most 1.
     pub gain: f64,
-    /// First guess: how far the tip moves towards a tendon for each metre of its displacement, metres.
+    /// First guess: how far the tip moves towards a tendon for each metre of its displacement,
+    /// metres.
     pub first_gain: f64,
     /// Standard deviation of that guess, metres per metre.
     pub first_sd: f64,
@@ -37,7 +40,8 @@ pub struct OnlineJacobianOptions {
     pub drift_per_m: f64,
     /// Standard deviation of the tracking noise on an axis.
     pub noise_m: f64,
-    /// The policy has settled when the measured tip is so near to the target that the Jacobian asks for less than this.
+    /// The policy has settled when the measured tip is so near to the target that the Jacobian asks
+    /// for less than this.
     pub settled_pull_m: f64,
 }
 
@@ -85,7 +89,8 @@ impl JacobianController {
         let count = bends.len();
         let (jacobian, covariance) = (DMatrix::zeros(3, count), DMatrix::zeros(count, count));
         let bend_m = vec![0.0; count];
-        let mut controller = JacobianController { bends, options, bend_m, jacobian, covariance, last: None };
+        let mut controller =
+            JacobianController { bends, options, bend_m, jacobian, covariance, last: None };
         controller.reset();
         controller
     }
@@ -93,7 +98,10 @@ impl JacobianController {
     /// One step of the filter: the tip moved from the last measurement to `tip_m`.
     fn learn(&mut self, tip_m: &Point3) {
         let Some((bend_m, from_m)) = &self.last else { return };
-        let moved_m = DVector::from_iterator(bend_m.len(), self.bend_m.iter().zip(bend_m).map(|(to, from)| to - from));
+        let moved_m = DVector::from_iterator(
+            bend_m.len(),
+            self.bend_m.iter().zip(bend_m).map(|(to, from)| to - from),
+        );
         let distance_m = moved_m.norm();
         if distance_m == 0.0 {
             return;
@@ -101,7 +109,8 @@ impl JacobianController {
         // Prediction: each entry may have changed in proportion to the motion.
         let drift = (self.options.drift_per_m * distance_m).powi(2);
         (0..bend_m.len()).for_each(|index| self.covariance[(index, index)] += drift);
-        let seen_m = DVector::from_iterator(3, tip_m.iter().zip(from_m).map(|(to, from)| to - from));
+        let seen_m =
+            DVector::from_iterator(3, tip_m.iter().zip(from_m).map(|(to, from)| to - from));
         let along = &self.covariance * &moved_m;
         // K = P h / (hᵀ P h + r), with twice the noise: both ends of the motion are measured.
         let gain = &along / (moved_m.dot(&along) + 2.0 * self.options.noise_m.powi(2));
@@ -111,7 +120,8 @@ impl JacobianController {
         self.covariance -= gain * along.transpose();
     }
 
-    /// The change of the bend that takes the tip by `error_m`, damped where the Jacobian is nearly singular.
+    /// The change of the bend that takes the tip by `error_m`, damped where the Jacobian is nearly
+    /// singular.
     fn change_m(&self, error_m: Point3) -> Option<Vec<f64>> {
         let transposed = self.jacobian.transpose();
         let damping = (DAMPING_SHARE * self.options.first_gain).powi(2);
@@ -127,9 +137,11 @@ impl ControlLaw for JacobianController {
         let OnlineJacobianOptions { first_gain, first_sd, .. } = self.options;
         self.bend_m.fill(0.0);
         // Components alternate between x and y; the tip moves with those of its own axis.
-        self.jacobian =
-            DMatrix::from_fn(3, self.bend_m.len(), |row, column| if row == column % 2 { first_gain } else { 0.0 });
-        self.covariance = first_sd.powi(2) * DMatrix::identity(self.bend_m.len(), self.bend_m.len());
+        self.jacobian = DMatrix::from_fn(3, self.bend_m.len(), |row, column| {
+            if row == column % 2 { first_gain } else { 0.0 }
+        });
+        self.covariance =
+            first_sd.powi(2) * DMatrix::identity(self.bend_m.len(), self.bend_m.len());
         self.last = None;
     }
 
@@ -139,11 +151,13 @@ impl ControlLaw for JacobianController {
             self.learn(&reading.tip_m);
             self.last = Some((self.bend_m.clone(), reading.tip_m));
         }
-        let change_m = self.change_m(error_m).ok_or(PolicyError::NotFinite("estimated Jacobian"))?;
+        let change_m =
+            self.change_m(error_m).ok_or(PolicyError::NotFinite("estimated Jacobian"))?;
         let settled = change_m.iter().all(|change_m| change_m.abs() <= self.options.settled_pull_m);
         // Without a new measurement the error is not known: the command stays.
         if reading.fresh {
-            let change_m: Vec<f64> = change_m.iter().map(|change_m| self.options.gain * change_m).collect();
+            let change_m: Vec<f64> =
+                change_m.iter().map(|change_m| self.options.gain * change_m).collect();
             self.bends.advance(&mut self.bend_m, &change_m);
         }
         Ok(Demand { pulls_m: self.bends.pulls_m(&self.bend_m), settled })

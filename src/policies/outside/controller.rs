@@ -1,4 +1,5 @@
-//! A decision from outside behind what every policy has: the last valid measurement and the limits of the drive.
+//! A decision from outside behind what every policy has: the last valid measurement and the limits
+//! of the drive.
 
 use crate::base::{Action, Displacements, Observation, Point3, Policy, PolicyError, distance_m};
 use crate::policies::PolicyOptions;
@@ -23,7 +24,8 @@ pub struct OutsideView<'a> {
 pub struct OutsideDecision {
     /// Displacement of each tendon, metres.
     pub pulls_m: Displacements,
-    /// Whether it will not change its command for this target any more; `None`: told from tip and command.
+    /// Whether it will not change its command for this target any more; `None`: told from tip and
+    /// command.
     pub settled: Option<bool>,
 }
 
@@ -58,7 +60,11 @@ pub(super) struct OutsideController {
 }
 
 impl OutsideController {
-    pub(super) fn new(decider: Box<dyn OutsideDecider>, settled_m: f64, options: &PolicyOptions) -> Self {
+    pub(super) fn new(
+        decider: Box<dyn OutsideDecider>,
+        settled_m: f64,
+        options: &PolicyOptions,
+    ) -> Self {
         OutsideController {
             decider,
             settled_m,
@@ -84,7 +90,8 @@ impl Policy for OutsideController {
         }
         let reading = self.tip_tracker.read(seen, target_m)?;
         let pulls_m = self.last_m.as_deref().unwrap_or(&seen.pulls_m);
-        let view = OutsideView { tip_m: reading.tip_m, target_m: *target_m, pulls_m, time_s: seen.time_s };
+        let view =
+            OutsideView { tip_m: reading.tip_m, target_m: *target_m, pulls_m, time_s: seen.time_s };
         let decision = self.decider.decide(&view)?;
         let limited = self.limits.apply(&decision.pulls_m, &seen.pulls_m)?;
         let settled = decision.settled.unwrap_or_else(|| {

@@ -1,5 +1,6 @@
-//! Policies from outside: an ONNX file, or a class of Python that runs through the Python package. A spec names them in
-//! `policies`: `mine: {onnx: {file: mine.onnx}}`. They see what every policy sees and are held to the same limits.
+//! Policies from outside: an ONNX file, or a class of Python that runs through the Python package.
+//! A spec names them in `policies`: `mine: {onnx: {file: mine.onnx}}`. They see what every policy
+//! sees and are held to the same limits.
 
 mod controller;
 mod onnx_policy;
@@ -88,11 +89,18 @@ impl OutsidePolicy {
     ///
     /// # Errors
     /// What is not as it should be, in words.
-    pub fn build(&self, content: &[u8], tendons: usize, options: &PolicyOptions) -> Result<Box<dyn Policy>, String> {
+    pub fn build(
+        &self,
+        content: &[u8],
+        tendons: usize,
+        options: &PolicyOptions,
+    ) -> Result<Box<dyn Policy>, String> {
         let (decider, settled_m): (Box<dyn OutsideDecider>, f64) = match self {
             OutsidePolicy::Onnx(onnx) => {
                 let policy = onnx_policy::OnnxDecider::new(onnx, content, tendons);
-                let words = |(found, expected)| format!("{}: found {found}, expected {expected}", onnx.file.display());
+                let words = |(found, expected)| {
+                    format!("{}: found {found}, expected {expected}", onnx.file.display())
+                };
                 (Box::new(policy.map_err(words)?), onnx.settled_m)
             }
             OutsidePolicy::Python(python) => (python.decider()?, python.settled_m),

@@ -23,10 +23,12 @@ pub struct OnnxOptions {
     /// Positions are divided by this before the network sees them, metres.
     #[serde(default = "one")]
     pub position_scale_m: f64,
-    /// Displacements are divided by this before the network sees them, and what it decides is multiplied by this, metres.
+    /// Displacements are divided by this before the network sees them, and what it decides is
+    /// multiplied by this, metres.
     #[serde(default = "one")]
     pub pull_scale_m: f64,
-    /// The policy has settled when the tip is this near to the target, or when it repeats its command, metres.
+    /// The policy has settled when the tip is this near to the target, or when it repeats its
+    /// command, metres.
     #[serde(default = "settled_m")]
     pub settled_m: f64,
 }
@@ -46,7 +48,9 @@ pub enum OnnxInput {
 }
 
 /// What a network decides.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum OnnxOutput {
     /// The displacement of each tendon.
@@ -82,10 +86,15 @@ impl OnnxOptions {
 }
 
 /// Reads the network and checks its sizes.
-pub(super) fn read(options: &OnnxOptions, content: &[u8], tendons: usize) -> Result<OnnxNetwork, (String, String)> {
+pub(super) fn read(
+    options: &OnnxOptions,
+    content: &[u8],
+    tendons: usize,
+) -> Result<OnnxNetwork, (String, String)> {
     let size = options.input_size(tendons);
-    let network = OnnxNetwork::read(content, size)
-        .map_err(|error| (error.to_string(), "an ONNX file of a feed-forward network (docs/python.md)".to_owned()))?;
+    let network = OnnxNetwork::read(content, size).map_err(|error| {
+        (error.to_string(), "an ONNX file of a feed-forward network (docs/python.md)".to_owned())
+    })?;
     if network.inputs() != size {
         let expected = format!("{size}, the size of `inputs` for {tendons} tendons");
         return Err((format!("a network with {} inputs", network.inputs()), expected));
@@ -104,7 +113,11 @@ pub(super) struct OnnxDecider {
 }
 
 impl OnnxDecider {
-    pub(super) fn new(options: &OnnxOptions, content: &[u8], tendons: usize) -> Result<OnnxDecider, (String, String)> {
+    pub(super) fn new(
+        options: &OnnxOptions,
+        content: &[u8],
+        tendons: usize,
+    ) -> Result<OnnxDecider, (String, String)> {
         Ok(OnnxDecider { network: read(options, content, tendons)?, options: options.clone() })
     }
 }
@@ -119,19 +132,34 @@ impl OutsideDecider for OnnxDecider {
         let mut input = Vec::with_capacity(self.network.inputs());
         for part in &self.options.inputs {
             match part {
-                OnnxInput::Tip => input.extend(view.tip_m.iter().map(|value| value / position_scale_m)),
-                OnnxInput::Target => input.extend(view.target_m.iter().map(|value| value / position_scale_m)),
-                OnnxInput::Error => {
-                    input.extend((0..3).map(|axis| (view.target_m[axis] - view.tip_m[axis]) / position_scale_m));
+                OnnxInput::Tip => {
+                    input.extend(view.tip_m.iter().map(|value| value / position_scale_m))
                 }
-                OnnxInput::Pulls => input.extend(view.pulls_m.iter().map(|value| value / pull_scale_m)),
+                OnnxInput::Target => {
+                    input.extend(view.target_m.iter().map(|value| value / position_scale_m))
+                }
+                OnnxInput::Error => {
+                    input.extend(
+                        (0..3).map(|axis| {
+                            (view.target_m[axis] - view.tip_m[axis]) / position_scale_m
+                        }),
+                    );
+                }
+                OnnxInput::Pulls => {
+                    input.extend(view.pulls_m.iter().map(|value| value / pull_scale_m))
+                }
             }
         }
-        let output = self.network.evaluate(&input).map_err(|error| PolicyError::Outside(error.to_string()))?;
+        let output = self
+            .network
+            .evaluate(&input)
+            .map_err(|error| PolicyError::Outside(error.to_string()))?;
         PolicyError::unless_finite("output of the network", &output)?;
         let pulls_m = output.iter().enumerate().map(|(tendon, value)| match self.options.output {
             OnnxOutput::Pulls => pull_scale_m * value,
-            OnnxOutput::Changes => view.pulls_m.get(tendon).copied().unwrap_or_default() + pull_scale_m * value,
+            OnnxOutput::Changes => {
+                view.pulls_m.get(tendon).copied().unwrap_or_default() + pull_scale_m * value
+            }
         });
         Ok(OutsideDecision { pulls_m: pulls_m.collect(), settled: None })
     }

@@ -1,4 +1,5 @@
-//! A policy that is a class of Python. The Python package provides the interpreter; the program alone has none.
+//! A policy that is a class of Python. The Python package provides the interpreter; the program
+//! alone has none.
 
 use std::path::PathBuf;
 use std::sync::OnceLock;
@@ -21,8 +22,8 @@ pub struct PythonOptions {
     /// True when it decides by the measured error, so that open loop means nothing to it.
     #[serde(default)]
     pub closed_loop_only: bool,
-    /// The policy has settled when the tip is this near to the target, or when it repeats its command, unless it tells so
-    /// itself; metres.
+    /// The policy has settled when the tip is this near to the target, or when it repeats its
+    /// command, unless it tells so itself; metres.
     #[serde(default = "settled_m")]
     pub settled_m: f64,
 }
@@ -45,7 +46,8 @@ impl PythonOptions {
 
     pub(super) fn check_content(&self, content: &[u8]) -> Result<(), (String, String)> {
         if PYTHON.get().is_none() {
-            let expected = "spinebench.run(…) of the Python package (docs/python.md), which runs policies of Python";
+            let expected = "spinebench.run(…) of the Python package (docs/python.md), which runs \
+                            policies of Python";
             return Err(("the program without Python".to_owned(), expected.to_owned()));
         }
         match std::str::from_utf8(content) {
@@ -55,7 +57,9 @@ impl PythonOptions {
     }
 
     pub(super) fn decider(&self) -> Result<Box<dyn OutsideDecider>, String> {
-        let make = PYTHON.get().ok_or("policies of Python run through the Python package (docs/python.md)")?;
+        let make = PYTHON
+            .get()
+            .ok_or("policies of Python run through the Python package (docs/python.md)")?;
         make(self)
     }
 }

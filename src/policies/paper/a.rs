@@ -1,8 +1,10 @@
-//! Policy A (Algorithm 2): the inverse mapping learnt in simulation, with the target moved into the simulated
-//! workspace by the error model, x_s-target = x_real-target + e_gp(L, x_s-target) (eq. 23).
+//! Policy A (Algorithm 2): the inverse mapping learnt in simulation, with the target moved into the
+//! simulated workspace by the error model, x_s-target = x_real-target + e_gp(L, x_s-target) (eq.
+//! 23).
 //!
-//! One iteration of the algorithm is one control tick. The algorithm reads the tracker between asking the network and
-//! the next question; a tick reads it first, so the position of tick i is x_real(i) + e_gp(i − 1), as printed.
+//! One iteration of the algorithm is one control tick. The algorithm reads the tracker between
+//! asking the network and the next question; a tick reads it first, so the position of tick i is
+//! x_real(i) + e_gp(i − 1), as printed.
 
 use std::sync::Arc;
 
@@ -11,8 +13,8 @@ use crate::policies::parts::network::RecurrentInverse;
 use crate::policies::parts::single_controller::{ControlLaw, Demand, SingleController};
 use crate::policies::parts::tip_tracker::TipReading;
 use crate::policies::{
-    Deserialize, ErrorModel, INVERSE, InverseModel, ModelNeed, NetworkOptions, PolicyEntry, PolicyOptions, Serialize,
-    SeriesLabel,
+    Deserialize, ErrorModel, INVERSE, InverseModel, ModelNeed, NetworkOptions, PolicyEntry,
+    PolicyOptions, Serialize, SeriesLabel,
 };
 
 pub(crate) const ENTRY: PolicyEntry = PolicyEntry {
@@ -31,18 +33,21 @@ pub(crate) const ENTRY: PolicyEntry = PolicyEntry {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct AOptions {
-    /// The loop ends when x_s-target moves no further than this in one iteration; the paper's 0.001 m.
+    /// The loop ends when x_s-target moves no further than this in one iteration; the paper's 0.001
+    /// m.
     pub tolerance_m: f64,
-    /// Iterations in one control tick, fewer when the criterion is met; 1 is Algorithm 2 as printed.
+    /// Iterations in one control tick, fewer when the criterion is met; 1 is Algorithm 2 as
+    /// printed.
     pub iterations_per_tick: usize,
-    /// Iterations at a target before the criterion counts; 2 asks that the network answered twice, as the settling of
-    /// the other policies does.
+    /// Iterations at a target before the criterion counts; 2 asks that the network answered twice,
+    /// as the settling of the other policies does.
     pub min_iterations: usize,
-    /// The guess for a further target of the same run is moved by the last e_gp instead of being the target itself.
-    /// At the first target there is no e_gp yet, and both are the printed guess.
+    /// The guess for a further target of the same run is moved by the last e_gp instead of being
+    /// the target itself. At the first target there is no e_gp yet, and both are the printed guess.
     pub warm_start: bool,
-    /// Keep the command at which the criterion was first met until the target changes, as the printed loop does when
-    /// it ends, instead of iterating with feedback for as long as the task asks.
+    /// Keep the command at which the criterion was first met until the target changes, as the
+    /// printed loop does when it ends, instead of iterating with feedback for as long as the task
+    /// asks.
     pub hold_when_settled: bool,
 }
 
@@ -80,7 +85,8 @@ pub(crate) struct AlgorithmTwo {
     simulated_target_m: Point3,
     /// x_initial: the current position in the simulated workspace.
     position_m: Point3,
-    /// e_gp(i); zero before the first iteration, so that the first position is the one that was measured.
+    /// e_gp(i); zero before the first iteration, so that the first position is the one that was
+    /// measured.
     error_m: Point3,
     /// Where the network was last asked to take the tip, in the simulated workspace.
     aim_m: Point3,
@@ -89,7 +95,11 @@ pub(crate) struct AlgorithmTwo {
 }
 
 impl AlgorithmTwo {
-    pub(crate) fn new(model: Box<dyn InverseModel>, error: Arc<dyn ErrorModel>, options: &PolicyOptions) -> Self {
+    pub(crate) fn new(
+        model: Box<dyn InverseModel>,
+        error: Arc<dyn ErrorModel>,
+        options: &PolicyOptions,
+    ) -> Self {
         AlgorithmTwo {
             network: RecurrentInverse::new(model, options.network.memory),
             error,
@@ -143,7 +153,8 @@ impl ControlLaw for AlgorithmTwo {
         if self.target_m != Some(*target_m) {
             self.target_m = Some(*target_m);
             self.iterations = 0;
-            self.simulated_target_m = if self.options.warm_start { sum(target_m, &self.error_m) } else { *target_m };
+            self.simulated_target_m =
+                if self.options.warm_start { sum(target_m, &self.error_m) } else { *target_m };
             self.held_m = None;
         }
         // Without a new measurement (open loop) "the initial position does not change".

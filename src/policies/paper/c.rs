@@ -1,10 +1,12 @@
-//! Policy C (section IV-F, Fig. 7c): A, with "the correction from control policy B when position error is large".
+//! Policy C (section IV-F, Fig. 7c): A, with "the correction from control policy B when position
+//! error is large".
 //!
-//! Both controllers watch every tick, so that the memories of both networks know what the robot did; one of them
-//! gives the command. A stretch under one controller is a leg. A leg ends when its controller has settled and, if
-//! the error is above e_c, the tip has come to rest (or the leg's budget is spent); then [`SwitchingController::judge`] decides.
-//! It cannot go on for ever: each target allows a bounded number of changes, and a change that would not alter the
-//! command (L_A ≈ L_B) is not made.
+//! Both controllers watch every tick, so that the memories of both networks know what the robot
+//! did; one of them gives the command. A stretch under one controller is a leg. A leg ends when its
+//! controller has settled and, if the error is above e_c, the tip has come to rest (or the leg's
+//! budget is spent); then [`SwitchingController::judge`] decides. It cannot go on for ever: each
+//! target allows a bounded number of changes, and a change that would not alter the command (L_A ≈
+//! L_B) is not made.
 
 use super::a::AlgorithmTwo;
 use crate::base::{Action, BadOption, Observation, Point3, Policy, PolicyError, distance_m};
@@ -12,7 +14,9 @@ use crate::policies::parts::actuator_limits::{ActuatorLimits, largest_change_m};
 use crate::policies::parts::inverse_network::InverseNetworkController;
 use crate::policies::parts::single_controller::{ControlLaw, Demand};
 use crate::policies::parts::tip_tracker::TipTracker;
-use crate::policies::{Deserialize, INVERSE, INVERSE_B, ModelNeed, PolicyEntry, Serialize, SeriesLabel};
+use crate::policies::{
+    Deserialize, INVERSE, INVERSE_B, ModelNeed, PolicyEntry, Serialize, SeriesLabel,
+};
 
 pub(crate) const ENTRY: PolicyEntry = PolicyEntry {
     name: "c",
@@ -38,7 +42,9 @@ pub(crate) const ENTRY: PolicyEntry = PolicyEntry {
 };
 
 /// When C compares the error with e_c.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum SwitchCheck {
     /// At the end of a leg ("the final position tracking error").
@@ -49,7 +55,9 @@ pub enum SwitchCheck {
 }
 
 /// Which controller a new target starts with.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum StartBranch {
     /// A ("mainly relies on control policy A").
@@ -60,7 +68,9 @@ pub enum StartBranch {
 }
 
 /// What C does when both controllers ended a leg at this target with an error above e_c.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum AfterBoth {
     /// Goes to the one whose error was smaller.
@@ -197,7 +207,8 @@ impl SwitchingController {
         if change { self.switch() } else { self.leg.finished = true }
     }
 
-    /// Decides who gives this tick's command. `settled` is of the controller in charge, `same_command` of both.
+    /// Decides who gives this tick's command. `settled` is of the controller in charge,
+    /// `same_command` of both.
     fn choose(&mut self, error_m: f64, at_rest: bool, settled: bool, same_command: bool) {
         match self.options.check {
             SwitchCheck::Final => {
@@ -207,8 +218,12 @@ impl SwitchingController {
                 }
             }
             SwitchCheck::EveryTick => {
-                let due = if error_m > self.options.switch_threshold_m { Branch::B } else { Branch::A };
-                if due != self.branch && !same_command && self.leg.switches < self.options.max_switches {
+                let due =
+                    if error_m > self.options.switch_threshold_m { Branch::B } else { Branch::A };
+                if due != self.branch
+                    && !same_command
+                    && self.leg.switches < self.options.max_switches
+                {
                     self.switch();
                 } else if settled && at_rest {
                     self.leg.finished = true;
@@ -235,10 +250,12 @@ impl Policy for SwitchingController {
         let demand = [self.a.decide(reading, target_m)?, self.b.decide(reading, target_m)?];
         // Nothing new was measured: neither the error nor the rest can be judged.
         if reading.fresh {
-            let moved_m = self.last_tip_m.map_or(f64::INFINITY, |last_m| distance_m(&last_m, &reading.tip_m));
+            let moved_m =
+                self.last_tip_m.map_or(f64::INFINITY, |last_m| distance_m(&last_m, &reading.tip_m));
             self.last_tip_m = Some(reading.tip_m);
             let [of_a, of_b] = &demand;
-            let same_command = largest_change_m(&of_a.pulls_m, &of_b.pulls_m) <= self.options.same_command_m;
+            let same_command =
+                largest_change_m(&of_a.pulls_m, &of_b.pulls_m) <= self.options.same_command_m;
             let Demand { pulls_m, settled } = &demand[self.branch as usize];
             let settled = *settled && self.limits.limit(pulls_m, &seen.pulls_m)?.arrived;
             let error_m = distance_m(&reading.tip_m, target_m);

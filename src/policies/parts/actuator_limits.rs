@@ -10,8 +10,8 @@ use crate::base::{BadOption, Displacements, PolicyError};
 pub struct LimitOptions {
     /// Largest displacement of a tendon either way.
     pub travel_m: f64,
-    /// Largest change of a displacement in one tick; `null` for none. The change of all tendons is scaled together, so
-    /// that the robot moves straight towards what the policy demands.
+    /// Largest change of a displacement in one tick; `null` for none. The change of all tendons is
+    /// scaled together, so that the robot moves straight towards what the policy demands.
     pub max_step_m: Option<f64>,
 }
 
@@ -53,29 +53,41 @@ impl ActuatorLimits {
         self.last_m = None;
     }
 
-    /// What of `demand_m` can be had in this tick, and makes it the command in force. Until there is one,
-    /// `in_force_m` are the displacements observed at the trial's start.
-    pub(crate) fn apply(&mut self, demand_m: &[f64], in_force_m: &[f64]) -> Result<LimitedCommand, PolicyError> {
+    /// What of `demand_m` can be had in this tick, and makes it the command in force. Until there
+    /// is one, `in_force_m` are the displacements observed at the trial's start.
+    pub(crate) fn apply(
+        &mut self,
+        demand_m: &[f64],
+        in_force_m: &[f64],
+    ) -> Result<LimitedCommand, PolicyError> {
         let limited = self.limit(demand_m, in_force_m)?;
         self.last_m = Some(limited.pulls_m.clone());
         Ok(limited)
     }
 
     /// [`ActuatorLimits::apply`] without making it so.
-    pub(crate) fn limit(&self, demand_m: &[f64], in_force_m: &[f64]) -> Result<LimitedCommand, PolicyError> {
+    pub(crate) fn limit(
+        &self,
+        demand_m: &[f64],
+        in_force_m: &[f64],
+    ) -> Result<LimitedCommand, PolicyError> {
         if demand_m.len() != in_force_m.len() {
             return Err(PolicyError::Tendons { found: demand_m.len(), expected: in_force_m.len() });
         }
         PolicyError::unless_finite("tendon displacement", demand_m.iter().chain(in_force_m))?;
         let travel_m = self.options.travel_m;
-        let goal: Displacements = demand_m.iter().map(|pull| pull.clamp(-travel_m, travel_m)).collect();
+        let goal: Displacements =
+            demand_m.iter().map(|pull| pull.clamp(-travel_m, travel_m)).collect();
         let last = self.last_m.as_deref().unwrap_or(in_force_m);
         let largest = largest_change_m(last, &goal);
         let share = self.options.max_step_m.map_or(1.0, |step_m| (step_m / largest).min(1.0));
         let pulls_m: Displacements = if share >= 1.0 {
             goal
         } else {
-            last.iter().zip(&goal).map(|(from, to)| (from + share * (to - from)).clamp(-travel_m, travel_m)).collect()
+            last.iter()
+                .zip(&goal)
+                .map(|(from, to)| (from + share * (to - from)).clamp(-travel_m, travel_m))
+                .collect()
         };
         Ok(LimitedCommand { pulls_m, arrived: (1.0 - share) * largest <= ROUNDING_M })
     }
@@ -92,7 +104,8 @@ mod tests {
 
     #[test]
     fn a_far_command_is_reached_in_steps_along_a_straight_line() {
-        let mut limits = ActuatorLimits::new(LimitOptions { travel_m: 0.03, max_step_m: Some(0.003) });
+        let mut limits =
+            ActuatorLimits::new(LimitOptions { travel_m: 0.03, max_step_m: Some(0.003) });
         let home = [0.0; 4];
         let demand = [0.009, 0.003, -0.009, -0.003];
         let first = limits.apply(&demand, &home).unwrap();

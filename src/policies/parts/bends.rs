@@ -1,5 +1,5 @@
-//! Commands in the few numbers that bend a robot, for controllers without a model: towards x and towards y in each segment,
-//! with tendons on opposite sides pulled and given by the same amount.
+//! Commands in the few numbers that bend a robot, for controllers without a model: towards x and
+//! towards y in each segment, with tendons on opposite sides pulled and given by the same amount.
 
 use super::actuator_limits::{LimitOptions, largest_change_m};
 use crate::base::{Displacements, TendonLayout};
@@ -20,7 +20,8 @@ impl BendDirections {
         2 * self.layout.segments.len()
     }
 
-    /// The displacements for a bend. A tendon passes the segments before its own, and their bends take it along.
+    /// The displacements for a bend. A tendon passes the segments before its own, and their bends
+    /// take it along.
     pub(crate) fn pulls_m(&self, bend_m: &[f64]) -> Displacements {
         let mut pulls_m = vec![0.0; self.layout.segments.iter().map(Vec::len).sum()];
         for (segment, tendons) in self.layout.segments.iter().enumerate() {
@@ -35,11 +36,13 @@ impl BendDirections {
         pulls_m
     }
 
-    /// Moves a bend by `change_m`, or as far in that direction as the drive moves in a tick, and within its travel. What the
-    /// drive does not do is not part of the bend, so that an integral cannot wind up.
+    /// Moves a bend by `change_m`, or as far in that direction as the drive moves in a tick, and
+    /// within its travel. What the drive does not do is not part of the bend, so that an integral
+    /// cannot wind up.
     pub(crate) fn advance(&self, bend_m: &mut [f64], change_m: &[f64]) {
         let before_m = self.pulls_m(bend_m);
-        let wanted_m: Vec<f64> = bend_m.iter().zip(change_m).map(|(bend, change)| bend + change).collect();
+        let wanted_m: Vec<f64> =
+            bend_m.iter().zip(change_m).map(|(bend, change)| bend + change).collect();
         let largest_m = largest_change_m(&before_m, &self.pulls_m(&wanted_m));
         let share = self.limits.max_step_m.map_or(1.0, |step_m| (step_m / largest_m).min(1.0));
         let travel_m = self.limits.travel_m;
@@ -55,11 +58,14 @@ mod tests {
 
     #[test]
     fn opposite_tendons_move_against_each_other_within_a_step() {
-        let bends =
-            BendDirections::new(TendonLayout::ring(4), LimitOptions { travel_m: 0.005, max_step_m: Some(0.003) });
+        let bends = BendDirections::new(
+            TendonLayout::ring(4),
+            LimitOptions { travel_m: 0.005, max_step_m: Some(0.003) },
+        );
         let mut bend_m = vec![0.0, 0.0];
         bends.advance(&mut bend_m, &[0.012, -0.006]);
-        for (found, expected) in bends.pulls_m(&bend_m).iter().zip([0.003, -0.0015, -0.003, 0.0015]) {
+        for (found, expected) in bends.pulls_m(&bend_m).iter().zip([0.003, -0.0015, -0.003, 0.0015])
+        {
             assert!((found - expected).abs() < 1e-12, "{bend_m:?}");
         }
         bends.advance(&mut bend_m, &[0.012, -0.006]);

@@ -1,6 +1,6 @@
-//! The constant by which the robot differs from its model here and now, estimated from measurements: what makes a control
-//! that predicts free of offset (Muske & Badgwell 2002; Pannocchia & Rawlings 2003). A Kalman filter with one variance for
-//! all three axes.
+//! The constant by which the robot differs from its model here and now, estimated from
+//! measurements: what makes a control that predicts free of offset (Muske & Badgwell 2002;
+//! Pannocchia & Rawlings 2003). A Kalman filter with one variance for all three axes.
 
 use serde::{Deserialize, Serialize};
 
@@ -18,8 +18,8 @@ pub struct DisturbanceOptions {
     pub drift_m: f64,
     /// Change of the disturbance for each metre that the expected tip moves, metres.
     pub drift_per_motion: f64,
-    /// Error of a measurement for each metre that the expected tip moves in the tick, metres: the robot may not be at rest
-    /// yet.
+    /// Error of a measurement for each metre that the expected tip moves in the tick, metres: the
+    /// robot may not be at rest yet.
     pub lag_per_motion: f64,
 }
 
@@ -88,13 +88,18 @@ mod tests {
 
     #[test]
     fn at_rest_the_estimate_is_nearly_the_mean_of_what_was_measured() {
-        let options = DisturbanceOptions { drift_m: 0.0, first_sd_m: 1.0, ..DisturbanceOptions::default() };
+        let options =
+            DisturbanceOptions { drift_m: 0.0, first_sd_m: 1.0, ..DisturbanceOptions::default() };
         let mut disturbance = DisturbanceFilter::new(options);
         for tick in 0..10 {
             let tip_m = [0.001 * f64::from(tick), 0.0, 0.2];
             disturbance.measured(&tip_m, &[0.0, 0.0, 0.2], 0.0);
         }
         assert!((disturbance.offset_m[0] - 0.0045).abs() < 1e-6, "{:?}", disturbance.offset_m);
-        assert!((disturbance.sd_m() - 0.0005 / 10.0_f64.sqrt()).abs() < 1e-7, "{}", disturbance.sd_m());
+        assert!(
+            (disturbance.sd_m() - 0.0005 / 10.0_f64.sqrt()).abs() < 1e-7,
+            "{}",
+            disturbance.sd_m()
+        );
     }
 }

@@ -1,6 +1,7 @@
-//! The moves of a receding horizon: min Σ_k |b_k − b*|²_M + w|Δ_k|² over the moves Δ_k of the coming ticks, each component
-//! of a move within ±`step_m`, where M = JᵀJ weighs the bend by what it moves of the tip. Projected gradient with Nesterov's
-//! momentum, from all moves zero; the problem is convex.
+//! The moves of a receding horizon: min Σ_k |b_k − b*|²_M + w|Δ_k|² over the moves Δ_k of the
+//! coming ticks, each component of a move within ±`step_m`, where M = JᵀJ weighs the bend by what
+//! it moves of the tip. Projected gradient with Nesterov's momentum, from all moves zero; the
+//! problem is convex.
 
 use nalgebra::DMatrix;
 
@@ -18,7 +19,8 @@ pub(crate) fn first_move_m(
     let count = remaining_m.len();
     // The trace bounds the largest eigenvalue of a positive semidefinite matrix.
     let eigenvalue_bound = metric.diagonal().sum();
-    // Largest curvature of the sum: that of the map from moves to bends has norm below ticks(ticks + 1)/2.
+    // Largest curvature of the sum: that of the map from moves to bends has norm below
+    // ticks(ticks + 1)/2.
     let curvature = 2.0 * (eigenvalue_bound * (ticks * (ticks + 1)) as f64 / 2.0 + weight);
     let mut moves = vec![0.0; ticks * count];
     let (mut extrapolated, mut momentum) = (moves.clone(), 1.0_f64);
@@ -33,7 +35,8 @@ pub(crate) fn first_move_m(
         // Nesterov: t' = (1 + √(1 + 4 t²)) / 2, extrapolation by (t − 1) / t'.
         let following = 0.5 * (1.0 + (1.0 + 4.0 * momentum * momentum).sqrt());
         let share = (momentum - 1.0) / following;
-        extrapolated = next.iter().zip(&moves).map(|(next, last)| next + share * (next - last)).collect();
+        extrapolated =
+            next.iter().zip(&moves).map(|(next, last)| next + share * (next - last)).collect();
         (moves, momentum) = (next, following);
     }
     moves.truncate(count);
@@ -48,7 +51,8 @@ fn gradient(metric: &DMatrix<f64>, remaining_m: &[f64], moves: &[f64], weight: f
     for step in moves.chunks_exact(count) {
         overshoot_m.iter_mut().zip(step).for_each(|(overshoot, change)| *overshoot += change);
         for row in 0..count {
-            let sum: f64 = (0..count).map(|column| metric[(row, column)] * overshoot_m[column]).sum();
+            let sum: f64 =
+                (0..count).map(|column| metric[(row, column)] * overshoot_m[column]).sum();
             slopes.push(2.0 * sum);
         }
     }

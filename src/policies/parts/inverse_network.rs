@@ -1,4 +1,5 @@
-//! A policy that is an inverse network and nothing else, eq. (22): B and π_real differ in what the network learnt from.
+//! A policy that is an inverse network and nothing else, eq. (22): B and π_real differ in what the
+//! network learnt from.
 
 use serde::{Deserialize, Serialize};
 
@@ -13,13 +14,15 @@ use crate::policies::{InverseModel, NetworkOptions, PolicyOptions};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct DirectOptions {
-    /// Settled when no tendon's demanded displacement changed by more than this since the last tick.
+    /// Settled when no tendon's demanded displacement changed by more than this since the last
+    /// tick.
     pub settle_pull_m: f64,
 }
 
 impl Default for DirectOptions {
     fn default() -> Self {
-        // Moves the tip by about the 1 mm at which Algorithm 2 stops: 3–5 mm of tip for a millimetre of tendon.
+        // Moves the tip by about the 1 mm at which Algorithm 2 stops: 3–5 mm of tip for a
+        // millimetre of tendon.
         DirectOptions { settle_pull_m: 0.0002 }
     }
 }
@@ -61,7 +64,8 @@ impl ControlLaw for InverseNetworkController {
         let aim_m = self.network_options.aim_m(&reading.tip_m, target_m, reading.fresh);
         let pulls_m = self.network.pulls(&reading.tip_m, &aim_m)?;
         let settled = self.last.as_ref().is_some_and(|(last_target_m, last_m)| {
-            last_target_m == target_m && largest_change_m(last_m, &pulls_m) <= self.options.settle_pull_m
+            last_target_m == target_m
+                && largest_change_m(last_m, &pulls_m) <= self.options.settle_pull_m
         });
         self.last = Some((*target_m, pulls_m.clone()));
         Ok(Demand { pulls_m, settled })

@@ -8,8 +8,8 @@ use crate::learn::LearnError;
 use crate::learn::gp::{Gp, Leaving, OnlineGp};
 use crate::learn::networks::{Network, NetworkState};
 
-/// A network trained on (x_i, x_{i+1}) → u_i (eq. 21): six inputs, one output a tendon. The weights are shared,
-/// the memory is its own.
+/// A network trained on (x_i, x_{i+1}) → u_i (eq. 21): six inputs, one output a tendon. The weights
+/// are shared, the memory is its own.
 pub struct NetworkInverse {
     network: Arc<Network>,
     /// Memory as of the last tick.
@@ -24,7 +24,11 @@ impl NetworkInverse {
     /// # Errors
     /// [`LearnError::Shape`] for a network that does not take two positions.
     pub fn new(network: Arc<Network>) -> Result<Self, LearnError> {
-        LearnError::unless_shape("inputs of an inverse mapping (two positions)", network.inputs(), 6)?;
+        LearnError::unless_shape(
+            "inputs of an inverse mapping (two positions)",
+            network.inputs(),
+            6,
+        )?;
         let state = network.state();
         Ok(NetworkInverse { network, memory: state.clone(), next: state })
     }
@@ -52,7 +56,8 @@ impl InverseModel for NetworkInverse {
     }
 }
 
-/// A network trained on (u_i, x_i) → x_{i+1} (eq. 17), run freely: what it predicted is its next x_i.
+/// A network trained on (u_i, x_i) → x_{i+1} (eq. 17), run freely: what it predicted is its next
+/// x_i.
 pub struct NetworkForward {
     network: Arc<Network>,
     memory: NetworkState,
@@ -63,7 +68,8 @@ impl NetworkForward {
     /// The network at rest.
     ///
     /// # Errors
-    /// [`LearnError::Shape`] for a network that does not go from displacements and a position to a position.
+    /// [`LearnError::Shape`] for a network that does not go from displacements and a position to a
+    /// position.
     pub fn new(network: Arc<Network>, tendons: usize) -> Result<Self, LearnError> {
         let what = "inputs of a forward model (displacements and a position)";
         LearnError::unless_shape(what, network.inputs(), tendons + 3)?;
@@ -97,7 +103,8 @@ impl GpError {
     /// The error model of a robot with `tendons` tendons.
     ///
     /// # Errors
-    /// [`LearnError::Shape`] for a process that does not go from displacements and a position to a position.
+    /// [`LearnError::Shape`] for a process that does not go from displacements and a position to a
+    /// position.
     pub fn new(gp: Gp, tendons: usize) -> Result<Self, LearnError> {
         let what = "inputs of an error model (displacements and a position)";
         LearnError::unless_shape(what, gp.inputs(), tendons + 3)?;
@@ -107,7 +114,8 @@ impl GpError {
 }
 
 impl ErrorModel for GpError {
-    /// The predicted mean (section IV-B); not a number for another number of tendons than it was made for.
+    /// The predicted mean (section IV-B); not a number for another number of tendons than it was
+    /// made for.
     fn error_m(&self, pulls_m: &[f64], p_sim_m: &Point3) -> Point3 {
         let input = [pulls_m, p_sim_m.as_slice()].concat();
         point(self.0.mean(&input))
@@ -122,7 +130,8 @@ fn point(mean: Result<Vec<f64>, LearnError>) -> Point3 {
     mean.ok().and_then(|mean| mean.try_into().ok()).unwrap_or([f64::NAN; 3])
 }
 
-/// The same with the points of a trial. A lock, because policies share error models between threads.
+/// The same with the points of a trial. A lock, because policies share error models between
+/// threads.
 struct LearningGpError(Mutex<OnlineGp>);
 
 impl ErrorModel for LearningGpError {
@@ -133,11 +142,17 @@ impl ErrorModel for LearningGpError {
 }
 
 impl LearningErrorModel for LearningGpError {
-    fn measured(&self, pulls_m: &[f64], p_sim_m: &Point3, tip_m: &Point3) -> Result<(), PolicyError> {
+    fn measured(
+        &self,
+        pulls_m: &[f64],
+        p_sim_m: &Point3,
+        tip_m: &Point3,
+    ) -> Result<(), PolicyError> {
         let input = [pulls_m, p_sim_m.as_slice()].concat();
         let error_m: Point3 = std::array::from_fn(|axis| p_sim_m[axis] - tip_m[axis]);
         let mut gp = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        gp.add(&input, &error_m).map_err(|_| PolicyError::NotFinite("measured point of the error model"))
+        gp.add(&input, &error_m)
+            .map_err(|_| PolicyError::NotFinite("measured point of the error model"))
     }
 
     fn restart(&self) {

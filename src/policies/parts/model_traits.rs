@@ -1,5 +1,5 @@
-//! What a policy asks of a learned model. The registry of policies stands elsewhere, so that a new policy does not count
-//! as a change of the stages that train networks.
+//! What a policy asks of a learned model. The registry of policies stands elsewhere, so that a new
+//! policy does not count as a change of the stages that train networks.
 
 use std::sync::Arc;
 
@@ -8,8 +8,8 @@ use crate::learn::gp::Leaving;
 
 /// A learned inverse mapping (x_i, x_target) → u_i, eq. (22): a recurrent network with a memory.
 ///
-/// Within one control tick `pulls` may be asked several times (an optimisation does); the memory stays as it was at
-/// the tick's start until [`InverseModel::tick`] says that time has passed.
+/// Within one control tick `pulls` may be asked several times (an optimisation does); the memory
+/// stays as it was at the tick's start until [`InverseModel::tick`] says that time has passed.
 ///
 /// ```
 /// use spinebench::base::{Displacements, Point3, PolicyError};
@@ -31,11 +31,13 @@ pub trait InverseModel: Send {
     /// # Errors
     /// [`PolicyError`] when an input or an output is not finite.
     fn pulls(&mut self, from_m: &Point3, to_m: &Point3) -> Result<Displacements, PolicyError>;
-    /// A control tick has passed: what the last `pulls` saw becomes memory. Models without memory do nothing.
+    /// A control tick has passed: what the last `pulls` saw becomes memory. Models without memory
+    /// do nothing.
     fn tick(&mut self) {}
 }
 
-/// A learned forward model (u_i, x_i) → x_{i+1}, eq. (17): it moves on by itself, from its own last prediction.
+/// A learned forward model (u_i, x_i) → x_{i+1}, eq. (17): it moves on by itself, from its own last
+/// prediction.
 pub trait ForwardModel: Send {
     /// The robot is at rest at home, where the tip is `home_m`.
     fn reset(&mut self, home_m: &Point3);
@@ -50,7 +52,8 @@ pub trait ForwardModel: Send {
 pub trait ErrorModel: Send + Sync {
     /// Predicted `p_sim − p_exp` in metres for displacements (metres) and a simulated tip (metres).
     fn error_m(&self, pulls_m: &[f64], p_sim_m: &Point3) -> Point3;
-    /// A copy that learns from measurements, with at most `points` of them; `None` for a model that cannot.
+    /// A copy that learns from measurements, with at most `points` of them; `None` for a model that
+    /// cannot.
     fn learning(&self, _points: usize, _leaves: Leaving) -> Option<Arc<dyn LearningErrorModel>> {
         None
     }
@@ -58,11 +61,17 @@ pub trait ErrorModel: Send + Sync {
 
 /// An error model that learns while it is used.
 pub trait LearningErrorModel: ErrorModel {
-    /// Under the displacements `pulls_m` the tip was measured at `tip_m`, where the simulated one is `p_sim_m`; metres.
+    /// Under the displacements `pulls_m` the tip was measured at `tip_m`, where the simulated one
+    /// is `p_sim_m`; metres.
     ///
     /// # Errors
     /// [`PolicyError`] when a number is not finite.
-    fn measured(&self, pulls_m: &[f64], p_sim_m: &Point3, tip_m: &Point3) -> Result<(), PolicyError>;
+    fn measured(
+        &self,
+        pulls_m: &[f64],
+        p_sim_m: &Point3,
+        tip_m: &Point3,
+    ) -> Result<(), PolicyError>;
     /// Forgets what was measured.
     fn restart(&self);
 }

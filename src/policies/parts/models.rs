@@ -1,4 +1,5 @@
-//! What policies are trained from, as data: whoever builds a policy trains the networks that its entry names.
+//! What policies are trained from, as data: whoever builds a policy trains the networks that its
+//! entry names.
 
 /// Columns of a sample of a motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -21,7 +22,8 @@ pub enum TrainingData {
     Real,
     /// The exploration on the model, moved by the error model (eq. 24).
     Generated,
-    /// The policy's own ways on robots that differ from the model at random ([`super::DaggerOptions`]).
+    /// The policy's own ways on robots that differ from the model at random
+    /// ([`super::DaggerOptions`]).
     Randomised,
 }
 
@@ -59,8 +61,8 @@ pub struct NetworkDescription {
     pub data: TrainingData,
     /// When its training may end.
     pub early_stopping: EarlyStopping,
-    /// On generated data: the network whose weights it starts from, where a spec's `generated_start` says so. On robots that
-    /// differ: the network that it starts from.
+    /// On generated data: the network whose weights it starts from, where a spec's
+    /// `generated_start` says so. On robots that differ: the network that it starts from.
     pub start: Option<&'static NetworkDescription>,
     /// The paper's validation error, metres; not a number where it gives none.
     pub paper_mae_m: f64,
@@ -113,7 +115,8 @@ pub static INVERSE_B: NetworkDescription = NetworkDescription {
     ..INVERSE
 };
 
-/// The inverse mapping from its own ways on robots that differ. It starts from the one of the model.
+/// The inverse mapping from its own ways on robots that differ. It starts from the one of the
+/// model.
 pub static DAGGER: NetworkDescription = NetworkDescription {
     name: "dagger",
     stage: "train_dagger",

@@ -1,4 +1,5 @@
-//! How a recurrent inverse mapping is asked: when its memory moves on, and how far ahead it is asked to go.
+//! How a recurrent inverse mapping is asked: when its memory moves on, and how far ahead it is
+//! asked to go.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,10 +7,13 @@ use super::model_traits::InverseModel;
 use crate::base::{BadOption, Displacements, Point3, PolicyError, distance_m};
 
 /// When the memory of a recurrent network moves on.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum MemoryUpdate {
-    /// At each control tick, new measurement or not: open and closed loop differ in the measured input alone.
+    /// At each control tick, new measurement or not: open and closed loop differ in the measured
+    /// input alone.
     #[default]
     EveryTick,
     /// At each new measurement: stays at rest in open loop.
@@ -24,8 +28,9 @@ pub enum MemoryUpdate {
 pub struct NetworkOptions {
     /// When the memory moves on.
     pub memory: MemoryUpdate,
-    /// The network is asked for a point at most this far from the current one, on the line to the target; `null` asks
-    /// for the target itself, as eq. (22) does. Applies only to new measurements: open loop asks for the target.
+    /// The network is asked for a point at most this far from the current one, on the line to the
+    /// target; `null` asks for the target itself, as eq. (22) does. Applies only to new
+    /// measurements: open loop asks for the target.
     pub lookahead_m: Option<f64>,
 }
 
@@ -76,7 +81,11 @@ impl RecurrentInverse {
     }
 
     /// Finite displacements from the network, metres.
-    pub(crate) fn pulls(&mut self, from_m: &Point3, to_m: &Point3) -> Result<Displacements, PolicyError> {
+    pub(crate) fn pulls(
+        &mut self,
+        from_m: &Point3,
+        to_m: &Point3,
+    ) -> Result<Displacements, PolicyError> {
         let pulls_m = self.model.pulls(from_m, to_m)?;
         self.consulted = true;
         PolicyError::unless_finite("output of the inverse network", &pulls_m)?;

@@ -7,8 +7,8 @@ use crate::base::{TendonLayout, TipModel};
 use crate::learn::LearnError;
 use crate::learn::networks::Network;
 use crate::policies::{
-    BuildError, ErrorModel, ForwardModel, InverseModel, NetworkDescription, NetworkForward, NetworkInverse,
-    SampleColumns,
+    BuildError, ErrorModel, ForwardModel, InverseModel, NetworkDescription, NetworkForward,
+    NetworkInverse, SampleColumns,
 };
 
 /// The parts that a policy is built from, networks by their names.
@@ -22,11 +22,16 @@ pub struct PolicyParts {
 }
 
 impl PolicyParts {
-    /// Adds a trained network as the model that its columns make it: an inverse mapping, or a forward model.
+    /// Adds a trained network as the model that its columns make it: an inverse mapping, or a
+    /// forward model.
     ///
     /// # Errors
     /// [`LearnError::Shape`] for a network that does not fit its columns.
-    pub fn with_network(self, network: &NetworkDescription, trained: Arc<Network>) -> Result<Self, LearnError> {
+    pub fn with_network(
+        self,
+        network: &NetworkDescription,
+        trained: Arc<Network>,
+    ) -> Result<Self, LearnError> {
         if network.outputs == [SampleColumns::TipAfter] {
             let tendons = trained.inputs().saturating_sub(3);
             let model = NetworkForward::new(trained, tendons)?;
@@ -37,14 +42,22 @@ impl PolicyParts {
 
     /// Adds an inverse mapping.
     #[must_use]
-    pub fn with_inverse(mut self, network: &NetworkDescription, model: Box<dyn InverseModel>) -> Self {
+    pub fn with_inverse(
+        mut self,
+        network: &NetworkDescription,
+        model: Box<dyn InverseModel>,
+    ) -> Self {
         self.inverse.insert(network.name, model);
         self
     }
 
     /// Adds a forward model.
     #[must_use]
-    pub fn with_forward(mut self, network: &NetworkDescription, model: Box<dyn ForwardModel>) -> Self {
+    pub fn with_forward(
+        mut self,
+        network: &NetworkDescription,
+        model: Box<dyn ForwardModel>,
+    ) -> Self {
         self.forward.insert(network.name, model);
         self
     }

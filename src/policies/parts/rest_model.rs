@@ -1,5 +1,5 @@
-//! The nominal model at rest, moved into the real workspace by the error model where there is one, and its inverse by
-//! Gauss-Newton steps on the model's own derivatives.
+//! The nominal model at rest, moved into the real workspace by the error model where there is one,
+//! and its inverse by Gauss-Newton steps on the model's own derivatives.
 
 use std::sync::Arc;
 
@@ -8,11 +8,13 @@ use nalgebra::{DMatrix, DVector};
 use crate::base::{Displacements, Point3, RestPose, TendonLayout, TipModel, distance_m};
 use crate::policies::ErrorModel;
 
-/// Largest change of a bend in a Gauss-Newton step, metres: about the size over which the derivatives hold.
+/// Largest change of a bend in a Gauss-Newton step, metres: about the size over which the
+/// derivatives hold.
 const MAX_STEP_M: f64 = 0.01;
 /// The inverse is found when a step changes no component of the bend by more than this, metres.
 const STEP_TOLERANCE_M: f64 = 1e-5;
-/// Damping of the steps, metres of tip for each metre of bend: far below the 3 to 5 of a robot that bends.
+/// Damping of the steps, metres of tip for each metre of bend: far below the 3 to 5 of a robot that
+/// bends.
 const DAMPING: f64 = 0.2;
 /// Evaluations of the model to come back within the travel.
 const MAX_PROJECTIONS: usize = 3;
@@ -20,8 +22,9 @@ const MAX_PROJECTIONS: usize = 3;
 /// Steps to the bend that is nearest to a target, from home.
 const NEAREST_STEPS: usize = 40;
 
-/// The distance from each target to the nearest place where the tip of a model comes to rest, by bending with pulls of at
-/// most `travel_m`, metres. Infinite where the model has no equilibrium at home.
+/// The distance from each target to the nearest place where the tip of a model comes to rest, by
+/// bending with pulls of at most `travel_m`, metres. Infinite where the model has no equilibrium at
+/// home.
 pub fn nearest_at_rest_m(
     model: Box<dyn TipModel>,
     layout: TendonLayout,
@@ -79,8 +82,8 @@ impl RestModel {
         self.let_out = false;
     }
 
-    /// From now on tendons that follow are let out. The Gaussian process has seen them as the model has them, so that without
-    /// feedback they stay so.
+    /// From now on tendons that follow are let out. The Gaussian process has seen them as the model
+    /// has them, so that without feedback they stay so.
     pub(crate) fn let_out(&mut self) {
         self.let_out = true;
     }
@@ -91,7 +94,8 @@ impl RestModel {
         // e = p_sim − p_exp (eq. 20).
         let error_m = self.error.as_ref().map_or([0.0; 3], |error| error.error_m(&pulls_m, &tip_m));
         let tip_m: Point3 = std::array::from_fn(|axis| tip_m[axis] - error_m[axis]);
-        // What follows in the model may be taut in the robot: it is let out, little by little as the bend leaves it.
+        // What follows in the model may be taut in the robot: it is let out, little by little as
+        // the bend leaves it.
         let slack_m = if self.let_out { self.slack_m } else { 0.0 };
         for (tendon, [cos, sin], segment) in placed(&self.layout) {
             let across_m = -(cos * bend_m[2 * segment] + sin * bend_m[2 * segment + 1]);
@@ -125,20 +129,31 @@ impl RestModel {
         finite.then(|| DMatrix::from_fn(3, rates.len(), |row, column| rates[column][row]))
     }
 
-    /// The pose whose expected tip is nearest to `tip_m`, by at most `steps` steps from `from`. A step to where the model has
-    /// no pose is halved; the pose of the last step that had one is returned.
-    pub(crate) fn inverse(&mut self, from: ExpectedPose, tip_m: &Point3, steps: usize) -> ExpectedPose {
+    /// The pose whose expected tip is nearest to `tip_m`, by at most `steps` steps from `from`. A
+    /// step to where the model has no pose is halved; the pose of the last step that had one is
+    /// returned.
+    pub(crate) fn inverse(
+        &mut self,
+        from: ExpectedPose,
+        tip_m: &Point3,
+        steps: usize,
+    ) -> ExpectedPose {
         let mut best = from;
         let mut share = 1.0;
         let mut step_m: Option<Vec<f64>> = None;
         for _ in 0..steps {
             let Some(full_m) = step_m.take().or_else(|| self.step_m(&best, tip_m)) else { break };
-            if share * full_m.iter().fold(0.0_f64, |largest_m, step_m| largest_m.max(step_m.abs())) <= STEP_TOLERANCE_M
+            if share * full_m.iter().fold(0.0_f64, |largest_m, step_m| largest_m.max(step_m.abs()))
+                <= STEP_TOLERANCE_M
             {
                 break;
             }
-            let bend_m: Vec<f64> =
-                best.bend_m.iter().zip(&full_m).map(|(bend_m, step)| bend_m + share * step).collect();
+            let bend_m: Vec<f64> = best
+                .bend_m
+                .iter()
+                .zip(&full_m)
+                .map(|(bend_m, step)| bend_m + share * step)
+                .collect();
             match self.expect_within(bend_m) {
                 Some(next) => best = next,
                 None => (share, step_m) = (0.5 * share, Some(full_m)),
@@ -150,9 +165,11 @@ impl RestModel {
     /// A damped Gauss-Newton step that takes the tip to `tip_m`, within the trusted size.
     fn step_m(&mut self, from: &ExpectedPose, tip_m: &Point3) -> Option<Vec<f64>> {
         let jacobian = self.jacobian(&from.bend_m)?;
-        let error_m = DVector::from_iterator(3, tip_m.iter().zip(from.tip_m).map(|(to, from)| to - from));
+        let error_m =
+            DVector::from_iterator(3, tip_m.iter().zip(from.tip_m).map(|(to, from)| to - from));
         let count = from.bend_m.len();
-        let normal = jacobian.transpose() * &jacobian + DAMPING.powi(2) * DMatrix::identity(count, count);
+        let normal =
+            jacobian.transpose() * &jacobian + DAMPING.powi(2) * DMatrix::identity(count, count);
         let step_m = normal.cholesky()?.solve(&(jacobian.transpose() * error_m));
         let share = (MAX_STEP_M / step_m.amax()).min(1.0);
         Some(step_m.iter().map(|value| share * value).collect())

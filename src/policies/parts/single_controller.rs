@@ -1,4 +1,5 @@
-//! One controller and nothing beside it: what it sees of the robot, what it wants, what the drive can do of that.
+//! One controller and nothing beside it: what it sees of the robot, what it wants, what the drive
+//! can do of that.
 
 use super::actuator_limits::ActuatorLimits;
 use super::tip_tracker::{TipReading, TipTracker};
@@ -50,6 +51,10 @@ impl<C: ControlLaw + Send> Policy for SingleController<C> {
         let reading = self.tip_tracker.read(seen, target_m)?;
         let demand = self.controller.decide(reading, target_m)?;
         let limited = self.limits.apply(&demand.pulls_m, &seen.pulls_m)?;
-        Ok(Action { pulls_m: limited.pulls_m, settled: demand.settled && limited.arrived, branch: self.branch })
+        Ok(Action {
+            pulls_m: limited.pulls_m,
+            settled: demand.settled && limited.arrived,
+            branch: self.branch,
+        })
     }
 }

@@ -12,8 +12,8 @@ pub(crate) struct TipTracker {
 #[derive(Clone, Copy)]
 pub(crate) struct TipReading {
     pub(crate) tip_m: Point3,
-    /// True when this is a measurement that was not there at the last tick. In open loop, and where tracking is
-    /// lost, the picture stays as it was.
+    /// True when this is a measurement that was not there at the last tick. In open loop, and where
+    /// tracking is lost, the picture stays as it was.
     pub(crate) fresh: bool,
 }
 
@@ -23,7 +23,11 @@ impl TipTracker {
     }
 
     /// Checks the inputs of a tick and says what is new in them.
-    pub(crate) fn read(&mut self, seen: &Observation, target_m: &Point3) -> Result<TipReading, PolicyError> {
+    pub(crate) fn read(
+        &mut self,
+        seen: &Observation,
+        target_m: &Point3,
+    ) -> Result<TipReading, PolicyError> {
         PolicyError::unless_finite("target", target_m)?;
         if !seen.valid {
             let (_, tip_m) = self.last.ok_or(PolicyError::NoMeasurement)?;

@@ -9,7 +9,9 @@ use crate::data::findings::CaseRow;
 use crate::report::discovery::format::fitted;
 use crate::report::drawing::{Canvas, CanvasPoint, Text, TextAlign, text_width};
 use crate::report::order::distinct;
-use crate::report::style::{BLUE, Colour, GREY, HAIR, HALF_CAP, INK, PAGE_WIDTH, SKY, SMALL, TEXT, VERMILION, WHITE};
+use crate::report::style::{
+    BLUE, Colour, GREY, HAIR, HALF_CAP, INK, PAGE_WIDTH, SKY, SMALL, TEXT, VERMILION, WHITE,
+};
 
 /// Number of cases with one truth and one answer (`confusion.csv`).
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -48,17 +50,16 @@ pub(crate) fn counts(cases: &[CaseRow]) -> Vec<CountRow> {
             AnswerClass::Several => case.answer.clone(),
             other => other.name().to_owned(),
         };
-        let count = counts_by_answer.entry((place(&case.group), case.group.clone(), truth, answer)).or_default();
+        let count = counts_by_answer
+            .entry((place(&case.group), case.group.clone(), truth, answer))
+            .or_default();
         count[0] += 1;
         count[1] += u64::from(case.right);
     }
-    let row = |((_, group, truth, answer), [cases, right]): ((usize, String, usize, String), [u64; 2])| CountRow {
-        group,
-        truth: truths[truth].to_owned(),
-        answer,
-        cases,
-        right,
-    };
+    let row = |((_, group, truth, answer), [cases, right]): (
+        (usize, String, usize, String),
+        [u64; 2],
+    )| CountRow { group, truth: truths[truth].to_owned(), answer, cases, right };
     counts_by_answer.into_iter().map(row).collect()
 }
 
@@ -81,13 +82,16 @@ fn lines(cases: &[CaseRow]) -> Vec<MatrixRow<'_>> {
     lines
 }
 
-/// Columns: hidden single effects in the order of their lines, other names that were given, then the other answers.
+/// Columns: hidden single effects in the order of their lines, other names that were given, then
+/// the other answers.
 fn columns(lines: &[MatrixRow]) -> Vec<AnswerClass> {
-    let hidden = lines.iter().filter(|line| line.group == "single").map(|line| line.truth.to_owned());
+    let hidden =
+        lines.iter().filter(|line| line.group == "single").map(|line| line.truth.to_owned());
     let mut columns: Vec<AnswerClass> = hidden.map(AnswerClass::Named).collect();
     let answers = lines.iter().flat_map(|line| line.cases.iter().map(|case| AnswerClass::of(case)));
-    let mut other_names: Vec<AnswerClass> =
-        answers.filter(|answer| matches!(answer, AnswerClass::Named(_)) && !columns.contains(answer)).collect();
+    let mut other_names: Vec<AnswerClass> = answers
+        .filter(|answer| matches!(answer, AnswerClass::Named(_)) && !columns.contains(answer))
+        .collect();
     other_names.sort();
     other_names.dedup();
     columns.extend(other_names);
@@ -103,16 +107,20 @@ pub(crate) fn draw(cases: &[CaseRow]) -> Canvas {
     keys(&mut canvas);
     let wide = (PAGE_WIDTH - LEFT_MARGIN - 44.0) / columns.len() as f64;
     let size = SMALL.min(0.9 * wide);
-    let names: Vec<String> = columns.iter().map(|column| fitted(column.name(), size, 180.0)).collect();
+    let names: Vec<String> =
+        columns.iter().map(|column| fitted(column.name(), size, 180.0)).collect();
     let longest = names.iter().map(|name| text_width(name, size, false)).fold(0.0, f64::max);
     let top = 44.0 + longest;
     for (index, (answer, name)) in columns.iter().zip(&names).enumerate() {
         let x = LEFT_MARGIN + wide * (index as f64 + 0.5) + HALF_CAP * size + gap(answer);
         let colour = if matches!(answer, AnswerClass::Named(_)) { INK } else { GREY };
-        canvas.text(Text::new(name, [x, top - 6.0], size, TextAlign::Left).upwards().colour(colour));
+        canvas
+            .text(Text::new(name, [x, top - 6.0], size, TextAlign::Left).upwards().colour(colour));
     }
     canvas.text(Text::new("answer", [12.0, top - 6.0], SMALL, TextAlign::Left).colour(GREY));
-    canvas.text(Text::new("cases", [PAGE_WIDTH - 10.0, top - 6.0], SMALL, TextAlign::Right).colour(GREY));
+    canvas.text(
+        Text::new("cases", [PAGE_WIDTH - 10.0, top - 6.0], SMALL, TextAlign::Right).colour(GREY),
+    );
     let mut y = top;
     let mut group = "";
     for line in &lines {
@@ -122,14 +130,25 @@ pub(crate) fn draw(cases: &[CaseRow]) -> Canvas {
         }
         let name = if line.truth.is_empty() { "nothing" } else { line.truth };
         let name = fitted(name, SMALL, LEFT_MARGIN - 28.0);
-        canvas.text(Text::new(name, [LEFT_MARGIN - 8.0, y + 0.5 * ROW_HEIGHT + 3.5], SMALL, TextAlign::Right));
+        canvas.text(Text::new(
+            name,
+            [LEFT_MARGIN - 8.0, y + 0.5 * ROW_HEIGHT + 3.5],
+            SMALL,
+            TextAlign::Right,
+        ));
         for (index, column) in columns.iter().enumerate() {
             let corner = [LEFT_MARGIN + wide * index as f64 + gap(column), y];
             cell(&mut canvas, line, column, corner, wide);
         }
         let count = line.cases.len().to_string();
         canvas.text(
-            Text::new(count, [PAGE_WIDTH - 10.0, y + 0.5 * ROW_HEIGHT + 3.5], SMALL, TextAlign::Right).colour(GREY),
+            Text::new(
+                count,
+                [PAGE_WIDTH - 10.0, y + 0.5 * ROW_HEIGHT + 3.5],
+                SMALL,
+                TextAlign::Right,
+            )
+            .colour(GREY),
         );
         y += ROW_HEIGHT;
     }
@@ -160,7 +179,9 @@ fn heading(canvas: &mut Canvas, group: &str, y: f64) -> f64 {
 
 fn keys(canvas: &mut Canvas) {
     let mut x = 12.0;
-    for (colour, words) in [(BLUE, "right"), (SKY, "the truth is in the group"), (VERMILION, "not right")] {
+    for (colour, words) in
+        [(BLUE, "right"), (SKY, "the truth is in the group"), (VERMILION, "not right")]
+    {
         canvas.rectangle([x, 9.0], [x + 13.0, 20.0], colour, 1.0);
         canvas.text(Text::new(words, [x + 18.0, 18.0], SMALL, TextAlign::Left));
         x += 34.0 + text_width(words, SMALL, false);
@@ -170,9 +191,16 @@ fn keys(canvas: &mut Canvas) {
 }
 
 /// Number of cases of a row with an answer; darker for a larger share.
-fn cell(canvas: &mut Canvas, line: &MatrixRow, column: &AnswerClass, [x, y]: CanvasPoint, wide: f64) {
+fn cell(
+    canvas: &mut Canvas,
+    line: &MatrixRow,
+    column: &AnswerClass,
+    [x, y]: CanvasPoint,
+    wide: f64,
+) {
     let [from, to] = [[x + 0.5, y + 0.5], [x + wide - 0.5, y + ROW_HEIGHT - 0.5]];
-    let matching_cases: Vec<&&CaseRow> = line.cases.iter().filter(|case| AnswerClass::of(case) == *column).collect();
+    let matching_cases: Vec<&&CaseRow> =
+        line.cases.iter().filter(|case| AnswerClass::of(case) == *column).collect();
     if matching_cases.is_empty() {
         canvas.rectangle(from, to, [244, 244, 244], 1.0);
         return;

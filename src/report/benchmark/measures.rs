@@ -127,24 +127,94 @@ const MEASURES: &[Measure] = &[
         Share(right),
         Some([0.95, 1.0]),
     ),
-    measure("… or in the answer’s group", |c| single(c) && clearly_visible(c), Share(in_group), Some([0.98, 1.0])),
-    measure("single effects of 5 mm and more: named right", |c| shifted(c, 0.005, UNBOUNDED), Share(right), None),
-    measure("single effects of 5 mm and more: in the group", |c| shifted(c, 0.005, UNBOUNDED), Share(in_group), None),
-    measure("single effects of 2 to 5 mm: named right", |c| shifted(c, 0.002, 0.005), Share(right), None),
-    measure("single effects of 2 to 5 mm: in the group", |c| shifted(c, 0.002, 0.005), Share(in_group), None),
-    measure("single effects of 1 to 2 mm: named right", |c| shifted(c, 0.001, 0.002), Share(right), None),
-    measure("single effects of 1 to 2 mm: in the group", |c| shifted(c, 0.001, 0.002), Share(in_group), None),
-    measure("single effects under 1 mm: named right", |c| shifted(c, 0.0, 0.001), Share(right), None),
-    measure("single effects under 1 mm: in the group", |c| shifted(c, 0.0, 0.001), Share(in_group), None),
+    measure(
+        "… or in the answer’s group",
+        |c| single(c) && clearly_visible(c),
+        Share(in_group),
+        Some([0.98, 1.0]),
+    ),
+    measure(
+        "single effects of 5 mm and more: named right",
+        |c| shifted(c, 0.005, UNBOUNDED),
+        Share(right),
+        None,
+    ),
+    measure(
+        "single effects of 5 mm and more: in the group",
+        |c| shifted(c, 0.005, UNBOUNDED),
+        Share(in_group),
+        None,
+    ),
+    measure(
+        "single effects of 2 to 5 mm: named right",
+        |c| shifted(c, 0.002, 0.005),
+        Share(right),
+        None,
+    ),
+    measure(
+        "single effects of 2 to 5 mm: in the group",
+        |c| shifted(c, 0.002, 0.005),
+        Share(in_group),
+        None,
+    ),
+    measure(
+        "single effects of 1 to 2 mm: named right",
+        |c| shifted(c, 0.001, 0.002),
+        Share(right),
+        None,
+    ),
+    measure(
+        "single effects of 1 to 2 mm: in the group",
+        |c| shifted(c, 0.001, 0.002),
+        Share(in_group),
+        None,
+    ),
+    measure(
+        "single effects under 1 mm: named right",
+        |c| shifted(c, 0.0, 0.001),
+        Share(right),
+        None,
+    ),
+    measure(
+        "single effects under 1 mm: in the group",
+        |c| shifted(c, 0.0, 0.001),
+        Share(in_group),
+        None,
+    ),
     measure("pairs named exactly", |c| c.group == "pair", Share(right), Some([0.85, 1.0])),
     measure("pairs in the answer’s group", |c| c.group == "pair", Share(in_group), None),
     measure("false alarms", nothing, Share(alarmed), Some([0.0, 0.01])),
-    measure("false alarms in white noise", |c| nothing(c) && c.correlation == 0.0, Share(alarmed), None),
-    measure("false alarms in coloured noise", |c| nothing(c) && c.correlation != 0.0, Share(alarmed), None),
-    measure("unknown and outside the span: unexplained", |c| c.group == "outside", Share(right), Some([0.95, 1.0])),
-    measure("unknown and inside the span: a group", |c| c.group == "inside", Share(in_group), Some([0.90, 1.0])),
+    measure(
+        "false alarms in white noise",
+        |c| nothing(c) && c.correlation == 0.0,
+        Share(alarmed),
+        None,
+    ),
+    measure(
+        "false alarms in coloured noise",
+        |c| nothing(c) && c.correlation != 0.0,
+        Share(alarmed),
+        None,
+    ),
+    measure(
+        "unknown and outside the span: unexplained",
+        |c| c.group == "outside",
+        Share(right),
+        Some([0.95, 1.0]),
+    ),
+    measure(
+        "unknown and inside the span: a group",
+        |c| c.group == "inside",
+        Share(in_group),
+        Some([0.90, 1.0]),
+    ),
     measure("… or unexplained", |c| c.group == "inside", Share(right), None),
-    measure("unknown and inside: one set alone imitates it", has_imitations, Share(one_imitation), None),
+    measure(
+        "unknown and inside: one set alone imitates it",
+        has_imitations,
+        Share(one_imitation),
+        None,
+    ),
     measure(
         "unknown and imitated by several sets: a group",
         |c| has_imitations(c) && !one_imitation(c),
@@ -152,7 +222,12 @@ const MEASURES: &[Measure] = &[
         None,
     ),
     measure("error of the strength", single, Median(|c| c.strength_error), Some([0.0, 0.05])),
-    measure("95 % intervals that hold the truth", |_| true, Counts(|c| [c.covered, c.intervals]), Some([0.93, 0.97])),
+    measure(
+        "95 % intervals that hold the truth",
+        |_| true,
+        Counts(|c| [c.covered, c.intervals]),
+        Some([0.93, 0.97]),
+    ),
     measure(
         "held-out error over the noise floor",
         in_catalogue,
@@ -172,14 +247,24 @@ const MEASURES: &[Measure] = &[
         Share(beats_stiffness),
         Some([1.0, 1.0]),
     ),
-    measure("better than stiffness refitted (any size)", beats_stiffness_about, Share(beats_stiffness), None),
-    measure("better than a GP (2 mm and more)", |c| has_gp(c) && clearly_visible(c), Share(beats_gp), Some([1.0, 1.0])),
+    measure(
+        "better than stiffness refitted (any size)",
+        beats_stiffness_about,
+        Share(beats_stiffness),
+        None,
+    ),
+    measure(
+        "better than a GP (2 mm and more)",
+        |c| has_gp(c) && clearly_visible(c),
+        Share(beats_gp),
+        Some([1.0, 1.0]),
+    ),
     measure("better than a GP (any size)", has_gp, Share(beats_gp), None),
     measure("cases without an answer", |_| true, Share(|c| c.verdict.starts_with("failed")), None),
 ];
 
-/// Every figure over all cases, then over each number of samples and each level of noise where there are several.
-/// Figures that no case is about are left out.
+/// Every figure over all cases, then over each number of samples and each level of noise where
+/// there are several. Figures that no case is about are left out.
 pub(crate) fn summary(cases: &[CaseRow]) -> Vec<SummaryRow> {
     let samples = ascending(cases.iter().map(|case| case.samples as f64));
     let noises = ascending(cases.iter().map(|case| case.noise_m));
@@ -211,19 +296,26 @@ fn part<'a>(name: &str, cases: impl Iterator<Item = &'a CaseRow>) -> Vec<Summary
 }
 
 fn row(part: &str, measure: &Measure, cases: &[&CaseRow]) -> Option<SummaryRow> {
-    let relevant: Vec<&CaseRow> = cases.iter().copied().filter(|case| (measure.about)(case)).collect();
+    let relevant: Vec<&CaseRow> =
+        cases.iter().copied().filter(|case| (measure.about)(case)).collect();
     let (estimate, count, kind) = match measure.kind {
         Share(holds) => {
             let hits = relevant.iter().filter(|case| holds(case)).count() as u64;
             (wilson(hits, relevant.len() as u64)?, relevant.len() as u64, "share")
         }
         Counts(counts) => {
-            let [hits, of] =
-                relevant.iter().map(|case| counts(case)).fold([0, 0], |sum, one| [sum[0] + one[0], sum[1] + one[1]]);
+            let [hits, of] = relevant
+                .iter()
+                .map(|case| counts(case))
+                .fold([0, 0], |sum, one| [sum[0] + one[0], sum[1] + one[1]]);
             (wilson(hits, of)?, of, "share")
         }
         Median(number) => {
-            let values: Vec<f64> = relevant.iter().map(|case| number(case)).filter(|value| value.is_finite()).collect();
+            let values: Vec<f64> = relevant
+                .iter()
+                .map(|case| number(case))
+                .filter(|value| value.is_finite())
+                .collect();
             (median(&values)?, values.len() as u64, "median")
         }
     };
@@ -251,7 +343,9 @@ pub(crate) fn is_ratio(measure: &str) -> bool {
 }
 
 fn goal_words(measure: &str, [low, high]: [f64; 2]) -> String {
-    let number = |value: f64| if is_ratio(measure) { format!("{value:.2}") } else { format!("{:.0} %", 100.0 * value) };
+    let number = |value: f64| {
+        if is_ratio(measure) { format!("{value:.2}") } else { format!("{:.0} %", 100.0 * value) }
+    };
     match [low, high] {
         [1.0, 1.0] => "always".to_owned(),
         [0.0, high] => format!("≤ {}", number(high)),

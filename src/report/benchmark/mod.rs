@@ -1,5 +1,5 @@
-//! The blind benchmark of discovery: which effects are named for which, how often the answer is right, and what is left
-//! of it with fewer samples.
+//! The blind benchmark of discovery: which effects are named for which, how often the answer is
+//! right, and what is left of it with fewer samples.
 
 mod cases;
 mod confusion;
@@ -12,8 +12,11 @@ mod table;
 use super::{Artifact, Figure, Published, ReportError, csv, pictures, text};
 
 /// Registry entry.
-pub(super) const FIGURE: Figure =
-    Figure { name: "discovery", about: "Blind benchmark of discovery: confusion matrix, rates, samples", render };
+pub(super) const FIGURE: Figure = Figure {
+    name: "discovery",
+    about: "Blind benchmark of discovery: confusion matrix, rates, samples",
+    render,
+};
 
 fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     let cases = &published.cases;

@@ -1,5 +1,6 @@
-//! What is left with fewer samples: the gap that is closed, by what was found and by what a lab would try instead, and
-//! the share of single effects that are named right, against the samples of the recording.
+//! What is left with fewer samples: the gap that is closed, by what was found and by what a lab
+//! would try instead, and the share of single effects that are named right, against the samples of
+//! the recording.
 
 use super::cases::in_catalogue;
 use super::measures::noise_name;
@@ -22,7 +23,8 @@ type Series<'a> = (String, Box<dyn Fn(&[&CaseRow]) -> Option<IntervalEstimate> +
 fn closing(name: &str, after_m: fn(&CaseRow) -> f64) -> Series<'static> {
     let share = move |cases: &[&CaseRow]| {
         let cases_in_catalogue = cases.iter().filter(|case| in_catalogue(case));
-        let closed = cases_in_catalogue.filter_map(|case| closed(case.before_m, after_m(case), case.floor_m));
+        let closed = cases_in_catalogue
+            .filter_map(|case| closed(case.before_m, after_m(case), case.floor_m));
         median(&closed.collect::<Vec<f64>>())
     };
     (name.to_owned(), Box::new(share))
@@ -51,9 +53,16 @@ pub(crate) fn draw(cases: &[CaseRow]) -> Canvas {
     let noises: Vec<Series> = noises.into_iter().take(LOOKS.len()).map(named).collect();
     let (title, axis) = ("(b) single effects named right", "share (%)");
     SamplesPanel { title, axis, lines: &noises }.draw(&mut canvas, 1, cases);
-    let note = "(a): medians of singles and pairs, what is beyond the axis at its end; bars: 95 % intervals";
+    let note = "(a): medians of singles and pairs, what is beyond the axis at its end; bars: 95 % \
+                intervals";
     canvas.text(
-        Text::new(note, [PAGE_WIDTH - 14.0, TOP_MARGIN + PANEL_HEIGHT + 50.0], SMALL, TextAlign::Right).colour(GREY),
+        Text::new(
+            note,
+            [PAGE_WIDTH - 14.0, TOP_MARGIN + PANEL_HEIGHT + 50.0],
+            SMALL,
+            TextAlign::Right,
+        )
+        .colour(GREY),
     );
     canvas
 }
@@ -72,8 +81,11 @@ impl SamplesPanel<'_> {
         let counts = ascending(cases.iter().map(|case| case.samples as f64));
         let names: Vec<String> = counts.iter().map(f64::to_string).collect();
         let left = LEFT_MARGIN + (PANEL_WIDTH + LEFT_MARGIN + 12.0) * index as f64;
-        let keys: Vec<(LegendEntry, &str)> =
-            LOOKS.into_iter().zip(lines).map(|(look, (name, _))| (LegendEntry::Plain(look), name.as_str())).collect();
+        let keys: Vec<(LegendEntry, &str)> = LOOKS
+            .into_iter()
+            .zip(lines)
+            .map(|(look, (name, _))| (LegendEntry::Plain(look), name.as_str()))
+            .collect();
         legend(canvas, [left, 18.0], left + PANEL_WIDTH, &keys);
         let panel = canvas.panel(Panel {
             corner: [left, TOP_MARGIN],
@@ -85,12 +97,14 @@ impl SamplesPanel<'_> {
         for (turn, ((_, estimate), look)) in lines.iter().zip(LOOKS).enumerate() {
             let aside = 0.06 * (turn as f64 - 0.5 * (lines.len() - 1) as f64);
             let at = |count: f64| {
-                let with_samples: Vec<&CaseRow> = cases.iter().filter(|case| case.samples as f64 == count).collect();
+                let with_samples: Vec<&CaseRow> =
+                    cases.iter().filter(|case| case.samples as f64 == count).collect();
                 estimate(&with_samples)
             };
             let places = counts.iter().enumerate();
-            let points =
-                places.filter_map(|(place, count)| at(*count).map(|interval| (place as f64 + aside, interval)));
+            let points = places.filter_map(|(place, count)| {
+                at(*count).map(|interval| (place as f64 + aside, interval))
+            });
             series(canvas, &panel, &points.collect::<Vec<(f64, IntervalEstimate)>>(), look);
         }
     }
@@ -99,11 +113,17 @@ impl SamplesPanel<'_> {
 /// A line with intervals; what leaves the panel stands at its edge.
 fn series(canvas: &mut Canvas, panel: &Panel, points: &[(f64, IntervalEstimate)], look: Look) {
     let percent = |share: f64| (100.0 * share).clamp(panel.y.low, panel.y.high);
-    let line: Vec<[f64; 2]> = points.iter().map(|(x, interval)| [*x, percent(interval.value)]).collect();
+    let line: Vec<[f64; 2]> =
+        points.iter().map(|(x, interval)| [*x, percent(interval.value)]).collect();
     panel.line(canvas, &line, look.colour, look.dash, LINE);
     for (x, interval) in points {
         if interval.low_95.is_finite() && interval.high_95.is_finite() {
-            panel.interval(canvas, *x, [percent(interval.low_95), percent(interval.high_95)], look.colour);
+            panel.interval(
+                canvas,
+                *x,
+                [percent(interval.low_95), percent(interval.high_95)],
+                look.colour,
+            );
         }
     }
     for [x, y] in line {

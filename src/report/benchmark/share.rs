@@ -13,7 +13,8 @@ pub(crate) struct IntervalEstimate {
     pub(crate) high_95: f64,
 }
 
-/// The share `hits / of` with its interval (Wilson 1927): right near 0 and 1, and for few cases. Nothing of no cases.
+/// The share `hits / of` with its interval (Wilson 1927): right near 0 and 1, and for few cases.
+/// Nothing of no cases.
 pub(crate) fn wilson(hits: u64, of: u64) -> Option<IntervalEstimate> {
     if of == 0 || hits > of {
         return None;
@@ -28,8 +29,8 @@ pub(crate) fn wilson(hits: u64, of: u64) -> Option<IntervalEstimate> {
     Some(IntervalEstimate { value, low_95, high_95 })
 }
 
-/// The median with its interval between order statistics (Conover 1999, section 3.2); nothing of no values, and no
-/// interval of fewer than six, whose ends would lie beyond the sample.
+/// The median with its interval between order statistics (Conover 1999, section 3.2); nothing of no
+/// values, and no interval of fewer than six, whose ends would lie beyond the sample.
 pub(crate) fn median(values: &[f64]) -> Option<IntervalEstimate> {
     let mut sorted: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
     sorted.sort_by(f64::total_cmp);
@@ -54,12 +55,19 @@ mod tests {
 
     #[test]
     fn wilsons_interval_is_the_textbooks() {
-        // Newcombe 1998, Statistics in Medicine 17, table I: 81 of 263, 15 of 148, 0 of 20, 1 of 29, method 3.
-        for (hits, of, low, high) in
-            [(81, 263, 0.2553, 0.3662), (15, 148, 0.0624, 0.1605), (0, 20, 0.0, 0.1611), (1, 29, 0.0061, 0.1718)]
-        {
+        // Newcombe 1998, Statistics in Medicine 17, table I: 81 of 263, 15 of 148, 0 of 20, 1 of
+        // 29, method 3.
+        for (hits, of, low, high) in [
+            (81, 263, 0.2553, 0.3662),
+            (15, 148, 0.0624, 0.1605),
+            (0, 20, 0.0, 0.1611),
+            (1, 29, 0.0061, 0.1718),
+        ] {
             let found = wilson(hits, of).unwrap();
-            assert!((found.low_95 - low).abs() < 5e-5 && (found.high_95 - high).abs() < 5e-5, "{hits}: {found:?}");
+            assert!(
+                (found.low_95 - low).abs() < 5e-5 && (found.high_95 - high).abs() < 5e-5,
+                "{hits}: {found:?}"
+            );
         }
         assert_eq!(wilson(0, 0), None);
         assert_eq!(wilson(7, 7).unwrap().high_95, 1.0);
@@ -67,7 +75,8 @@ mod tests {
 
     #[test]
     fn the_medians_interval_holds_it_as_often_as_it_says() {
-        // The exact binomial probability that the median of n draws lies between the two order statistics.
+        // The exact binomial probability that the median of n draws lies between the two order
+        // statistics.
         for n in [6usize, 9, 20, 100, 297] {
             let values: Vec<f64> = (0..n).map(|value| value as f64).collect();
             let found = median(&values).unwrap();

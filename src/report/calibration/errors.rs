@@ -1,4 +1,5 @@
-//! Error on positions that the fit has not seen, of the calibrated model and of what a laboratory would use instead.
+//! Error on positions that the fit has not seen, of the calibrated model and of what a laboratory
+//! would use instead.
 
 use super::CalibrationReport;
 use crate::report::discovery::format::millimetres;
@@ -32,7 +33,12 @@ pub(super) fn draw(report: &CalibrationReport, width: f64) -> Option<Canvas> {
         canvas.rectangle([zero, y], [end.max(zero + 0.6), y + BAR_HEIGHT], colour, 1.0);
         let base = y + 0.5 * BAR_HEIGHT + 3.6;
         canvas.text(Text::new(&model.name, [label - 8.0, base], SMALL, TextAlign::Right));
-        canvas.text(Text::new(millimetres(model.rms_m), [width - 8.0, base], SMALL, TextAlign::Right));
+        canvas.text(Text::new(
+            millimetres(model.rms_m),
+            [width - 8.0, base],
+            SMALL,
+            TextAlign::Right,
+        ));
     }
     if let Some(noise) = &report.findings.noise {
         let x = panel.at(1e3 * noise.noise_m, 0.0)[0];
@@ -41,7 +47,8 @@ pub(super) fn draw(report: &CalibrationReport, width: f64) -> Option<Canvas> {
     Some(canvas)
 }
 
-/// The scale: up to one and a half times the second largest, so that one failure does not flatten the others.
+/// The scale: up to one and a half times the second largest, so that one failure does not flatten
+/// the others.
 fn scale_mm(models: &[&crate::data::calibration::ModelError]) -> impl Iterator<Item = f64> {
     let mut sizes: Vec<f64> = models.iter().map(|model| 1e3 * model.rms_m).collect();
     sizes.sort_by(f64::total_cmp);

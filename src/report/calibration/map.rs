@@ -1,5 +1,5 @@
-//! Where the calibrated model errs: an arrow from each measured position to the simulated one, from the side, from above and
-//! along the robot.
+//! Where the calibrated model errs: an arrow from each measured position to the simulated one, from
+//! the side, from above and along the robot.
 
 use super::CalibrationReport;
 use crate::report::drawing::{Axis, Canvas, Panel};
@@ -43,7 +43,10 @@ pub(super) fn draw(report: &CalibrationReport, width: f64) -> Option<Canvas> {
             Axis::exact(AXES[name], middle - half, middle + half, 4)
         };
         let panel = canvas.panel(Panel {
-            corner: [52.0 + (index % in_row) as f64 * (room + 62.0), 8.0 + (index / in_row) as f64 * (room + 60.0)],
+            corner: [
+                52.0 + (index % in_row) as f64 * (room + 62.0),
+                8.0 + (index / in_row) as f64 * (room + 60.0),
+            ],
             size: [room, room],
             x: axis(0, across),
             y: axis(1, up),

@@ -1,5 +1,5 @@
-//! Report of a calibration: one page with its figures, the figures as files, and the tables behind them. Pure functions: equal
-//! findings give equal bytes.
+//! Report of a calibration: one page with its figures, the figures as files, and the tables behind
+//! them. Pure functions: equal findings give equal bytes.
 
 mod errors;
 mod map;
@@ -19,21 +19,26 @@ pub struct CalibrationReport<'a> {
 }
 
 /// A figure of the page: name, and drawing function of the width.
-type CalibrationFigure = (&'static str, fn(&CalibrationReport, f64) -> Option<super::drawing::Canvas>);
+type CalibrationFigure =
+    (&'static str, fn(&CalibrationReport, f64) -> Option<super::drawing::Canvas>);
 
 /// The figures in page order.
 const DRAWINGS: [CalibrationFigure; 2] = [("errors", errors::draw), ("map", map::draw)];
 
-/// Everything that `calibrate --report` writes: `calibration.json`, `report.html`, the figures as PNG and SVG, and the tables
-/// `numbers.csv`, `trade_offs.csv`, `stages.csv`, `residual_groups.csv` and `residuals.csv`. What is empty is left out.
+/// Everything that `calibrate --report` writes: `calibration.json`, `report.html`, the figures as
+/// PNG and SVG, and the tables `numbers.csv`, `trade_offs.csv`, `stages.csv`, `residual_groups.csv`
+/// and `residuals.csv`. What is empty is left out.
 ///
 /// # Errors
 /// [`ReportError`] when a figure cannot be painted or a table cannot be written.
 pub fn calibration_artifacts(report: &CalibrationReport) -> Result<Vec<Artifact>, ReportError> {
     let findings = report.findings;
-    let json = serde_json::to_string_pretty(findings)
-        .map_err(|error| ReportError::Draw { figure: "calibration.json", reason: error.to_string() })?;
-    let mut files = vec![text("calibration.json", json + "\n"), text("report.html", page::page(report)?)];
+    let json = serde_json::to_string_pretty(findings).map_err(|error| ReportError::Draw {
+        figure: "calibration.json",
+        reason: error.to_string(),
+    })?;
+    let mut files =
+        vec![text("calibration.json", json + "\n"), text("report.html", page::page(report)?)];
     for (name, draw) in DRAWINGS {
         if let Some(canvas) = draw(report, PAGE_WIDTH) {
             files.extend(pictures(name, name, &canvas)?);

@@ -3,7 +3,9 @@
 use maud::{Markup, html};
 
 use super::{CalibrationReport, DRAWINGS};
-use crate::data::calibration::{CalibratedNumber, CalibrationFindings, HeldOutError, ResidualGroup};
+use crate::data::calibration::{
+    CalibratedNumber, CalibrationFindings, HeldOutError, ResidualGroup,
+};
 use crate::report::ReportError;
 use crate::report::discovery::format::{millimetres, number};
 use crate::report::discovery::html::{captioned, cells, document, figure, list, section, table};
@@ -32,8 +34,7 @@ pub(super) fn page(report: &CalibrationReport) -> Result<String, ReportError> {
 /// Title and the numbers that matter most.
 fn head(findings: &CalibrationFindings) -> Markup {
     let unseen = findings.held_out.as_ref().and_then(|held_out| held_out.models.first());
-    let tile =
-        |name: &str, value: String, note: &str| html! { div { dt { (name) } dd { (value) } dd .note { (note) } } };
+    let tile = |name: &str, value: String, note: &str| html! { div { dt { (name) } dd { (value) } dd .note { (note) } } };
     html! {
         header {
             h1 { (findings.numbers.len()) " numbers fitted to " (findings.positions) " positions" }
@@ -67,7 +68,8 @@ fn unseen(held_out: Option<&HeldOutError>, errors: &Markup) -> Markup {
     let rows: Vec<Vec<Markup>> = held_out.models.iter().map(row).collect();
     let names = held_out.names.join(", ");
     html! {
-        (captioned(errors, "Root mean square distance between predicted and measured positions. Dashed: noise of the measurement."))
+        (captioned(errors, "Root mean square distance between predicted and measured positions. \
+                            Dashed: noise of the measurement."))
         (table(&header, &rows))
         p .note { "How: " (held_out.how) ". " @if !names.is_empty() { "Held out: " (names) "." } }
     }
@@ -91,13 +93,18 @@ fn numbers(findings: &CalibrationFindings) -> Markup {
         .iter()
         .map(|pair| {
             let correlation = number(pair.correlation, 3);
-            vec![html! { code { (pair.first) } }, html! { code { (pair.second) } }, html! { (correlation) }]
+            vec![
+                html! { code { (pair.first) } },
+                html! { code { (pair.second) } },
+                html! { (correlation) },
+            ]
         })
         .collect();
     html! {
         (table(&["Number", "Unit", "Start", "Value", "95 % interval", "Prior ±"], &rows))
         @if !pairs.is_empty() {
-            p { "These trade against each other: the recording says little about each of a pair alone." }
+            p { "These trade against each other: the recording says little about each of a pair \
+                 alone." }
             (table(&["Number", "with", "Correlation"], &pairs))
         }
     }
@@ -112,26 +119,36 @@ fn size(value: f64) -> String {
 fn stages(findings: &CalibrationFindings) -> Markup {
     let row = |stage: &crate::data::calibration::FitStage| {
         let kept = if stage.kept { "kept" } else { "left out" };
-        cells([&stage.name, &stage.numbers.to_string(), &millimetres(stage.cross_validated_m), kept])
+        cells([
+            &stage.name,
+            &stage.numbers.to_string(),
+            &millimetres(stage.cross_validated_m),
+            kept,
+        ])
     };
     let rows: Vec<Vec<Markup>> = findings.stages.iter().map(row).collect();
     html! {
         @if !rows.is_empty() {
-            p { "Numbers are added group by group. A group stays only where it lowers the cross-validated error." }
+            p { "Numbers are added group by group. A group stays only where it lowers the \
+                 cross-validated error." }
             (table(&["Group", "Numbers with it", "Cross-validated error", ""], &rows))
         }
     }
 }
 
 fn places(findings: &CalibrationFindings, map: &Markup) -> Markup {
-    let mut kinds: Vec<&str> = findings.residual_groups.iter().map(|group| group.kind.as_str()).collect();
+    let mut kinds: Vec<&str> =
+        findings.residual_groups.iter().map(|group| group.kind.as_str()).collect();
     kinds.dedup();
     let row = |group: &&ResidualGroup| {
-        let mean = [group.mean_x_m, group.mean_y_m, group.mean_z_m].map(|mean| number(1e3 * mean, 3)).join(", ");
+        let mean = [group.mean_x_m, group.mean_y_m, group.mean_z_m]
+            .map(|mean| number(1e3 * mean, 3))
+            .join(", ");
         cells([&group.name, &group.positions.to_string(), &millimetres(group.rms_m), &mean])
     };
     html! {
-        (captioned(map, "Grey: measured. Blue: simulated with the calibrated model. Some positions, evenly chosen."))
+        (captioned(map, "Grey: measured. Blue: simulated with the calibrated model. Some \
+                         positions, evenly chosen."))
         @for kind in kinds {
             @let rows: Vec<Vec<Markup>> = findings.residual_groups.iter().filter(|group| group.kind == kind)
                 .take(MAX_GROUPS).map(|group| row(&group)).collect();

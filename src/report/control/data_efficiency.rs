@@ -1,5 +1,6 @@
-//! How many real points a policy needs: error of the true tip against the number of points that its Gaussian process, or its
-//! network, has seen; and the points from which on the error stays within 5, 3 and 2 mm.
+//! How many real points a policy needs: error of the true tip against the number of points that its
+//! Gaussian process, or its network, has seen; and the points from which on the error stays within
+//! 5, 3 and 2 mm.
 
 use super::controllers_table::{controller_rows, mm};
 use crate::report::cells::modes_in_order;
@@ -7,8 +8,8 @@ use crate::report::drawing::{Axis, Canvas, LegendEntry, Panel, Text, TextAlign, 
 use crate::report::order::{distinct, last_training, trainings};
 use crate::report::page::markup::MarkdownTable;
 use crate::report::style::{
-    GREY, PAGE_WIDTH, SMALL, TALL, mode_title, policies_in_order, policy_label, policy_look, policy_markdown,
-    training_label,
+    GREY, PAGE_WIDTH, SMALL, TALL, mode_title, policies_in_order, policy_label, policy_look,
+    policy_markdown, training_label,
 };
 use crate::report::{Artifact, Figure, Published, ReportError, csv, text};
 use crate::rows::responses::{ControllerRow, PointsNeededRow};
@@ -16,7 +17,8 @@ use crate::rows::responses::{ControllerRow, PointsNeededRow};
 /// Registry entry.
 pub(super) const FIGURE: Figure = Figure {
     name: "data_efficiency",
-    about: "Error against the number of real points, for every policy, and the points that it takes",
+    about: "Error against the number of real points, for every policy, and the points that it \
+            takes",
     render,
 };
 
@@ -28,7 +30,10 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     let rows = controller_rows(&published.responses);
     let needed = points_needed(&rows);
     FIGURE.files(
-        vec![csv("points_needed.csv", &needed)?, text("data_efficiency.md", markdown(&needed, &rows))],
+        vec![
+            csv("points_needed.csv", &needed)?,
+            text("data_efficiency.md", markdown(&needed, &rows)),
+        ],
         &draw(&rows),
     )
 }
@@ -40,23 +45,33 @@ fn points(row: &ControllerRow) -> u64 {
 
 /// The cells of one training, mode and policy, by the number of points.
 fn curve<'a>(rows: &[&'a ControllerRow], mode: &str, policy: &str) -> Vec<&'a ControllerRow> {
-    let mut cells: Vec<&ControllerRow> =
-        rows.iter().copied().filter(|row| row.cell.mode == mode && row.cell.policy == policy).collect();
+    let mut cells: Vec<&ControllerRow> = rows
+        .iter()
+        .copied()
+        .filter(|row| row.cell.mode == mode && row.cell.policy == policy)
+        .collect();
     cells.sort_by_key(|row| points(row));
     cells
 }
 
-/// For each curve and wanted error the fewest points from which on the mean error at the end stays within it.
+/// For each curve and wanted error the fewest points from which on the mean error at the end stays
+/// within it.
 fn points_needed(rows: &[ControllerRow]) -> Vec<PointsNeededRow> {
     let mut needed = Vec::new();
     for training in trainings(rows.iter().map(|row| row.training.as_str())) {
-        let of_training: Vec<&ControllerRow> = rows.iter().filter(|row| row.training == training).collect();
+        let of_training: Vec<&ControllerRow> =
+            rows.iter().filter(|row| row.training == training).collect();
         for mode in modes_in_order(of_training.iter().map(|row| row.cell.mode.as_str())) {
             for policy in policies_in_order(
-                of_training.iter().filter(|row| row.cell.mode == mode).map(|row| row.cell.policy.as_str()),
+                of_training
+                    .iter()
+                    .filter(|row| row.cell.mode == mode)
+                    .map(|row| row.cell.policy.as_str()),
             ) {
-                let curve: Vec<(u64, f64)> =
-                    curve(&of_training, mode, policy).iter().map(|row| (points(row), row.error_end_m)).collect();
+                let curve: Vec<(u64, f64)> = curve(&of_training, mode, policy)
+                    .iter()
+                    .map(|row| (points(row), row.error_end_m))
+                    .collect();
                 needed.extend(WANTED_M.iter().map(|&wanted_m| PointsNeededRow {
                     training: training.to_owned(),
                     policy: policy.to_owned(),
@@ -71,7 +86,8 @@ fn points_needed(rows: &[ControllerRow]) -> Vec<PointsNeededRow> {
     needed
 }
 
-/// Of points and error, points ascending; not a number where the error is larger with the most points.
+/// Of points and error, points ascending; not a number where the error is larger with the most
+/// points.
 fn fewest(curve: &[(u64, f64)], wanted_m: f64) -> f64 {
     let within = curve.iter().rev().take_while(|(_, error_m)| *error_m <= wanted_m);
     within.last().map_or(f64::NAN, |(points, _)| *points as f64)
@@ -88,23 +104,35 @@ fn markdown(needed: &[PointsNeededRow], rows: &[ControllerRow]) -> String {
             false if row.most_points == 0 => "–".to_owned(),
             false => format!("> {}", row.most_points),
         };
-        let of_training: Vec<&ControllerRow> = rows.iter().filter(|row| row.training == first.training).collect();
+        let of_training: Vec<&ControllerRow> =
+            rows.iter().filter(|row| row.training == first.training).collect();
         let curve = curve(&of_training, &first.mode, &first.policy);
         let cell = |row: &&ControllerRow| {
-            format!("{}: {} ({}–{})", points(row), mm(row.error_end_m), mm(row.low_95_m), mm(row.high_95_m))
+            format!(
+                "{}: {} ({}–{})",
+                points(row),
+                mm(row.error_end_m),
+                mm(row.low_95_m),
+                mm(row.high_95_m)
+            )
         };
-        let mut cells = vec![policy_markdown(&first.policy).to_owned(), first.training.clone(), first.mode.clone()];
+        let mut cells = vec![
+            policy_markdown(&first.policy).to_owned(),
+            first.training.clone(),
+            first.mode.clone(),
+        ];
         cells.extend(of.iter().map(count));
         cells.push(curve.iter().map(cell).collect::<Vec<_>>().join(" · "));
         cells
     };
-    let head = "Real points from which on the mean error of the true tip at the end of a trial stays within 5, 3 and 2 mm; 0: without \
-                any. Errors in mm, by points.\n\n";
+    let head = "Real points from which on the mean error of the true tip at the end of a trial \
+                stays within 5, 3 and 2 mm; 0: without any. Errors in mm, by points.\n\n";
     let rows = needed.chunks(WANTED_M.len()).map(line).collect();
     head.to_owned() + &MarkdownTable { header, rows }.markdown()
 }
 
-/// The panels of the last kind of training, where networks are at their best: at the end above, after 2 s below.
+/// The panels of the last kind of training, where networks are at their best: at the end above,
+/// after 2 s below.
 fn draw(rows: &[ControllerRow]) -> Canvas {
     let training = last_training(rows.iter().map(|row| row.training.as_str()));
     let rows: Vec<&ControllerRow> = rows.iter().filter(|row| row.training == training).collect();
@@ -115,15 +143,24 @@ fn draw(rows: &[ControllerRow]) -> Canvas {
     let names: Vec<String> = sizes.iter().map(u64::to_string).collect();
     let (left, gap, high, pitch) = (56.0, 22.0, 180.0, 250.0);
     let width = (PAGE_WIDTH - left - 12.0 - gap * (modes.len() - 1) as f64) / modes.len() as f64;
-    let keys: Vec<(LegendEntry, &str)> =
-        policies.iter().map(|policy| (LegendEntry::Plain(policy_look(policy)), policy_label(policy))).collect();
+    let keys: Vec<(LegendEntry, &str)> = policies
+        .iter()
+        .map(|policy| (LegendEntry::Plain(policy_look(policy)), policy_label(policy)))
+        .collect();
     let mut canvas = Canvas::new(PAGE_WIDTH, TALL);
     let base = legend(&mut canvas, [left, 16.0], PAGE_WIDTH - 8.0, &keys);
-    let note = format!("means over targets and repetitions, error of the true tip; {}", training_label(training));
+    let note = format!(
+        "means over targets and repetitions, error of the true tip; {}",
+        training_label(training)
+    );
     canvas.text(Text::new(&note, [left, base + 17.0], SMALL, TextAlign::Left).colour(GREY));
     for (line, when) in ["at the end", "after 2 s"].into_iter().enumerate() {
-        let error_m = |row: &ControllerRow| if line == 0 { row.error_end_m } else { row.error_2s_m };
-        let all = rows.iter().map(|row| 1e3 * error_m(row)).filter(|error_mm| error_mm.is_finite() && *error_mm > 0.0);
+        let error_m =
+            |row: &ControllerRow| if line == 0 { row.error_end_m } else { row.error_2s_m };
+        let all = rows
+            .iter()
+            .map(|row| 1e3 * error_m(row))
+            .filter(|error_mm| error_mm.is_finite() && *error_mm > 0.0);
         let y = Axis::decades("error (mm)", all);
         for (column, mode) in modes.iter().enumerate() {
             let panel = canvas.panel(Panel {
@@ -134,10 +171,17 @@ fn draw(rows: &[ControllerRow]) -> Canvas {
                 title: format!("{}, {when}", mode_title(mode)),
             });
             for policy in &policies {
-                let place = |row: &ControllerRow| sizes.iter().position(|size| *size == points(row)).unwrap_or(0);
-                let point = |row: &&ControllerRow| [place(row) as f64, (1e3 * error_m(row)).log10(), f64::NAN];
-                let line: Vec<[f64; 3]> =
-                    curve(&rows, mode, policy).iter().map(point).filter(|point| point[1].is_finite()).collect();
+                let place = |row: &ControllerRow| {
+                    sizes.iter().position(|size| *size == points(row)).unwrap_or(0)
+                };
+                let point = |row: &&ControllerRow| {
+                    [place(row) as f64, (1e3 * error_m(row)).log10(), f64::NAN]
+                };
+                let line: Vec<[f64; 3]> = curve(&rows, mode, policy)
+                    .iter()
+                    .map(point)
+                    .filter(|point| point[1].is_finite())
+                    .collect();
                 panel.series(&mut canvas, &line, policy_look(policy));
             }
         }

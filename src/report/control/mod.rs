@@ -1,4 +1,5 @@
-//! Controllers beside the paper's, robots that change, populations of robots, and how much data a controller needs.
+//! Controllers beside the paper's, robots that change, populations of robots, and how much data a
+//! controller needs.
 
 mod controllers_table;
 mod population_table;

@@ -1,12 +1,13 @@
-//! A population of robots: the error of each policy over robots, and the share of robots on which each claim holds.
+//! A population of robots: the error of each policy over robots, and the share of robots on which
+//! each claim holds.
 
 use super::population_table::{attribution_rows, markdown, population_rows};
 use crate::report::cells::modes_in_order;
 use crate::report::drawing::{Axis, Canvas, Panel, Text, TextAlign};
 use crate::report::order::last_training;
 use crate::report::style::{
-    GREY, HAIR, HALF_CAP, INK, LEFT_MARGIN, MARKER, Marker, PAGE_WIDTH, SMALL, TALL, TEXT, claim_label, mode_title,
-    policies_in_order, policy_label, policy_look, training_label,
+    GREY, HAIR, HALF_CAP, INK, LEFT_MARGIN, MARKER, Marker, PAGE_WIDTH, SMALL, TALL, TEXT,
+    claim_label, mode_title, policies_in_order, policy_label, policy_look, training_label,
 };
 use crate::report::{Artifact, Figure, Published, ReportError, csv, text};
 use crate::rows::population::{PopulationRow, RobotClaimRow};
@@ -14,7 +15,8 @@ use crate::rows::population::{PopulationRow, RobotClaimRow};
 /// Registry entry.
 pub(super) const FIGURE: Figure = Figure {
     name: "population",
-    about: "Many robots: the error of each policy over them, and the share on which each claim holds",
+    about: "Many robots: the error of each policy over them, and the share on which each claim \
+            holds",
     render,
 };
 
@@ -26,11 +28,17 @@ const CLAIM_HEIGHT: f64 = 19.0;
 const CLAIMS_LEFT: f64 = 410.0;
 
 fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
-    FIGURE.needs("robots.csv and trials.csv", published.robots.is_empty() || published.trials.is_empty())?;
+    FIGURE.needs(
+        "robots.csv and trials.csv",
+        published.robots.is_empty() || published.trials.is_empty(),
+    )?;
     let rows = population_rows(&published.trials);
     let effects = attribution_rows(&published.trials, &published.robots);
     let claims = &published.robot_claims;
-    let mut files = vec![csv("population.csv", &rows)?, text("population.md", markdown(&rows, claims, &effects))];
+    let mut files = vec![
+        csv("population.csv", &rows)?,
+        text("population.md", markdown(&rows, claims, &effects)),
+    ];
     // Of few robots no effect can be told.
     if !effects.is_empty() {
         files.push(csv("attribution.csv", &effects)?);
@@ -42,21 +50,27 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
 fn draw(rows: &[PopulationRow], claims: &[RobotClaimRow]) -> Canvas {
     let training = last_training(rows.iter().map(|row| row.training.as_str()));
     let rows: Vec<&PopulationRow> = rows.iter().filter(|row| row.training == training).collect();
-    let claims: Vec<&RobotClaimRow> = claims.iter().filter(|row| row.training == training).collect();
+    let claims: Vec<&RobotClaimRow> =
+        claims.iter().filter(|row| row.training == training).collect();
     let modes = modes_in_order(rows.iter().map(|row| row.cell.mode.as_str()));
     let policies = policies_in_order(rows.iter().map(|row| row.cell.policy.as_str()));
     let robots = rows.iter().map(|row| row.robots).max().unwrap_or(0);
     let mut canvas = Canvas::new(PAGE_WIDTH, TALL);
     let note = format!(
-        "{robots} robots; marks: median, thick: half of all robots, thin: 90 %, hollow: the worst robot; {}",
+        "{robots} robots; marks: median, thick: half of all robots, thin: 90 %, hollow: the worst \
+         robot; {}",
         training_label(training)
     );
     canvas.text(Text::new(&note, [LEFT_MARGIN, 18.0], SMALL, TextAlign::Left).colour(GREY));
-    let y = Axis::decades("error (mm)", rows.iter().flat_map(|row| [1e3 * row.p05_m, 1e3 * row.largest_m]));
+    let y = Axis::decades(
+        "error (mm)",
+        rows.iter().flat_map(|row| [1e3 * row.p05_m, 1e3 * row.largest_m]),
+    );
     let width = PAGE_WIDTH - LEFT_MARGIN - 12.0;
     let mut top = 46.0;
     for mode in &modes {
-        let names: Vec<String> = policies.iter().map(|policy| policy_label(policy).to_owned()).collect();
+        let names: Vec<String> =
+            policies.iter().map(|policy| policy_label(policy).to_owned()).collect();
         let panel = canvas.panel(Panel {
             corner: [LEFT_MARGIN, top],
             size: [width, PANEL_HEIGHT],
@@ -65,7 +79,9 @@ fn draw(rows: &[PopulationRow], claims: &[RobotClaimRow]) -> Canvas {
             title: mode_title(mode),
         });
         for (place, policy) in policies.iter().enumerate() {
-            if let Some(row) = rows.iter().find(|row| row.cell.policy == *policy && row.cell.mode == *mode) {
+            if let Some(row) =
+                rows.iter().find(|row| row.cell.policy == *policy && row.cell.mode == *mode)
+            {
                 spread(&mut canvas, &panel, place as f64, row);
             }
         }
@@ -100,7 +116,13 @@ fn shares(canvas: &mut Canvas, claims: &[&RobotClaimRow], top: f64) -> f64 {
     let rows = Axis::bare_to(claims.len() as f64);
     let axis = Axis::exact("share of robots on which the claim holds (%)", 0.0, 100.0, 4);
     let size = [PAGE_WIDTH - CLAIMS_LEFT - 60.0, high];
-    let panel = canvas.panel(Panel { corner: [CLAIMS_LEFT, top], size, x: axis, y: rows, title: String::new() });
+    let panel = canvas.panel(Panel {
+        corner: [CLAIMS_LEFT, top],
+        size,
+        x: axis,
+        y: rows,
+        title: String::new(),
+    });
     canvas.text(Text::new("Claims of the paper", [12.0, top - 8.0], TEXT, TextAlign::Left).bold());
     for (index, row) in claims.iter().enumerate() {
         let y = claims.len() as f64 - index as f64 - 0.5;
@@ -108,7 +130,12 @@ fn shares(canvas: &mut Canvas, claims: &[&RobotClaimRow], top: f64) -> f64 {
         canvas.line(&[at(row.low_95), at(row.high_95)], 1.8, INK, &[]);
         canvas.marker(at(row.share), Marker::Circle, MARKER, INK, false);
         let base = at(0.0)[1] + HALF_CAP * SMALL;
-        canvas.text(Text::new(claim_label(&row.claim), [CLAIMS_LEFT - 8.0, base], SMALL, TextAlign::Right));
+        canvas.text(Text::new(
+            claim_label(&row.claim),
+            [CLAIMS_LEFT - 8.0, base],
+            SMALL,
+            TextAlign::Right,
+        ));
         let label = format!("{} of {}", row.held, row.robots);
         canvas.text(Text::new(label, [PAGE_WIDTH - 52.0, base], SMALL, TextAlign::Left));
     }

@@ -1,4 +1,5 @@
-//! The tables behind [`super::population`]: errors over robots, what effects add to them, and on how many a claim holds.
+//! The tables behind [`super::population`]: errors over robots, what effects add to them, and on
+//! how many a claim holds.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -41,7 +42,8 @@ pub(crate) fn population_rows(trials: &[TrialRow]) -> Vec<PopulationRow> {
     by_policy(trials).into_iter().map(row).collect()
 }
 
-/// What each effect adds to the error of each policy, for effects that at least two robots have and two have not.
+/// What each effect adds to the error of each policy, for effects that at least two robots have and
+/// two have not.
 pub(crate) fn attribution_rows(trials: &[TrialRow], robots: &[RobotRow]) -> Vec<AttributionRow> {
     // Strength by effect and robot.
     let mut strengths: BTreeMap<&str, BTreeMap<u64, f64>> = BTreeMap::new();
@@ -50,35 +52,48 @@ pub(crate) fn attribution_rows(trials: &[TrialRow], robots: &[RobotRow]) -> Vec<
     }
     let mut rows = Vec::new();
     for cell in by_policy(trials) {
-        let compared: Vec<(AttributionRow, f64)> =
-            strengths.iter().filter_map(|(effect, strengths)| attributed(&cell, effect, strengths)).collect();
+        let compared: Vec<(AttributionRow, f64)> = strengths
+            .iter()
+            .filter_map(|(effect, strengths)| attributed(&cell, effect, strengths))
+            .collect();
         let p_values: Vec<f64> = compared.iter().map(|(_, p)| *p).collect();
         let corrected = holm(&p_values);
-        rows.extend(compared.into_iter().zip(corrected).map(|((row, _), p_holm)| AttributionRow { p_holm, ..row }));
+        rows.extend(
+            compared
+                .into_iter()
+                .zip(corrected)
+                .map(|((row, _), p_holm)| AttributionRow { p_holm, ..row }),
+        );
     }
     rows
 }
 
-/// Robots with the effect against robots without it (Welch, Biometrika 34, 1947), and the uncorrected p-value.
+/// Robots with the effect against robots without it (Welch, Biometrika 34, 1947), and the
+/// uncorrected p-value.
 fn attributed(
     cell: &CellErrors<TrialRow>,
     effect: &str,
     strengths: &BTreeMap<u64, f64>,
 ) -> Option<(AttributionRow, f64)> {
     let robots_m = cell.seed_means_m();
-    let (with, without): (Vec<_>, Vec<_>) = robots_m.iter().partition(|(seed, _)| strengths.contains_key(seed));
-    let errors = |robots: &[(&u64, &f64)]| robots.iter().map(|(_, error_m)| **error_m).collect::<Vec<f64>>();
+    let (with, without): (Vec<_>, Vec<_>) =
+        robots_m.iter().partition(|(seed, _)| strengths.contains_key(seed));
+    let errors =
+        |robots: &[(&u64, &f64)]| robots.iter().map(|(_, error_m)| **error_m).collect::<Vec<f64>>();
     let (with_m, without_m) = (errors(&with), errors(&without));
     if with_m.len() < 2 || without_m.len() < 2 {
         return None;
     }
-    let squared_error_m2 = |errors_m: &[f64]| standard_deviation(errors_m).powi(2) / errors_m.len() as f64;
+    let squared_error_m2 =
+        |errors_m: &[f64]| standard_deviation(errors_m).powi(2) / errors_m.len() as f64;
     let (a, b) = (squared_error_m2(&with_m), squared_error_m2(&without_m));
     // Degrees of freedom by Welch and Satterthwaite: the variances may differ.
-    let freedom = (a + b).powi(2) / (a * a / (with_m.len() - 1) as f64 + b * b / (without_m.len() - 1) as f64);
+    let freedom = (a + b).powi(2)
+        / (a * a / (with_m.len() - 1) as f64 + b * b / (without_m.len() - 1) as f64);
     let difference_m = mean(&with_m) - mean(&without_m);
     let half_m = student_95(freedom) * (a + b).sqrt();
-    let sizes: Vec<f64> = with.iter().filter_map(|(seed, _)| strengths.get(seed)).copied().collect();
+    let sizes: Vec<f64> =
+        with.iter().filter_map(|(seed, _)| strengths.get(seed)).copied().collect();
     let row = AttributionRow {
         training: cell.rows[0].training.clone(),
         cell: cell.rows[0].cell.clone(),
@@ -95,7 +110,11 @@ fn attributed(
 }
 
 /// The three tables in Markdown, errors in millimetres.
-pub(crate) fn markdown(rows: &[PopulationRow], claims: &[RobotClaimRow], effects: &[AttributionRow]) -> String {
+pub(crate) fn markdown(
+    rows: &[PopulationRow],
+    claims: &[RobotClaimRow],
+    effects: &[AttributionRow],
+) -> String {
     let decided: Vec<&AttributionRow> = effects.iter().filter(|row| row.p_holm < 0.05).collect();
     let compared_effects: BTreeSet<&str> = effects.iter().map(|row| row.effect.as_str()).collect();
     let mut text = format!(
@@ -103,10 +122,14 @@ pub(crate) fn markdown(rows: &[PopulationRow], claims: &[RobotClaimRow], effects
         error_table(rows).markdown()
     );
     if !claims.is_empty() {
-        text += &format!("\nRobots on which a claim of the paper holds.\n\n{}", claim_table(claims).markdown());
+        text += &format!(
+            "\nRobots on which a claim of the paper holds.\n\n{}",
+            claim_table(claims).markdown()
+        );
     }
     text += &format!(
-        "\nEffects that change an error (p below 0.05 after Holm's correction over {} effects), mm.\n\n{}",
+        "\nEffects that change an error (p below 0.05 after Holm's correction over {} effects), \
+         mm.\n\n{}",
         compared_effects.len(),
         if decided.is_empty() { "None.\n".to_owned() } else { effect_table(&decided).markdown() }
     );
@@ -119,7 +142,8 @@ fn error_table(rows: &[PopulationRow]) -> MarkdownTable {
         let [robots, failed] = [row.robots, row.failed].map(|count| [count.to_string()]);
         [&label_cells(&row.training, &row.cell)[..], &robots, &numbers, &failed].concat()
     };
-    let header = "policy | training | mode | robots | median | 5 % | 95 % | largest | failed trials";
+    let header =
+        "policy | training | mode | robots | median | 5 % | 95 % | largest | failed trials";
     MarkdownTable::new(header, rows.iter().map(line))
 }
 
@@ -127,18 +151,34 @@ fn claim_table(claims: &[RobotClaimRow]) -> MarkdownTable {
     let percent = |share: f64| format!("{:.0} %", 100.0 * share);
     let line = |row: &RobotClaimRow| {
         let interval = format!("{} to {}", percent(row.low_95), percent(row.high_95));
-        vec![row.statement.clone(), row.training.clone(), row.robots.to_string(), percent(row.share), interval]
+        vec![
+            row.statement.clone(),
+            row.training.clone(),
+            row.robots.to_string(),
+            percent(row.share),
+            interval,
+        ]
     };
-    MarkdownTable::new("claim | training | robots | holds on | 95 % interval", claims.iter().map(line))
+    MarkdownTable::new(
+        "claim | training | robots | holds on | 95 % interval",
+        claims.iter().map(line),
+    )
 }
 
 fn effect_table(decided: &[&AttributionRow]) -> MarkdownTable {
     let line = |row: &&AttributionRow| {
         let interval = format!("{} to {}", mm(row.low_95_m), mm(row.high_95_m));
         let correlation = format!("{:.2}", row.rank_correlation);
-        let cells = [row.effect.clone(), row.robots_with.to_string(), mm(row.difference_m), interval, correlation];
+        let cells = [
+            row.effect.clone(),
+            row.robots_with.to_string(),
+            mm(row.difference_m),
+            interval,
+            correlation,
+        ];
         [&label_cells(&row.training, &row.cell)[..], &cells].concat()
     };
-    let header = "policy | training | mode | effect | robots with it | adds | 95 % interval | rank correlation";
+    let header = "policy | training | mode | effect | robots with it | adds | 95 % interval | rank \
+                  correlation";
     MarkdownTable::new(header, decided.iter().map(line))
 }

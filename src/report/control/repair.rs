@@ -1,4 +1,5 @@
-//! A changed robot and its repair: the error of goal reaching before, after, and mended in several ways, one panel a change.
+//! A changed robot and its repair: the error of goal reaching before, after, and mended in several
+//! ways, one panel a change.
 
 use super::repair_table::{VARIANTS, markdown, summary_rows};
 use crate::math::summary::mean;
@@ -6,8 +7,8 @@ use crate::report::cells::modes_in_order;
 use crate::report::drawing::{Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend};
 use crate::report::order::{distinct, last_training};
 use crate::report::style::{
-    DOTTED, GREY, LINE, PAGE_WIDTH, SMALL, TEXT, capitalised, mode_title, policies_in_order, policy_label, policy_look,
-    training_label,
+    DOTTED, GREY, LINE, PAGE_WIDTH, SMALL, TEXT, capitalised, mode_title, policies_in_order,
+    policy_label, policy_look, training_label,
 };
 use crate::report::{Artifact, Figure, Published, ReportError, csv, text};
 use crate::rows::repairs::{RepairRow, RepairSummaryRow};
@@ -41,17 +42,20 @@ fn draw(rows: &[RepairSummaryRow], repairs: &[RepairRow]) -> Canvas {
     let (left, gap, high, pitch, head) = (50.0, 16.0, 120.0, 188.0, 28.0);
     let width = (PAGE_WIDTH - left - 12.0 - gap * (COLUMNS - 1) as f64) / COLUMNS as f64;
     let block = head + pitch * lines as f64;
-    let keys: Vec<(LegendEntry, &str)> = policies_in_order(rows.iter().map(|row| row.cell.policy.as_str()))
-        .into_iter()
-        .map(|policy| (LegendEntry::Plain(policy_look(policy)), policy_label(policy)))
-        .collect();
+    let keys: Vec<(LegendEntry, &str)> =
+        policies_in_order(rows.iter().map(|row| row.cell.policy.as_str()))
+            .into_iter()
+            .map(|policy| (LegendEntry::Plain(policy_look(policy)), policy_label(policy)))
+            .collect();
     let mut canvas = Canvas::new(PAGE_WIDTH, 73.0 + block * modes.len() as f64);
     let base = legend(&mut canvas, [left, 16.0], PAGE_WIDTH - 8.0, &keys);
     let note = format!(
-        "before the change, after it, repaired, with moved points, with new points, with new data; means; {}",
+        "before the change, after it, repaired, with moved points, with new points, with new data; \
+         means; {}",
         training_label(training)
     );
-    let dotted = "dotted: the nearest place to the target where the tip of the changed robot comes to rest, mean";
+    let dotted = "dotted: the nearest place to the target where the tip of the changed robot comes \
+                  to rest, mean";
     for (line, text) in [note.as_str(), dotted].into_iter().enumerate() {
         let below = base + 17.0 + 13.0 * line as f64;
         canvas.text(Text::new(text, [left, below], SMALL, TextAlign::Left).colour(GREY));
@@ -62,13 +66,20 @@ fn draw(rows: &[RepairSummaryRow], repairs: &[RepairRow]) -> Canvas {
     let names: Vec<String> = VARIANTS.0.iter().map(|(_, short)| (*short).to_owned()).collect();
     for (number, mode) in modes.iter().enumerate() {
         let top = base + 43.0 + block * number as f64;
-        canvas.text(Text::new(capitalised(&mode_title(mode)), [left, top + 14.0], TEXT, TextAlign::Left).bold());
+        canvas.text(
+            Text::new(capitalised(&mode_title(mode)), [left, top + 14.0], TEXT, TextAlign::Left)
+                .bold(),
+        );
         for (place, change) in changes.iter().enumerate() {
             let (line, column) = (place / COLUMNS, place % COLUMNS);
-            let corner = [left + column as f64 * (width + gap), top + head + 12.0 + pitch * line as f64];
+            let corner =
+                [left + column as f64 * (width + gap), top + head + 12.0 + pitch * line as f64];
             let y = if column == 0 { y.clone() } else { y.bare() };
-            let panel_rows: Vec<&RepairSummaryRow> =
-                rows.iter().copied().filter(|row| row.cell.mode == *mode && row.change == *change).collect();
+            let panel_rows: Vec<&RepairSummaryRow> = rows
+                .iter()
+                .copied()
+                .filter(|row| row.cell.mode == *mode && row.change == *change)
+                .collect();
             let (size, x) = ([width, high], Axis::categories("", &names));
             let panel = canvas.panel(Panel { corner, size, x, y, title: change.replace('_', " ") });
             series(&mut canvas, &panel, &panel_rows);
@@ -84,7 +95,8 @@ fn draw(rows: &[RepairSummaryRow], repairs: &[RepairRow]) -> Canvas {
 
 /// How near a changed robot can come to the targets, mean over repetitions, millimetres.
 fn nearest_mm(repairs: &[RepairRow], change: &str) -> f64 {
-    let of_change = repairs.iter().filter(|row| row.change == change).map(|row| 1e3 * row.nearest_m);
+    let of_change =
+        repairs.iter().filter(|row| row.change == change).map(|row| 1e3 * row.nearest_m);
     mean(&of_change.filter(|nearest_mm| nearest_mm.is_finite()).collect::<Vec<f64>>())
 }
 
@@ -92,7 +104,8 @@ fn nearest_mm(repairs: &[RepairRow], change: &str) -> f64 {
 fn series(canvas: &mut Canvas, panel: &Panel, rows: &[&RepairSummaryRow]) {
     for policy in policies_in_order(rows.iter().map(|row| row.cell.policy.as_str())) {
         let at = |(place, (variant, _)): (usize, &(&str, &str))| {
-            let row = rows.iter().find(|row| row.cell.policy == policy && row.variant == *variant)?;
+            let row =
+                rows.iter().find(|row| row.cell.policy == policy && row.variant == *variant)?;
             row.mean_m.is_finite().then_some([place as f64, 1e3 * row.mean_m, f64::NAN])
         };
         let points: Vec<[f64; 3]> = VARIANTS.0.iter().enumerate().filter_map(at).collect();

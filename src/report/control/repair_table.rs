@@ -1,4 +1,5 @@
-//! The tables behind [`super::repair`]: what was noticed and named, and the errors by change, mode, policy and variant.
+//! The tables behind [`super::repair`]: what was noticed and named, and the errors by change, mode,
+//! policy and variant.
 
 use std::collections::BTreeMap;
 
@@ -22,7 +23,10 @@ pub(crate) const VARIANTS: Labels = Labels(&[
 ]);
 
 /// Trials, summarised by training, mode, change, policy and variant.
-pub(crate) fn summary_rows(trials: &[RepairTrialRow], repairs: &[RepairRow]) -> Vec<RepairSummaryRow> {
+pub(crate) fn summary_rows(
+    trials: &[RepairTrialRow],
+    repairs: &[RepairRow],
+) -> Vec<RepairSummaryRow> {
     let order = trainings(trials.iter().map(|row| row.training.as_str()));
     let changes = distinct(trials.iter().map(|row| row.change.as_str()));
     let key = |row: &RepairTrialRow| (rank(&order, &row.training), rank(&changes, &row.change));
@@ -45,7 +49,11 @@ pub(crate) fn summary_rows(trials: &[RepairTrialRow], repairs: &[RepairRow]) -> 
     cells.iter().map(|cell| summary(cell, before_m(cell.rows[0]), repairs)).collect()
 }
 
-fn summary(cell: &CellErrors<RepairTrialRow>, before_m: f64, repairs: &[RepairRow]) -> RepairSummaryRow {
+fn summary(
+    cell: &CellErrors<RepairTrialRow>,
+    before_m: f64,
+    repairs: &[RepairRow],
+) -> RepairSummaryRow {
     let RepairTrialRow { training, change, variant, cell: label, .. } = cell.rows[0];
     let [low_95_m, high_95_m] = cell.interval_95_m();
     let diagnosed = repairs.iter().find(|row| row.change == *change && row.training == *training);
@@ -77,16 +85,26 @@ pub(crate) fn markdown(rows: &[RepairSummaryRow], published: &Published) -> Stri
     let mut text = noticed(published);
     text.push_str(&named_table(&published.repairs).markdown());
     text.push_str(
-        "\nErrors of goal reaching in mm (95 % interval over repetitions). “After”: the changed robot, the controller as it \
-         was. “Repaired”: networks trained on with the repaired model. “Moved points”: the networks as they were, the real points of \
-         the error model moved by what the named lines do in the model. Both have the samples of the table above. “New points”: \
-         an error model of as many new real points as it had. “New data”: a network of as many new real samples as it had.\n",
+        "\nErrors of goal reaching in mm (95 % interval over repetitions). “After”: the changed \
+         robot, the controller as it was. “Repaired”: networks trained on with the repaired model. \
+         “Moved points”: the networks as they were, the real points of the error model moved by \
+         what the named lines do in the model. Both have the samples of the table above. “New \
+         points”: an error model of as many new real points as it had. “New data”: a network of as \
+         many new real samples as it had.\n",
     );
     for training in trainings(rows.iter().map(|row| row.training.as_str())) {
-        for mode in distinct(rows.iter().filter(|row| row.training == training).map(|row| row.cell.mode.as_str())) {
-            text.push_str(&format!("\n{} loop, training: {training}\n\n", if mode == "open" { "Open" } else { mode }));
-            let of_table = |row: &&RepairSummaryRow| row.training == training && row.cell.mode == mode;
-            text.push_str(&errors_table(&rows.iter().filter(of_table).collect::<Vec<_>>()).markdown());
+        for mode in distinct(
+            rows.iter().filter(|row| row.training == training).map(|row| row.cell.mode.as_str()),
+        ) {
+            text.push_str(&format!(
+                "\n{} loop, training: {training}\n\n",
+                if mode == "open" { "Open" } else { mode }
+            ));
+            let of_table =
+                |row: &&RepairSummaryRow| row.training == training && row.cell.mode == mode;
+            text.push_str(
+                &errors_table(&rows.iter().filter(of_table).collect::<Vec<_>>()).markdown(),
+            );
         }
     }
     text.replace("\nclosed loop, ", "\nClosed loop, ")
@@ -97,10 +115,11 @@ fn noticed(published: &Published) -> String {
     let hours: f64 = ok.iter().map(|row| row.watched_s).sum::<f64>() / 3600.0;
     let alarms: u64 = ok.iter().map(|row| row.false_alarms).sum();
     format!(
-        "The monitors raised {alarms} false alarms in {hours:.0} hours of work of unchanged robots.\n\nAlarm: median time of \
-         work from a change to the alarm (repetitions with an alarm). Named: repetitions by the effects that were named. \
-         Nearest: mean distance of the targets, which were drawn from what the unchanged robot reaches, from the nearest \
-         place where the tip of the changed one comes to rest{}.\n\n",
+        "The monitors raised {alarms} false alarms in {hours:.0} hours of work of unchanged \
+         robots.\n\nAlarm: median time of work from a change to the alarm (repetitions with an \
+         alarm). Named: repetitions by the effects that were named. Nearest: mean distance of the \
+         targets, which were drawn from what the unchanged robot reaches, from the nearest place \
+         where the tip of the changed one comes to rest{}.\n\n",
         nearest_before(published)
     )
 }
@@ -109,7 +128,11 @@ fn noticed(published: &Published) -> String {
 fn nearest_before(published: &Published) -> String {
     let nearest_m: Vec<f64> = published.identifications.iter().map(|row| row.nearest_m).collect();
     let nearest_m = mean(&nearest_m);
-    if nearest_m.is_finite() { format!(" ({} mm before the change)", mm(nearest_m)) } else { String::new() }
+    if nearest_m.is_finite() {
+        format!(" ({} mm before the change)", mm(nearest_m))
+    } else {
+        String::new()
+    }
 }
 
 /// One line a change: how soon it was noticed, and what it was said to be.
@@ -117,15 +140,18 @@ fn named_table(repairs: &[RepairRow]) -> MarkdownTable {
     let last = last_training(repairs.iter().map(|row| row.training.as_str()));
     let of_last: Vec<&RepairRow> = repairs.iter().filter(|row| row.training == last).collect();
     let line = |change: &str| {
-        let of_change: Vec<&RepairRow> = of_last.iter().copied().filter(|row| row.change == change).collect();
-        let alarms_s: Vec<f64> = of_change.iter().map(|row| row.alarm_s).filter(|time_s| time_s.is_finite()).collect();
+        let of_change: Vec<&RepairRow> =
+            of_last.iter().copied().filter(|row| row.change == change).collect();
+        let alarms_s: Vec<f64> =
+            of_change.iter().map(|row| row.alarm_s).filter(|time_s| time_s.is_finite()).collect();
         let alarm = match alarms_s.len() {
             0 => "–".to_owned(),
             count => format!("{:.1} s ({count} of {})", quantile(&alarms_s, 0.5), of_change.len()),
         };
         let samples = of_change.iter().map(|row| row.samples).max().unwrap_or(0);
-        let mean_mm =
-            |value: fn(&RepairRow) -> f64| mm(mean(&of_change.iter().map(|row| value(row)).collect::<Vec<_>>()));
+        let mean_mm = |value: fn(&RepairRow) -> f64| {
+            mm(mean(&of_change.iter().map(|row| value(row)).collect::<Vec<_>>()))
+        };
         vec![
             change.to_owned(),
             of_change.first().map_or_else(String::new, |row| format!("`{}`", row.truth)),
@@ -136,15 +162,20 @@ fn named_table(repairs: &[RepairRow]) -> MarkdownTable {
             mean_mm(|row| row.nearest_m),
         ]
     };
-    let header = "change | what changed | alarm | samples | named | held-out error (mm) | nearest (mm)";
-    MarkdownTable::new(header, distinct(of_last.iter().map(|row| row.change.as_str())).into_iter().map(line))
+    let header =
+        "change | what changed | alarm | samples | named | held-out error (mm) | nearest (mm)";
+    MarkdownTable::new(
+        header,
+        distinct(of_last.iter().map(|row| row.change.as_str())).into_iter().map(line),
+    )
 }
 
 /// The names of the effects that were named, each with its count; the most frequent first.
 fn named_counts(rows: &[&RepairRow]) -> String {
     let mut counts: BTreeMap<String, usize> = BTreeMap::new();
     for row in rows {
-        let names: Vec<&str> = row.named.split("; ").filter_map(|effect| effect.split(':').next()).collect();
+        let names: Vec<&str> =
+            row.named.split("; ").filter_map(|effect| effect.split(':').next()).collect();
         let names = if row.named.is_empty() { row.verdict.clone() } else { names.join(" + ") };
         let doubt = if row.verdict == "ambiguous" { " (ambiguous)" } else { "" };
         *counts.entry(names + doubt).or_default() += 1;
@@ -158,7 +189,8 @@ fn errors_table(rows: &[&RepairSummaryRow]) -> MarkdownTable {
     let mut cells: BTreeMap<(usize, usize, &str), Vec<&RepairSummaryRow>> = BTreeMap::new();
     let changes = distinct(rows.iter().map(|row| row.change.as_str()));
     for row in rows {
-        let key = (rank(&changes, &row.change), policy_rank(&row.cell.policy), row.cell.policy.as_str());
+        let key =
+            (rank(&changes, &row.change), policy_rank(&row.cell.policy), row.cell.policy.as_str());
         cells.entry(key).or_default().push(row);
     }
     let line = |rows: &Vec<&RepairSummaryRow>| {
@@ -166,11 +198,13 @@ fn errors_table(rows: &[&RepairSummaryRow]) -> MarkdownTable {
             let of_variant = rows.iter().find(|row| row.variant == *variant);
             of_variant.map_or_else(|| "–".to_owned(), |row| with_interval(row))
         };
-        let mut line = vec![rows[0].change.clone(), policy_markdown(&rows[0].cell.policy).to_owned()];
+        let mut line =
+            vec![rows[0].change.clone(), policy_markdown(&rows[0].cell.policy).to_owned()];
         line.extend(VARIANTS.0.iter().map(cell));
         line
     };
-    let header = "change | policy | before | after | repaired | moved points | new points | new data";
+    let header =
+        "change | policy | before | after | repaired | moved points | new points | new data";
     MarkdownTable::new(header, cells.values().map(line))
 }
 
@@ -192,7 +226,12 @@ mod tests {
             training: "converged".into(),
             change: "load".into(),
             variant: variant.into(),
-            cell: CellLabel { policy: "a".into(), mode: "closed".into(), gp_points: 100, real_points: 0 },
+            cell: CellLabel {
+                policy: "a".into(),
+                mode: "closed".into(),
+                gp_points: 100,
+                real_points: 0,
+            },
             target: 0,
             error_m,
             steps: 1,

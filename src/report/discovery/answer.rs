@@ -1,4 +1,5 @@
-//! The top of the page: the verdict in words, the gap in numbers, and the effects with their parameters.
+//! The top of the page: the verdict in words, the gap in numbers, and the effects with their
+//! parameters.
 
 use super::format::{NONE, enumerate, millimetres, percent, times};
 use super::html::{list, section, table};
@@ -9,14 +10,21 @@ use maud::{Markup, html};
 
 /// The answer as a title.
 pub(super) fn title(report: &DiscoveryReport) -> String {
-    let missing: Vec<String> = report.findings.effects.iter().map(|effect| missing(report, effect)).collect();
+    let missing: Vec<String> =
+        report.findings.effects.iter().map(|effect| missing(report, effect)).collect();
     match report.findings.verdict {
         Verdict::Named if missing.is_empty() => "Something is missing from the model".to_owned(),
         Verdict::Named => format!("The model lacks: {}", missing.join("; ")),
         Verdict::Consistent => "Nothing is missing that these data can show".to_owned(),
-        Verdict::Ambiguous if missing.is_empty() => "Something is missing; these data cannot tell what".to_owned(),
-        Verdict::Ambiguous => "Something is missing; these data cannot tell which of several effects".to_owned(),
-        Verdict::Unexplained => "Something is missing, and nothing in the catalogue explains it".to_owned(),
+        Verdict::Ambiguous if missing.is_empty() => {
+            "Something is missing; these data cannot tell what".to_owned()
+        }
+        Verdict::Ambiguous => {
+            "Something is missing; these data cannot tell which of several effects".to_owned()
+        }
+        Verdict::Unexplained => {
+            "Something is missing, and nothing in the catalogue explains it".to_owned()
+        }
     }
 }
 
@@ -30,24 +38,25 @@ fn missing(report: &DiscoveryReport, effect: &FoundEffect) -> String {
 fn meaning(findings: &Findings) -> &'static str {
     match findings.verdict {
         Verdict::Named if !findings.complete => {
-            "The effects below explain most of the difference between model and measurement, and no other candidate \
-         explains it equally well. More is left than this model leaves on this robot anyway."
+            "The effects below explain most of the difference between model and measurement, and \
+             no other candidate explains it equally well. More is left than this model leaves on \
+             this robot anyway."
         }
         Verdict::Named => {
-            "The effects below explain the difference between model and measurement. No other candidate explains \
-         it equally well."
+            "The effects below explain the difference between model and measurement. No other \
+             candidate explains it equally well."
         }
         Verdict::Consistent => {
-            "Model and measurement differ by no more than noise and the uncertainty of the model. The model was \
-         not changed."
+            "Model and measurement differ by no more than noise and the uncertainty of the model. \
+             The model was not changed."
         }
         Verdict::Ambiguous => {
-            "Several sets of effects explain the difference equally well. Each effect below belongs to at least \
-         one of them. Another recording can tell them apart."
+            "Several sets of effects explain the difference equally well. Each effect below \
+             belongs to at least one of them. Another recording can tell them apart."
         }
         Verdict::Unexplained => {
-            "Model and measurement differ by more than noise, and no effect of the catalogue explains it. The \
-         tables and figures below show where they differ and in what pattern."
+            "Model and measurement differ by more than noise, and no effect of the catalogue \
+             explains it. The tables and figures below show where they differ and in what pattern."
         }
     }
 }
@@ -71,39 +80,56 @@ pub(super) fn head(report: &DiscoveryReport) -> Markup {
 /// The numbers that matter most.
 fn tiles(report: &DiscoveryReport) -> Markup {
     let (gap, floor_m) = (&report.findings.gap, report.findings.noise_floor_m);
-    let tile =
-        |name: &str, value: String, note: String| html! { div { dt { (name) } dd { (value) } dd .note { (note) } } };
+    let tile = |name: &str, value: String, note: String| html! { div { dt { (name) } dd { (value) } dd .note { (note) } } };
     let over = |size_m: f64| match times(size_m, floor_m) {
         ratio if ratio == NONE => String::new(),
         ratio => format!("{ratio} the noise floor"),
     };
-    let mut tiles =
-        vec![tile(&format!("Error of the {}", report.before()), millimetres(gap.before_m), over(gap.before_m))];
+    let mut tiles = vec![tile(
+        &format!("Error of the {}", report.before()),
+        millimetres(gap.before_m),
+        over(gap.before_m),
+    )];
     if report.changed() {
         tiles.push(tile("Error with the effects", millimetres(gap.after_m), over(gap.after_m)));
     }
     tiles.push(tile("Noise floor", millimetres(floor_m), "lower bound for every model".to_owned()));
     if report.changed() {
         let share = report.findings.explained_share;
-        let range = |[low, high]: [f64; 2]| format!(", 95 % interval {} to {}", percent(low), percent(high));
+        let range = |[low, high]: [f64; 2]| {
+            format!(", 95 % interval {} to {}", percent(low), percent(high))
+        };
         let interval = report.findings.explained_share_interval_95.map_or_else(String::new, range);
         tiles.push(tile(
             "Gap explained",
             share.map_or_else(|| NONE.to_owned(), percent),
-            format!("share of the squared error beyond what the model leaves on this robot anyway{interval}"),
+            format!(
+                "share of the squared error beyond what the model leaves on this robot \
+                     anyway{interval}"
+            ),
         ));
     }
     let where_from = match gap.held_out_trials.as_slice() {
-        [] => "No trial was held out: these numbers are for the data that the model was fitted to.".to_owned(),
+        [] => "No trial was held out: these numbers are for the data that the model was fitted to."
+            .to_owned(),
         trials => {
             let numbers: Vec<String> = trials.iter().take(12).map(u64::to_string).collect();
-            let more = if trials.len() > 12 { format!(" and {} more", trials.len() - 12) } else { String::new() };
-            let (word, them) = if trials.len() == 1 { ("trial", "it was") } else { ("trials", "they were") };
-            let names = if more.is_empty() { enumerate(&numbers, "and") } else { numbers.join(", ") };
-            format!("Measured on {word} {names}{more}, held out: {them} not used for naming or fitting.")
+            let more = if trials.len() > 12 {
+                format!(" and {} more", trials.len() - 12)
+            } else {
+                String::new()
+            };
+            let (word, them) =
+                if trials.len() == 1 { ("trial", "it was") } else { ("trials", "they were") };
+            let names =
+                if more.is_empty() { enumerate(&numbers, "and") } else { numbers.join(", ") };
+            format!(
+                "Measured on {word} {names}{more}, held out: {them} not used for naming or fitting."
+            )
         }
     };
-    let metric = if gap.metric.is_empty() { String::new() } else { format!(" Error means {}.", gap.metric) };
+    let metric =
+        if gap.metric.is_empty() { String::new() } else { format!(" Error means {}.", gap.metric) };
     html! { dl .tiles { @for tile in tiles { (tile) } } p .note { (where_from) (metric) } }
 }
 
@@ -128,8 +154,13 @@ pub(super) fn effects(report: &DiscoveryReport) -> Markup {
 fn card(report: &DiscoveryReport, effect: &FoundEffect) -> Markup {
     let catalogue_text = report.text_of(&effect.name);
     let rows = quantities(effect).into_iter().map(|quantity| {
-        let interval = if quantity.interval.is_empty() { NONE.to_owned() } else { quantity.interval };
-        vec![html! { code { (quantity.key) } }, html! { strong { (quantity.value) } }, html! { (interval) }]
+        let interval =
+            if quantity.interval.is_empty() { NONE.to_owned() } else { quantity.interval };
+        vec![
+            html! { code { (quantity.key) } },
+            html! { strong { (quantity.value) } },
+            html! { (interval) },
+        ]
     });
     html! {
         article {
@@ -148,7 +179,9 @@ fn facts(effect: &FoundEffect, catalogue_text: Option<&EffectText>) -> Markup {
     let mut facts = Vec::new();
     if effect.confidence.is_finite() {
         let share = percent(effect.confidence);
-        facts.push(html! { "Probability among the candidates that were fitted: " strong { (share) } });
+        facts.push(
+            html! { "Probability among the candidates that were fitted: " strong { (share) } },
+        );
     }
     if !effect.confusable_with.is_empty() {
         facts.push(html! {

@@ -1,4 +1,5 @@
-//! The end of the page: what else was considered, what to record next, limitations, and what was added to the model.
+//! The end of the page: what else was considered, what to record next, limitations, and what was
+//! added to the model.
 
 use super::DiscoveryReport;
 use super::format::{millimetres, number, times};
@@ -30,13 +31,14 @@ pub(crate) fn candidates(report: &DiscoveryReport) -> Markup {
         return Markup::default();
     }
     let more = candidates.len().saturating_sub(MAX_CANDIDATES);
-    let beyond = if more > 0 { format!(" {more} more are in candidates.csv.") } else { String::new() };
+    let beyond =
+        if more > 0 { format!(" {more} more are in candidates.csv.") } else { String::new() };
     let before = report.before();
     let note = format!(
-        "Score: gain in 2 ln likelihood over the {before}, minus a penalty for parameters and for the number \
-         of candidates; larger is better. Error: leave-one-trial-out error after removal of uncertain \
-         parameters and of errors shared with the baseline; the error of the model alone, as in the held-out \
-         test, can be larger."
+        "Score: gain in 2 ln likelihood over the {before}, minus a penalty for parameters and for \
+         the number of candidates; larger is better. Error: leave-one-trial-out error after \
+         removal of uncertain parameters and of errors shared with the baseline; the error of the \
+         model alone, as in the held-out test, can be larger."
     );
     let header = ["candidate", "score", "error", "over the floor", "why not"];
     section("Other candidates", &html! { (table(&header, &rows)) p .note { (note) (beyond) } })
@@ -61,8 +63,8 @@ pub(crate) fn next(report: &DiscoveryReport) -> Markup {
     });
     let header = ["recording", "what to do", "minutes", "separation (σ)", "commands"];
     let proposals = table(&header, &rows.collect::<Vec<_>>());
-    let note = "Separation: smallest distance between the predictions of two rivals after refitting, in standard \
-         deviations of the noise.";
+    let note = "Separation: smallest distance between the predictions of two rivals after \
+                refitting, in standard deviations of the noise.";
     let content = html! {
         @if !findings.next_measurement.is_empty() { p { (findings.next_measurement) } }
         (proposals)
@@ -81,10 +83,14 @@ pub(crate) fn model(report: &DiscoveryReport) -> Markup {
     let diff_lines = compare(report.model_before, report.model_after);
     let changed = |line: &DiffLine| !matches!(line, DiffLine::Kept(_));
     if !diff_lines.iter().any(changed) {
-        return section("The model", &html! { p { "Nothing was added: model.yaml equals the given model." } });
+        return section(
+            "The model",
+            &html! { p { "Nothing was added: model.yaml equals the given model." } },
+        );
     }
     let near_change = |at: usize| {
-        let [from, to] = [at.saturating_sub(CONTEXT_LINES), (at + CONTEXT_LINES + 1).min(diff_lines.len())];
+        let [from, to] =
+            [at.saturating_sub(CONTEXT_LINES), (at + CONTEXT_LINES + 1).min(diff_lines.len())];
         diff_lines[from..to].iter().any(changed)
     };
     let mut shown = Vec::new();
@@ -104,6 +110,7 @@ pub(crate) fn model(report: &DiscoveryReport) -> Markup {
         });
     }
     let note = "Lines added (+) to the model. The complete model is model.yaml.";
-    let diff = html! { @for (index, line) in shown.iter().enumerate() { @if index > 0 { "\n" } (line) } };
+    let diff =
+        html! { @for (index, line) in shown.iter().enumerate() { @if index > 0 { "\n" } (line) } };
     section("The model", &html! { p { (note) } pre { (diff) } })
 }

@@ -1,5 +1,5 @@
-//! Where they disagree, in space: from each measured tip which way and how far it lies from the model's, seen from the
-//! side and from above, without and with the effects.
+//! Where they disagree, in space: from each measured tip which way and how far it lies from the
+//! model's, seen from the side and from above, without and with the effects.
 
 use super::super::style::{GREY, SMALL};
 use super::format::number;
@@ -31,7 +31,9 @@ fn samples(rows: &[ResidualRow]) -> Vec<ArrowSample> {
         before_m: row.before_m(),
         after_m: row.after_m(),
     };
-    let is_complete = |sample: &ArrowSample| sample.tip_m.iter().chain(&sample.before_m).all(|part| part.is_finite());
+    let is_complete = |sample: &ArrowSample| {
+        sample.tip_m.iter().chain(&sample.before_m).all(|part| part.is_finite())
+    };
     rows.iter().map(sample).filter(is_complete).collect()
 }
 
@@ -40,7 +42,13 @@ fn size(vector: &Point3) -> f64 {
 }
 
 /// Draws the views from `top` down and returns where they end; nothing for no samples.
-pub(super) fn draw(canvas: &mut Canvas, rows: &[ResidualRow], floor_m: f64, has_after: bool, top: f64) -> f64 {
+pub(super) fn draw(
+    canvas: &mut Canvas,
+    rows: &[ResidualRow],
+    floor_m: f64,
+    has_after: bool,
+    top: f64,
+) -> f64 {
     let samples = samples(rows);
     if samples.is_empty() {
         return top;
@@ -68,7 +76,8 @@ pub(super) fn draw(canvas: &mut Canvas, rows: &[ResidualRow], floor_m: f64, has_
                 y: axis(up, &spans, scale),
                 title: format!("{} over {}, {moment}", AXES[up], AXES[across]),
             });
-            let residual = |sample: &ArrowSample| if turn == 0 { sample.before_m } else { sample.after_m };
+            let residual =
+                |sample: &ArrowSample| if turn == 0 { sample.before_m } else { sample.after_m };
             arrows(canvas, &panel, &samples, residual, [across, up], magnified, floor_m);
             left += room + gap;
         }
@@ -84,15 +93,20 @@ pub(super) fn draw(canvas: &mut Canvas, rows: &[ResidualRow], floor_m: f64, has_
 
 fn note(canvas: &mut Canvas, magnified: f64, count: usize, y: f64) {
     let lines = [
-        format!("from the measured tip, away from where the model puts it, {} × as long", number(magnified, 1)),
+        format!(
+            "from the measured tip, away from where the model puts it, {} × as long",
+            number(magnified, 1)
+        ),
         match count.div_ceil(MAX_ARROWS) {
             1 => String::new(),
             stride => format!("one sample in {stride} of {count}"),
         },
     ];
-    let text = |words: String, at: CanvasPoint| Text::new(words, at, SMALL, TextAlign::Left).colour(GREY);
+    let text =
+        |words: String, at: CanvasPoint| Text::new(words, at, SMALL, TextAlign::Left).colour(GREY);
     if canvas.width > 500.0 {
-        let joined: Vec<&str> = lines.iter().map(String::as_str).filter(|line| !line.is_empty()).collect();
+        let joined: Vec<&str> =
+            lines.iter().map(String::as_str).filter(|line| !line.is_empty()).collect();
         canvas.text(text(joined.join("; "), [12.0, y]));
     } else {
         for (index, line) in lines.into_iter().enumerate() {
@@ -112,8 +126,8 @@ fn axis(axis: usize, spans: &[[f64; 2]; 3], scale: f64) -> Axis {
     Axis::exact(&format!("{} (mm)", AXES[axis]), spans[axis][0], spans[axis][1], ticks)
 }
 
-/// What each axis shows, millimetres: x and y alike, and z at least half as much, so that a path along one axis has a
-/// picture too.
+/// What each axis shows, millimetres: x and y alike, and z at least half as much, so that a path
+/// along one axis has a picture too.
 fn spans_mm(samples: &[ArrowSample]) -> [[f64; 2]; 3] {
     let tips_mm = |axis: usize| samples.iter().map(move |sample| 1e3 * sample.tip_m[axis]);
     let (low, high) = range(tips_mm(0).chain(tips_mm(1)));
@@ -149,7 +163,12 @@ fn arrows(
 }
 
 /// A dot where the tip is, and an arrow with a head where it is long enough for one.
-fn arrow(canvas: &mut Canvas, from: CanvasPoint, to: CanvasPoint, colour: super::super::style::Colour) {
+fn arrow(
+    canvas: &mut Canvas,
+    from: CanvasPoint,
+    to: CanvasPoint,
+    colour: super::super::style::Colour,
+) {
     let [dx, dy] = [to[0] - from[0], to[1] - from[1]];
     let length = dx.hypot(dy);
     canvas.disc(from, 1.1, colour, 1.0);
@@ -162,7 +181,11 @@ fn arrow(canvas: &mut Canvas, from: CanvasPoint, to: CanvasPoint, colour: super:
     canvas.line(&[from, neck], 0.9, colour, &[]);
     let side = 0.42 * head;
     canvas.area(
-        vec![to, [neck[0] - side * v, neck[1] + side * u], [neck[0] + side * v, neck[1] - side * u]],
+        vec![
+            to,
+            [neck[0] - side * v, neck[1] + side * u],
+            [neck[0] + side * v, neck[1] - side * u],
+        ],
         colour,
         1.0,
     );
@@ -174,6 +197,9 @@ mod tests {
 
     #[test]
     fn arrows_are_magnified_by_round_numbers() {
-        assert_eq!([0.3, 1.0, 1.9, 2.0, 7.0, 23.0, 1e9].map(magnification), [1.0, 1.0, 1.0, 2.0, 5.0, 20.0, 50000.0]);
+        assert_eq!(
+            [0.3, 1.0, 1.9, 2.0, 7.0, 23.0, 1e9].map(magnification),
+            [1.0, 1.0, 1.0, 2.0, 5.0, 20.0, 50000.0]
+        );
     }
 }

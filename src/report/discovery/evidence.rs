@@ -1,4 +1,5 @@
-//! The middle of the page: where model and measurement disagree, and the proof that the answer closes the gap.
+//! The middle of the page: where model and measurement disagree, and the proof that the answer
+//! closes the gap.
 
 use super::DiscoveryReport;
 use super::answer::closed;
@@ -16,8 +17,9 @@ const MAX_ROWS: usize = 12;
 /// Where they disagree.
 pub(super) fn place(report: &DiscoveryReport, map: &Markup) -> Markup {
     let findings = report.findings;
-    let caption = "Each number is the rms of measured minus model at that place along that axis, divided by the noise \
-         floor: 1 is noise. The views show the workspace of the robot, with z to the right.";
+    let caption = "Each number is the rms of measured minus model at that place along that axis, \
+                   divided by the noise floor: 1 is noise. The views show the workspace of the \
+                   robot, with z to the right.";
     let rows = findings.disagreement.iter().take(MAX_ROWS).map(|place| {
         let p = probability(place.p_value);
         vec![
@@ -31,7 +33,8 @@ pub(super) fn place(report: &DiscoveryReport, map: &Markup) -> Markup {
     });
     let header = ["place", "axis", "residual, rms", "over the floor", "share of all squares", "p"];
     let places = table(&header, &rows.collect::<Vec<_>>());
-    let note = "p: probability of a residual of this size from noise alone, corrected for the number of places.";
+    let note = "p: probability of a residual of this size from noise alone, corrected for the \
+                number of places.";
     let content = html! {
         (captioned(map, caption))
         (places)
@@ -53,9 +56,14 @@ fn floor_m(findings: &Findings, axis: &str) -> f64 {
 fn noise(report: &DiscoveryReport) -> Markup {
     let noise = &report.findings.noise;
     let sizes: Vec<String> = noise.sigma_m.iter().map(|sigma| number(1e3 * sigma, 2)).collect();
-    let from = if noise.from.is_empty() { String::new() } else { format!(", estimated from {}", noise.from) };
+    let from = if noise.from.is_empty() {
+        String::new()
+    } else {
+        format!(", estimated from {}", noise.from)
+    };
     let note = format!(
-        "Noise: standard deviation {} mm along x, y and z, correlation {} from one sample to the next{from}.",
+        "Noise: standard deviation {} mm along x, y and z, correlation {} from one sample to the \
+         next{from}.",
         enumerate(&sizes, "and"),
         number(noise.correlation, 2),
     );
@@ -64,7 +72,8 @@ fn noise(report: &DiscoveryReport) -> Markup {
 
 /// Gap, residuals, the test for more, and each held-out trial.
 pub(super) fn proof(report: &DiscoveryReport, gap: &Markup, residuals: &Markup) -> Markup {
-    let bars = "Rms distance between what was measured and what the model simulates, over all tracked places. Dashed: noise floor.";
+    let bars = "Rms distance between what was measured and what the model simulates, over all \
+                tracked places. Dashed: noise floor.";
     let curves = "Measured minus model at the tip on held-out trials.";
     let heading = if report.changed() { "Held-out test" } else { "Size of the error" };
     let content = html! { (captioned(gap, bars)) (captioned(residuals, curves)) (trials(report)) (missing(report)) };
@@ -77,7 +86,8 @@ fn trials(report: &DiscoveryReport) -> Markup {
     let floor_m = report.findings.noise_floor_m;
     let changed = report.changed();
     let rows = held_out.iter().map(|(trial, rows)| {
-        let (before, after) = (rms_m(rows, ResidualRow::before_m), rms_m(rows, ResidualRow::after_m));
+        let (before, after) =
+            (rms_m(rows, ResidualRow::before_m), rms_m(rows, ResidualRow::after_m));
         let mut texts = vec![trial.to_string(), rows.len().to_string(), millimetres(before)];
         if changed {
             let share = closed(before, after, floor_m).map_or_else(|| NONE.to_owned(), percent);
@@ -85,13 +95,15 @@ fn trials(report: &DiscoveryReport) -> Markup {
         }
         cells(texts)
     });
-    let header = ["held-out trial", "samples", "before", "after", "after over the floor", "gap closed"];
+    let header =
+        ["held-out trial", "samples", "before", "after", "after over the floor", "gap closed"];
     table(&header[..if changed { 6 } else { 3 }], &rows.collect::<Vec<_>>())
 }
 
 /// Root mean square of the distance; samples without one are left out.
 fn rms_m(rows: &[&ResidualRow], residual: fn(&ResidualRow) -> [f64; 3]) -> f64 {
-    let sizes = rows.iter().map(|row| residual(row).iter().map(|part| part * part).sum::<f64>().sqrt());
+    let sizes =
+        rows.iter().map(|row| residual(row).iter().map(|part| part * part).sum::<f64>().sqrt());
     root_mean_square(&sizes.filter(|size| size.is_finite()).collect::<Vec<_>>())
 }
 
@@ -103,7 +115,8 @@ fn missing(report: &DiscoveryReport) -> Markup {
             _ if more => "yes",
             _ => "no evidence",
         };
-        let sizes = [millimetres(test.rms_m), millimetres(test.foretold_m), probability(test.p_value)];
+        let sizes =
+            [millimetres(test.rms_m), millimetres(test.foretold_m), probability(test.p_value)];
         let cells = cells(std::iter::once(name.to_owned()).chain(sizes));
         [cells, vec![html! { strong { (verdict) } }]].concat()
     };
@@ -115,12 +128,17 @@ fn missing(report: &DiscoveryReport) -> Markup {
         verdict != Verdict::Consistent,
     )];
     if report.changed() {
-        rows.push(row("with the effects", &report.findings.missing_after, verdict == Verdict::Unexplained));
+        rows.push(row(
+            "with the effects",
+            &report.findings.missing_after,
+            verdict == Verdict::Unexplained,
+        ));
     }
-    let question = "Is the residual noise? The table shows the cross-trial test: noise cannot be predicted from other \
-         trials. Five further tests check the variance, differences between trials, means of repeated \
-         measurements, small amounts of all effects together, and growth with the effects’ displacement. The \
-         last column is the verdict of all tests.";
+    let question = "Is the residual noise? The table shows the cross-trial test: noise cannot be \
+                    predicted from other trials. Five further tests check the variance, \
+                    differences between trials, means of repeated measurements, small amounts of \
+                    all effects together, and growth with the effects’ displacement. The last \
+                    column is the verdict of all tests.";
     let header = ["model", "residual, rms", "predicted by other trials", "p", "effect missing?"];
     html! { p { (question) } (table(&header, &rows)) }
 }

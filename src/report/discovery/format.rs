@@ -22,7 +22,11 @@ pub(crate) fn decimals(value: f64, digits: i32) -> usize {
 
 /// A length in metres as millimetres with their unit, on one line.
 pub(crate) fn millimetres(value_m: f64) -> String {
-    if value_m.is_finite() { format!("{}\u{a0}mm", number(1e3 * value_m, 3)) } else { NONE.to_owned() }
+    if value_m.is_finite() {
+        format!("{}\u{a0}mm", number(1e3 * value_m, 3))
+    } else {
+        NONE.to_owned()
+    }
 }
 
 /// How many times the noise floor a size is.
@@ -46,7 +50,9 @@ pub(crate) fn ratio_text(ratio: f64) -> String {
 pub(crate) fn percent(share: f64) -> String {
     match 100.0 * share {
         value if !value.is_finite() => NONE.to_owned(),
-        value if value < 100.0 && value > 99.0 => format!("{} %", signed((10.0 * value).floor() / 10.0, 1)),
+        value if value < 100.0 && value > 99.0 => {
+            format!("{} %", signed((10.0 * value).floor() / 10.0, 1))
+        }
         value => format!("{} %", signed(value, 0)),
     }
 }
@@ -71,7 +77,8 @@ pub(crate) fn enumerate(names: &[String], last: &str) -> String {
 
 /// The text on one line, cut with an ellipsis where it would be wider than `room`.
 pub(crate) fn fitted(words: &str, size: f64, room: f64) -> String {
-    let clean: String = words.chars().map(|letter| if letter.is_control() { ' ' } else { letter }).collect();
+    let clean: String =
+        words.chars().map(|letter| if letter.is_control() { ' ' } else { letter }).collect();
     if text_width(&clean, size, false) <= room {
         return clean;
     }

@@ -1,4 +1,5 @@
-//! The gap: tip error of the model as given, of the answer and of the leading candidates, beside the noise floor.
+//! The gap: tip error of the model as given, of the answer and of the leading candidates, beside
+//! the noise floor.
 
 use super::super::style::{BLUE, Colour, DASHED, INK, SMALL, VERMILION, WHITE};
 use super::DiscoveryReport;
@@ -27,7 +28,8 @@ pub(super) fn draw(report: &DiscoveryReport, width: f64) -> Option<Canvas> {
     let floor_m = report.findings.noise_floor_m;
     let proof = proof(report);
     let others = others(report);
-    let sizes = || proof.iter().chain(&others).map(|bar| bar.size_m).filter(|size| size.is_finite());
+    let sizes =
+        || proof.iter().chain(&others).map(|bar| bar.size_m).filter(|size| size.is_finite());
     sizes().next()?;
     let label = if width > 500.0 { 210.0 } else { 118.0 };
     let value = 112.0;
@@ -35,11 +37,16 @@ pub(super) fn draw(report: &DiscoveryReport, width: f64) -> Option<Canvas> {
     let title = 4.0;
     let between = if others.is_empty() { 0.0 } else { 26.0 };
     let high = ROW_HEIGHT * (proof.len() + others.len()) as f64 + between + 6.0;
-    canvas.text(Text::new("On held-out trials", [12.0, title + 14.0], SMALL, TextAlign::Left).bold());
+    canvas
+        .text(Text::new("On held-out trials", [12.0, title + 14.0], SMALL, TextAlign::Left).bold());
     let panel = canvas.panel(Panel {
         corner: [label, title + 22.0],
         size: [width - label - value, high],
-        x: Axis::covering("rms tip error (mm)", sizes().chain([floor_m, 0.0]).map(|size| 1e3 * size), 4),
+        x: Axis::covering(
+            "rms tip error (mm)",
+            sizes().chain([floor_m, 0.0]).map(|size| 1e3 * size),
+            4,
+        ),
         y: Axis::bare_to(1.0),
         title: String::new(),
     });
@@ -79,22 +86,29 @@ fn heading(canvas: &mut Canvas, words: &str, baseline: f64, width: f64) {
 fn proof(report: &DiscoveryReport) -> Vec<Bar> {
     let gap = &report.findings.gap;
     let before = Bar { name: report.before().to_owned(), size_m: gap.before_m, colour: VERMILION };
-    let names: Vec<&str> = report.findings.effects.iter().map(|effect| effect.name.as_str()).collect();
-    let name = if names.len() == 1 { format!("with {}", names[0]) } else { "with the effects found".to_owned() };
+    let names: Vec<&str> =
+        report.findings.effects.iter().map(|effect| effect.name.as_str()).collect();
+    let name = if names.len() == 1 {
+        format!("with {}", names[0])
+    } else {
+        "with the effects found".to_owned()
+    };
     let after = report.changed().then_some(Bar { name, size_m: gap.after_m, colour: BLUE });
     std::iter::once(before).chain(after).collect()
 }
 
-/// The answer, where there is one, the leading candidates without it, and what others add to it. What other trials
-/// do not pin down, and so is worse than the model without any effect, is left out.
+/// The answer, where there is one, the leading candidates without it, and what others add to it.
+/// What other trials do not pin down, and so is worse than the model without any effect, is left
+/// out.
 fn others(report: &DiscoveryReport) -> Vec<Bar> {
     let answer = report.findings.candidates.iter().find(|candidate| candidate.why_not.is_empty());
     let shown = |name: &str| {
         let added = answer.and_then(|answer| name.strip_prefix(&answer.name)?.strip_prefix(" + "));
         added.map_or_else(|| name.to_owned(), |added| format!("… + {added}"))
     };
-    let is_shown =
-        |candidate: &&Candidate| !candidate.why_not.is_empty() && candidate.after_m <= report.findings.gap.before_m;
+    let is_shown = |candidate: &&Candidate| {
+        !candidate.why_not.is_empty() && candidate.after_m <= report.findings.gap.before_m
+    };
     let (more, rivals): (Vec<&Candidate>, Vec<&Candidate>) = report
         .findings
         .candidates
@@ -103,11 +117,18 @@ fn others(report: &DiscoveryReport) -> Vec<Bar> {
         .partition(|candidate| shown(&candidate.name) != candidate.name);
     let beaten = rivals.into_iter().take(MAX_RIVALS).chain(more).take(MAX_CANDIDATES);
     let others: Vec<Bar> = beaten
-        .map(|candidate| Bar { name: shown(&candidate.name), size_m: candidate.after_m, colour: OTHER })
+        .map(|candidate| Bar {
+            name: shown(&candidate.name),
+            size_m: candidate.after_m,
+            colour: OTHER,
+        })
         .collect();
     let answer_bar = answer.filter(|candidate| candidate.after_m.is_finite() && !others.is_empty());
-    let answer_bar =
-        answer_bar.map(|candidate| Bar { name: "the answer".to_owned(), size_m: candidate.after_m, colour: BLUE });
+    let answer_bar = answer_bar.map(|candidate| Bar {
+        name: "the answer".to_owned(),
+        size_m: candidate.after_m,
+        colour: BLUE,
+    });
     answer_bar.into_iter().chain(others).collect()
 }
 
@@ -126,7 +147,8 @@ fn draw_bar(canvas: &mut Canvas, panel: &Panel, bar: &Bar, y: f64, floor_m: f64)
     y + ROW_HEIGHT
 }
 
-/// The noise floor: no model can come below it. The line runs over `pieces` and leaves the heading between them free.
+/// The noise floor: no model can come below it. The line runs over `pieces` and leaves the heading
+/// between them free.
 fn noise(canvas: &mut Canvas, x: f64, pieces: &[[f64; 2]], floor_m: f64) {
     let Some([top, _]) = pieces.first().copied().filter(|_| x.is_finite()) else { return };
     for [from, to] in pieces {

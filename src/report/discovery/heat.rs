@@ -1,5 +1,5 @@
-//! Where they disagree, as a table in colours: a row for each place, and for each axis the residual over the noise
-//! floor without and with the effects.
+//! Where they disagree, as a table in colours: a row for each place, and for each axis the residual
+//! over the noise floor without and with the effects.
 
 use super::super::style::{GREY, HAIR, INK, SMALL, TEXT, capitalised};
 use super::format::{fitted, ratio_text};
@@ -28,7 +28,8 @@ struct Columns<'a> {
 /// Draws the table from `top` down and returns where it ends.
 pub(super) fn draw(canvas: &mut Canvas, rows: &[PlaceRow], has_after: bool, top: f64) -> f64 {
     let (left, right) = (12.0, canvas.width - 12.0);
-    let axes: Vec<_> = AXES.iter().filter(|(axis, _)| rows.iter().any(|row| row.axis == *axis)).collect();
+    let axes: Vec<_> =
+        AXES.iter().filter(|(axis, _)| rows.iter().any(|row| row.axis == *axis)).collect();
     let first = left + if canvas.width > 500.0 { 200.0 } else { 112.0 };
     let pitch = (right - first + 8.0) / axes.len().max(1) as f64;
     let wide = (pitch - 8.0) / if has_after { 2.0 } else { 1.0 };
@@ -53,7 +54,9 @@ pub(super) fn draw(canvas: &mut Canvas, rows: &[PlaceRow], has_after: bool, top:
         );
         canvas.text(name);
         for (index, (axis, _)) in columns.axes.iter().enumerate() {
-            let is_cell = |row: &&PlaceRow| row.by == place.by && row.place == place.place && row.axis == *axis;
+            let is_cell = |row: &&PlaceRow| {
+                row.by == place.by && row.place == place.place && row.axis == *axis
+            };
             if let Some(row) = rows.iter().find(is_cell) {
                 cells(canvas, &columns, row, [columns.first + pitch * index as f64, y]);
             }
@@ -83,16 +86,24 @@ fn headings(canvas: &mut Canvas, columns: &Columns, top: f64) -> f64 {
 /// Before and after at one place along one axis.
 fn cells(canvas: &mut Canvas, columns: &Columns, row: &PlaceRow, [x, y]: CanvasPoint) {
     let before_and_after = [(row.rms_before_m, row.p_before), (row.rms_after_m, row.p_after)];
-    for (turn, (rms_m, p)) in before_and_after.into_iter().take(if columns.has_after { 2 } else { 1 }).enumerate() {
+    for (turn, (rms_m, p)) in
+        before_and_after.into_iter().take(if columns.has_after { 2 } else { 1 }).enumerate()
+    {
         let [x0, x1] = [x + columns.wide * turn as f64, x + columns.wide * (turn + 1) as f64];
         let ratio = rms_m / row.floor_m;
         let (ground, ink) = cell(ratio);
         canvas.rectangle([x0 + 0.6, y + 0.6], [x1 - 0.6, y + ROW_HEIGHT - 0.6], ground, 1.0);
         let significant = p < SIGNIFICANCE_LEVEL;
         // In narrow cells the number makes room for the dot.
-        let (aside, corner, radius) = if columns.wide < 40.0 { (2.0, 3.0, 1.3) } else { (0.0, 5.0, 1.7) };
+        let (aside, corner, radius) =
+            if columns.wide < 40.0 { (2.0, 3.0, 1.3) } else { (0.0, 5.0, 1.7) };
         let middle = 0.5 * (x0 + x1) - if significant { aside } else { 0.0 };
-        let number = Text::new(ratio_text(ratio), [middle, y + 0.5 * ROW_HEIGHT + 3.5], SMALL, TextAlign::Centre);
+        let number = Text::new(
+            ratio_text(ratio),
+            [middle, y + 0.5 * ROW_HEIGHT + 3.5],
+            SMALL,
+            TextAlign::Centre,
+        );
         canvas.text(Text { bold: significant, ..number.colour(ink) });
         if significant {
             canvas.disc([x1 - corner, y + corner], radius, ink, 1.0);

@@ -12,7 +12,8 @@ const TELEPHONE_WIDTH: f64 = 372.0;
 /// A table with more columns scrolls on a telephone.
 const MAX_NARROW_COLUMNS: usize = 4;
 
-/// A self-contained document: no script, no link, nothing fetched. Its control characters become replacement characters.
+/// A self-contained document: no script, no link, nothing fetched. Its control characters become
+/// replacement characters.
 pub(crate) fn document(title: &str, content: &Markup) -> String {
     let page = html! {
         (DOCTYPE)
@@ -31,12 +32,15 @@ pub(crate) fn document(title: &str, content: &Markup) -> String {
     page.into_string().replace(is_control, "\u{fffd}") + "\n"
 }
 
-/// A figure at the widths of a page and of a telephone, of which the page shows the one that fits; nothing where there is
-/// nothing to draw.
+/// A figure at the widths of a page and of a telephone, of which the page shows the one that fits;
+/// nothing where there is nothing to draw.
 ///
 /// # Errors
 /// [`ReportError::Draw`] when it cannot be painted.
-pub(crate) fn figure(name: &'static str, draw: impl Fn(f64) -> Option<Canvas>) -> Result<Markup, ReportError> {
+pub(crate) fn figure(
+    name: &'static str,
+    draw: impl Fn(f64) -> Option<Canvas>,
+) -> Result<Markup, ReportError> {
     let failed = |error: PaintError| ReportError::Draw { figure: name, reason: error.to_string() };
     let mut drawings = Markup::default();
     for (class, width) in [("wide", PAGE_WIDTH), ("narrow", TELEPHONE_WIDTH)] {
@@ -47,7 +51,8 @@ pub(crate) fn figure(name: &'static str, draw: impl Fn(f64) -> Option<Canvas>) -
     Ok(drawings)
 }
 
-/// A drawing of our own painter, which escapes its texts, with a name for readers who do not see it.
+/// A drawing of our own painter, which escapes its texts, with a name for readers who do not see
+/// it.
 fn drawing(svg: &[u8], class: &'static str, name: &str) -> Markup {
     let svg = String::from_utf8_lossy(svg);
     let label = name.render().into_string();
@@ -65,7 +70,8 @@ pub(crate) fn captioned(figure: &Markup, caption: &str) -> Markup {
     html! { @if !figure.0.is_empty() { figure { (figure) figcaption { (caption) } } } }
 }
 
-/// A table that scrolls by itself on a narrow page; nothing for no rows. The first cell of a row is its header.
+/// A table that scrolls by itself on a narrow page; nothing for no rows. The first cell of a row is
+/// its header.
 pub(crate) fn table(header: &[&str], rows: &[Vec<Markup>]) -> Markup {
     html! {
         @if !rows.is_empty() {
@@ -104,7 +110,8 @@ mod tests {
     #[test]
     fn text_is_escaped_wherever_it_enters() {
         let nasty = "<script>alert(\"1\" & '2')</script>";
-        let piece = html! { p { (nasty) } (table(&[nasty], &[vec![html! { (nasty) }]])) (list(&[nasty])) };
+        let piece =
+            html! { p { (nasty) } (table(&[nasty], &[vec![html! { (nasty) }]])) (list(&[nasty])) };
         let page = piece.into_string();
         assert!(!page.contains("<script"), "{page}");
         assert_eq!(page.matches("&lt;script&gt;alert(&quot;1&quot; &amp; '2')").count(), 4);
@@ -114,6 +121,9 @@ mod tests {
 
     #[test]
     fn no_rows_and_no_items_are_nothing() {
-        assert!(table(&["a"], &[]).into_string().is_empty() && list::<&str>(&[]).into_string().is_empty());
+        assert!(
+            table(&["a"], &[]).into_string().is_empty()
+                && list::<&str>(&[]).into_string().is_empty()
+        );
     }
 }

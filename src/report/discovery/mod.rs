@@ -1,5 +1,5 @@
-//! Report of a discovery: one page with its figures, the figures as files, and the tables behind them. Pure functions:
-//! equal findings give equal bytes.
+//! Report of a discovery: one page with its figures, the figures as files, and the tables behind
+//! them. Pure functions: equal findings give equal bytes.
 
 pub(super) mod answer;
 mod appendix;
@@ -42,7 +42,8 @@ pub struct DiscoveryReport<'a> {
     pub residuals: &'a [ResidualRow],
     /// The residual map, in display order.
     pub places: &'a [PlaceRow],
-    /// Whether the model was calibrated on a baseline; "before" then refers to the calibrated model.
+    /// Whether the model was calibrated on a baseline; "before" then refers to the calibrated
+    /// model.
     pub calibrated: bool,
     /// Texts of the effects; only those of named effects are used.
     pub effects: &'a [EffectText],
@@ -56,9 +57,13 @@ impl DiscoveryReport<'_> {
     /// Whether the effects changed the model.
     fn changed(&self) -> bool {
         let sample_changed = |row: &ResidualRow| {
-            row.before_m().iter().zip(row.after_m()).any(|(before, after)| after.is_finite() && *before != after)
+            row.before_m()
+                .iter()
+                .zip(row.after_m())
+                .any(|(before, after)| after.is_finite() && *before != after)
         };
-        let place_changed = |row: &PlaceRow| row.rms_after_m.is_finite() && row.rms_after_m != row.rms_before_m;
+        let place_changed =
+            |row: &PlaceRow| row.rms_after_m.is_finite() && row.rms_after_m != row.rms_before_m;
         let gap = &self.findings.gap;
         gap.after_m.is_finite() && gap.after_m != gap.before_m
             || self.residuals.iter().any(sample_changed)
@@ -80,13 +85,16 @@ impl DiscoveryReport<'_> {
 type PageFigure = (&'static str, fn(&DiscoveryReport, f64) -> Option<super::drawing::Canvas>);
 
 /// The figures in page order.
-const DRAWINGS: [PageFigure; 3] = [("map", map::draw), ("gap", gap::draw), ("residuals", residuals::draw)];
+const DRAWINGS: [PageFigure; 3] =
+    [("map", map::draw), ("gap", gap::draw), ("residuals", residuals::draw)];
 
-/// Everything that `discover` writes for people: `report.html`, the figures `map`, `gap` and `residuals` as PNG and SVG,
-/// and `disagreement.csv`, `residuals.csv` and `candidates.csv`. A figure or table that has nothing to show is left out.
+/// Everything that `discover` writes for people: `report.html`, the figures `map`, `gap` and
+/// `residuals` as PNG and SVG, and `disagreement.csv`, `residuals.csv` and `candidates.csv`. A
+/// figure or table that has nothing to show is left out.
 ///
 /// # Errors
-/// [`ReportError::Draw`] when a figure cannot be painted, [`ReportError::Data`] when a table cannot be written.
+/// [`ReportError::Draw`] when a figure cannot be painted, [`ReportError::Data`] when a table cannot
+/// be written.
 pub fn artifacts(report: &DiscoveryReport) -> Result<Vec<Artifact>, ReportError> {
     let mut files = vec![text("report.html", page::page(report)?)];
     for (name, draw) in DRAWINGS {

@@ -19,7 +19,8 @@ pub(crate) fn compare<'a>(before: &'a str, after: &'a str) -> Vec<DiffLine<'a>> 
     let (old, new): (Vec<&str>, Vec<&str>) = (before.lines().collect(), after.lines().collect());
     let head = old.iter().zip(&new).take_while(|(a, b)| a == b).count();
     let room = old.len().min(new.len()) - head;
-    let tail = old.iter().rev().zip(new.iter().rev()).take(room).take_while(|(a, b)| a == b).count();
+    let tail =
+        old.iter().rev().zip(new.iter().rev()).take(room).take_while(|(a, b)| a == b).count();
     let (middle_old, middle_new) = (&old[head..old.len() - tail], &new[head..new.len() - tail]);
     let mut out: Vec<DiffLine> = new[..head].iter().map(|line| DiffLine::Kept(line)).collect();
     if middle_old.len() > MAX_LINES || middle_new.len() > MAX_LINES {
@@ -67,14 +68,20 @@ mod tests {
         let before = "robot:\n  a: 1\n  b: 2\neffects: []\n";
         let after = "robot:\n  a: 1\n  b: 3\neffects:\n- tip_load:\n    mass_kg: 0.02\n";
         let lines = compare(before, after);
-        let added: Vec<&DiffLine> = lines.iter().filter(|line| matches!(line, DiffLine::Added(_))).collect();
+        let added: Vec<&DiffLine> =
+            lines.iter().filter(|line| matches!(line, DiffLine::Added(_))).collect();
         assert_eq!(added.len(), 4);
         assert_eq!(lines[0], DiffLine::Kept("robot:"));
-        assert!(lines.contains(&DiffLine::Removed("  b: 2")) && lines.contains(&DiffLine::Added("  b: 3")));
+        assert!(
+            lines.contains(&DiffLine::Removed("  b: 2"))
+                && lines.contains(&DiffLine::Added("  b: 3"))
+        );
         // Without the removed lines it is the new file, without the added ones the old.
         let read = |skip: fn(&DiffLine) -> bool| {
             let text = lines.iter().filter(|line| !skip(line)).map(|line| match line {
-                DiffLine::Kept(text) | DiffLine::Added(text) | DiffLine::Removed(text) => format!("{text}\n"),
+                DiffLine::Kept(text) | DiffLine::Added(text) | DiffLine::Removed(text) => {
+                    format!("{text}\n")
+                }
             });
             text.collect::<String>()
         };

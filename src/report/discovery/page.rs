@@ -10,7 +10,8 @@ use maud::html;
 /// # Errors
 /// [`ReportError::Draw`] when a figure cannot be painted.
 pub(super) fn page(report: &DiscoveryReport) -> Result<String, ReportError> {
-    let [map, gap, residuals] = DRAWINGS.map(|(name, draw)| figure(name, |width| draw(report, width)));
+    let [map, gap, residuals] =
+        DRAWINGS.map(|(name, draw)| figure(name, |width| draw(report, width)));
     let content = html! {
         (answer::head(report))
         (answer::effects(report))

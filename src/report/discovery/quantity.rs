@@ -1,4 +1,5 @@
-//! Parameters of effects as quantities: the unit that the name carries, in the size that a lab speaks of.
+//! Parameters of effects as quantities: the unit that the name carries, in the size that a lab
+//! speaks of.
 
 use std::collections::BTreeMap;
 
@@ -19,7 +20,8 @@ pub(super) struct Quantity {
     pub(super) interval: String,
 }
 
-/// Ends of names, the factor to the unit that is printed, and that unit. The longer end stands first.
+/// Ends of names, the factor to the unit that is printed, and that unit. The longer end stands
+/// first.
 const UNITS: [(&str, f64, &str); 14] = [
     ("_m_per_n", 1e3, "mm/N"),
     ("_rad_m", 1.0, "rad/m"),
@@ -44,7 +46,9 @@ pub(super) fn quantities(effect: &FoundEffect) -> Vec<Quantity> {
         let interval = interval_of(&effect.interval_95, key);
         match value {
             Value::Array(parts) => {
-                let vector = interval.is_some_and(|ends| ends.as_array().is_some_and(|ends| ends.len() == parts.len()));
+                let vector = interval.is_some_and(|ends| {
+                    ends.as_array().is_some_and(|ends| ends.len() == parts.len())
+                });
                 for (index, part) in parts.iter().enumerate() {
                     let ends = interval.filter(|_| vector).and_then(|ends| ends.get(index));
                     out.push(quantity(&format!("{key}[{index}]"), key, part, ends));
@@ -73,14 +77,20 @@ fn quantity(label: &str, key: &str, value: &Value, interval: Option<&Value>) -> 
         None => value.as_str().map_or_else(|| value.to_string(), str::to_owned),
     };
     let interval = ends.map_or_else(String::new, |[low, high]| {
-        with_unit(&format!("{} to {}", rounded(low, Some([low, high])), rounded(high, Some([low, high]))), unit)
+        with_unit(
+            &format!("{} to {}", rounded(low, Some([low, high])), rounded(high, Some([low, high]))),
+            unit,
+        )
     });
     Quantity { key: label.to_owned(), value, interval }
 }
 
 /// Factor and unit of a parameter's name; none where it carries no unit.
 fn unit(key: &str) -> (f64, &'static str) {
-    UNITS.iter().find(|(end, _, _)| key.ends_with(end)).map_or((1.0, ""), |(_, scale, unit)| (*scale, *unit))
+    UNITS
+        .iter()
+        .find(|(end, _, _)| key.ends_with(end))
+        .map_or((1.0, ""), |(_, scale, unit)| (*scale, *unit))
 }
 
 /// Two finite numbers.
@@ -89,8 +99,8 @@ fn ends(interval: &Value) -> Option<[f64; 2]> {
     ends.iter().all(|end| end.is_finite()).then_some(ends)
 }
 
-/// As many digits as the interval's half width bears, two of it where it begins with 1 to 3 and else one (the Particle
-/// Data Group's rule); three without an interval.
+/// As many digits as the interval's half width bears, two of it where it begins with 1 to 3 and
+/// else one (the Particle Data Group's rule); three without an interval.
 fn rounded(value: f64, ends: Option<[f64; 2]>) -> String {
     match ends {
         Some([low, high]) if high > low => {
@@ -126,7 +136,10 @@ mod tests {
     }
 
     fn shown(parameters: Value, intervals: Value) -> Vec<[String; 3]> {
-        quantities(&effect(parameters, intervals)).into_iter().map(|one| [one.key, one.value, one.interval]).collect()
+        quantities(&effect(parameters, intervals))
+            .into_iter()
+            .map(|one| [one.key, one.value, one.interval])
+            .collect()
     }
 
     #[test]
@@ -135,7 +148,8 @@ mod tests {
             json!({"mass_kg": 0.0197, "tendon": 2, "angle_rad": 0.05, "scale": 1.25, "compliance_m_per_n": 1e-4}),
             json!({"mass_kg": [0.0188, 0.0206], "scale": [1.2, 1.3]}),
         );
-        let texts: Vec<[&str; 3]> = shown.iter().map(|one| one.each_ref().map(String::as_str)).collect();
+        let texts: Vec<[&str; 3]> =
+            shown.iter().map(|one| one.each_ref().map(String::as_str)).collect();
         assert_eq!(
             texts,
             [
@@ -150,11 +164,20 @@ mod tests {
 
     #[test]
     fn vectors_come_by_component_and_oddities_do_not_crash() {
-        let vector = shown(json!({"force_n": [0.1, 0.0, -0.2]}), json!({"force_n": [[0.0, 0.2], null, [-0.3, -0.1]]}));
+        let vector = shown(
+            json!({"force_n": [0.1, 0.0, -0.2]}),
+            json!({"force_n": [[0.0, 0.2], null, [-0.3, -0.1]]}),
+        );
         assert_eq!(vector[0], ["force_n[0]", "0.10 N", "0.00 to 0.20 N"]);
         assert_eq!(vector[1][2], "");
         assert_eq!(vector[2], ["force_n[2]", "−0.20 N", "−0.30 to −0.10 N"]);
-        let odd = shown(json!({"a": null, "b": "<i>", "c": {"d": 1}, "e": []}), json!({"a": [1], "b": 3}));
-        assert_eq!(odd.iter().map(|one| one[1].as_str()).collect::<Vec<_>>(), ["–", "<i>", "{\"d\":1}"]);
+        let odd = shown(
+            json!({"a": null, "b": "<i>", "c": {"d": 1}, "e": []}),
+            json!({"a": [1], "b": 3}),
+        );
+        assert_eq!(
+            odd.iter().map(|one| one[1].as_str()).collect::<Vec<_>>(),
+            ["–", "<i>", "{\"d\":1}"]
+        );
     }
 }

@@ -1,9 +1,11 @@
-//! What is left at the tip on held-out trials: measured minus model against time, one line of panels an axis, with the
-//! band in which noise stays.
+//! What is left at the tip on held-out trials: measured minus model against time, one line of
+//! panels an axis, with the band in which noise stays.
 
 use std::collections::BTreeMap;
 
-use super::super::style::{BLUE, Colour, DASHED, GREEN, GREY, HAIR, INK, LEFT_MARGIN, SMALL, VERMILION};
+use super::super::style::{
+    BLUE, Colour, DASHED, GREEN, GREY, HAIR, INK, LEFT_MARGIN, SMALL, VERMILION,
+};
 use super::DiscoveryReport;
 use crate::data::findings::ResidualRow;
 use crate::report::drawing::{Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend};
@@ -32,8 +34,11 @@ pub(super) fn draw(report: &DiscoveryReport, width: f64) -> Option<Canvas> {
     let mut canvas = Canvas::new(width, 1e5);
     let has_after = report.changed();
     let mut top = keys(&mut canvas, has_after) + 26.0;
-    let seconds =
-        Axis::covering("time in trial (s)", shown.iter().flat_map(|(_, rows)| rows.iter().map(|row| row.time_s)), 5);
+    let seconds = Axis::covering(
+        "time in trial (s)",
+        shown.iter().flat_map(|(_, rows)| rows.iter().map(|row| row.time_s)),
+        5,
+    );
     for axis in 0..3 {
         let sigma_mm = 1e3 * report.findings.noise.sigma_m[axis];
         let y = millimetres(axis, &shown, sigma_mm);
@@ -60,7 +65,8 @@ pub(super) fn draw(report: &DiscoveryReport, width: f64) -> Option<Canvas> {
 
 /// What the lines and the band are. Returns the last baseline.
 fn keys(canvas: &mut Canvas, has_after: bool) -> f64 {
-    let keys = [(LegendEntry::Line(VERMILION, DASHED), "before"), (LegendEntry::Line(BLUE, &[]), "after")];
+    let keys =
+        [(LegendEntry::Line(VERMILION, DASHED), "before"), (LegendEntry::Line(BLUE, &[]), "after")];
     let right = canvas.width - 8.0;
     legend(canvas, [LEFT_MARGIN, 18.0], right, &keys[..if has_after { 2 } else { 1 }]);
     let x = LEFT_MARGIN + if has_after { 150.0 } else { 80.0 };
@@ -88,15 +94,28 @@ fn millimetres(axis: usize, trials: &[(&u64, &Vec<&ResidualRow>)], sigma_mm: f64
 }
 
 /// Band, zero, before and after.
-fn curves(canvas: &mut Canvas, panel: &Panel, rows: &[&ResidualRow], axis: usize, sigma_mm: f64, has_after: bool) {
+fn curves(
+    canvas: &mut Canvas,
+    panel: &Panel,
+    rows: &[&ResidualRow],
+    axis: usize,
+    sigma_mm: f64,
+    has_after: bool,
+) {
     let half = BAND_SIGMAS * sigma_mm;
     if half.is_finite() {
-        canvas.rectangle(panel.at(panel.x.low, half), panel.at(panel.x.high, -half), GREEN, BAND_OPACITY);
+        canvas.rectangle(
+            panel.at(panel.x.low, half),
+            panel.at(panel.x.high, -half),
+            GREEN,
+            BAND_OPACITY,
+        );
     }
     panel.line(canvas, &[[panel.x.low, 0.0], [panel.x.high, 0.0]], INK, &[], HAIR);
     let mut curve = |residual: fn(&ResidualRow) -> [f64; 3], colour: Colour, width: f64, dash| {
         // A gap in the recording is a gap in the line.
-        let points: Vec<[f64; 2]> = rows.iter().map(|row| [row.time_s, 1e3 * residual(row)[axis]]).collect();
+        let points: Vec<[f64; 2]> =
+            rows.iter().map(|row| [row.time_s, 1e3 * residual(row)[axis]]).collect();
         for piece in points.split(|point| !point[1].is_finite()).filter(|piece| !piece.is_empty()) {
             panel.line(canvas, piece, colour, dash, width);
         }

@@ -1,10 +1,11 @@
-//! Sizes over the noise floor as colours: six steps, lighter to darker, so that a grey print keeps their order. The page
-//! turns the same six round for dark screens.
+//! Sizes over the noise floor as colours: six steps, lighter to darker, so that a grey print keeps
+//! their order. The page turns the same six round for dark screens.
 
 use super::super::style::{Colour, GREY, INK, SMALL, WHITE};
 use crate::report::drawing::{Canvas, CanvasPoint, Text, TextAlign, text_width};
 
-/// Upper end of each step, as a multiple of the noise floor, its colour, and the colour of a number on it.
+/// Upper end of each step, as a multiple of the noise floor, its colour, and the colour of a number
+/// on it.
 const STEPS: [(f64, Colour, Colour); 6] = [
     (1.2, [238, 238, 238], INK),
     (2.0, [254, 217, 142], INK),
@@ -32,8 +33,8 @@ pub(super) fn mark(ratio: f64) -> Colour {
     if ratio <= STEPS[0].0 { [170, 170, 170] } else { cell(ratio).0 }
 }
 
-/// The six steps with their ends, in a row whose text has its baseline at `at`; wraps before `right`. Returns the last
-/// baseline.
+/// The six steps with their ends, in a row whose text has its baseline at `at`; wraps before
+/// `right`. Returns the last baseline.
 pub(super) fn key(canvas: &mut Canvas, at: CanvasPoint, right: f64, heading: &str) -> f64 {
     canvas.text(Text::new(heading, at, SMALL, TextAlign::Left));
     let [mut x, mut y] = [at[0] + text_width(heading, SMALL, false) + 10.0, at[1]];
@@ -72,7 +73,8 @@ mod tests {
         assert!(STEPS.windows(2).all(|pair| light(pair[0].1) > light(pair[1].1) + 0.02));
         for (_, colour, ink) in STEPS {
             let (a, b) = (light(colour).max(light(ink)), light(colour).min(light(ink)));
-            // Contrast of the web's accessibility guidelines (WCAG 2.1, 1.4.3: large or bold text 3, others 4.5).
+            // Contrast of the web's accessibility guidelines (WCAG 2.1, 1.4.3: large or bold text
+            // 3, others 4.5).
             assert!((a + 0.05) / (b + 0.05) > 3.9, "{colour:?}");
         }
         assert_eq!(cell(f64::NAN), (WHITE, GREY));

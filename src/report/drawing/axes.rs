@@ -2,7 +2,9 @@
 
 use super::canvas::{Canvas, CanvasPoint, Text, TextAlign};
 use super::paint::text_width;
-use crate::report::style::{BAND, Colour, Dash, GRID, HAIR, HALF_CAP, INK, LINE, Look, MARKER, SMALL, TEXT};
+use crate::report::style::{
+    BAND, Colour, Dash, GRID, HAIR, HALF_CAP, INK, LINE, Look, MARKER, SMALL, TEXT,
+};
 
 /// One direction of a panel.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,7 +17,8 @@ pub(crate) struct Axis {
 }
 
 impl Axis {
-    /// An axis that covers the finite ones of `values`, with its ends on ticks and about `wanted` ticks.
+    /// An axis that covers the finite ones of `values`, with its ends on ticks and about `wanted`
+    /// ticks.
     pub(crate) fn covering(label: &str, values: impl Iterator<Item = f64>, wanted: usize) -> Axis {
         let (low, high) = range(values);
         let step = nice_step(low, high, wanted);
@@ -46,17 +49,21 @@ impl Axis {
 
     /// An axis with names at 0, 1, 2, …
     pub(crate) fn categories(label: &str, names: &[String]) -> Axis {
-        let ticks = names.iter().enumerate().map(|(place, name)| (place as f64, name.clone())).collect();
+        let ticks =
+            names.iter().enumerate().map(|(place, name)| (place as f64, name.clone())).collect();
         Axis { label: label.to_owned(), low: -0.4, high: names.len() as f64 - 0.6, ticks }
     }
 
-    /// An axis of logarithms to base ten that covers `values` (positive), its ends on powers of ten.
+    /// An axis of logarithms to base ten that covers `values` (positive), its ends on powers of
+    /// ten.
     pub(crate) fn decades(label: &str, values: impl Iterator<Item = f64>) -> Axis {
         let (low, high) = range(values.map(f64::log10));
         let (low, high) = (low.floor(), high.ceil().max(low.floor() + 1.0));
         // Skip labels that would overlap.
         let step = ((high - low) / 6.0).ceil().max(1.0) as usize;
-        let ticks = (low as i64..=high as i64).step_by(step).map(|power| (power as f64, power_of_ten(power)));
+        let ticks = (low as i64..=high as i64)
+            .step_by(step)
+            .map(|power| (power as f64, power_of_ten(power)));
         Axis { label: label.to_owned(), low, high, ticks: ticks.collect() }
     }
 
@@ -83,8 +90,12 @@ fn power_of_ten(power: i64) -> String {
         -4..=-1 => format!("{:.*}", power.unsigned_abs() as usize, 10f64.powi(power as i32)),
         _ => {
             let digits = ["⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"];
-            let raised: String =
-                power.unsigned_abs().to_string().bytes().map(|digit| digits[usize::from(digit - b'0')]).collect();
+            let raised: String = power
+                .unsigned_abs()
+                .to_string()
+                .bytes()
+                .map(|digit| digits[usize::from(digit - b'0')])
+                .collect();
             format!("10{}{raised}", if power < 0 { "⁻" } else { "" })
         }
     }
@@ -100,8 +111,9 @@ pub(crate) fn signed(value: f64, digits: usize) -> String {
 /// Smallest and largest of the finite values, widened when they are equal.
 pub(crate) fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let finite = values.filter(|value| value.is_finite());
-    let (low, high) =
-        finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
+    let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+        (low.min(value), high.max(value))
+    });
     if low > high {
         return (0.0, 1.0);
     }
@@ -114,7 +126,11 @@ fn nice_step(low: f64, high: f64, wanted: usize) -> f64 {
     let power = 10f64.powf(raw.log10().floor());
     // Steps that people count in; a thousandth is left to rounding.
     let steps = [1.0, 2.0, 2.5, 5.0, 10.0];
-    steps.into_iter().map(|step| step * power).find(|step| *step >= raw * 0.999).unwrap_or(10.0 * power)
+    steps
+        .into_iter()
+        .map(|step| step * power)
+        .find(|step| *step >= raw * 0.999)
+        .unwrap_or(10.0 * power)
 }
 
 impl Canvas {
@@ -159,29 +175,51 @@ impl Panel {
             let y = self.at(self.x.low, *value)[1];
             canvas.line(&[[left, y], [right, y]], HAIR, GRID, &[]);
             canvas.line(&[[left - 3.5, y], [left, y]], HAIR, INK, &[]);
-            canvas.text(Text::new(label, [left - 6.0, y + HALF_CAP * SMALL], SMALL, TextAlign::Right));
+            canvas.text(Text::new(
+                label,
+                [left - 6.0, y + HALF_CAP * SMALL],
+                SMALL,
+                TextAlign::Right,
+            ));
             widest = widest.max(text_width(label, SMALL, false));
         }
         canvas.line(&[[left, top], [left, bottom], [right, bottom]], HAIR, INK, &[]);
         let middle = [(left + right) / 2.0, (top + bottom) / 2.0];
-        let below = if self.x.ticks.iter().all(|(_, label)| label.is_empty()) { 6.0 } else { 9.0 + SMALL };
-        canvas.text(Text::new(&self.x.label, [middle[0], bottom + below + TEXT], TEXT, TextAlign::Centre));
+        let below =
+            if self.x.ticks.iter().all(|(_, label)| label.is_empty()) { 6.0 } else { 9.0 + SMALL };
+        canvas.text(Text::new(
+            &self.x.label,
+            [middle[0], bottom + below + TEXT],
+            TEXT,
+            TextAlign::Centre,
+        ));
         let beside = left - 13.0 - widest;
-        canvas.text(Text::new(&self.y.label, [beside, middle[1]], TEXT, TextAlign::Centre).upwards());
+        canvas
+            .text(Text::new(&self.y.label, [beside, middle[1]], TEXT, TextAlign::Centre).upwards());
         canvas.text(Text::new(&self.title, [left, top - 6.0], TEXT, TextAlign::Left).bold());
     }
 
     /// A line through data points.
-    pub(crate) fn line(&self, canvas: &mut Canvas, points: &[[f64; 2]], colour: Colour, dash: Dash, width: f64) {
-        let places: Vec<CanvasPoint> = points.iter().map(|point| self.at(point[0], point[1])).collect();
+    pub(crate) fn line(
+        &self,
+        canvas: &mut Canvas,
+        points: &[[f64; 2]],
+        colour: Colour,
+        dash: Dash,
+        width: f64,
+    ) {
+        let places: Vec<CanvasPoint> =
+            points.iter().map(|point| self.at(point[0], point[1])).collect();
         canvas.line(&places, width, colour, dash);
     }
 
-    /// A band of one standard deviation around means (x, mean, standard deviation); drawn before all lines.
+    /// A band of one standard deviation around means (x, mean, standard deviation); drawn before
+    /// all lines.
     pub(crate) fn band(&self, canvas: &mut Canvas, points: &[[f64; 3]], look: Look) {
         let banded: Vec<&[f64; 3]> = points.iter().filter(|point| point[2].is_finite()).collect();
         let upper = banded.iter().map(|[x, mean, sd]| self.at(*x, (mean + sd).min(self.y.high)));
-        let lower = banded.iter().rev().map(|[x, mean, sd]| self.at(*x, (mean - sd).max(self.y.low)));
+        let lower =
+            banded.iter().rev().map(|[x, mean, sd]| self.at(*x, (mean - sd).max(self.y.low)));
         canvas.area(upper.chain(lower).collect(), look.colour, BAND);
     }
 
@@ -192,7 +230,13 @@ impl Panel {
     }
 
     /// A line through data points with markers on them; `width` of the line and of the markers.
-    pub(crate) fn marked(&self, canvas: &mut Canvas, points: &[[f64; 2]], look: Look, width: [f64; 2]) {
+    pub(crate) fn marked(
+        &self,
+        canvas: &mut Canvas,
+        points: &[[f64; 2]],
+        look: Look,
+        width: [f64; 2],
+    ) {
         self.line(canvas, points, look.colour, look.dash, width[0]);
         for &[x, y] in points {
             canvas.marker(self.at(x, y), look.marker, width[1], look.colour, false);
@@ -200,7 +244,13 @@ impl Panel {
     }
 
     /// A vertical bar between two values, with caps.
-    pub(crate) fn interval(&self, canvas: &mut Canvas, x: f64, [low, high]: [f64; 2], colour: Colour) {
+    pub(crate) fn interval(
+        &self,
+        canvas: &mut Canvas,
+        x: f64,
+        [low, high]: [f64; 2],
+        colour: Colour,
+    ) {
         let [bottom, top] = [self.at(x, low), self.at(x, high)];
         canvas.line(&[bottom, top], 1.1, colour, &[]);
         for end in [bottom, top] {
@@ -222,8 +272,14 @@ mod tests {
         let axis = Axis::covering("x", [0.3, 37.2, f64::NAN].into_iter(), 4);
         assert_eq!(labels(&axis), ["0", "10", "20", "30", "40"]);
         assert_eq!((axis.low, axis.high), (0.0, 40.0));
-        assert_eq!(labels(&Axis::covering("x", [-0.06, 0.0].into_iter(), 3)), ["−0.06", "−0.04", "−0.02", "0.00"]);
-        assert_eq!(labels(&Axis::exact("x", 0.0, 1.0, 4)), ["0.00", "0.25", "0.50", "0.75", "1.00"]);
+        assert_eq!(
+            labels(&Axis::covering("x", [-0.06, 0.0].into_iter(), 3)),
+            ["−0.06", "−0.04", "−0.02", "0.00"]
+        );
+        assert_eq!(
+            labels(&Axis::exact("x", 0.0, 1.0, 4)),
+            ["0.00", "0.25", "0.50", "0.75", "1.00"]
+        );
         assert_eq!(labels(&Axis::exact("x", 3.0, 11.0, 3)), ["5", "10"]);
     }
 

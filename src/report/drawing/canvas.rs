@@ -49,10 +49,12 @@ impl Canvas {
         Canvas { width, height, marks: Vec::new() }
     }
 
-    /// The finite points; those far outside the figure are moved close to its edge, which bounds the cost of painting.
+    /// The finite points; those far outside the figure are moved close to its edge, which bounds
+    /// the cost of painting.
     fn drawable(&self, points: &[CanvasPoint]) -> Vec<CanvasPoint> {
         let seen = points.iter().filter(|point| !point[0].is_nan() && !point[1].is_nan());
-        seen.map(|[x, y]| [x.clamp(-50.0, self.width + 50.0), y.clamp(-50.0, self.height + 50.0)]).collect()
+        seen.map(|[x, y]| [x.clamp(-50.0, self.width + 50.0), y.clamp(-50.0, self.height + 50.0)])
+            .collect()
     }
 
     /// A line through the points.
@@ -69,7 +71,13 @@ impl Canvas {
     }
 
     /// A filled rectangle between two corners.
-    pub(crate) fn rectangle(&mut self, [x0, y0]: CanvasPoint, [x1, y1]: CanvasPoint, colour: Colour, opacity: f64) {
+    pub(crate) fn rectangle(
+        &mut self,
+        [x0, y0]: CanvasPoint,
+        [x1, y1]: CanvasPoint,
+        colour: Colour,
+        opacity: f64,
+    ) {
         self.area(vec![[x0, y0], [x1, y0], [x1, y1], [x0, y1]], colour, opacity);
     }
 
@@ -81,7 +89,14 @@ impl Canvas {
     }
 
     /// A marker with a thin white rim that separates neighbours; hollow where `hollow`.
-    pub(crate) fn marker(&mut self, at: CanvasPoint, shape: Marker, radius: f64, colour: Colour, hollow: bool) {
+    pub(crate) fn marker(
+        &mut self,
+        at: CanvasPoint,
+        shape: Marker,
+        radius: f64,
+        colour: Colour,
+        hollow: bool,
+    ) {
         self.shape(at, shape, radius + 0.8, WHITE);
         self.shape(at, shape, radius, colour);
         if hollow {
@@ -96,7 +111,8 @@ impl Canvas {
             Marker::Diamond => &[[0.0, -1.25], [1.25, 0.0], [0.0, 1.25], [-1.25, 0.0]],
             Marker::Triangle => &[[0.0, -1.25], [1.12, 0.85], [-1.12, 0.85]],
         };
-        let points = corners.iter().map(|corner| [at[0] + radius * corner[0], at[1] + radius * corner[1]]);
+        let points =
+            corners.iter().map(|corner| [at[0] + radius * corner[0], at[1] + radius * corner[1]]);
         self.area(points.collect(), colour, 1.0);
     }
 
@@ -108,7 +124,12 @@ impl Canvas {
 
 impl Text {
     /// Upright text in ink.
-    pub(crate) fn new(text: impl Into<String>, at: CanvasPoint, size: f64, align: TextAlign) -> Self {
+    pub(crate) fn new(
+        text: impl Into<String>,
+        at: CanvasPoint,
+        size: f64,
+        align: TextAlign,
+    ) -> Self {
         let colour = crate::report::style::INK;
         Text { at, text: text.into(), size, bold: false, colour, align, upwards: false }
     }
@@ -139,7 +160,10 @@ fn dashes(points: &[CanvasPoint], dash: Dash) -> Vec<Vec<CanvasPoint>> {
         let mut length = (pair[1][0] - from[0]).hypot(pair[1][1] - from[1]);
         while length > remaining {
             let share = remaining / length;
-            from = [from[0] + share * (pair[1][0] - from[0]), from[1] + share * (pair[1][1] - from[1])];
+            from = [
+                from[0] + share * (pair[1][0] - from[0]),
+                from[1] + share * (pair[1][1] - from[1]),
+            ];
             length -= remaining;
             // Even lengths are drawn, odd ones are gaps.
             if dash_index % 2 == 0 {

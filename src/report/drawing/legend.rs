@@ -22,8 +22,14 @@ pub(crate) enum LegendEntry {
 const KEY_WIDTH: f64 = 22.0;
 const GAP: f64 = 16.0;
 
-/// Draws entries in a row whose baseline starts at `at`, and wraps before `right`. Returns the last baseline.
-pub(crate) fn legend(canvas: &mut Canvas, at: CanvasPoint, right: f64, keys: &[(LegendEntry, &str)]) -> f64 {
+/// Draws entries in a row whose baseline starts at `at`, and wraps before `right`. Returns the last
+/// baseline.
+pub(crate) fn legend(
+    canvas: &mut Canvas,
+    at: CanvasPoint,
+    right: f64,
+    keys: &[(LegendEntry, &str)],
+) -> f64 {
     let [mut x, mut y] = at;
     for (key, name) in keys {
         let width = text_width(name, SMALL, false);
@@ -49,7 +55,9 @@ fn draw_key(canvas: &mut Canvas, key: LegendEntry, [x, y]: CanvasPoint) {
             canvas.line(&line, LINE, look.colour, look.dash);
             canvas.marker(middle, look.marker, MARKER, look.colour, false);
         }
-        LegendEntry::Marker(marker, colour, hollow) => canvas.marker(middle, marker, MARKER, colour, hollow),
+        LegendEntry::Marker(marker, colour, hollow) => {
+            canvas.marker(middle, marker, MARKER, colour, hollow)
+        }
         LegendEntry::Dot(colour) => canvas.disc(middle, 2.6, colour, 1.0),
         LegendEntry::Line(colour, dash) => canvas.line(&line, LINE, colour, dash),
     }

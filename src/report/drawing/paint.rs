@@ -1,12 +1,13 @@
-//! Primitives to bytes: PNG with two pixels per hundredth of an inch, and SVG. The font is embedded in the program, so the
-//! same primitives give the same bytes on every machine.
+//! Primitives to bytes: PNG with two pixels per hundredth of an inch, and SVG. The font is embedded
+//! in the program, so the same primitives give the same bytes on every machine.
 
 use std::sync::OnceLock;
 
 use plotters::backend::{BitMapBackend, DrawingBackend, SVGBackend};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{
-    Color, FontDesc, FontFamily, FontStyle, FontTransform, RGBAColor, RGBColor, ShapeStyle, TextStyle, register_font,
+    Color, FontDesc, FontFamily, FontStyle, FontTransform, RGBAColor, RGBColor, ShapeStyle,
+    TextStyle, register_font,
 };
 
 use super::canvas::{Canvas, CanvasPoint, Primitive, Text, TextAlign};
@@ -62,7 +63,8 @@ pub(crate) fn svg(canvas: &Canvas) -> Result<Vec<u8>, PaintError> {
     {
         let mut backend = SVGBackend::with_string(&mut text, (wide, high));
         let mut painter = Painter { backend: &mut backend, scale: SVG_UNITS, bitmap: false };
-        let corners = [[0.0, 0.0], [canvas.width, 0.0], [canvas.width, canvas.height], [0.0, canvas.height]];
+        let corners =
+            [[0.0, 0.0], [canvas.width, 0.0], [canvas.width, canvas.height], [0.0, canvas.height]];
         painter.area(&corners, crate::report::style::WHITE, 1.0)?;
         canvas.marks.iter().try_for_each(|mark| painter.paint(mark))?;
         backend.present().map_err(failed)?;
@@ -96,7 +98,11 @@ fn register() -> Result<(), PaintError> {
 
 /// The embedded font in a weight; a loaded font keeps the weight with which it was loaded.
 fn font(size: f64, bold: bool) -> FontDesc<'static> {
-    FontDesc::new(FontFamily::Name(FAMILY), size, if bold { FontStyle::Bold } else { FontStyle::Normal })
+    FontDesc::new(
+        FontFamily::Name(FAMILY),
+        size,
+        if bold { FontStyle::Bold } else { FontStyle::Normal },
+    )
 }
 
 /// Paints primitives on one of the two backends.
@@ -111,7 +117,9 @@ impl<B: DrawingBackend> Painter<'_, B> {
         match mark {
             Primitive::Stroke { points, width, colour } => self.stroke(points, *width, *colour),
             Primitive::Area { points, colour, opacity } => self.area(points, *colour, *opacity),
-            Primitive::Disc { centre, radius, colour, opacity } => self.disc(*centre, *radius, *colour, *opacity),
+            Primitive::Disc { centre, radius, colour, opacity } => {
+                self.disc(*centre, *radius, *colour, *opacity)
+            }
             Primitive::Text(text) => self.text(text),
         }
     }
@@ -120,9 +128,14 @@ impl<B: DrawingBackend> Painter<'_, B> {
         ((x * self.scale).round() as i32, (y * self.scale).round() as i32)
     }
 
-    /// On the bitmap each segment is a quadrilateral and each joint a disc, as the backend's thick lines have gaps at sharp
-    /// turns.
-    fn stroke(&mut self, points: &[CanvasPoint], width: f64, colour: Colour) -> Result<(), PaintError> {
+    /// On the bitmap each segment is a quadrilateral and each joint a disc, as the backend's thick
+    /// lines have gaps at sharp turns.
+    fn stroke(
+        &mut self,
+        points: &[CanvasPoint],
+        width: f64,
+        colour: Colour,
+    ) -> Result<(), PaintError> {
         if !self.bitmap {
             let style = style(colour, 1.0).stroke_width((width * self.scale).round() as u32);
             let path: Vec<(i32, i32)> = points.iter().map(|&point| self.grid(point)).collect();
@@ -134,15 +147,29 @@ impl<B: DrawingBackend> Painter<'_, B> {
             if length < 1e-9 {
                 continue;
             }
-            let side = [0.5 * width * (to[1] - from[1]) / length, 0.5 * width * (from[0] - to[0]) / length];
-            let off = |point: CanvasPoint, sign: f64| [point[0] + sign * side[0], point[1] + sign * side[1]];
-            self.area(&[off(from, 1.0), off(to, 1.0), off(to, -1.0), off(from, -1.0)], colour, 1.0)?;
+            let side = [
+                0.5 * width * (to[1] - from[1]) / length,
+                0.5 * width * (from[0] - to[0]) / length,
+            ];
+            let off = |point: CanvasPoint, sign: f64| {
+                [point[0] + sign * side[0], point[1] + sign * side[1]]
+            };
+            self.area(
+                &[off(from, 1.0), off(to, 1.0), off(to, -1.0), off(from, -1.0)],
+                colour,
+                1.0,
+            )?;
         }
         let joints = points.get(1..points.len().saturating_sub(1)).unwrap_or_default();
         joints.iter().try_for_each(|&joint| self.disc(joint, 0.5 * width, colour, 1.0))
     }
 
-    fn area(&mut self, points: &[CanvasPoint], colour: Colour, opacity: f64) -> Result<(), PaintError> {
+    fn area(
+        &mut self,
+        points: &[CanvasPoint],
+        colour: Colour,
+        opacity: f64,
+    ) -> Result<(), PaintError> {
         if points.len() < 3 {
             return Ok(());
         }
@@ -150,10 +177,18 @@ impl<B: DrawingBackend> Painter<'_, B> {
         self.backend.fill_polygon(points, &style(colour, opacity).filled()).map_err(failed)
     }
 
-    fn disc(&mut self, centre: CanvasPoint, radius: f64, colour: Colour, opacity: f64) -> Result<(), PaintError> {
+    fn disc(
+        &mut self,
+        centre: CanvasPoint,
+        radius: f64,
+        colour: Colour,
+        opacity: f64,
+    ) -> Result<(), PaintError> {
         let centre = self.grid(centre);
         let radius = (radius * self.scale).round().max(1.0) as u32;
-        self.backend.draw_circle(centre, radius, &style(colour, opacity).filled(), true).map_err(failed)
+        self.backend
+            .draw_circle(centre, radius, &style(colour, opacity).filled(), true)
+            .map_err(failed)
     }
 
     fn text(&mut self, text: &Text) -> Result<(), PaintError> {
@@ -216,7 +251,11 @@ fn encode(pixels: &[u8], wide: usize, high: usize) -> Result<Vec<u8>, PaintError
     encoder.set_compression(png::Compression::Default);
     encoder.set_adaptive_filter(png::AdaptiveFilterType::Adaptive);
     // Two pixels per hundredth of an inch: 200 dpi, 7874 per metre.
-    encoder.set_pixel_dims(Some(png::PixelDimensions { xppu: 7874, yppu: 7874, unit: png::Unit::Meter }));
+    encoder.set_pixel_dims(Some(png::PixelDimensions {
+        xppu: 7874,
+        yppu: 7874,
+        unit: png::Unit::Meter,
+    }));
     let mut writer = encoder.write_header().map_err(failed)?;
     writer.write_image_data(pixels).map_err(failed)?;
     writer.finish().map_err(failed)?;

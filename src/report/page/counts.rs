@@ -1,5 +1,6 @@
-//! Numbers in the prose of a page: `<!-- count:FILE; COLUMN=VALUE; … -->48<!-- end -->` is the number of rows of a published
-//! table in which every condition holds. So a sentence cannot contradict the table that it is about.
+//! Numbers in the prose of a page: `<!-- count:FILE; COLUMN=VALUE; … -->48<!-- end -->` is the
+//! number of rows of a published table in which every condition holds. So a sentence cannot
+//! contradict the table that it is about.
 
 use std::path::Path;
 
@@ -25,9 +26,12 @@ pub fn recounted(text: &str, folder: &Path) -> Result<String, String> {
     for piece in pieces {
         let marker = piece.split(CLOSE).next().unwrap_or_default();
         let marker_error = |words: String| format!("{BEGIN}{marker}{CLOSE}: {words}");
-        let (_, rest) = piece.split_once(CLOSE).ok_or_else(|| marker_error("found no end of the marker".into()))?;
-        let (_, after) =
-            rest.split_once(END).ok_or_else(|| marker_error(format!("found no `{END}` after it, expected one")))?;
+        let (_, rest) = piece
+            .split_once(CLOSE)
+            .ok_or_else(|| marker_error("found no end of the marker".into()))?;
+        let (_, after) = rest
+            .split_once(END)
+            .ok_or_else(|| marker_error(format!("found no `{END}` after it, expected one")))?;
         let count = count(marker, folder).map_err(marker_error)?;
         page.push_str(&format!("{BEGIN}{marker}{CLOSE}{count}{END}{after}"));
     }
@@ -37,8 +41,11 @@ pub fn recounted(text: &str, folder: &Path) -> Result<String, String> {
 fn count(marker: &str, folder: &Path) -> Result<usize, String> {
     let mut parts = marker.split(';').map(str::trim);
     let file = parts.next().unwrap_or_default();
-    let (columns, _) = read_csv_beside::<NoColumns>(&folder.join(file), |_| true).map_err(|error| error.to_string())?;
-    let conditions = parts.map(|part| RowCondition::parse(part, &columns)).collect::<Result<Vec<_>, String>>()?;
+    let (columns, _) = read_csv_beside::<NoColumns>(&folder.join(file), |_| true)
+        .map_err(|error| error.to_string())?;
+    let conditions = parts
+        .map(|part| RowCondition::parse(part, &columns))
+        .collect::<Result<Vec<_>, String>>()?;
     let rows = columns.first().map_or(0, |(_, cells)| cells.len());
     Ok((0..rows).filter(|&row| conditions.iter().all(|condition| condition.holds(row))).count())
 }
@@ -59,9 +66,13 @@ enum Wanted<'a> {
 impl<'a> RowCondition<'a> {
     /// `COLUMN=VALUE`, `COLUMN=BEGINNING*` or `COLUMN>=NUMBER`.
     fn parse(text: &'a str, columns: &'a [Beside]) -> Result<RowCondition<'a>, String> {
-        let malformed = || format!("found `{text}`, expected COLUMN=VALUE, COLUMN=BEGINNING* or COLUMN>=NUMBER");
+        let malformed = || {
+            format!("found `{text}`, expected COLUMN=VALUE, COLUMN=BEGINNING* or COLUMN>=NUMBER")
+        };
         let (name, wanted) = match text.split_once(">=") {
-            Some((name, number)) => (name, Wanted::AtLeast(number.parse().map_err(|_| malformed())?)),
+            Some((name, number)) => {
+                (name, Wanted::AtLeast(number.parse().map_err(|_| malformed())?))
+            }
             None => {
                 let (name, value) = text.split_once('=').ok_or_else(malformed)?;
                 (name, value.strip_suffix('*').map_or(Wanted::Text(value), Wanted::Beginning))
@@ -89,17 +100,22 @@ mod tests {
     #[test]
     fn counts_are_those_of_the_table_and_a_second_call_changes_nothing() {
         let folder = tempfile::tempdir().unwrap();
-        let table = "claim,verdict,ours\na_1,reproduced,0.5\na_2,not reproduced,2\nb_1,reproduced,\n";
+        let table =
+            "claim,verdict,ours\na_1,reproduced,0.5\na_2,not reproduced,2\nb_1,reproduced,\n";
         std::fs::write(folder.path().join("t.csv"), table).unwrap();
-        let page = "Of <!-- count:t.csv -->0<!-- end -->, <!-- count:t.csv; verdict=reproduced; claim=a_* -->9<!-- end --> \
-                    hold; <!-- count:t.csv; ours>=0.5 --><!-- end -->, <!-- count:t.csv; verdict=not reproduced -->x<!-- end -->.";
+        let page = "Of <!-- count:t.csv -->0<!-- end -->, <!-- count:t.csv; verdict=reproduced; \
+                    claim=a_* -->9<!-- end --> hold; <!-- count:t.csv; ours>=0.5 --><!-- end -->, \
+                    <!-- count:t.csv; verdict=not reproduced -->x<!-- end -->.";
         let once = recounted(page, folder.path()).unwrap();
-        let plain: String = once.split("-->").map(|part| part.split("<!--").next().unwrap()).collect();
+        let plain: String =
+            once.split("-->").map(|part| part.split("<!--").next().unwrap()).collect();
         assert_eq!(plain, "Of 3, 1 hold; 2, 1.");
         assert_eq!(recounted(&once, folder.path()).unwrap(), once);
-        for bad in
-            ["<!-- count:t.csv -->1", "<!-- count:u.csv -->1<!-- end -->", "<!-- count:t.csv; x=1 -->1<!-- end -->"]
-        {
+        for bad in [
+            "<!-- count:t.csv -->1",
+            "<!-- count:u.csv -->1<!-- end -->",
+            "<!-- count:t.csv; x=1 -->1<!-- end -->",
+        ] {
             assert!(recounted(bad, folder.path()).unwrap_err().starts_with("<!-- count:"), "{bad}");
         }
     }

@@ -1,5 +1,5 @@
-//! Published results in a text: a table or figure is inserted between two markers, so that a README shows the published
-//! numbers without copying by hand.
+//! Published results in a text: a table or figure is inserted between two markers, so that a README
+//! shows the published numbers without copying by hand.
 
 /// Why a table or figure could not be inserted.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -18,8 +18,8 @@ pub enum PageError {
     },
 }
 
-/// `text` with everything between the lines `<!-- begin:NAME -->` and `<!-- end:NAME -->` replaced by `content`. The markers
-/// are kept, so a second call changes nothing.
+/// `text` with everything between the lines `<!-- begin:NAME -->` and `<!-- end:NAME -->` replaced
+/// by `content`. The markers are kept, so a second call changes nothing.
 ///
 /// # Errors
 /// [`PageError`] when a marker is missing, occurs twice or is out of order.
@@ -36,8 +36,13 @@ pub fn splice(text: &str, name: &str, content: &str) -> Result<String, PageError
 /// Position of the only `marker`.
 fn only(text: &str, marker: &str) -> Result<usize, PageError> {
     let mut places = text.match_indices(marker);
-    let (place, _) = places.next().ok_or_else(|| PageError::NoMarker { marker: marker.to_owned() })?;
-    if places.next().is_some() { Err(PageError::OutOfPlace { marker: marker.to_owned() }) } else { Ok(place) }
+    let (place, _) =
+        places.next().ok_or_else(|| PageError::NoMarker { marker: marker.to_owned() })?;
+    if places.next().is_some() {
+        Err(PageError::OutOfPlace { marker: marker.to_owned() })
+    } else {
+        Ok(place)
+    }
 }
 
 /// A picture in Markdown.

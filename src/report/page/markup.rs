@@ -12,10 +12,14 @@ pub struct MarkdownTable {
 impl MarkdownTable {
     /// A table; ` | ` stands between the names of its columns.
     pub fn new(header: &str, rows: impl Iterator<Item = Vec<String>>) -> MarkdownTable {
-        MarkdownTable { header: header.split(" | ").map(str::to_owned).collect(), rows: rows.collect() }
+        MarkdownTable {
+            header: header.split(" | ").map(str::to_owned).collect(),
+            rows: rows.collect(),
+        }
     }
 
-    /// The table in GitHub's Markdown: columns of numbers are aligned right, except the first column.
+    /// The table in GitHub's Markdown: columns of numbers are aligned right, except the first
+    /// column.
     pub fn markdown(&self) -> String {
         let line = |cells: &[String]| {
             let cells: Vec<String> = cells.iter().map(|cell| cell.replace('|', "\\|")).collect();
@@ -25,8 +29,9 @@ impl MarkdownTable {
             let cells = self.rows.iter().map(|row| row[column].as_str());
             column > 0 && cells.into_iter().all(is_numeric)
         };
-        let rules: Vec<String> =
-            (0..self.header.len()).map(|column| if numeric(column) { "---:" } else { "---" }.to_owned()).collect();
+        let rules: Vec<String> = (0..self.header.len())
+            .map(|column| if numeric(column) { "---:" } else { "---" }.to_owned())
+            .collect();
         let rows: String = self.rows.iter().map(|row| line(row)).collect();
         format!("{}{}{rows}", line(&self.header), line(&rules))
     }
@@ -34,7 +39,8 @@ impl MarkdownTable {
 
 /// Numbers, with or without brackets, and symbols for a missing number.
 fn is_numeric(cell: &str) -> bool {
-    matches!(cell, "" | "N/A" | "–") || cell.starts_with(|first: char| first.is_ascii_digit() || "−-+[".contains(first))
+    matches!(cell, "" | "N/A" | "–")
+        || cell.starts_with(|first: char| first.is_ascii_digit() || "−-+[".contains(first))
 }
 
 /// Text with LaTeX's special characters escaped.
@@ -63,10 +69,11 @@ mod tests {
 
     #[test]
     fn markdown_aligns_numbers_and_escapes_bars() {
-        let rows = [["a|b", "0.010(0.004)", "yes"], ["c", "N/A", "no"]].map(|row| row.map(str::to_owned).to_vec());
+        let rows = [["a|b", "0.010(0.004)", "yes"], ["c", "N/A", "no"]]
+            .map(|row| row.map(str::to_owned).to_vec());
         let grid = MarkdownTable::new("name | error (m) | verdict", rows.into_iter());
-        let lines =
-            "| name | error (m) | verdict |\n| --- | ---: | --- |\n| a\\|b | 0.010(0.004) | yes |\n| c | N/A | no |\n";
+        let lines = "| name | error (m) | verdict |\n| --- | ---: | --- |\n| a\\|b | 0.010(0.004) \
+                     | yes |\n| c | N/A | no |\n";
         assert_eq!(grid.markdown(), lines);
     }
 

@@ -1,4 +1,5 @@
-//! Pages: Markdown and LaTeX tables, generated parts between markers, and counts that a page states.
+//! Pages: Markdown and LaTeX tables, generated parts between markers, and counts that a page
+//! states.
 
 mod counts;
 mod document;

@@ -1,19 +1,23 @@
-//! The verdicts of the paper's claims: a table in Markdown and a figure of our values over the paper's.
+//! The verdicts of the paper's claims: a table in Markdown and a figure of our values over the
+//! paper's.
 
-use crate::report::drawing::{Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend, signed, text_width};
+use crate::report::drawing::{
+    Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend, signed, text_width,
+};
 use crate::report::page::markup::MarkdownTable;
 use crate::report::style::{
-    Colour, DASHED, GREEN, GREY, HAIR, HALF_CAP, INK, MARKER, Marker, PAGE_WIDTH, SMALL, VERMILION, WHITE, claim_label,
-    training_short,
+    Colour, DASHED, GREEN, GREY, HAIR, HALF_CAP, INK, MARKER, Marker, PAGE_WIDTH, SMALL, VERMILION,
+    WHITE, claim_label, training_short,
 };
 use crate::report::{Artifact, Figure, Published, ReportError, text};
 use crate::rows::experiment::ClaimRow;
 
 /// Registry entry.
-pub(super) const FIGURE: Figure =
-    Figure {
-        name: "claims", about: "The paper’s claims: its figure, ours with an interval, and the verdict", render
-    };
+pub(super) const FIGURE: Figure = Figure {
+    name: "claims",
+    about: "The paper’s claims: its figure, ours with an interval, and the verdict",
+    render,
+};
 
 const ROW_HEIGHT: f64 = 17.0;
 /// Range of the ratio of ours to the paper's; ratios outside are drawn as arrows at the edge.
@@ -25,8 +29,8 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     FIGURE.files(vec![text("claims.md", markdown(claims))], &draw(claims))
 }
 
-/// The numbers of a claim as text, with a common number of decimals (three significant digits of our largest value);
-/// metres as millimetres.
+/// The numbers of a claim as text, with a common number of decimals (three significant digits of
+/// our largest value); metres as millimetres.
 struct ClaimCells {
     paper: String,
     ours: String,
@@ -36,18 +40,25 @@ struct ClaimCells {
 
 fn shown(row: &ClaimRow) -> ClaimCells {
     let metres = row.unit == "m" || row.unit.starts_with("m/");
-    let (scale, unit) = if metres { (1e3, format!("m{}", row.unit)) } else { (1.0, row.unit.clone()) };
+    let (scale, unit) =
+        if metres { (1e3, format!("m{}", row.unit)) } else { (1.0, row.unit.clone()) };
     let finite = [row.ours, row.low_95, row.high_95].into_iter().filter(|value| value.is_finite());
     let largest = finite.map(|value| (scale * value).abs()).fold(0.0, f64::max);
     let number = |value: f64, largest: f64| {
-        let digits = if largest > 0.0 { (2.0 - largest.log10().floor()).clamp(0.0, 6.0) as usize } else { 0 };
+        let digits = if largest > 0.0 {
+            (2.0 - largest.log10().floor()).clamp(0.0, 6.0) as usize
+        } else {
+            0
+        };
         if value.is_finite() { signed(scale * value, digits) } else { "–".to_owned() }
     };
     let has_interval = row.low_95.is_finite() && row.high_95.is_finite();
     ClaimCells {
         paper: number(row.paper, (scale * row.paper).abs()),
         ours: number(row.ours, largest),
-        interval: has_interval.then(|| format!("[{}, {}]", number(row.low_95, largest), number(row.high_95, largest))),
+        interval: has_interval.then(|| {
+            format!("[{}, {}]", number(row.low_95, largest), number(row.high_95, largest))
+        }),
         unit,
     }
 }
@@ -67,7 +78,9 @@ fn markdown(claims: &[ClaimRow]) -> String {
         ]
     };
     let header = "Claim | Networks | Paper | Ours | 95 % interval | Unit | Seeds | Verdict";
-    let count = |verdict| format!("{} {verdict}", claims.iter().filter(|row| row.verdict == verdict).count());
+    let count = |verdict| {
+        format!("{} {verdict}", claims.iter().filter(|row| row.verdict == verdict).count())
+    };
     let counts = ["reproduced", "not reproduced", "undecided"].map(count).join(", ");
     format!("{}\n{counts}.\n", MarkdownTable::new(header, claims.iter().map(line)).markdown())
 }
@@ -92,8 +105,13 @@ fn draw(claims: &[ClaimRow]) -> Canvas {
     legend(&mut canvas, [236.0, 18.0], PAGE_WIDTH, &keys);
     let axis = Axis::exact("ours / paper", RATIO_RANGE[0], RATIO_RANGE[1], 4);
     let rows = Axis::bare_to(claims.len() as f64);
-    let panel =
-        canvas.panel(Panel { corner: [236.0, top], size: [208.0, high], x: axis, y: rows, title: String::new() });
+    let panel = canvas.panel(Panel {
+        corner: [236.0, top],
+        size: [208.0, high],
+        x: axis,
+        y: rows,
+        title: String::new(),
+    });
     let columns = [(462.0, "paper"), (510.0, "ours [95 % interval]"), (652.0, "unit")];
     for (x, name) in columns {
         canvas.text(Text::new(name, [x, top - 8.0], SMALL, TextAlign::Left).bold());
@@ -103,7 +121,10 @@ fn draw(claims: &[ClaimRow]) -> Canvas {
     canvas.text(Text::new("paper", [panel.at(1.0, 0.0)[0], top - 8.0], SMALL, TextAlign::Centre));
     canvas.text(Text::new("nothing", [panel.at(0.0, 0.0)[0], top - 8.0], SMALL, TextAlign::Centre));
     // With a long name, all names are set smaller to stay in their column.
-    let widest = claims.iter().map(|row| text_width(&claim_label(&row.claim), SMALL, false)).fold(148.0, f64::max);
+    let widest = claims
+        .iter()
+        .map(|row| text_width(&claim_label(&row.claim), SMALL, false))
+        .fold(148.0, f64::max);
     let size = SMALL * 148.0 / widest;
     for (index, row) in claims.iter().enumerate() {
         let y = top + ROW_HEIGHT * (index as f64 + 0.5);
@@ -115,15 +136,24 @@ fn draw(claims: &[ClaimRow]) -> Canvas {
         if first {
             canvas.text(Text::new(claim_label(&row.claim), [10.0, base], size, TextAlign::Left));
         }
-        canvas.text(Text::new(training_short(&row.training), [228.0, base], 8.6, TextAlign::Right).colour(GREY));
+        canvas.text(
+            Text::new(training_short(&row.training), [228.0, base], 8.6, TextAlign::Right)
+                .colour(GREY),
+        );
         canvas.text(Text::new(shown.paper, [columns[0].0, base], SMALL, TextAlign::Left));
         canvas.text(
-            Text::new(ours_with_interval, [columns[1].0, base], SMALL, TextAlign::Left).colour(look(&row.verdict).0),
+            Text::new(ours_with_interval, [columns[1].0, base], SMALL, TextAlign::Left)
+                .colour(look(&row.verdict).0),
         );
         canvas.text(Text::new(shown.unit, [columns[2].0, base], SMALL, TextAlign::Left));
         if first && index > 0 {
             let edge = y - ROW_HEIGHT / 2.0;
-            canvas.line(&[[10.0, edge], [PAGE_WIDTH - 10.0, edge]], HAIR, crate::report::style::GRID, &[]);
+            canvas.line(
+                &[[10.0, edge], [PAGE_WIDTH - 10.0, edge]],
+                HAIR,
+                crate::report::style::GRID,
+                &[],
+            );
         }
     }
     canvas
@@ -134,13 +164,21 @@ fn claim(canvas: &mut Canvas, panel: &Panel, row: &ClaimRow, y: f64) {
     let (colour, marker, hollow) = look(&row.verdict);
     let place = |value: f64| {
         let ratio = value / row.paper;
-        ratio.is_finite().then(|| [panel.at(ratio.clamp(RATIO_RANGE[0], RATIO_RANGE[1]), 0.0)[0], y])
+        ratio
+            .is_finite()
+            .then(|| [panel.at(ratio.clamp(RATIO_RANGE[0], RATIO_RANGE[1]), 0.0)[0], y])
     };
     let Some(middle) = place(row.ours) else {
         let label = if row.paper == 0.0 { "paper: 0, no ratio" } else { "no figure in the paper" };
         let at = panel.at(0.08, 0.0)[0];
-        canvas.rectangle([at - 2.0, y - 6.0], [at + 2.0 + text_width(label, 8.6, false), y + 6.0], WHITE, 1.0);
-        canvas.text(Text::new(label, [at, y + HALF_CAP * SMALL], 8.6, TextAlign::Left).colour(GREY));
+        canvas.rectangle(
+            [at - 2.0, y - 6.0],
+            [at + 2.0 + text_width(label, 8.6, false), y + 6.0],
+            WHITE,
+            1.0,
+        );
+        canvas
+            .text(Text::new(label, [at, y + HALF_CAP * SMALL], 8.6, TextAlign::Left).colour(GREY));
         return;
     };
     if let (Some(low), Some(high)) = (place(row.low_95), place(row.high_95)) {
@@ -150,7 +188,11 @@ fn claim(canvas: &mut Canvas, panel: &Panel, row: &ClaimRow, y: f64) {
     if !(RATIO_RANGE[0]..=RATIO_RANGE[1]).contains(&ratio) {
         let way = if ratio > RATIO_RANGE[1] { 1.0 } else { -1.0 };
         let tip = [middle[0] + 5.0 * way, y];
-        canvas.area(vec![tip, [tip[0] - 9.0 * way, y - 4.5], [tip[0] - 9.0 * way, y + 4.5]], colour, 1.0);
+        canvas.area(
+            vec![tip, [tip[0] - 9.0 * way, y - 4.5], [tip[0] - 9.0 * way, y + 4.5]],
+            colour,
+            1.0,
+        );
         return;
     }
     canvas.marker(middle, marker, MARKER, colour, hollow);

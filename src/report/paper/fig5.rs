@@ -1,17 +1,22 @@
-//! Fig. 5: tips that the model computes and tips that the robot shows, under the same commands: three projections, and
-//! how the difference is distributed along each axis.
+//! Fig. 5: tips that the model computes and tips that the robot shows, under the same commands:
+//! three projections, and how the difference is distributed along each axis.
 
 use crate::base::Point3;
 use crate::math::summary::{mean, quantile, root_mean_square};
-use crate::report::drawing::{Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend, range, signed};
+use crate::report::drawing::{
+    Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend, range, signed,
+};
 use crate::report::order::distinct;
 use crate::report::style::{BLUE, DASHED, GREY, INK, PAGE_WIDTH, SMALL, VERMILION};
 use crate::report::{Artifact, Figure, Published, ReportError, csv};
 use crate::rows::experiment::{GapRow, GapSummaryRow};
 
 /// Registry entry.
-pub(super) const FIGURE: Figure =
-    Figure { name: "fig5", about: "Fig. 5: simulated against real workspace, and their difference by axis", render };
+pub(super) const FIGURE: Figure = Figure {
+    name: "fig5",
+    about: "Fig. 5: simulated against real workspace, and their difference by axis",
+    render,
+};
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 /// Horizontal and vertical axis of each projection.
@@ -36,7 +41,10 @@ fn real(row: &GapRow) -> Point3 {
 
 /// Differences along one axis, simulated minus measured as the paper's e = p_sim − p_exp; metres.
 fn differences_m(gaps: &[GapRow], axis: usize) -> Vec<f64> {
-    gaps.iter().map(|row| simulated(row)[axis] - real(row)[axis]).filter(|gap| gap.is_finite()).collect()
+    gaps.iter()
+        .map(|row| simulated(row)[axis] - real(row)[axis])
+        .filter(|gap| gap.is_finite())
+        .collect()
 }
 
 fn summary(gaps: &[GapRow]) -> Vec<GapSummaryRow> {
@@ -66,7 +74,8 @@ fn draw(gaps: &[GapRow]) -> Canvas {
     let span = |axis: usize| spans[axis][1] - spans[axis][0];
     // One scale for all three projections, so that shapes are true and can be compared.
     let free_width = PAGE_WIDTH - 3.0 * 56.0 - 12.0;
-    let scale = (free_width / PROJECTIONS.iter().map(|(across, _)| span(*across)).sum::<f64>()).min(260.0 / span(0));
+    let scale = (free_width / PROJECTIONS.iter().map(|(across, _)| span(*across)).sum::<f64>())
+        .min(260.0 / span(0));
     let axes: Vec<Axis> = (0..3)
         .map(|axis| {
             let ticks = (scale * span(axis) / 42.0).round().max(2.0) as usize;
@@ -91,7 +100,11 @@ fn draw(gaps: &[GapRow]) -> Canvas {
             title: format!("({}) {}–{}", ["a", "b", "c"][index], AXES[across], AXES[up]),
         });
         for (points, colour) in [(simulated as fn(&GapRow) -> Point3, BLUE), (real, VERMILION)] {
-            for point in shown.iter().map(|row| points(row)).filter(|point| point.iter().all(|part| part.is_finite())) {
+            for point in shown
+                .iter()
+                .map(|row| points(row))
+                .filter(|point| point.iter().all(|part| part.is_finite()))
+            {
                 canvas.disc(panel.at(1e3 * point[across], 1e3 * point[up]), 1.15, colour, 0.5);
             }
         }
@@ -103,7 +116,9 @@ fn draw(gaps: &[GapRow]) -> Canvas {
 
 /// What each axis shows, millimetres; x and y alike, so that the projections stand side by side.
 fn spans_mm(gaps: &[GapRow]) -> [[f64; 2]; 3] {
-    let tips_mm = |axis: usize| gaps.iter().flat_map(move |row| [1e3 * simulated(row)[axis], 1e3 * real(row)[axis]]);
+    let tips_mm = |axis: usize| {
+        gaps.iter().flat_map(move |row| [1e3 * simulated(row)[axis], 1e3 * real(row)[axis]])
+    };
     let wide = |(low, high): (f64, f64)| [low - 0.04 * (high - low), high + 0.04 * (high - low)];
     let across = wide(range(tips_mm(0).chain(tips_mm(1))));
     [across, across, wide(range(tips_mm(2)))]
@@ -111,15 +126,18 @@ fn spans_mm(gaps: &[GapRow]) -> [[f64; 2]; 3] {
 
 /// Share of the samples by difference, one panel an axis, all to one scale.
 fn histograms(canvas: &mut Canvas, gaps: &[GapRow], top: f64) {
-    let gaps_mm: Vec<Vec<f64>> =
-        (0..3).map(|axis| differences_m(gaps, axis).iter().map(|gap| 1e3 * gap).collect()).collect();
+    let gaps_mm: Vec<Vec<f64>> = (0..3)
+        .map(|axis| differences_m(gaps, axis).iter().map(|gap| 1e3 * gap).collect())
+        .collect();
     // Single outliers do not stretch the scale: the outer bins take them.
-    let (low, high) = range(gaps_mm.iter().flat_map(|gaps| [quantile(gaps, 0.001), quantile(gaps, 0.999)]));
+    let (low, high) =
+        range(gaps_mm.iter().flat_map(|gaps| [quantile(gaps, 0.001), quantile(gaps, 0.999)]));
     let largest = low.abs().max(high.abs());
     let x = Axis::covering("", [-largest, largest].into_iter(), 4);
     let width = (x.high - x.low) / BINS as f64;
     let shares: Vec<Vec<f64>> = gaps_mm.iter().map(|gaps| shares(gaps, x.low, width)).collect();
-    let y = Axis::covering("share of samples (%)", shares.iter().flatten().copied().chain([0.0]), 4);
+    let y =
+        Axis::covering("share of samples (%)", shares.iter().flatten().copied().chain([0.0]), 4);
     for axis in 0..3 {
         let panel = canvas.panel(Panel {
             corner: [56.0 + 228.0 * axis as f64, top],
@@ -131,7 +149,12 @@ fn histograms(canvas: &mut Canvas, gaps: &[GapRow], top: f64) {
         for (bin, share) in shares[axis].iter().enumerate().filter(|(_, share)| **share > 0.0) {
             let from = x.low + bin as f64 * width;
             let corners = [panel.at(from, 0.0), panel.at(from + width, *share)];
-            canvas.rectangle([corners[0][0] + 0.3, corners[0][1]], [corners[1][0] - 0.3, corners[1][1]], GREY, 0.75);
+            canvas.rectangle(
+                [corners[0][0] + 0.3, corners[0][1]],
+                [corners[1][0] - 0.3, corners[1][1]],
+                GREY,
+                0.75,
+            );
         }
         panel.line(canvas, &[[0.0, y.low], [0.0, y.high]], INK, &[], 0.8);
         let centre = mean(&gaps_mm[axis]);
@@ -139,7 +162,11 @@ fn histograms(canvas: &mut Canvas, gaps: &[GapRow], top: f64) {
         let rms = root_mean_square(&gaps_mm[axis]);
         let labels = [format!("mean {} mm", signed(centre, 1)), format!("rms {rms:.1} mm")];
         // On the side where the mean is not.
-        let (edge, align) = if centre > 0.0 { (2.0, TextAlign::Left) } else { (panel.size[0] - 2.0, TextAlign::Right) };
+        let (edge, align) = if centre > 0.0 {
+            (2.0, TextAlign::Left)
+        } else {
+            (panel.size[0] - 2.0, TextAlign::Right)
+        };
         for (line, label) in labels.into_iter().enumerate() {
             let at = [panel.corner[0] + edge, top + 10.0 + 13.0 * line as f64];
             canvas.text(Text::new(label, at, SMALL, align));

@@ -1,19 +1,29 @@
-//! Fig. 6: error against real data used. (a) π_real against the real points of its network; (b) policy A against the
-//! real points of its Gaussian process. Open and closed loop, bands of one standard deviation.
+//! Fig. 6: error against real data used. (a) π_real against the real points of its network; (b)
+//! policy A against the real points of its Gaussian process. Open and closed loop, bands of one
+//! standard deviation.
 
 use super::summarise::reach_summary;
 use crate::report::drawing::{Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend};
 use crate::report::order::{distinct, trainings};
-use crate::report::style::{BLUE, GREY, INK, Look, MARKER, Marker, PAGE_WIDTH, SMALL, SOLID, TEXT, VERMILION, heading};
+use crate::report::style::{
+    BLUE, GREY, INK, Look, MARKER, Marker, PAGE_WIDTH, SMALL, SOLID, TEXT, VERMILION, heading,
+};
 use crate::report::{Artifact, Figure, Published, ReportError, csv};
 use crate::rows::experiment::ReachSummaryRow;
 
 /// Registry entry.
-pub(super) const FIGURE: Figure =
-    Figure { name: "fig6", about: "Fig. 6: error against the number of real points, π_real and policy A", render };
+pub(super) const FIGURE: Figure = Figure {
+    name: "fig6",
+    about: "Fig. 6: error against the number of real points, π_real and policy A",
+    render,
+};
 
 const LOOKS: [(&str, &str, Look); 2] = [
-    ("open", "open loop", Look { colour: VERMILION, marker: Marker::Square, dash: crate::report::style::DASHED }),
+    (
+        "open",
+        "open loop",
+        Look { colour: VERMILION, marker: Marker::Square, dash: crate::report::style::DASHED },
+    ),
     ("closed", "closed loop", Look { colour: BLUE, marker: Marker::Circle, dash: SOLID }),
 ];
 
@@ -41,8 +51,14 @@ const PARTS: [PolicyPanel; 2] = [
 ];
 
 fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
-    let swept = published.trials.iter().filter(|row| PARTS.iter().any(|part| part.policy == row.cell.policy));
-    let swept: Vec<_> = swept.filter(|row| LOOKS.iter().any(|(mode, _, _)| *mode == row.cell.mode)).cloned().collect();
+    let swept = published
+        .trials
+        .iter()
+        .filter(|row| PARTS.iter().any(|part| part.policy == row.cell.policy));
+    let swept: Vec<_> = swept
+        .filter(|row| LOOKS.iter().any(|(mode, _, _)| *mode == row.cell.mode))
+        .cloned()
+        .collect();
     FIGURE.needs("trials.csv of pi_real or a", swept.is_empty())?;
     let summary = reach_summary(&swept);
     FIGURE.files(vec![csv("summary.csv", &summary)?], &draw(&summary))
@@ -50,10 +66,13 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
 
 fn draw(summary: &[ReachSummaryRow]) -> Canvas {
     let columns = trainings(summary.iter().map(|row| row.training.as_str()));
-    let parts: Vec<&PolicyPanel> =
-        PARTS.iter().filter(|part| summary.iter().any(|row| row.cell.policy == part.policy)).collect();
+    let parts: Vec<&PolicyPanel> = PARTS
+        .iter()
+        .filter(|part| summary.iter().any(|row| row.cell.policy == part.policy))
+        .collect();
     let (left, gap) = (56.0, 22.0);
-    let width = (PAGE_WIDTH - left - 12.0 - gap * (columns.len() - 1) as f64) / columns.len() as f64;
+    let width =
+        (PAGE_WIDTH - left - 12.0 - gap * (columns.len() - 1) as f64) / columns.len() as f64;
     let (top, high, pitch) = (76.0, 165.0, 236.0);
     let mut canvas = Canvas::new(PAGE_WIDTH, top + pitch * parts.len() as f64 - 22.0);
     let mut keys: Vec<(LegendEntry, &str)> =
@@ -61,7 +80,8 @@ fn draw(summary: &[ReachSummaryRow]) -> Canvas {
     keys.push((LegendEntry::Marker(Marker::Square, INK, true), "paper, Table I, open"));
     keys.push((LegendEntry::Marker(Marker::Circle, INK, true), "paper, Table I, closed"));
     legend(&mut canvas, [left, 16.0], PAGE_WIDTH, &keys);
-    let note = "band: ± 1 standard deviation over targets; bar: 95 % interval of the mean over repetitions";
+    let note = "band: ± 1 standard deviation over targets; bar: 95 % interval of the mean over \
+                repetitions";
     canvas.text(Text::new(note, [left, 33.0], SMALL, TextAlign::Left).colour(GREY));
     for (column, training) in columns.iter().enumerate() {
         let middle = left + column as f64 * (width + gap) + width / 2.0;
@@ -70,8 +90,10 @@ fn draw(summary: &[ReachSummaryRow]) -> Canvas {
     for (line, part) in parts.iter().enumerate() {
         let y = errors(summary.iter().filter(|row| row.cell.policy == part.policy));
         for (column, training) in columns.iter().enumerate() {
-            let rows: Vec<&ReachSummaryRow> =
-                summary.iter().filter(|row| row.cell.policy == part.policy && row.training == *training).collect();
+            let rows: Vec<&ReachSummaryRow> = summary
+                .iter()
+                .filter(|row| row.cell.policy == part.policy && row.training == *training)
+                .collect();
             let mut sizes = distinct(rows.iter().map(|row| (part.size)(row)));
             sizes.sort_unstable();
             let names: Vec<String> = sizes.iter().map(u64::to_string).collect();
@@ -92,14 +114,24 @@ fn draw(summary: &[ReachSummaryRow]) -> Canvas {
 fn errors<'a>(rows: impl Iterator<Item = &'a ReachSummaryRow>) -> Axis {
     let ends = rows.flat_map(|row| {
         let spread = if row.sd_m.is_finite() { row.sd_m } else { 0.0 };
-        [row.mean_m + spread, row.mean_m - spread, row.high_95_m, row.paper_mean_m].map(|value| 1e3 * value)
+        [row.mean_m + spread, row.mean_m - spread, row.high_95_m, row.paper_mean_m]
+            .map(|value| 1e3 * value)
     });
     Axis::covering("goal-reaching error (mm)", ends.chain([0.0]), 5)
 }
 
-/// Open and closed loop in one panel; sizes stand at equal distances, in their order. Bands go below all lines.
-fn lines(canvas: &mut Canvas, panel: &Panel, rows: &[&ReachSummaryRow], sizes: &[u64], part: &PolicyPanel) {
-    let place = |row: &ReachSummaryRow| sizes.iter().position(|size| *size == (part.size)(row)).unwrap_or(0) as f64;
+/// Open and closed loop in one panel; sizes stand at equal distances, in their order. Bands go
+/// below all lines.
+fn lines(
+    canvas: &mut Canvas,
+    panel: &Panel,
+    rows: &[&ReachSummaryRow],
+    sizes: &[u64],
+    part: &PolicyPanel,
+) {
+    let place = |row: &ReachSummaryRow| {
+        sizes.iter().position(|size| *size == (part.size)(row)).unwrap_or(0) as f64
+    };
     let of_mode = |mode: &str| {
         let mut rows: Vec<&ReachSummaryRow> =
             rows.iter().copied().filter(|row| row.cell.mode == mode && row.trials > 0).collect();
@@ -115,14 +147,21 @@ fn lines(canvas: &mut Canvas, panel: &Panel, rows: &[&ReachSummaryRow], sizes: &
     for (index, (mode, _, look)) in LOOKS.into_iter().enumerate() {
         let rows = of_mode(mode);
         for row in rows.iter().filter(|row| row.low_95_m.is_finite()) {
-            let ends = [1e3 * row.low_95_m, 1e3 * row.high_95_m].map(|end| end.clamp(panel.y.low, panel.y.high));
+            let ends = [1e3 * row.low_95_m, 1e3 * row.high_95_m]
+                .map(|end| end.clamp(panel.y.low, panel.y.high));
             panel.interval(canvas, place(row), ends, look.colour);
         }
         panel.series(canvas, &points(&rows), look);
         for row in rows.iter().filter(|row| row.paper_mean_m.is_finite()) {
             // A little beside, so that neither covers the other.
             let beside = place(row) + if index == 0 { -0.16 } else { 0.16 };
-            canvas.marker(panel.at(beside, 1e3 * row.paper_mean_m), look.marker, MARKER + 0.4, INK, true);
+            canvas.marker(
+                panel.at(beside, 1e3 * row.paper_mean_m),
+                look.marker,
+                MARKER + 0.4,
+                INK,
+                true,
+            );
         }
     }
 }

@@ -1,21 +1,27 @@
-//! Fig. 8: (a) the target path in the workspace, (b) the paths that the policies track, (c) their error over time.
+//! Fig. 8: (a) the target path in the workspace, (b) the paths that the policies track, (c) their
+//! error over time.
 
 use super::summarise::track_summary;
 use crate::base::Point3;
 use crate::math::summary::{interval_95, mean};
-use crate::report::drawing::{Axis, Canvas, CanvasPoint, LegendEntry, Panel, Text, TextAlign, View, legend};
+use crate::report::drawing::{
+    Axis, Canvas, CanvasPoint, LegendEntry, Panel, Text, TextAlign, View, legend,
+};
 use crate::report::order::trainings;
 use crate::report::page::markup::MarkdownTable;
 use crate::report::style::{
-    CLOUD, DASHED, GREY, HAIR, INK, LEFT_MARGIN, Marker, PAGE_WIDTH, SMALL, SOLID, TEXT, heading, policies_in_order,
-    policy_label, policy_look, policy_markdown, training_short,
+    CLOUD, DASHED, GREY, HAIR, INK, LEFT_MARGIN, Marker, PAGE_WIDTH, SMALL, SOLID, TEXT, heading,
+    policies_in_order, policy_label, policy_look, policy_markdown, training_short,
 };
 use crate::report::{Artifact, Figure, Published, ReportError, csv, pictures, text};
 use crate::rows::experiment::{TrackRow, TrackSummaryRow};
 
 /// Registry entry.
-pub(super) const FIGURE: Figure =
-    Figure { name: "fig8", about: "Fig. 8: target path, tracked paths and tracking error over time", render };
+pub(super) const FIGURE: Figure = Figure {
+    name: "fig8",
+    about: "Fig. 8: target path, tracked paths and tracking error over time",
+    render,
+};
 
 /// Points of the workspace drawn behind the path.
 const MAX_CLOUD_DOTS: usize = 2000;
@@ -34,8 +40,11 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     FIGURE.needs("tracks.csv", tracks.is_empty())?;
     let summary = track_summary(tracks);
     let mut files = vec![csv("summary.csv", &summary)?, text("fig8.md", markdown(&summary))];
-    for (index, training) in trainings(tracks.iter().map(|row| row.training.as_str())).into_iter().enumerate() {
-        let stem = if index == 0 { FIGURE.name.to_owned() } else { format!("{}_{training}", FIGURE.name) };
+    for (index, training) in
+        trainings(tracks.iter().map(|row| row.training.as_str())).into_iter().enumerate()
+    {
+        let stem =
+            if index == 0 { FIGURE.name.to_owned() } else { format!("{}_{training}", FIGURE.name) };
         files.extend(pictures(FIGURE.name, &stem, &draw(published, &summary, training))?);
     }
     Ok(files)
@@ -49,7 +58,9 @@ fn runs<'a>(tracks: &'a [TrackRow], training: &str) -> Vec<Run<'a>> {
     let run = |policy| {
         let mut rows: Vec<&TrackRow> = trained
             .clone()
-            .filter(|row| row.seed == seed && row.policy == policy && row.sample.error_m.is_finite())
+            .filter(|row| {
+                row.seed == seed && row.policy == policy && row.sample.error_m.is_finite()
+            })
             .collect();
         rows.sort_by_key(|row| row.sample.step);
         Run { policy, rows }
@@ -70,10 +81,16 @@ fn markdown(summary: &[TrackSummaryRow]) -> String {
     let line = |group: &[TrackSummaryRow]| {
         let of = |value: fn(&TrackSummaryRow) -> f64| group.iter().map(value).collect::<Vec<f64>>();
         let with = |values: Vec<f64>, digits: usize| match interval_95(&values) {
-            Some([low, high]) => format!("{:.digits$} [{low:.digits$}, {high:.digits$}]", mean(&values)),
+            Some([low, high]) => {
+                format!("{:.digits$} [{low:.digits$}, {high:.digits$}]", mean(&values))
+            }
             None => format!("{:.digits$}", mean(&values)),
         };
-        let error = format!("{:.5}({:.5})", mean(&of(|row| row.mean_error_m)), mean(&of(|row| row.sd_error_m)));
+        let error = format!(
+            "{:.5}({:.5})",
+            mean(&of(|row| row.mean_error_m)),
+            mean(&of(|row| row.sd_error_m))
+        );
         vec![
             training_short(&group[0].training).to_owned(),
             policy_markdown(&group[0].policy).to_owned(),
@@ -83,11 +100,14 @@ fn markdown(summary: &[TrackSummaryRow]) -> String {
             with(of(|row| row.completion_time_s), 1),
         ]
     };
-    let groups = summary.chunk_by(|one, next| one.training == next.training && one.policy == next.policy);
-    let header = "Networks | Controller | Error, mean(SD) (m) | At the start (m) | Oscillation (mm) | Completion (s)";
+    let groups =
+        summary.chunk_by(|one, next| one.training == next.training && one.policy == next.policy);
+    let header = "Networks | Controller | Error, mean(SD) (m) | At the start (m) | Oscillation \
+                  (mm) | Completion (s)";
     format!(
-        "{}\nIn brackets after a number: 95 % interval of the mean over repetitions (Student’s t). Oscillation: median \
-         peak-to-peak of the error about its moving mean, windows of {:.0} s.\n",
+        "{}\nIn brackets after a number: 95 % interval of the mean over repetitions (Student’s t). \
+         Oscillation: median peak-to-peak of the error about its moving mean, windows of {:.0} \
+         s.\n",
         MarkdownTable::new(header, groups.map(line)).markdown(),
         super::summarise::OSCILLATION_WINDOW_S
     )
@@ -98,7 +118,10 @@ fn draw(published: &Published, summary: &[TrackSummaryRow], training: &str) -> C
     let series_top = 74.0 + PICTURE_PITCH[1] * runs.len().div_ceil(2).max(2) as f64;
     let high = series_top + (STRIP_HEIGHT + 12.0) * runs.len() as f64 + 40.0;
     let mut canvas = Canvas::new(PAGE_WIDTH, high.round());
-    canvas.text(Text::new(heading(training), [PAGE_WIDTH - 12.0, 18.0], SMALL, TextAlign::Right).colour(GREY));
+    canvas.text(
+        Text::new(heading(training), [PAGE_WIDTH - 12.0, 18.0], SMALL, TextAlign::Right)
+            .colour(GREY),
+    );
     target_path(&mut canvas, published, &runs);
     tracked(&mut canvas, &runs, series_top);
     series(&mut canvas, &runs, summary, series_top);
@@ -130,7 +153,10 @@ fn target_path(canvas: &mut Canvas, published: &Published, runs: &[Run]) {
     let (corner, size) = ([12.0, 52.0], [318.0, 274.0]);
     let everything = cloud.iter().chain(&targets).chain(&waypoints).copied().chain(tips);
     let view = View::of(everything, corner, size, 8.0);
-    canvas.text(Text::new("(a) target path in the workspace", [corner[0], 20.0], TEXT, TextAlign::Left).bold());
+    canvas.text(
+        Text::new("(a) target path in the workspace", [corner[0], 20.0], TEXT, TextAlign::Left)
+            .bold(),
+    );
     for point in &cloud {
         canvas.disc(view.at(*point), 1.2, CLOUD, 0.9);
     }
@@ -143,7 +169,10 @@ fn target_path(canvas: &mut Canvas, published: &Published, runs: &[Run]) {
     let points = format!("{} points", marked.len());
     let mut keys = vec![(LegendEntry::Line(INK, SOLID), "target path")];
     if !marked.is_empty() {
-        keys.push((LegendEntry::Marker(Marker::Circle, crate::report::style::VERMILION, false), points.as_str()));
+        keys.push((
+            LegendEntry::Marker(Marker::Circle, crate::report::style::VERMILION, false),
+            points.as_str(),
+        ));
     }
     if !cloud.is_empty() {
         keys.push((LegendEntry::Dot(CLOUD), "workspace"));
@@ -157,34 +186,47 @@ fn target_path(canvas: &mut Canvas, published: &Published, runs: &[Run]) {
 fn tracked(canvas: &mut Canvas, runs: &[Run], series_top: f64) {
     let left = 346.0;
     canvas.text(Text::new("(b) tracked paths", [left, 20.0], TEXT, TextAlign::Left).bold());
-    let tracked_points = runs.iter().flat_map(|run| run.rows.iter().flat_map(|row| [target(row), tip(row)]));
+    let tracked_points =
+        runs.iter().flat_map(|run| run.rows.iter().flat_map(|row| [target(row), tip(row)]));
     let size = [180.0, 150.0];
     let close = View::of(tracked_points, [0.0, 0.0], size, 6.0);
     for (index, run) in runs.iter().enumerate() {
-        let corner = [left + PICTURE_PITCH[0] * (index % 2) as f64, 52.0 + PICTURE_PITCH[1] * (index / 2) as f64];
+        let corner = [
+            left + PICTURE_PITCH[0] * (index % 2) as f64,
+            52.0 + PICTURE_PITCH[1] * (index / 2) as f64,
+        ];
         let view = close.moved(corner, size);
-        let places =
-            |points: fn(&TrackRow) -> Point3| run.rows.iter().map(|row| view.at(points(row))).collect::<Vec<_>>();
+        let places = |points: fn(&TrackRow) -> Point3| {
+            run.rows.iter().map(|row| view.at(points(row))).collect::<Vec<_>>()
+        };
         let look = policy_look(run.policy);
         canvas.line(&places(target), 2.6, CLOUD, SOLID);
         canvas.line(&places(tip), 1.0, look.colour, SOLID);
         canvas.marker(places(tip)[0], look.marker, 3.2, look.colour, false);
         let name = policy_label(run.policy);
         canvas.text(
-            Text::new(name, [corner[0] + 2.0, corner[1] + 10.0], TEXT, TextAlign::Left).colour(look.colour).bold(),
+            Text::new(name, [corner[0] + 2.0, corner[1] + 10.0], TEXT, TextAlign::Left)
+                .colour(look.colour)
+                .bold(),
         );
     }
-    let keys = [(LegendEntry::Line(CLOUD, SOLID), "target"), (LegendEntry::Line(INK, SOLID), "tip (marker: start)")];
+    let keys = [
+        (LegendEntry::Line(CLOUD, SOLID), "target"),
+        (LegendEntry::Line(INK, SOLID), "tip (marker: start)"),
+    ];
     legend(canvas, [left, 38.0], PAGE_WIDTH, &keys);
     close.moved([left, 52.0], size).scale_bar(canvas, [PAGE_WIDTH - 80.0, series_top - 26.0], 0.05);
 }
 
 /// (c): error against time, one strip a policy, all to one scale.
 fn series(canvas: &mut Canvas, runs: &[Run], summary: &[TrackSummaryRow], top: f64) {
-    let title = Text::new("(c) tracking error over time", [LEFT_MARGIN - 44.0, top], TEXT, TextAlign::Left);
+    let title =
+        Text::new("(c) tracking error over time", [LEFT_MARGIN - 44.0, top], TEXT, TextAlign::Left);
     canvas.text(title.bold());
-    let keys =
-        [(LegendEntry::Line(GREY, DASHED), "mean over the run"), (LegendEntry::Line(INK, SOLID), "end of the run")];
+    let keys = [
+        (LegendEntry::Line(GREY, DASHED), "mean over the run"),
+        (LegendEntry::Line(INK, SOLID), "end of the run"),
+    ];
     legend(canvas, [LEFT_MARGIN + 170.0, top], PAGE_WIDTH, &keys);
     let rows = || runs.iter().flat_map(|run| &run.rows);
     let x = Axis::covering("time (s)", rows().map(|row| row.sample.time_s).chain([0.0]), 8);
@@ -201,15 +243,19 @@ fn series(canvas: &mut Canvas, runs: &[Run], summary: &[TrackSummaryRow], top: f
         strip(canvas, &panel, run, summary);
     }
     let middle = top + 12.0 + (STRIP_HEIGHT + 12.0) * runs.len() as f64 / 2.0;
-    canvas.text(Text::new("error (mm)", [LEFT_MARGIN - 34.0, middle], TEXT, TextAlign::Centre).upwards());
+    canvas.text(
+        Text::new("error (mm)", [LEFT_MARGIN - 34.0, middle], TEXT, TextAlign::Centre).upwards(),
+    );
 }
 
 fn strip(canvas: &mut Canvas, panel: &Panel, run: &Run, summary: &[TrackSummaryRow]) {
     let look = policy_look(run.policy);
     let first = run.rows[0];
-    let is_run =
-        |row: &&TrackSummaryRow| row.policy == first.policy && row.training == first.training && row.seed == first.seed;
-    let points: Vec<[f64; 2]> = run.rows.iter().map(|row| [row.sample.time_s, 1e3 * row.sample.error_m]).collect();
+    let is_run = |row: &&TrackSummaryRow| {
+        row.policy == first.policy && row.training == first.training && row.seed == first.seed
+    };
+    let points: Vec<[f64; 2]> =
+        run.rows.iter().map(|row| [row.sample.time_s, 1e3 * row.sample.error_m]).collect();
     panel.line(canvas, &points, look.colour, SOLID, 1.1);
     let right = panel.corner[0] + panel.size[0] + 10.0;
     let line = |number: f64| panel.corner[1] + 12.0 + 14.0 * number;
@@ -221,7 +267,11 @@ fn strip(canvas: &mut Canvas, panel: &Panel, run: &Run, summary: &[TrackSummaryR
     let end = row.completion_time_s;
     panel.line(canvas, &[[end, panel.y.low], [end, panel.y.high]], INK, SOLID, HAIR);
     let end_words = if row.status.is_ok() { format!("{end:.0} s") } else { row.status.to_string() };
-    let labels = [format!("mean {mean_mm:.1} mm"), format!("oscill. {:.1} mm", 1e3 * row.oscillation_m), end_words];
+    let labels = [
+        format!("mean {mean_mm:.1} mm"),
+        format!("oscill. {:.1} mm", 1e3 * row.oscillation_m),
+        end_words,
+    ];
     for (number, label) in labels.into_iter().enumerate() {
         canvas.text(Text::new(label, [right, line(number as f64 + 1.0)], SMALL, TextAlign::Left));
     }

@@ -1,5 +1,5 @@
-//! Values printed in the paper, for comparison with the results of this project. Wang & Rojas, "A Data-Efficient Model-Based Learning
-//! Framework for the Closed-Loop Control of Continuum Robots".
+//! Values printed in the paper, for comparison with the results of this project. Wang & Rojas, "A
+//! Data-Efficient Model-Based Learning Framework for the Closed-Loop Control of Continuum Robots".
 
 /// A mean and a standard deviation, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -10,8 +10,9 @@ pub struct PaperValue {
     pub sd_m: f64,
 }
 
-/// Table I, "Performance Comparison for Goal reaching for different policies": policy, mode, mean, standard deviation.
-/// The Gaussian process of A, B and C has 100 real points, π_real 10,000; the load is 20 g.
+/// Table I, "Performance Comparison for Goal reaching for different policies": policy, mode, mean,
+/// standard deviation. The Gaussian process of A, B and C has 100 real points, π_real 10,000; the
+/// load is 20 g.
 pub const TABLE_1: [(&str, &str, PaperValue); 11] = [
     ("a", "open", PaperValue { mean_m: 0.026_40, sd_m: 0.012_47 }),
     ("a", "closed", PaperValue { mean_m: 0.015_10, sd_m: 0.008_59 }),
@@ -33,5 +34,8 @@ pub const TABLE_1_REAL_POINTS: u64 = 10_000;
 
 /// Table I's entry for a policy and a mode.
 pub fn table_1(policy: &str, mode: &str) -> Option<PaperValue> {
-    TABLE_1.iter().find(|(row, column, _)| *row == policy && *column == mode).map(|(_, _, printed)| *printed)
+    TABLE_1
+        .iter()
+        .find(|(row, column, _)| *row == policy && *column == mode)
+        .map(|(_, _, printed)| *printed)
 }

@@ -18,28 +18,41 @@ pub(crate) fn trial_error(row: &TrialRow) -> SeedError {
     SeedError::of(row.seed, &row.status, row.error_m)
 }
 
-/// Goal-reaching trials, summarised by training, policy, mode and data sizes; in the order of Table I, sizes increasing.
-/// The paper's numbers are given for the sizes of Table I (100 points where a sweep includes it), or for the only size.
+/// Goal-reaching trials, summarised by training, policy, mode and data sizes; in the order of Table
+/// I, sizes increasing. The paper's numbers are given for the sizes of Table I (100 points where a
+/// sweep includes it), or for the only size.
 pub fn reach_summary(trials: &[TrialRow]) -> Vec<ReachSummaryRow> {
     let order = trainings(trials.iter().map(|row| row.training.as_str()));
     let sizes = |row: &TrialRow| {
-        let same_policy_and_mode =
-            trials.iter().filter(|other| other.cell.policy == row.cell.policy && other.cell.mode == row.cell.mode);
-        same_policy_and_mode.map(|other| (other.cell.gp_points, other.cell.real_points)).collect::<BTreeSet<_>>().len()
+        let same_policy_and_mode = trials.iter().filter(|other| {
+            other.cell.policy == row.cell.policy && other.cell.mode == row.cell.mode
+        });
+        same_policy_and_mode
+            .map(|other| (other.cell.gp_points, other.cell.real_points))
+            .collect::<BTreeSet<_>>()
+            .len()
     };
-    let cells = summarise_cells(trials, |row| (rank(&order, &row.training), policy_first(&row.cell)), trial_error);
+    let cells = summarise_cells(
+        trials,
+        |row| (rank(&order, &row.training), policy_first(&row.cell)),
+        trial_error,
+    );
     cells.iter().map(|cell| reach_cell(cell, sizes(cell.rows[0]) == 1)).collect()
 }
 
 /// One cell; `only`: its policy and mode have a single size.
 fn reach_cell(cell: &CellErrors<TrialRow>, only: bool) -> ReachSummaryRow {
-    let spreads: Vec<f64> = cell.errors_m.values().map(|errors| standard_deviation(errors)).collect();
+    let spreads: Vec<f64> =
+        cell.errors_m.values().map(|errors| standard_deviation(errors)).collect();
     let [low_95_m, high_95_m] = cell.interval_95_m();
     let TrialRow { training, cell: label, .. } = cell.rows[0];
-    let size_of_paper =
-        label.gp_points == printed::TABLE_1_GP_POINTS || label.real_points == printed::TABLE_1_REAL_POINTS || only;
+    let size_of_paper = label.gp_points == printed::TABLE_1_GP_POINTS
+        || label.real_points == printed::TABLE_1_REAL_POINTS
+        || only;
     let printed = printed::table_1(&label.policy, &label.mode).filter(|_| size_of_paper);
-    let over_trials = |value: fn(&TrialRow) -> f64| mean(&cell.good.iter().map(|row| value(row)).collect::<Vec<_>>());
+    let over_trials = |value: fn(&TrialRow) -> f64| {
+        mean(&cell.good.iter().map(|row| value(row)).collect::<Vec<_>>())
+    };
     ReachSummaryRow {
         training: training.clone(),
         cell: label.clone(),
@@ -70,12 +83,16 @@ pub fn track_summary(tracks: &[TrackRow]) -> Vec<TrackSummaryRow> {
 
 /// The error at the end of the first path point, which the robot reaches from home.
 fn start_error_m(rows: &[&TrackRow]) -> f64 {
-    rows.iter().rev().find(|row| row.sample.path_point == 0).map_or(f64::NAN, |row| row.sample.error_m)
+    rows.iter()
+        .rev()
+        .find(|row| row.sample.path_point == 0)
+        .map_or(f64::NAN, |row| row.sample.error_m)
 }
 
 fn track_run(mut rows: Vec<&TrackRow>) -> TrackSummaryRow {
     rows.sort_by_key(|row| row.sample.step);
-    let errors: Vec<f64> = rows.iter().map(|row| row.sample.error_m).filter(|error| error.is_finite()).collect();
+    let errors: Vec<f64> =
+        rows.iter().map(|row| row.sample.error_m).filter(|error| error.is_finite()).collect();
     let times: Vec<f64> = rows.iter().map(|row| row.sample.time_s).collect();
     let last_s = times.last().copied().unwrap_or(f64::NAN);
     let step_s = (last_s - times[0]) / (times.len() - 1).max(1) as f64;

@@ -1,23 +1,28 @@
-//! Table I: goal-reaching error of every policy in open loop, in closed loop and with a load, beside the paper's
-//! numbers; as Markdown, LaTeX, CSV and a picture.
+//! Table I: goal-reaching error of every policy in open loop, in closed loop and with a load,
+//! beside the paper's numbers; as Markdown, LaTeX, CSV and a picture.
 
 use super::printed;
 use super::summarise::reach_summary;
 use crate::policies;
 use crate::report::cells::MODES;
-use crate::report::drawing::{Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend, text_width};
+use crate::report::drawing::{
+    Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend, text_width,
+};
 use crate::report::order::trainings;
 use crate::report::page::markup::{MarkdownTable, latex};
 use crate::report::style::{
-    BLUE, Colour, GREEN, HAIR, HALF_CAP, INK, MARKER, Marker, ORANGE, PAGE_WIDTH, SMALL, policies_in_order,
-    policy_label, policy_latex, policy_markdown, training_label,
+    BLUE, Colour, GREEN, HAIR, HALF_CAP, INK, MARKER, Marker, ORANGE, PAGE_WIDTH, SMALL,
+    policies_in_order, policy_label, policy_latex, policy_markdown, training_label,
 };
 use crate::report::{Artifact, Figure, Published, ReportError, csv, text};
 use crate::rows::experiment::ReachSummaryRow;
 
 /// Registry entry.
-pub(super) const FIGURE: Figure =
-    Figure { name: "table1", about: "Table I: goal-reaching error of every policy, ours and the paper's", render };
+pub(super) const FIGURE: Figure = Figure {
+    name: "table1",
+    about: "Table I: goal-reaching error of every policy, ours and the paper's",
+    render,
+};
 
 const HEADINGS: [&str; 3] = ["Open-loop", "Closed-loop", "Closed-loop with load"];
 
@@ -57,40 +62,64 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
 
 /// A cell of the table averages over one size of data only.
 fn one_size(summary: &[ReachSummaryRow]) -> Result<(), ReportError> {
-    let cell = |row: &ReachSummaryRow| (row.training.clone(), row.cell.policy.clone(), row.cell.mode.clone());
-    let Some(pair) = summary.windows(2).find(|pair| cell(&pair[0]) == cell(&pair[1])) else { return Ok(()) };
+    let cell = |row: &ReachSummaryRow| {
+        (row.training.clone(), row.cell.policy.clone(), row.cell.mode.clone())
+    };
+    let Some(pair) = summary.windows(2).find(|pair| cell(&pair[0]) == cell(&pair[1])) else {
+        return Ok(());
+    };
     let size = |row: &ReachSummaryRow| format!("{} + {}", row.cell.gp_points, row.cell.real_points);
-    let found = format!("policy {} with {} and {} real points", pair[0].cell.policy, size(&pair[0]), size(&pair[1]));
+    let found = format!(
+        "policy {} with {} and {} real points",
+        pair[0].cell.policy,
+        size(&pair[0]),
+        size(&pair[1])
+    );
     Err(ReportError::Mixed { figure: FIGURE.name, found, expected: "size of data for a policy" })
 }
 
 fn sources<'a>(names: &[&'a str]) -> Vec<Source<'a>> {
     let looks = [(BLUE, Marker::Circle), (GREEN, Marker::Diamond), (ORANGE, Marker::Triangle)];
-    let paper = Source { label: "paper".to_owned(), colour: INK, marker: Marker::Square, training: None };
+    let paper =
+        Source { label: "paper".to_owned(), colour: INK, marker: Marker::Square, training: None };
     let ours = names.iter().enumerate().map(|(index, &name)| {
         let (colour, marker) = looks[index % looks.len()];
-        Source { label: format!("ours, {}", training_label(name)), colour, marker, training: Some(name) }
+        Source {
+            label: format!("ours, {}", training_label(name)),
+            colour,
+            marker,
+            training: Some(name),
+        }
     });
     std::iter::once(paper).chain(ours).collect()
 }
 
-fn entry(summary: &[ReachSummaryRow], source: &Source, policy: &str, mode: &str) -> Option<TableEntry> {
+fn entry(
+    summary: &[ReachSummaryRow],
+    source: &Source,
+    policy: &str,
+    mode: &str,
+) -> Option<TableEntry> {
     let Some(training) = source.training else {
         let printed = printed::table_1(policy, mode)?;
         return Some(TableEntry { mean_m: printed.mean_m, sd_m: printed.sd_m, interval_m: None });
     };
-    let cell = |row: &&ReachSummaryRow| row.training == training && row.cell.policy == policy && row.cell.mode == mode;
+    let cell = |row: &&ReachSummaryRow| {
+        row.training == training && row.cell.policy == policy && row.cell.mode == mode
+    };
     let row = summary.iter().find(cell).filter(|row| row.trials > 0)?;
     let interval_m = row.low_95_m.is_finite().then_some([row.low_95_m, row.high_95_m]);
     Some(TableEntry { mean_m: row.mean_m, sd_m: row.sd_m, interval_m })
 }
 
-/// `mean(SD)` in metres as the paper prints it; "N/A" where the policy does not run in that mode, a dash where it could
-/// and was not run.
+/// `mean(SD)` in metres as the paper prints it; "N/A" where the policy does not run in that mode, a
+/// dash where it could and was not run.
 fn printed(entry: Option<&TableEntry>, policy: &str, mode: &str) -> String {
     match entry {
         Some(entry) => format!("{}({})", decimals(entry.mean_m), decimals(entry.sd_m)),
-        None if mode == "open" && policies::find(policy).is_some_and(|entry| entry.closed_loop_only) => {
+        None if mode == "open"
+            && policies::find(policy).is_some_and(|entry| entry.closed_loop_only) =>
+        {
             "N/A".to_owned()
         }
         None => "–".to_owned(),
@@ -110,11 +139,15 @@ fn caption(summary: &[ReachSummaryRow]) -> String {
     let max_trials = summary.iter().map(|row| row.trials).max().unwrap_or(0);
     let failed: u64 = summary.iter().map(|row| row.failed).sum();
     let times = if seeds == 1 { "once" } else { &format!("{seeds} times") };
-    let failures =
-        if failed == 0 { String::new() } else { format!("; {failed} trials gave no error and are left out") };
+    let failures = if failed == 0 {
+        String::new()
+    } else {
+        format!("; {failed} trials gave no error and are left out")
+    };
     format!(
-        "Goal-reaching error in metres, mean(standard deviation over targets); the whole experiment, data and training \
-         included, was run {times}, {max_trials} trials a cell{failures}."
+        "Goal-reaching error in metres, mean(standard deviation over targets); the whole \
+         experiment, data and training included, was run {times}, {max_trials} trials a \
+         cell{failures}."
     )
 }
 
@@ -124,8 +157,10 @@ fn markdown(summary: &[ReachSummaryRow], sources: &[Source], shown: &[&str]) -> 
     grid.header.extend(HEADINGS.map(|heading| format!("{heading} (m)")));
     for &policy in shown {
         for (line, source) in sources.iter().enumerate() {
-            let name = if line == 0 { format!("**{}**", policy_markdown(policy)) } else { String::new() };
-            let cells = MODES.map(|mode| printed(entry(summary, source, policy, mode).as_ref(), policy, mode));
+            let name =
+                if line == 0 { format!("**{}**", policy_markdown(policy)) } else { String::new() };
+            let cells = MODES
+                .map(|mode| printed(entry(summary, source, policy, mode).as_ref(), policy, mode));
             grid.rows.push([name, source.label.clone()].into_iter().chain(cells).collect());
         }
     }
@@ -134,22 +169,31 @@ fn markdown(summary: &[ReachSummaryRow], sources: &[Source], shown: &[&str]) -> 
 
 fn tex(summary: &[ReachSummaryRow], sources: &[Source], shown: &[&str]) -> String {
     let mut out = String::from(
-        "% needs booktabs\n\\begin{table}\n\\caption{Performance comparison for goal reaching for different policies}\n\
-         \\begin{tabular*}{\\columnwidth}{@{\\extracolsep{\\fill}} l ccc}\n\\toprule\n\
-         Controller & \\multicolumn{3}{c}{Goal Reaching Error (m)} \\\\\n\\cmidrule{2-4}\n",
+        "% needs booktabs\n\\begin{table}\n\\caption{Performance comparison for goal reaching for \
+         different policies}\n\\begin{tabular*}{\\columnwidth}{@{\\extracolsep{\\fill}} l \
+         ccc}\n\\toprule\nController & \\multicolumn{3}{c}{Goal Reaching Error (m)} \
+         \\\\\n\\cmidrule{2-4}\n",
     );
     out.push_str(&format!(" & {} \\\\\n", HEADINGS.join(" & ")));
     for source in sources {
-        out.push_str(&format!("\\midrule\n\\multicolumn{{4}}{{l}}{{\\emph{{{}}}}} \\\\\n", latex(&source.label)));
+        out.push_str(&format!(
+            "\\midrule\n\\multicolumn{{4}}{{l}}{{\\emph{{{}}}}} \\\\\n",
+            latex(&source.label)
+        ));
         for &policy in shown {
             let name = policy_latex(policy);
-            let cells = MODES.map(|mode| printed(entry(summary, source, policy, mode).as_ref(), policy, mode));
+            let cells = MODES
+                .map(|mode| printed(entry(summary, source, policy, mode).as_ref(), policy, mode));
             out.push_str(&format!("{name} & {} \\\\\n", cells.join(" & ").replace('–', "--")));
         }
     }
     out.push_str("\\bottomrule\n\\end{tabular*}\n\n\\smallskip\\scriptsize\n");
     out.push_str(&latex(&caption(summary)));
-    for entry in shown.iter().filter_map(|policy| policies::find(policy)).filter(|entry| !entry.footnote.is_empty()) {
+    for entry in shown
+        .iter()
+        .filter_map(|policy| policies::find(policy))
+        .filter(|entry| !entry.footnote.is_empty())
+    {
         out.push_str(&format!(" {}: {}", entry.label.latex, entry.footnote));
     }
     out.push('\n');
@@ -157,8 +201,8 @@ fn tex(summary: &[ReachSummaryRow], sources: &[Source], shown: &[&str]) -> Strin
     out
 }
 
-/// Room of the panels, hundredths of an inch: where the last one ends, between two, beside the names of the policies, and
-/// least for these.
+/// Room of the panels, hundredths of an inch: where the last one ends, between two, beside the
+/// names of the policies, and least for these.
 const PANELS_RIGHT: f64 = 706.0;
 const PANEL_GAP: f64 = 30.0;
 const NAME_GAP: f64 = 14.0;
@@ -171,25 +215,36 @@ fn draw(summary: &[ReachSummaryRow], sources: &[Source], shown: &[&str]) -> Canv
     let keys: Vec<(LegendEntry, &str)> = sources
         .iter()
         .map(|source| {
-            (LegendEntry::Marker(source.marker, source.colour, source.training.is_none()), source.label.as_str())
+            (
+                LegendEntry::Marker(source.marker, source.colour, source.training.is_none()),
+                source.label.as_str(),
+            )
         })
         .collect();
     legend(&mut canvas, [52.0, 18.0], PAGE_WIDTH - 10.0, &keys);
     let entries: Vec<TableEntry> = MODES
         .iter()
         .flat_map(|mode| shown.iter().map(|policy| (*policy, *mode)))
-        .flat_map(|(policy, mode)| sources.iter().filter_map(move |source| entry(summary, source, policy, mode)))
+        .flat_map(|(policy, mode)| {
+            sources.iter().filter_map(move |source| entry(summary, source, policy, mode))
+        })
         .collect();
     let ends = entries.iter().flat_map(|entry| {
-        [entry.mean_m + entry.sd_m, entry.mean_m - entry.sd_m, entry.mean_m].map(|value| 1e3 * value)
+        [entry.mean_m + entry.sd_m, entry.mean_m - entry.sd_m, entry.mean_m]
+            .map(|value| 1e3 * value)
     });
     let x = Axis::covering("goal-reaching error (mm)", ends.chain([0.0]), 4);
-    let longest = shown.iter().map(|policy| text_width(policy_label(policy), SMALL, false)).fold(0.0, f64::max);
+    let longest = shown
+        .iter()
+        .map(|policy| text_width(policy_label(policy), SMALL, false))
+        .fold(0.0, f64::max);
     let left = (longest + NAME_GAP).max(MIN_LEFT_MARGIN);
     let wide = (PANELS_RIGHT - left - 2.0 * PANEL_GAP) / 3.0;
     for (place, (mode, heading)) in MODES.iter().zip(HEADINGS).enumerate() {
-        let names: Vec<String> = shown.iter().rev().map(|policy| policy_label(policy).to_owned()).collect();
-        let named = Axis { low: -0.5, high: shown.len() as f64 - 0.5, ..Axis::categories("", &names) };
+        let names: Vec<String> =
+            shown.iter().rev().map(|policy| policy_label(policy).to_owned()).collect();
+        let named =
+            Axis { low: -0.5, high: shown.len() as f64 - 0.5, ..Axis::categories("", &names) };
         let panel = canvas.panel(Panel {
             corner: [left + (wide + PANEL_GAP) * place as f64, 54.0],
             size: [wide, high],
@@ -199,9 +254,11 @@ fn draw(summary: &[ReachSummaryRow], sources: &[Source], shown: &[&str]) -> Canv
         });
         facet(&mut canvas, &panel, summary, sources, shown, mode);
     }
-    let note = "thin: ± 1 standard deviation over targets; thick: 95 % interval of the mean over repetitions";
+    let note = "thin: ± 1 standard deviation over targets; thick: 95 % interval of the mean over \
+                repetitions";
     canvas.text(
-        Text::new(note, [PAGE_WIDTH - 10.0, high + 106.0], SMALL, TextAlign::Right).colour(crate::report::style::GREY),
+        Text::new(note, [PAGE_WIDTH - 10.0, high + 106.0], SMALL, TextAlign::Right)
+            .colour(crate::report::style::GREY),
     );
     canvas
 }
@@ -228,7 +285,10 @@ fn facet(
             let Some(entry) = entry(summary, source, policy, mode) else {
                 let absent = printed(None, policy, mode);
                 let x = panel.corner[0] + 8.0;
-                canvas.text(Text::new(absent, [x, y + HALF_CAP * SMALL], SMALL, TextAlign::Left).colour(source.colour));
+                canvas.text(
+                    Text::new(absent, [x, y + HALF_CAP * SMALL], SMALL, TextAlign::Left)
+                        .colour(source.colour),
+                );
                 continue;
             };
             let place = |value_m: f64| [panel.at(1e3 * value_m, 0.0)[0], y];
@@ -239,7 +299,13 @@ fn facet(
             if let Some([low, high]) = entry.interval_m {
                 canvas.line(&[place(low), place(high)], 3.6, source.colour, &[]);
             }
-            canvas.marker(place(entry.mean_m), source.marker, MARKER, source.colour, source.training.is_none());
+            canvas.marker(
+                place(entry.mean_m),
+                source.marker,
+                MARKER,
+                source.colour,
+                source.training.is_none(),
+            );
         }
     }
 }

@@ -1,4 +1,5 @@
-//! Work-precision diagram: processor time over the error of the tip, one panel for each robot, one style for each simulator.
+//! Work-precision diagram: processor time over the error of the tip, one panel for each robot, one
+//! style for each simulator.
 
 use super::labels::{PEERS, ROBOTS};
 use crate::report::drawing::{Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend};
@@ -8,8 +9,11 @@ use crate::report::{Artifact, Figure, Published, ReportError, text};
 use crate::rows::experiment::PeerRow;
 
 /// Registry entry.
-pub(super) const FIGURE: Figure =
-    Figure { name: "peers", about: "Processor time against tip error, beside other simulators", render };
+pub(super) const FIGURE: Figure = Figure {
+    name: "peers",
+    about: "Processor time against tip error, beside other simulators",
+    render,
+};
 
 const PANEL_HEIGHT: f64 = 250.0;
 const LEFT_MARGIN: f64 = 58.0;
@@ -30,15 +34,22 @@ fn draw(rows: &[&PeerRow]) -> Canvas {
     let robots = distinct(rows.iter().map(|row| row.robot.as_str()));
     let mut canvas = Canvas::new(PAGE_WIDTH, 378.0);
     let key = |peer| (LegendEntry::Plain(PEERS.look(peer)), PEERS.label(peer));
-    let mut keys: Vec<_> = PEERS.sorted(rows.iter().map(|row| row.peer.as_str())).into_iter().map(key).collect();
+    let mut keys: Vec<_> =
+        PEERS.sorted(rows.iter().map(|row| row.peer.as_str())).into_iter().map(key).collect();
     keys.push((LegendEntry::Line(GREY, DASHED), "real time"));
     let below = legend(&mut canvas, [LEFT_MARGIN, 18.0], PAGE_WIDTH - 12.0, &keys);
-    let y =
-        Axis::decades("processor time (ms per simulated s)", rows.iter().map(|row| 1e3 * row.cpu_s_per_s).chain([1e3]));
+    let y = Axis::decades(
+        "processor time (ms per simulated s)",
+        rows.iter().map(|row| 1e3 * row.cpu_s_per_s).chain([1e3]),
+    );
     let wide = (PAGE_WIDTH - LEFT_MARGIN - 14.0) / robots.len() as f64;
     for (index, robot) in robots.iter().enumerate() {
-        let of_robot: Vec<&PeerRow> = rows.iter().copied().filter(|row| row.robot == *robot).collect();
-        let x = Axis::decades("rms error of the tip (mm)", of_robot.iter().map(|row| 1e3 * row.rms_error_m));
+        let of_robot: Vec<&PeerRow> =
+            rows.iter().copied().filter(|row| row.robot == *robot).collect();
+        let x = Axis::decades(
+            "rms error of the tip (mm)",
+            of_robot.iter().map(|row| 1e3 * row.rms_error_m),
+        );
         let panel = canvas.panel(Panel {
             corner: [LEFT_MARGIN + wide * index as f64, below + 34.0],
             size: [wide - 30.0, PANEL_HEIGHT],
@@ -50,9 +61,16 @@ fn draw(rows: &[&PeerRow]) -> Canvas {
         panel.line(&mut canvas, &[[panel.x.low, 3.0], [panel.x.high, 3.0]], GREY, DASHED, HAIR);
         curves(&mut canvas, &panel, &of_robot);
     }
-    let note = "lower left is better; each line is one setting at different time steps, each simulator at several";
+    let note = "lower left is better; each line is one setting at different time steps, each \
+                simulator at several";
     canvas.text(
-        Text::new(note, [PAGE_WIDTH - 14.0, below + 34.0 + PANEL_HEIGHT + 44.0], SMALL, TextAlign::Right).colour(GREY),
+        Text::new(
+            note,
+            [PAGE_WIDTH - 14.0, below + 34.0 + PANEL_HEIGHT + 44.0],
+            SMALL,
+            TextAlign::Right,
+        )
+        .colour(GREY),
     );
     canvas
 }
@@ -66,8 +84,10 @@ fn curves(canvas: &mut Canvas, panel: &Panel, rows: &[&PeerRow]) {
         for one in distinct(kinds.iter().map(String::as_str)) {
             let mut line: Vec<&&PeerRow> = of_peer.iter().filter(|row| kind(row) == one).collect();
             line.sort_by(|a, b| a.dt_s.total_cmp(&b.dt_s));
-            let points: Vec<[f64; 2]> =
-                line.iter().map(|row| [(1e3 * row.rms_error_m).log10(), (1e3 * row.cpu_s_per_s).log10()]).collect();
+            let points: Vec<[f64; 2]> = line
+                .iter()
+                .map(|row| [(1e3 * row.rms_error_m).log10(), (1e3 * row.cpu_s_per_s).log10()])
+                .collect();
             panel.marked(canvas, &points, PEERS.look(peer), [0.7 * LINE, 0.85 * MARKER]);
         }
     }

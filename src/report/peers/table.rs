@@ -9,7 +9,8 @@ use crate::rows::experiment::PeerRow;
 /// Error limits of the columns, mm.
 const WANTED_MM: [f64; 4] = [10.0, 1.0, 0.1, 0.01];
 
-/// Tables in Markdown: for each robot and simulator the fastest setting within each error, and the static solves.
+/// Tables in Markdown: for each robot and simulator the fastest setting within each error, and the
+/// static solves.
 pub(crate) fn markdown(rows: &[PeerRow]) -> String {
     let mut text = String::new();
     dynamic_runs(&mut text, rows);
@@ -21,12 +22,20 @@ fn dynamic_runs(text: &mut String, rows: &[PeerRow]) {
     let heads: Vec<String> = WANTED_MM.iter().map(|mm| format!("≤ {mm} mm")).collect();
     let _ = writeln!(text, "| Robot | Simulator | {} | smallest error |", heads.join(" | "));
     let _ = writeln!(text, "| --- | --- |{} ---: |", " ---: |".repeat(heads.len()));
-    for robot in distinct(rows.iter().filter(|row| row.real_time_factor.is_finite()).map(|row| row.robot.as_str())) {
-        let of_robot: Vec<&PeerRow> =
-            rows.iter().filter(|row| row.robot == robot && row.real_time_factor.is_finite()).collect();
-        for (place, peer) in PEERS.sorted(of_robot.iter().map(|row| row.peer.as_str())).into_iter().enumerate() {
-            let of_peer: Vec<&PeerRow> = of_robot.iter().copied().filter(|row| row.peer == peer).collect();
-            let cells: Vec<String> = WANTED_MM.iter().map(|mm| fastest(&of_peer, 1e-3 * mm)).collect();
+    for robot in distinct(
+        rows.iter().filter(|row| row.real_time_factor.is_finite()).map(|row| row.robot.as_str()),
+    ) {
+        let of_robot: Vec<&PeerRow> = rows
+            .iter()
+            .filter(|row| row.robot == robot && row.real_time_factor.is_finite())
+            .collect();
+        for (place, peer) in
+            PEERS.sorted(of_robot.iter().map(|row| row.peer.as_str())).into_iter().enumerate()
+        {
+            let of_peer: Vec<&PeerRow> =
+                of_robot.iter().copied().filter(|row| row.peer == peer).collect();
+            let cells: Vec<String> =
+                WANTED_MM.iter().map(|mm| fastest(&of_peer, 1e-3 * mm)).collect();
             let best = of_peer
                 .iter()
                 .map(|row| row.rms_error_m)
@@ -44,18 +53,22 @@ fn dynamic_runs(text: &mut String, rows: &[PeerRow]) {
     }
     let _ = writeln!(
         text,
-        "\nSimulated time over processor time of the fastest setting whose rms tip error is within the column's \
-         (nodes or segments, time step); – where no setting that was tried is."
+        "\nSimulated time over processor time of the fastest setting whose rms tip error is within \
+         the column's (nodes or segments, time step); – where no setting that was tried is."
     );
 }
 
 /// Speed and setting of the fastest row within an error.
 fn fastest(rows: &[&PeerRow], error_m: f64) -> String {
     let within = rows.iter().filter(|row| row.rms_error_m <= error_m);
-    within.max_by(|a, b| a.real_time_factor.total_cmp(&b.real_time_factor)).map_or("–".to_owned(), |row| {
-        let [speed, nodes, step] = [row.real_time_factor, row.segments_or_nodes, 1e3 * row.dt_s].map(short);
-        format!("**{speed}** ({nodes}, {step} ms)")
-    })
+    within.max_by(|a, b| a.real_time_factor.total_cmp(&b.real_time_factor)).map_or(
+        "–".to_owned(),
+        |row| {
+            let [speed, nodes, step] =
+                [row.real_time_factor, row.segments_or_nodes, 1e3 * row.dt_s].map(short);
+            format!("**{speed}** ({nodes}, {step} ms)")
+        },
+    )
 }
 
 fn static_solves(text: &mut String, rows: &[PeerRow]) {
@@ -67,8 +80,14 @@ fn static_solves(text: &mut String, rows: &[PeerRow]) {
     let _ = writeln!(text, "\n| Static solve | from | nodes | time | tip off by |");
     let _ = writeln!(text, "| --- | --- | ---: | ---: | ---: |");
     for row in solves {
-        let [nodes, time, error] = [row.segments_or_nodes, 1e6 * row.cpu_s_per_s, 1e6 * row.static_error_m].map(short);
-        let _ = writeln!(text, "| {} | {} | {nodes} | {time} µs | {error} µm |", PEERS.label(&row.peer), row.setting);
+        let [nodes, time, error] =
+            [row.segments_or_nodes, 1e6 * row.cpu_s_per_s, 1e6 * row.static_error_m].map(short);
+        let _ = writeln!(
+            text,
+            "| {} | {} | {nodes} | {time} µs | {error} µm |",
+            PEERS.label(&row.peer),
+            row.setting
+        );
     }
 }
 
@@ -79,5 +98,9 @@ fn short(value: f64) -> String {
     }
     let digits = (2 - value.abs().log10().floor() as i32).clamp(0, 9) as usize;
     let text = format!("{value:.digits$}");
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
+    }
 }

@@ -1,4 +1,5 @@
-//! Which values of a swept field make a difference: each against the field's first value, repetition by repetition.
+//! Which values of a swept field make a difference: each against the field's first value,
+//! repetition by repetition.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -15,17 +16,27 @@ pub struct SweptPoint {
     pub cells: Vec<SweepCell>,
 }
 
-/// The comparisons of every point with the point that differs from it in one field alone, which has its first value there:
-/// Student's t-test of the differences, paired by seed, and Holm's correction over all comparisons of one field and task but
-/// those without any difference: a policy that does not use a field is no test of it. With each goes the index of its point. `fields` are names and values. Fewer than two common repetitions give none.
-pub fn comparisons(fields: &[(String, Vec<String>)], points: &[SweptPoint]) -> Vec<(usize, ComparisonRow)> {
-    let at: HashMap<&[usize], &SweptPoint> = points.iter().map(|point| (point.values.as_slice(), point)).collect();
+/// The comparisons of every point with the point that differs from it in one field alone, which has
+/// its first value there: Student's t-test of the differences, paired by seed, and Holm's
+/// correction over all comparisons of one field and task but those without any difference: a policy
+/// that does not use a field is no test of it. With each goes the index of its point. `fields` are
+/// names and values. Fewer than two common repetitions give none.
+pub fn comparisons(
+    fields: &[(String, Vec<String>)],
+    points: &[SweptPoint],
+) -> Vec<(usize, ComparisonRow)> {
+    let at: HashMap<&[usize], &SweptPoint> =
+        points.iter().map(|point| (point.values.as_slice(), point)).collect();
     let mut rows = Vec::new();
     for (index, point) in points.iter().enumerate() {
-        for (field, (name, values)) in fields.iter().enumerate().filter(|(field, _)| point.values[*field] > 0) {
+        for (field, (name, values)) in
+            fields.iter().enumerate().filter(|(field, _)| point.values[*field] > 0)
+        {
             let mut first = point.values.clone();
             first[field] = 0;
-            let (Some(reference), Some(label)) = (at.get(first.as_slice()), values.first()) else { continue };
+            let (Some(reference), Some(label)) = (at.get(first.as_slice()), values.first()) else {
+                continue;
+            };
             let row = |(cell, reference)| Some((index, compared(cell, reference, name, label)?));
             rows.extend(pairs(point, reference).filter_map(row));
         }
@@ -34,9 +45,13 @@ pub fn comparisons(fields: &[(String, Vec<String>)], points: &[SweptPoint]) -> V
     rows
 }
 
-/// The cells of a point, each with the one of the reference that has the same task, training, policy and mode. Sizes may be
-/// what is swept: cells that differ in them alone are paired by their order.
-fn pairs<'a>(point: &'a SweptPoint, reference: &'a SweptPoint) -> impl Iterator<Item = (&'a SweepCell, &'a SweepCell)> {
+/// The cells of a point, each with the one of the reference that has the same task, training,
+/// policy and mode. Sizes may be what is swept: cells that differ in them alone are paired by their
+/// order.
+fn pairs<'a>(
+    point: &'a SweptPoint,
+    reference: &'a SweptPoint,
+) -> impl Iterator<Item = (&'a SweepCell, &'a SweepCell)> {
     let key = |cell: &SweepCell| {
         let row = &cell.row;
         (row.task.clone(), row.training.clone(), row.cell.policy.clone(), row.cell.mode.clone())
@@ -45,18 +60,33 @@ fn pairs<'a>(point: &'a SweptPoint, reference: &'a SweptPoint) -> impl Iterator<
     for cell in reference.cells.iter().rev() {
         reference_cells.entry(key(cell)).or_default().push(cell);
     }
-    point.cells.iter().filter_map(move |cell| Some((cell, reference_cells.get_mut(&key(cell))?.pop()?)))
+    point
+        .cells
+        .iter()
+        .filter_map(move |cell| Some((cell, reference_cells.get_mut(&key(cell))?.pop()?)))
 }
 
-fn compared(cell: &SweepCell, reference: &SweepCell, field: &str, label: &str) -> Option<ComparisonRow> {
-    let paired = cell.seed_means_m.iter().filter_map(|(seed, ours)| Some(ours - reference.seed_means_m.get(seed)?));
+fn compared(
+    cell: &SweepCell,
+    reference: &SweepCell,
+    field: &str,
+    label: &str,
+) -> Option<ComparisonRow> {
+    let paired = cell
+        .seed_means_m
+        .iter()
+        .filter_map(|(seed, ours)| Some(ours - reference.seed_means_m.get(seed)?));
     let differences_m: Vec<f64> = paired.collect();
     let freedom = differences_m.len().checked_sub(1).filter(|&freedom| freedom > 0)? as f64;
     let [low_95_m, high_95_m] = interval_95(&differences_m)?;
     let difference_m = mean(&differences_m);
     let standard_error_m = standard_deviation(&differences_m) / (differences_m.len() as f64).sqrt();
     // A field without influence gives the same bits.
-    let p = if difference_m == 0.0 { 1.0 } else { student_beyond(difference_m / standard_error_m, freedom) };
+    let p = if difference_m == 0.0 {
+        1.0
+    } else {
+        student_beyond(difference_m / standard_error_m, freedom)
+    };
     let row = &cell.row;
     Some(ComparisonRow {
         field: field.to_owned(),
@@ -73,7 +103,8 @@ fn compared(cell: &SweepCell, reference: &SweepCell, field: &str, label: &str) -
     })
 }
 
-/// Fills in the corrected p-values, field by field and task by task. Equal bits stay out of the family.
+/// Fills in the corrected p-values, field by field and task by task. Equal bits stay out of the
+/// family.
 fn correct(rows: &mut [(usize, ComparisonRow)]) {
     let mut families: BTreeMap<(String, String), Vec<usize>> = BTreeMap::new();
     for (place, (_, row)) in rows.iter_mut().enumerate() {
@@ -101,7 +132,12 @@ mod tests {
         let row = SweepRow {
             task: "reach".into(),
             training: "paper".into(),
-            cell: CellLabel { policy: policy.into(), mode: "open".into(), gp_points, real_points: 0 },
+            cell: CellLabel {
+                policy: policy.into(),
+                mode: "open".into(),
+                gp_points,
+                real_points: 0,
+            },
             mean_m: mean(seed_means_m),
             sd_over_seeds_m: f64::NAN,
             low_95_m: f64::NAN,
@@ -117,12 +153,15 @@ mod tests {
         (name.into(), values.iter().map(|&value| value.into()).collect())
     }
 
-    /// Numbers of the t-test by hand: differences 1, 2, 3 have mean 2, standard error 1/√3, t = 2√3 with 2 degrees of freedom.
+    /// Numbers of the t-test by hand: differences 1, 2, 3 have mean 2, standard error 1/√3, t = 2√3
+    /// with 2 degrees of freedom.
     #[test]
     fn differences_are_paired_by_repetition_and_corrected() {
         let fields = [swept("kernel", &["one", "two", "three"])];
-        let point =
-            |value: usize, means: &[f64]| SweptPoint { values: vec![value], cells: vec![cell("a", 100, means)] };
+        let point = |value: usize, means: &[f64]| SweptPoint {
+            values: vec![value],
+            cells: vec![cell("a", 100, means)],
+        };
         let points = [
             point(0, &[1.0, 5.0, 9.0]),
             point(1, &[2.0, 7.0, 12.0]),
@@ -133,7 +172,10 @@ mod tests {
         assert_eq!(rows.iter().map(|(point, _)| *point).collect::<Vec<_>>(), [1, 2, 3]);
         let row = &rows[0].1;
         assert!((row.difference_m - 2.0).abs() < 1e-12 && row.reference == "one", "{row:?}");
-        assert!((row.p - 0.074_179_9).abs() < 1e-6 && (row.p_holm - 2.0 * row.p).abs() < 1e-12, "{row:?}");
+        assert!(
+            (row.p - 0.074_179_9).abs() < 1e-6 && (row.p_holm - 2.0 * row.p).abs() < 1e-12,
+            "{row:?}"
+        );
         assert_eq!((rows[1].1.p, rows[1].1.p_holm), (1.0, 1.0));
         assert_eq!((rows[2].1.p, rows[2].1.p_holm), (1.0, 1.0), "the same bits are no test");
     }
@@ -152,9 +194,14 @@ mod tests {
             point([1, 1], 20, &[1.0, 1.5]),
         ];
         let rows = comparisons(&fields, &points);
-        let told: Vec<(usize, &str, f64)> =
-            rows.iter().map(|(point, row)| (*point, row.field.as_str(), row.difference_m)).collect();
+        let told: Vec<(usize, &str, f64)> = rows
+            .iter()
+            .map(|(point, row)| (*point, row.field.as_str(), row.difference_m))
+            .collect();
         // One repetition of policy b says nothing.
-        assert_eq!(told, [(1, "points", -1.25), (2, "kernel", 2.5), (3, "kernel", -1.0), (3, "points", -4.75)]);
+        assert_eq!(
+            told,
+            [(1, "points", -1.25), (2, "kernel", 2.5), (3, "kernel", -1.0), (3, "points", -4.75)]
+        );
     }
 }

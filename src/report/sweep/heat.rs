@@ -1,15 +1,17 @@
-//! Two swept fields: a heat map for each kind of training, mode and policy, each from its smallest to its largest value: what
-//! differs between modes would hide what differs within one.
+//! Two swept fields: a heat map for each kind of training, mode and policy, each from its smallest
+//! to its largest value: what differs between modes would hide what differs within one.
 
 use super::field::SweptAxis;
 use super::{SweepEntry, series_label, sized, training_heading};
 use crate::report::drawing::{Canvas, CanvasPoint, Text, TextAlign, text_width};
 use crate::report::order::{distinct, trainings};
 use crate::report::style::{
-    Colour, GREY, HAIR, HALF_CAP, INK, PAGE_WIDTH, SMALL, TALL, TEXT, WHITE, capitalised, heading, mode_title,
+    Colour, GREY, HAIR, HALF_CAP, INK, PAGE_WIDTH, SMALL, TALL, TEXT, WHITE, capitalised, heading,
+    mode_title,
 };
 
-/// Light to dark, so that a grey print keeps the order; ColorBrewer's YlOrBr, safe for colour-blind readers.
+/// Light to dark, so that a grey print keeps the order; ColorBrewer's YlOrBr, safe for colour-blind
+/// readers.
 const SHADES: [Colour; 6] =
     [[255, 250, 232], [254, 227, 145], [254, 175, 67], [224, 106, 19], [153, 52, 4], [84, 20, 0]];
 /// Smallest width of a cell that holds a number.
@@ -46,7 +48,11 @@ struct HeatMapLayout {
 }
 
 /// `blocks` are the values of a third field, each with its rows, or one block without a name.
-pub(super) fn draw(blocks: &[(String, Vec<&SweepEntry>)], [down, across]: [&SweptAxis; 2], measure: &str) -> Canvas {
+pub(super) fn draw(
+    blocks: &[(String, Vec<&SweepEntry>)],
+    [down, across]: [&SweptAxis; 2],
+    measure: &str,
+) -> Canvas {
     let layout = HeatMapLayout::new(down, across);
     let mut canvas = Canvas::new(PAGE_WIDTH, TALL);
     canvas.text(Text::new(capitalised(measure), [12.0, 18.0], TEXT, TextAlign::Left));
@@ -66,8 +72,8 @@ pub(super) fn draw(blocks: &[(String, Vec<&SweepEntry>)], [down, across]: [&Swep
     canvas
 }
 
-/// The maps of one kind of training below `top`; returns where they end. The names of the rows stand beside the first map of
-/// a line.
+/// The maps of one kind of training below `top`; returns where they end. The names of the rows
+/// stand beside the first map of a line.
 fn group(
     canvas: &mut Canvas,
     entries: &[&SweepEntry],
@@ -103,9 +109,11 @@ fn maps<'a>(entries: &[&'a SweepEntry<'a>], training: &str) -> Vec<HeatMap<'a>> 
         let of_mode: Vec<&'a SweepEntry<'a>> =
             of_training.iter().copied().filter(|entry| entry.row.cell.mode == mode).collect();
         for name in distinct(of_mode.iter().map(|entry| series_label(entry.row, sized))) {
-            let of_series = of_mode.iter().copied().filter(|entry| series_label(entry.row, sized) == name);
+            let of_series =
+                of_mode.iter().copied().filter(|entry| series_label(entry.row, sized) == name);
             let mode_words = mode_title(mode);
-            let title = if mode_words.is_empty() { name.clone() } else { format!("{name}, {mode_words}") };
+            let title =
+                if mode_words.is_empty() { name.clone() } else { format!("{name}, {mode_words}") };
             maps.push(HeatMap { title, entries: of_series.collect() });
         }
     }
@@ -120,7 +128,8 @@ fn paint(
     layout: &HeatMapLayout,
     corner: CanvasPoint,
 ) {
-    let means_mm = || map.entries.iter().map(|entry| 1e3 * entry.row.mean_m).filter(|value| value.is_finite());
+    let means_mm =
+        || map.entries.iter().map(|entry| 1e3 * entry.row.mean_m).filter(|value| value.is_finite());
     let scale = ColourScale {
         low_mm: means_mm().fold(f64::INFINITY, f64::min),
         high_mm: means_mm().fold(f64::NEG_INFINITY, f64::max),
@@ -131,7 +140,10 @@ fn paint(
     for entry in &map.entries {
         // The last two fields: what stands before them is the same in all of a block.
         let [.., at_down, at_across] = entry.at.as_slice() else { continue };
-        let [Some(row), Some(column)] = [down.index(Some(at_down)), across.index(Some(at_across))] else { continue };
+        let [Some(row), Some(column)] = [down.index(Some(at_down)), across.index(Some(at_across))]
+        else {
+            continue;
+        };
         let [x, y] = [corner[0] + wide * column as f64, corner[1] + high * row as f64];
         let value_mm = 1e3 * entry.row.mean_m;
         let (ground, ink) = shade(value_mm, scale);
@@ -148,7 +160,8 @@ fn paint(
         .iter()
         .map(|value| text_width(&across.shown(value, NAME_WIDTH), SMALL, false))
         .fold(0.0, f64::max);
-    let every = if across.is_number() { ((widest + 5.0) / wide).ceil().max(1.0) as usize } else { 1 };
+    let every =
+        if across.is_number() { ((widest + 5.0) / wide).ceil().max(1.0) as usize } else { 1 };
     for (column, value) in across.values.iter().enumerate().step_by(every) {
         let room = wide * every as f64 - 3.0;
         let x = corner[0] + wide * (column as f64 + 0.5);
@@ -172,7 +185,12 @@ fn rows(canvas: &mut Canvas, down: &SweptAxis, layout: &HeatMapLayout, corner: C
     let every = ((SMALL + 2.0) / high).ceil().max(1.0) as usize;
     for (row, value) in down.values.iter().enumerate().step_by(every) {
         let y = corner[1] + high * (row as f64 + 0.5) + HALF_CAP * SMALL;
-        canvas.text(Text::new(down.shown(value, NAME_WIDTH), [corner[0] - 5.0, y], SMALL, TextAlign::Right));
+        canvas.text(Text::new(
+            down.shown(value, NAME_WIDTH),
+            [corner[0] - 5.0, y],
+            SMALL,
+            TextAlign::Right,
+        ));
     }
     let height = high * down.values.len() as f64;
     let beside = [corner[0] - layout.names + TEXT, corner[1] + 0.5 * height];
@@ -224,16 +242,24 @@ impl HeatMapLayout {
             .map(|value| text_width(&down.shown(value, NAME_WIDTH), SMALL, false))
             .fold(0.0, f64::max);
         let names = widest + TEXT + 14.0;
-        let label_width =
-            across.values.iter().map(|value| text_width(&across.shown(value, NAME_WIDTH), SMALL, false) + 8.0);
+        let label_width = across
+            .values
+            .iter()
+            .map(|value| text_width(&across.shown(value, NAME_WIDTH), SMALL, false) + 8.0);
         let label_width = label_width.fold(MIN_NUMBER_WIDTH, f64::max);
         let free_width = PAGE_WIDTH - 24.0 - names;
         let wide = label_width.min(free_width / across.values.len() as f64);
         let high = MAX_CELL_HEIGHT.min(MAX_MAP_HEIGHT / down.values.len() as f64);
-        // Wide enough for a title such as "Gaussian process, closed loop with load", which may be longer than a map.
+        // Wide enough for a title such as "Gaussian process, closed loop with load", which may be
+        // longer than a map.
         let map = (wide * across.values.len() as f64).max(MIN_MAP_WIDTH) + 18.0;
         let columns = (((PAGE_WIDTH - 12.0 - names) / map).floor() as usize).max(1);
-        HeatMapLayout { names, cell: [wide, high], columns, pitch: [map, high * down.values.len() as f64 + 64.0] }
+        HeatMapLayout {
+            names,
+            cell: [wide, high],
+            columns,
+            pitch: [map, high * down.values.len() as f64 + 64.0],
+        }
     }
 }
 
@@ -244,9 +270,13 @@ mod tests {
     #[test]
     fn shades_grow_darker_and_numbers_on_them_are_read() {
         let scale = |low_mm, high_mm| ColourScale { low_mm, high_mm };
-        let shades: Vec<(Colour, Colour)> = (0..=100).map(|step| shade(f64::from(step), scale(0.0, 100.0))).collect();
-        assert!(shades.windows(2).all(|pair| contrast(pair[0].0, WHITE) < contrast(pair[1].0, WHITE)));
-        // On a ground halfway between white and ink neither stands out by more than the root of their own contrast.
+        let shades: Vec<(Colour, Colour)> =
+            (0..=100).map(|step| shade(f64::from(step), scale(0.0, 100.0))).collect();
+        assert!(
+            shades.windows(2).all(|pair| contrast(pair[0].0, WHITE) < contrast(pair[1].0, WHITE))
+        );
+        // On a ground halfway between white and ink neither stands out by more than the root of
+        // their own contrast.
         let min_contrast = contrast(WHITE, INK).sqrt() * 0.99;
         for (ground, ink) in shades {
             assert!(contrast(ground, ink) > min_contrast, "{ground:?}");

@@ -1,5 +1,5 @@
-//! The default figure of a sweep: lines of errors for one field, heat maps for two, and for each value of a third. One figure
-//! for each task with rows.
+//! The default figure of a sweep: lines of errors for one field, heat maps for two, and for each
+//! value of a third. One figure for each task with rows.
 
 pub(super) mod comparisons;
 mod field;
@@ -15,8 +15,11 @@ use field::SweptAxis;
 use std::collections::HashMap;
 
 /// Registry entry.
-pub(super) const FIGURE: Figure =
-    Figure { name: "sweep", about: "Error against one, two or three swept fields, for every policy and mode", render };
+pub(super) const FIGURE: Figure = Figure {
+    name: "sweep",
+    about: "Error against one, two or three swept fields, for every policy and mode",
+    render,
+};
 
 /// Tasks in the order of their figures, and the names of their errors.
 const TASKS: [(&str, &str); 4] = [
@@ -38,25 +41,43 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     FIGURE.needs("sweep.csv", swept.rows.is_empty() || swept.fields.is_empty())?;
     if swept.fields.len() > 3 {
         let found = format!("{} swept fields", swept.fields.len());
-        return Err(ReportError::Mixed { figure: FIGURE.name, found, expected: "to three of them" });
+        return Err(ReportError::Mixed {
+            figure: FIGURE.name,
+            found,
+            expected: "to three of them",
+        });
     }
-    let fields: Vec<SweptAxis> = swept.fields.iter().map(|(name, cells)| SweptAxis::new(name, cells)).collect();
-    let at = |row: usize| swept.fields.iter().filter_map(|(_, cells)| cells.get(row).map(String::as_str)).collect();
-    let entries: Vec<SweepEntry> =
-        swept.rows.iter().enumerate().map(|(index, row)| SweepEntry { at: at(index), row }).collect();
+    let fields: Vec<SweptAxis> =
+        swept.fields.iter().map(|(name, cells)| SweptAxis::new(name, cells)).collect();
+    let at = |row: usize| {
+        swept.fields.iter().filter_map(|(_, cells)| cells.get(row).map(String::as_str)).collect()
+    };
+    let entries: Vec<SweepEntry> = swept
+        .rows
+        .iter()
+        .enumerate()
+        .map(|(index, row)| SweepEntry { at: at(index), row })
+        .collect();
     let mut files = Vec::new();
     for (task, measure) in TASKS {
-        let of_task: Vec<&SweepEntry> = entries.iter().filter(|entry| entry.row.task == task).collect();
+        let of_task: Vec<&SweepEntry> =
+            entries.iter().filter(|entry| entry.row.task == task).collect();
         if of_task.is_empty() {
             continue;
         }
         let canvas: Canvas = match fields.as_slice() {
             [first, second] => heat::draw(&[(String::new(), of_task)], [first, second], measure),
-            [third, first, second] => heat::draw(&blocks(third, &of_task), [first, second], measure),
+            [third, first, second] => {
+                heat::draw(&blocks(third, &of_task), [first, second], measure)
+            }
             [first, ..] => lines::draw(&of_task, first, measure),
             [] => continue,
         };
-        let stem = if files.is_empty() { FIGURE.name.to_owned() } else { format!("{}_{task}", FIGURE.name) };
+        let stem = if files.is_empty() {
+            FIGURE.name.to_owned()
+        } else {
+            format!("{}_{task}", FIGURE.name)
+        };
         files.extend(pictures(FIGURE.name, &stem, &canvas)?);
     }
     FIGURE.needs("sweep.csv of a known task", files.is_empty())?;
@@ -64,10 +85,17 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
 }
 
 /// The rows of each value of the first field, with a heading.
-fn blocks<'a>(field: &SweptAxis, entries: &[&'a SweepEntry<'a>]) -> Vec<(String, Vec<&'a SweepEntry<'a>>)> {
+fn blocks<'a>(
+    field: &SweptAxis,
+    entries: &[&'a SweepEntry<'a>],
+) -> Vec<(String, Vec<&'a SweepEntry<'a>>)> {
     let block = |value: &String| {
-        let of_value = entries.iter().copied().filter(|entry| entry.at.first() == Some(&value.as_str()));
-        (format!("{} = {}", field.label(PAGE_WIDTH), field.shown(value, PAGE_WIDTH)), of_value.collect())
+        let of_value =
+            entries.iter().copied().filter(|entry| entry.at.first() == Some(&value.as_str()));
+        (
+            format!("{} = {}", field.label(PAGE_WIDTH), field.shown(value, PAGE_WIDTH)),
+            of_value.collect(),
+        )
     };
     field.values.iter().map(block).collect()
 }
@@ -77,7 +105,8 @@ fn training_heading(training: &str) -> String {
     if training == "any" { String::new() } else { training_label(training) }
 }
 
-/// Label of a line or a map within its training and mode: the policy, and its real points if it has several sizes.
+/// Label of a line or a map within its training and mode: the policy, and its real points if it has
+/// several sizes.
 fn series_label(row: &SweepRow, sized: bool) -> String {
     let points = row.cell.gp_points.max(row.cell.real_points);
     match (row.cell.policy.as_str(), sized) {
@@ -94,6 +123,7 @@ fn sized(entries: &[&SweepEntry]) -> bool {
     entries.iter().any(|entry| {
         let row = entry.row;
         let sizes = (row.cell.gp_points, row.cell.real_points);
-        *first.entry((&entry.at, &row.training, &row.cell.policy, &row.cell.mode)).or_insert(sizes) != sizes
+        *first.entry((&entry.at, &row.training, &row.cell.policy, &row.cell.mode)).or_insert(sizes)
+            != sizes
     })
 }

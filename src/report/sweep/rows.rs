@@ -39,26 +39,39 @@ struct SweptError<'a> {
 
 /// Goal reaching at one point.
 pub fn reach_sweep(trials: &[TrialRow]) -> Vec<SweepCell> {
-    summarised("reach", trials.iter().map(|row| swept(&row.training, row.cell.clone(), trial_error(row))).collect())
+    summarised(
+        "reach",
+        trials.iter().map(|row| swept(&row.training, row.cell.clone(), trial_error(row))).collect(),
+    )
 }
 
 /// Trials of fixed duration at one point: the error of the true tip at their end.
 pub fn response_sweep(responses: &[ResponseRow]) -> Vec<SweepCell> {
     let error = |row: &ResponseRow| SeedError::of(row.seed, &row.status, row.error_end_m);
-    summarised("response", responses.iter().map(|row| swept(&row.training, row.cell.clone(), error(row))).collect())
+    summarised(
+        "response",
+        responses.iter().map(|row| swept(&row.training, row.cell.clone(), error(row))).collect(),
+    )
 }
 
 /// Path tracking at one point; `cell` gives mode and data sizes of a policy.
 pub fn track_sweep(runs: &[TrackSummaryRow], cell: impl Fn(&str) -> CellLabel) -> Vec<SweepCell> {
     let error = |row: &TrackSummaryRow| SeedError::of(row.seed, &row.status, row.mean_error_m);
-    summarised("track", runs.iter().map(|row| swept(&row.training, cell(&row.policy), error(row))).collect())
+    summarised(
+        "track",
+        runs.iter().map(|row| swept(&row.training, cell(&row.policy), error(row))).collect(),
+    )
 }
 
 /// Gaussian processes at one point: no policy takes part.
 pub fn gp_sweep(gps: &[GpRow]) -> Vec<SweepCell> {
     let errors = gps.iter().map(|row| {
         let cell = CellLabel { gp_points: row.score.points, ..CellLabel::default() };
-        swept(&row.training, cell, SeedError::of(row.seed, &Outcome::Ok, row.score.cross_validation_mae_m))
+        swept(
+            &row.training,
+            cell,
+            SeedError::of(row.seed, &Outcome::Ok, row.score.cross_validation_mae_m),
+        )
     });
     summarised("gp", errors.collect())
 }
@@ -70,7 +83,11 @@ fn swept(training: &str, cell: CellLabel, error: SeedError) -> SweptError<'_> {
 fn summarised(task: &str, errors: Vec<SweptError>) -> Vec<SweepCell> {
     let order = trainings(errors.iter().map(|swept| swept.training));
     let key = |swept: &SweptError| rank(&order, swept.training);
-    let cells = summarise_cells(&errors, |swept| (key(swept), policy_first(&swept.cell)), |swept| swept.error);
+    let cells = summarise_cells(
+        &errors,
+        |swept| (key(swept), policy_first(&swept.cell)),
+        |swept| swept.error,
+    );
     let row = |cell: &CellErrors<SweptError>| {
         let seed_means_m = cell.seed_means_m();
         let means: Vec<f64> = seed_means_m.values().copied().collect();

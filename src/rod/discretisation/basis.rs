@@ -1,5 +1,6 @@
-//! The polynomials of the internal wrench at all Gauss points at once: fields are six rows of numbers, one a wrench
-//! component, over the Gauss points, so that inner loops run over contiguous memory.
+//! The polynomials of the internal wrench at all Gauss points at once: fields are six rows of
+//! numbers, one a wrench component, over the Gauss points, so that inner loops run over contiguous
+//! memory.
 
 use std::ops::Range;
 
@@ -58,23 +59,32 @@ impl Basis {
         }
     }
 
-    /// Adds the Galerkin projection of a field: its sum over the Gauss points times each polynomial.
+    /// Adds the Galerkin projection of a field: its sum over the Gauss points times each
+    /// polynomial.
     #[inline(always)]
     pub(crate) fn test(&self, field: &[f64], out: &mut [f64]) {
         for element in &self.elements {
             for c in 0..COMPONENTS {
                 let values = &field[c * self.points..][element.points.clone()];
                 for j in 0..self.modes[c] {
-                    out[element.offset[c] + j] += dot(values, &self.rows[j * self.points..][element.points.clone()]);
+                    out[element.offset[c] + j] +=
+                        dot(values, &self.rows[j * self.points..][element.points.clone()]);
                 }
             }
         }
     }
 
-    /// Adds the sums over the Gauss points of `weights` times the polynomials of components `row` and `column` to the
-    /// block of a square matrix that belongs to them.
+    /// Adds the sums over the Gauss points of `weights` times the polynomials of components `row`
+    /// and `column` to the block of a square matrix that belongs to them.
     #[inline(always)]
-    pub(crate) fn test_pair(&self, weights: &[f64], row: usize, column: usize, matrix: &mut [f64], size: usize) {
+    pub(crate) fn test_pair(
+        &self,
+        weights: &[f64],
+        row: usize,
+        column: usize,
+        matrix: &mut [f64],
+        size: usize,
+    ) {
         for element in &self.elements {
             let weights = &weights[element.points.clone()];
             for i in 0..self.modes[row] {

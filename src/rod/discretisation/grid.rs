@@ -8,18 +8,20 @@ use crate::rod::params::rod_params::RodParams;
 use crate::rod::params::span::Span;
 use crate::rod::params::tendon::Tendon;
 
-/// Element ends closer than this are merged, metres: a jump within so short a piece is treated as smooth …
+/// Element ends closer than this are merged, metres: a jump within so short a piece is treated as
+/// smooth …
 const SAME_END_M: f64 = 1e-6;
 /// … but at most this share of the length.
 const SAME_END_SHARE: f64 = 1e-4;
-/// Cell ends closer than this are merged, metres: they differ by rounding only. Merging ends 0.8 µm apart moved a tip by
-/// 15 µm (docs/robustness.md).
+/// Cell ends closer than this are merged, metres: they differ by rounding only. Merging ends 0.8 µm
+/// apart moved a tip by 15 µm (docs/robustness.md).
 const SAME_PLACE_M: f64 = 1e-10;
 
 /// The discretisation of one rod.
 #[derive(Clone, Debug)]
 pub(crate) struct Grid {
-    /// Lengths of the integration cells, metres. No property jumps inside one unless cells are blended.
+    /// Lengths of the integration cells, metres. No property jumps inside one unless cells are
+    /// blended.
     pub(crate) cell_lengths_m: Vec<f64>,
     /// Two per cell.
     pub(crate) nodes: Vec<Node>,
@@ -36,31 +38,38 @@ pub(crate) struct Grid {
 }
 
 impl Grid {
-    /// Divides the rod at masses and, unless cells are blended, at jumps of its properties, then to the requested
-    /// resolution. The internal wrench is one polynomial per component between the points where it may jump: tendon
-    /// ends, kinks of tendon paths and loads.
+    /// Divides the rod at masses and, unless cells are blended, at jumps of its properties, then to
+    /// the requested resolution. The internal wrench is one polynomial per component between the
+    /// points where it may jump: tendon ends, kinks of tendon paths and loads.
     pub(crate) fn new(params: &RodParams) -> Grid {
         let (elements, cuts) = (element_ends(params), cell_ends(params));
         let boundaries_m = subdivided(params, &elements, &cuts, &cuts);
         Grid::on(&params.resolution, boundaries_m, &elements)
     }
 
-    /// The grid of a slightly different rod `changed`, where this is the grid of `params`: the same cells and
-    /// polynomials, shifted. `None` when the two are not topologically equal, that is when parts were added or removed
-    /// or coincident points separated.
+    /// The grid of a slightly different rod `changed`, where this is the grid of `params`: the same
+    /// cells and polynomials, shifted. `None` when the two are not topologically equal, that is
+    /// when parts were added or removed or coincident points separated.
     pub(crate) fn moved(params: &RodParams, changed: &RodParams) -> Option<Grid> {
         let (elements, cuts) = (element_ends(params), cell_ends(params));
         let moved = moved_along(&cuts, &cell_cuts(params), &cell_cuts(changed), SAME_PLACE_M)?;
-        let ends = moved_along(&elements, &element_cuts(params), &element_cuts(changed), same_end_m(params))?;
+        let ends = moved_along(
+            &elements,
+            &element_cuts(params),
+            &element_cuts(changed),
+            same_end_m(params),
+        )?;
         let boundaries_m = subdivided(params, &elements, &cuts, &moved);
-        (params.resolution == changed.resolution).then(|| Grid::on(&params.resolution, boundaries_m, &ends))
+        (params.resolution == changed.resolution)
+            .then(|| Grid::on(&params.resolution, boundaries_m, &ends))
     }
 
     /// The same polynomials on twice as many cells.
     pub(crate) fn halved(&self, resolution: &Resolution) -> Grid {
         // The polynomials stay, so that both grids differ in quadrature alone.
         let pairs = self.boundaries_m.windows(2);
-        let mut boundaries_m: Vec<f64> = pairs.flat_map(|pair| [pair[0], 0.5 * (pair[0] + pair[1])]).collect();
+        let mut boundaries_m: Vec<f64> =
+            pairs.flat_map(|pair| [pair[0], 0.5 * (pair[0] + pair[1])]).collect();
         boundaries_m.extend(self.boundaries_m.last());
         Grid::on(resolution, boundaries_m, &self.elements_m)
     }
@@ -91,7 +100,8 @@ impl Grid {
             grid.cell_lengths_m.push(length);
             let middle = start + 0.5 * length;
             // The middle lies inside an element even where ends were merged.
-            let element = elements.iter().rposition(|&end| end < middle).unwrap_or(0).min(elements.len() - 2);
+            let element =
+                elements.iter().rposition(|&end| end < middle).unwrap_or(0).min(elements.len() - 2);
             let (low, high) = (elements[element], elements[element + 1]);
             for sign in [-1.0, 1.0] {
                 let position_m = middle + sign * GAUSS * length;
@@ -117,8 +127,8 @@ impl Grid {
         (0..self.boundaries_m.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
     }
 
-    /// ∫ from the start of a cell to its Gauss point `row` of the line through the values at both Gauss points: the
-    /// coefficients of the two-stage Gauss method.
+    /// ∫ from the start of a cell to its Gauss point `row` of the line through the values at both
+    /// Gauss points: the coefficients of the two-stage Gauss method.
     pub(crate) fn partial_weights(length_m: f64) -> [[f64; 2]; 2] {
         let quarter = 0.25 * length_m;
         let skewed = GAUSS * length_m;
@@ -127,8 +137,8 @@ impl Grid {
     }
 }
 
-/// Base, tip, ends and kinks of tendons, and loads, in a fixed order; also the jumps of the material when the
-/// resolution splits elements there.
+/// Base, tip, ends and kinks of tendons, and loads, in a fixed order; also the jumps of the
+/// material when the resolution splits elements there.
 fn element_cuts(params: &RodParams) -> Vec<f64> {
     let mut cuts = vec![0.0, params.length_m()];
     cuts.extend(params.tendons.iter().flat_map(Tendon::borders_m));
@@ -153,12 +163,22 @@ pub(crate) fn element_ends(params: &RodParams) -> Vec<f64> {
 /// Where stiffness, rest shape or spine change, and the lumped masses.
 fn material_jumps(params: &RodParams) -> Vec<f64> {
     let alike = |a: &Span, b: &Span| {
-        Span { end_m: a.end_m, mass_kg_m: a.mass_kg_m, spread_mass_kg_m: a.spread_mass_kg_m, ..b.clone() } == *a
+        Span {
+            end_m: a.end_m,
+            mass_kg_m: a.mass_kg_m,
+            spread_mass_kg_m: a.spread_mass_kg_m,
+            ..b.clone()
+        } == *a
     };
     let jumps = params.spans.windows(2).filter(|pair| !alike(&pair[0], &pair[1]));
     let mut places: Vec<f64> = jumps.map(|pair| pair[0].end_m).collect();
     places.extend(params.masses.iter().map(|mass| mass.position_m));
-    places.extend(params.sections.iter().flat_map(|section| [section.start_m, section.start_m + section.length_m]));
+    places.extend(
+        params
+            .sections
+            .iter()
+            .flat_map(|section| [section.start_m, section.start_m + section.length_m]),
+    );
     places
 }
 
@@ -180,36 +200,41 @@ fn cell_ends(params: &RodParams) -> Vec<f64> {
     sorted_unique(cell_cuts(params), params.length_m(), SAME_PLACE_M)
 }
 
-/// Ends of all cells: `places`, and between two of them as many cells as the resolution asks for between the same two
-/// of `cuts`.
+/// Ends of all cells: `places`, and between two of them as many cells as the resolution asks for
+/// between the same two of `cuts`.
 fn subdivided(params: &RodParams, elements: &[f64], cuts: &[f64], places: &[f64]) -> Vec<f64> {
     let resolution = &params.resolution;
     let mut ends = vec![0.0];
     for (window, place) in cuts.windows(2).zip(places.windows(2)) {
         let length = window[1] - window[0];
-        let element = elements.windows(2).find(|element| window[0] < element[1] - 0.5 * SAME_PLACE_M);
+        let element =
+            elements.windows(2).find(|element| window[0] < element[1] - 0.5 * SAME_PLACE_M);
         let share = element.map_or(1.0, |element| length / (element[1] - element[0]));
         // With too few Gauss points the polynomials of an element would be linearly dependent.
         let min_count = (share * resolution.min_cells() as f64 - 1e-9).ceil();
         // Rounding must not add a cell.
         let count = (length / resolution.cell_m - 1e-9).ceil().max(min_count).max(1.0) as usize;
-        ends.extend((1..=count).map(|k| place[0] + (place[1] - place[0]) * k as f64 / count as f64));
+        ends.extend(
+            (1..=count).map(|k| place[0] + (place[1] - place[0]) * k as f64 / count as f64),
+        );
     }
     ends
 }
 
-/// The shifted `places` when the cuts at each of them (within `same_m`) move from `from` to `to`. `None` when
-/// coincident cuts separate or the counts differ.
+/// The shifted `places` when the cuts at each of them (within `same_m`) move from `from` to `to`.
+/// `None` when coincident cuts separate or the counts differ.
 fn moved_along(places: &[f64], from: &[f64], to: &[f64], same_m: f64) -> Option<Vec<f64>> {
     if from.len() != to.len() {
         return None;
     }
     let moved = places.iter().map(|&place| {
-        let cuts_here = from.iter().zip(to).filter(|&(&cut, _)| (place..place + same_m).contains(&cut));
+        let cuts_here =
+            from.iter().zip(to).filter(|&(&cut, _)| (place..place + same_m).contains(&cut));
         let shifts: Vec<f64> = cuts_here.map(|(cut, target)| target - cut).collect();
         let first = *shifts.first()?;
         // Parts at one place must move as one, else a new cell would appear between them.
-        let together = shifts.iter().all(|shift| (shift - first).abs() <= 1e-4 * first.abs() + 1e-14);
+        let together =
+            shifts.iter().all(|shift| (shift - first).abs() <= 1e-4 * first.abs() + 1e-14);
         together.then_some(place + first)
     });
     let moved: Vec<f64> = moved.collect::<Option<_>>()?;

@@ -6,7 +6,8 @@ use crate::math::polynomial::legendre;
 use crate::rod::params::hysteresis_law::HistoryState;
 
 impl Grid {
-    /// Projects the coefficients of the grid `from` onto the polynomials of this one; copies the tensions.
+    /// Projects the coefficients of the grid `from` onto the polynomials of this one; copies the
+    /// tensions.
     pub(crate) fn transfer(&self, from: &Grid, source: &[f64], target: &mut [f64]) {
         target[..self.unknowns].fill(0.0);
         let mut basis = vec![0.0; from.modes.into_iter().max().unwrap_or(0)];
@@ -31,11 +32,19 @@ impl Grid {
         target[self.unknowns..].copy_from_slice(&source[from.unknowns..]);
     }
 
-    /// Interpolates histories from the Gauss points of `from` to those of this grid, linearly within each cell.
-    pub(crate) fn interpolate_histories(&self, from: &Grid, states: &[HistoryState]) -> Vec<HistoryState> {
+    /// Interpolates histories from the Gauss points of `from` to those of this grid, linearly
+    /// within each cell.
+    pub(crate) fn interpolate_histories(
+        &self,
+        from: &Grid,
+        states: &[HistoryState],
+    ) -> Vec<HistoryState> {
         let state = |position_m: f64| {
-            let cell =
-                from.boundaries_m.partition_point(|&end| end <= position_m).clamp(1, from.cell_lengths_m.len()) - 1;
+            let cell = from
+                .boundaries_m
+                .partition_point(|&end| end <= position_m)
+                .clamp(1, from.cell_lengths_m.len())
+                - 1;
             let [a, b] = [2 * cell, 2 * cell + 1];
             let (start, end) = (from.nodes[a].position_m, from.nodes[b].position_m);
             // Beyond the two Gauss points of a cell the line is extrapolated to its ends.

@@ -1,5 +1,6 @@
-//! Steps short enough for what grows. Where a rod is unstable, deviations grow as exp(λt), and an L-stable scheme damps
-//! them if its step is long against 1/λ: the rod would seem to rest where it would not stay.
+//! Steps short enough for what grows. Where a rod is unstable, deviations grow as exp(λt), and an
+//! L-stable scheme damps them if its step is long against 1/λ: the rod would seem to rest where it
+//! would not stay.
 
 use nalgebra::Vector3;
 
@@ -8,27 +9,33 @@ use crate::rod::stability::linearised_motion::Growth;
 use crate::rod::state::rod::{Drive, Rod};
 use crate::rod::state::step_size::FlutterLimit;
 
-/// Longest step times the rate of the fastest growth, and times the frequency where an oscillation grows.
+/// Longest step times the rate of the fastest growth, and times the frequency where an oscillation
+/// grows.
 const MAX_GROWTH_PER_STEP: f64 = 0.5;
 const MAX_ANGLE_PER_STEP: f64 = 0.2;
 /// Steps for which the eigenvalues of a growing oscillation serve.
 const FLUTTER_STEPS: u32 = 10;
-/// A derivative whose tangent exceeds this share of the elastic stiffness in all directions proves stability also at the
-/// states near its own at which it still serves as derivative.
+/// A derivative whose tangent exceeds this share of the elastic stiffness in all directions proves
+/// stability also at the states near its own at which it still serves as derivative.
 const SAFE_MARGIN: f64 = 0.15;
 
 impl Rod {
-    /// The longest step that growing deviations allow after the step of `h` seconds to `drives` that has just been solved,
-    /// as a share of `h`: infinite where none grow, below 1 if the step was too long.
+    /// The longest step that growing deviations allow after the step of `h` seconds to `drives`
+    /// that has just been solved, as a share of `h`: infinite where none grow, below 1 if the step
+    /// was too long.
     pub(crate) fn growth_step_ratio(&mut self, drives: &dyn Fn(f64) -> Vec<Drive>, h: f64) -> f64 {
-        // A derivative may serve the iteration and know nothing of a load that has come to push along the rod.
+        // A derivative may serve the iteration and know nothing of a load that has come to push
+        // along the rod.
         let knows_load = self.solver.differentiated_under == self.tip_load;
         // Cheapest proof first: most steps need no matrix.
-        let is_stable = self.is_below_buckling() || (knows_load && self.solver.is_stable_derivative(&self.state.taut));
+        let is_stable = self.is_below_buckling()
+            || (knows_load && self.solver.is_stable_derivative(&self.state.taut));
         let constraints = if is_stable { None } else { self.constraints(&drives(h)) };
         let step_ratio = match constraints {
             None => f64::INFINITY,
-            Some(constraints) if self.has_follower_loads() => self.step_ratio_of_eigenvalues(&constraints, h),
+            Some(constraints) if self.has_follower_loads() => {
+                self.step_ratio_of_eigenvalues(&constraints, h)
+            }
             Some(constraints) => self.step_ratio_of_energy(&constraints, h, knows_load),
         };
         if step_ratio == f64::INFINITY {
@@ -37,8 +44,14 @@ impl Rod {
         step_ratio
     }
 
-    /// The same where an energy decides; `knows_load`: whether the derivative is one under the present load.
-    fn step_ratio_of_energy(&mut self, constraints: &[TendonConstraint], h: f64, knows_load: bool) -> f64 {
+    /// The same where an energy decides; `knows_load`: whether the derivative is one under the
+    /// present load.
+    fn step_ratio_of_energy(
+        &mut self,
+        constraints: &[TendonConstraint],
+        h: f64,
+        knows_load: bool,
+    ) -> f64 {
         // 1. The derivative at hand, old as it may be, often shows a wide margin.
         if knows_load && self.tangent(constraints, 0.0).exceeds(SAFE_MARGIN) {
             self.solver.mark_derivative_stable(&self.state.taut);
@@ -68,7 +81,9 @@ impl Rod {
 
     /// The same under loads without a potential.
     fn step_ratio_of_eigenvalues(&mut self, constraints: &[TendonConstraint], h: f64) -> f64 {
-        if let Some(limit) = self.step_size.flutter.as_mut().filter(|limit| limit.remaining_steps > 0) {
+        if let Some(limit) =
+            self.step_size.flutter.as_mut().filter(|limit| limit.remaining_steps > 0)
+        {
             limit.remaining_steps -= 1;
             // Eigenvalues cost far more than a step, so a limit serves for several.
             return limit.longest_s / h;
@@ -84,7 +99,8 @@ impl Rod {
             }
         };
         let step_ratio = max_per_step / (rate * h);
-        self.step_size.flutter = Some(FlutterLimit { longest_s: max_per_step / rate, remaining_steps: FLUTTER_STEPS });
+        self.step_size.flutter =
+            Some(FlutterLimit { longest_s: max_per_step / rate, remaining_steps: FLUTTER_STEPS });
         if step_ratio >= 1.0 {
             let sideways = self.sideways();
             self.deviate_once(&sideways, rate);

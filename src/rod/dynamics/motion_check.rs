@@ -3,13 +3,13 @@
 use crate::rod::solver::status::SolveStatus;
 use crate::rod::state::rod::Rod;
 
-/// Estimated tip error, as a share of the length, beyond which a moving rod is under-resolved: there the waves that run
-/// along it are shorter than the polynomials (docs/robustness.md).
+/// Estimated tip error, as a share of the length, beyond which a moving rod is under-resolved:
+/// there the waves that run along it are shorter than the polynomials (docs/robustness.md).
 const MAX_ERROR_SHARE: f64 = 0.05;
 
 impl Rod {
-    /// Verifies the shape of a moving rod; its grid does not change. The viscous stiffness reduces the effect of an
-    /// imbalance.
+    /// Verifies the shape of a moving rod; its grid does not change. The viscous stiffness reduces
+    /// the effect of an imbalance.
     pub(crate) fn verify_motion(&mut self) -> SolveStatus {
         let stiffening = 1.0 + self.motion.rate * self.system.params.damping_time_s;
         let estimate = self.estimate();

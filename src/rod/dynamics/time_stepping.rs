@@ -26,13 +26,18 @@ impl Rod {
         self.advance_with(&|_| drives.to_vec(), duration_s)
     }
 
-    /// Moves the rod for `duration_s`. `drives` gives the drives at a time from now, seconds. Jumps of drive speed
-    /// should lie at the beginning or the end. Durations below a thousandth of the longest step are added up until they
-    /// make a step.
-    pub fn advance_with(&mut self, drives: &dyn Fn(f64) -> Vec<Drive>, duration_s: f64) -> SolveStatus {
+    /// Moves the rod for `duration_s`. `drives` gives the drives at a time from now, seconds. Jumps
+    /// of drive speed should lie at the beginning or the end. Durations below a thousandth of the
+    /// longest step are added up until they make a step.
+    pub fn advance_with(
+        &mut self,
+        drives: &dyn Fn(f64) -> Vec<Drive>,
+        duration_s: f64,
+    ) -> SolveStatus {
         let resolution = self.system.params.resolution;
         let owed_s = std::mem::take(&mut self.step_size.owed_s);
-        // The solver's error of position, which a step corrects, is one of velocity that is larger by 1/h.
+        // The solver's error of position, which a step corrects, is one of velocity that is larger
+        // by 1/h.
         if owed_s + duration_s < MIN_STEP_SHARE * resolution.time_step_s {
             self.step_size.owed_s = owed_s + duration_s;
             let is_command = self.constraints(&drives(duration_s)).is_some();
@@ -60,10 +65,15 @@ impl Rod {
         SolveStatus::Converged
     }
 
-    /// One time step of at most `h` seconds, shortened on failure or excessive error; returns its length as well.
+    /// One time step of at most `h` seconds, shortened on failure or excessive error; returns its
+    /// length as well.
     fn step(&mut self, drives: &dyn Fn(f64) -> Vec<Drive>, mut h: f64) -> (SolveStatus, f64) {
         let resolution = self.system.params.resolution;
-        let share = if resolution.motion_tolerance_m.is_finite() { MIN_STEP_SHARE } else { 0.5_f64.powi(MAX_HALVINGS) };
+        let share = if resolution.motion_tolerance_m.is_finite() {
+            MIN_STEP_SHARE
+        } else {
+            0.5_f64.powi(MAX_HALVINGS)
+        };
         let mut min_step_s = share * resolution.time_step_s;
         // Rounding must not forbid a step of the shortest length.
         let mut min_retry_s = 0.999 * min_step_s.min(h);
@@ -72,7 +82,8 @@ impl Rod {
         let status = loop {
             let status = self.try_step(drives, h, &before);
             // A failed solve shortens the step as an infinite error would.
-            let mut ratio = if status == SolveStatus::Converged { self.step_ratio(&before, h) } else { 0.0 };
+            let mut ratio =
+                if status == SolveStatus::Converged { self.step_ratio(&before, h) } else { 0.0 };
             // Stability is asked only of a step that is accurate, since it may cost a derivative.
             if ratio >= MIN_ACCEPTED_RATIO {
                 let growth_step_ratio = self.growth_step_ratio(drives, h);
@@ -84,12 +95,18 @@ impl Rod {
             }
             // At most halve: an error estimate beside a jump is far too large.
             let retry_s = h * ratio.clamp(0.5, MIN_ACCEPTED_RATIO);
-            if status == SolveStatus::BadCommand || ratio >= MIN_ACCEPTED_RATIO || retry_s < min_retry_s {
+            if status == SolveStatus::BadCommand
+                || ratio >= MIN_ACCEPTED_RATIO
+                || retry_s < min_retry_s
+            {
                 if status == SolveStatus::Converged {
                     // Keep the length near its optimum, since new LU factors cost more than the
                     // gain.
-                    let factor =
-                        if (1.0..MAX_KEPT_RATIO).contains(&ratio) { 1.0 } else { ratio.clamp(0.3, MAX_GROWTH) };
+                    let factor = if (1.0..MAX_KEPT_RATIO).contains(&ratio) {
+                        1.0
+                    } else {
+                        ratio.clamp(0.3, MAX_GROWTH)
+                    };
                     self.step_size.next_s = (h * factor).max(min_step_s);
                     self.finish_step(h);
                 } else {
@@ -123,12 +140,14 @@ impl Rod {
         SAFETY * (tolerance_m / self.step_error_m(start, h).max(1e-12)).cbrt()
     }
 
-    /// Estimate of the error that the step of `h` seconds just taken added to the position of the rod, metres.
+    /// Estimate of the error that the step of `h` seconds just taken added to the position of the
+    /// rod, metres.
     ///
-    /// The smaller of two estimates, neither of which is ever much too small: the deviation from the trapezoidal rule,
-    /// which is h³/12 times the third derivative for smooth motion; and the velocity difference between the first and
-    /// the last stage, which is insensitive to a jump of drive speed at the start of the step. The weights make the tip
-    /// error of the paper's robot under random commands about equal to the tolerance (`docs/rod.md`).
+    /// The smaller of two estimates, neither of which is ever much too small: the deviation from
+    /// the trapezoidal rule, which is h³/12 times the third derivative for smooth motion; and the
+    /// velocity difference between the first and the last stage, which is insensitive to a jump of
+    /// drive speed at the start of the step. The weights make the tip error of the paper's robot
+    /// under random commands about equal to the tolerance (`docs/rod.md`).
     fn step_error_m(&self, start: &RodState, h: f64) -> f64 {
         const TRAPEZOID_WEIGHT: f64 = 0.1;
         const SPREAD_WEIGHT: f64 = 0.02;
@@ -145,14 +164,21 @@ impl Rod {
         f64::min(TRAPEZOID_WEIGHT * missed.sqrt(), SPREAD_WEIGHT * h * spread.sqrt())
     }
 
-    fn try_step(&mut self, drives: &dyn Fn(f64) -> Vec<Drive>, h: f64, start: &RodState) -> SolveStatus {
+    fn try_step(
+        &mut self,
+        drives: &dyn Fn(f64) -> Vec<Drive>,
+        h: f64,
+        start: &RodState,
+    ) -> SolveStatus {
         let loads = self.full_loads();
         let allowed_m = self.system.params.resolution.motion_tolerance_m;
-        let tolerance_m = if allowed_m.is_finite() { STAGE_SHARE * allowed_m } else { STAGE_TOLERANCE_M };
+        let tolerance_m =
+            if allowed_m.is_finite() { STAGE_SHARE * allowed_m } else { STAGE_TOLERANCE_M };
         self.settled_under = None;
         self.log.iter_mut().for_each(|log| log.stages.clear());
         for i in 0..self.tableau.rows.len() {
-            let Some(constraints) = self.constraints(&drives(self.step_size.stage_times[i] * h)) else {
+            let Some(constraints) = self.constraints(&drives(self.step_size.stage_times[i] * h))
+            else {
                 return SolveStatus::BadCommand;
             };
             // Each stage ends at its own time and hence under its own commands.

@@ -1,11 +1,12 @@
-//! Analytic derivative of the discrete equations, K + rate·D + rate²·M. When the time step changes, only the sum and
-//! its factorisation are recomputed.
+//! Analytic derivative of the discrete equations, K + rate·D + rate²·M. When the time step changes,
+//! only the sum and its factorisation are recomputed.
 //!
-//! The wrench that a cross-section carries varies with the positions of the loads beyond it, δM = Σ (δp_k − δp) × f_k,
-//! and its components in the body with the orientation, δ(Rᵀ M) = Rᵀ (δM − δθ × M). Inertia is the Gram matrix of the
-//! displacements, M = Σ m_k δp_kᵀ δp_k.
+//! The wrench that a cross-section carries varies with the positions of the loads beyond it, δM = Σ
+//! (δp_k − δp) × f_k, and its components in the body with the orientation, δ(Rᵀ M) = Rᵀ (δM − δθ ×
+//! M). Inertia is the Gram matrix of the displacements, M = Σ m_k δp_kᵀ δp_k.
 //!
-//! What a change of shape does to the friction of tendons is left out: the iteration contracts without it.
+//! What a change of shape does to the friction of tendons is left out: the iteration contracts
+//! without it.
 
 use nalgebra::{DMatrix, Vector3};
 
@@ -24,9 +25,11 @@ pub(crate) struct Derivative {
     pub(crate) variation: ShapeVariation,
     /// Row-major K with the borders d balance / d tension and d length / d unknown.
     pub(crate) stiffness: Vec<f64>,
-    /// D and M: of the last derivative in motion, or of the last call of [`Derivative::update_rates`].
+    /// D and M: of the last derivative in motion, or of the last call of
+    /// [`Derivative::update_rates`].
     pub(crate) rates: RateMatrices,
-    /// Σ δp × f of all loads distal to a cell end, and the same including the rest of the cell distal to a Gauss point.
+    /// Σ δp × f of all loads distal to a cell end, and the same including the rest of the cell
+    /// distal to a Gauss point.
     beyond: VectorDerivative,
     moment: VectorDerivative,
     /// Σ δf and Σ p × δf + δm of the distal follower loads; `None` without any.
@@ -55,8 +58,8 @@ impl Derivative {
         }
     }
 
-    /// Derivative of the residual that [`RodEquations::evaluate`] has left in `workspace`. Viscosity and inertia are
-    /// omitted for a rod at rest.
+    /// Derivative of the residual that [`RodEquations::evaluate`] has left in `workspace`.
+    /// Viscosity and inertia are omitted for a rod at rest.
     pub(crate) fn update(
         &mut self,
         system: &RodEquations,
@@ -89,7 +92,11 @@ impl Derivative {
             }
             let half = 0.5 * system.grid.cell_lengths_m[c];
             for g in [2 * c, 2 * c + 1] {
-                self.beyond.add_cross(&self.variation.node_move[g], &workspace.loads.node_f[g], half);
+                self.beyond.add_cross(
+                    &self.variation.node_move[g],
+                    &workspace.loads.node_f[g],
+                    half,
+                );
             }
         }
         if !workspace.touches.is_empty() {
@@ -102,7 +109,11 @@ impl Derivative {
     }
 
     /// K + rate·D + rate²·M with the tendon rows that belong to the taut set of `conditions`.
-    pub(crate) fn matrix(&self, system: &RodEquations, conditions: &SolveConditions) -> DMatrix<f64> {
+    pub(crate) fn matrix(
+        &self,
+        system: &RodEquations,
+        conditions: &SolveConditions,
+    ) -> DMatrix<f64> {
         let (n, size) = (system.grid.unknowns, system.size());
         // Filled by columns; K is stored by rows, so this is its transpose until the end.
         let mut matrix = DMatrix::from_column_slice(size, size, &self.stiffness);
@@ -110,7 +121,10 @@ impl Derivative {
         if rate > 0.0 {
             for row in 0..n {
                 let column = &mut matrix.as_mut_slice()[row * size..row * size + n];
-                column.iter_mut().zip(self.rates.row(row)).for_each(|(k, (d, m))| *k += rate * (d + rate * m));
+                column
+                    .iter_mut()
+                    .zip(self.rates.row(row))
+                    .for_each(|(k, (d, m))| *k += rate * (d + rate * m));
             }
         }
         for (i, constraint) in conditions.constraints.iter().enumerate() {
@@ -125,11 +139,17 @@ impl Derivative {
     }
 
     /// D and M of a rod at rest, for the shape of the last derivative.
-    pub(crate) fn update_rates(&mut self, system: &RodEquations, conditions: &SolveConditions, workspace: &Workspace) {
+    pub(crate) fn update_rates(
+        &mut self,
+        system: &RodEquations,
+        conditions: &SolveConditions,
+        workspace: &Workspace,
+    ) {
         self.rates.update(system, conditions, workspace, &self.variation);
     }
 
-    /// First-order change of the path length of tendon `i` when the coefficients change by `step`, metres.
+    /// First-order change of the path length of tendon `i` when the coefficients change by `step`,
+    /// metres.
     pub(crate) fn length_change_m(&self, system: &RodEquations, i: usize, step: &[f64]) -> f64 {
         let row = (system.grid.unknowns + i) * system.size();
         self.stiffness[row..row + step.len()].iter().zip(step).map(|(a, b)| a * b).sum()
@@ -149,7 +169,12 @@ impl Derivative {
             self.beyond.add_cross(&self.variation.end_move[end], force, 1.0);
         }
         let Some([force, moment]) = &mut self.follower else { return };
-        for (_, load) in system.constant_loads.points.iter().filter(|(carrier, load)| *carrier == end && load.follows) {
+        for (_, load) in system
+            .constant_loads
+            .points
+            .iter()
+            .filter(|(carrier, load)| *carrier == end && load.follows)
+        {
             let (f, m) = load.in_world(&workspace.shape.end_r[end], conditions.loads.share);
             let turn = &self.variation.end_turn[end];
             force.add_cross(turn, &f, 1.0);
@@ -174,7 +199,13 @@ impl Derivative {
 
     /// Adds the rows of K that Gauss point `g` contributes to.
     #[inline(always)]
-    fn node_rows(&mut self, system: &RodEquations, g: usize, unknowns: &[f64], workspace: &Workspace) {
+    fn node_rows(
+        &mut self,
+        system: &RodEquations,
+        g: usize,
+        unknowns: &[f64],
+        workspace: &Workspace,
+    ) {
         let (turn, moved) = (&self.variation.node_turn[g], &self.variation.node_move[g]);
         // δM = Σ δp_k × f_k − δp × F: arms are measured from this cross-section.
         self.moment.add_cross(moved, &workspace.loads.force[g], -1.0);
@@ -205,16 +236,25 @@ impl Derivative {
         let back = workspace.shape.node_r[g].transpose();
         for axis in 0..3 {
             for k in 0..self.wrench_rows[0].len() {
-                let of = |t: &VectorDerivative| (0..3).map(|b| back[(axis, b)] * t.row(b)[k]).sum::<f64>();
+                let of = |t: &VectorDerivative| {
+                    (0..3).map(|b| back[(axis, b)] * t.row(b)[k]).sum::<f64>()
+                };
                 self.wrench_rows[axis][k] -= of(&about);
                 self.wrench_rows[axis + 3][k] -= of(force);
             }
         }
     }
 
-    /// Adds the derivative of elastic, history and tendon wrenches: local, through the strain alone.
+    /// Adds the derivative of elastic, history and tendon wrenches: local, through the strain
+    /// alone.
     #[inline(always)]
-    fn add_material(&mut self, system: &RodEquations, g: usize, unknowns: &[f64], workspace: &Workspace) {
+    fn add_material(
+        &mut self,
+        system: &RodEquations,
+        g: usize,
+        unknowns: &[f64],
+        workspace: &Workspace,
+    ) {
         let node = &system.grid.nodes[g];
         let stiffness = system.tendon_stiffness(g, &unknowns[system.grid.unknowns..], workspace);
         for component in 0..COMPONENTS {
@@ -231,7 +271,8 @@ impl Derivative {
                     change[row] += workspace.history_tangent[g][row][col] * strain[col];
                 }
             }
-            let columns = node.offset[component]..node.offset[component] + system.grid.modes[component];
+            let columns =
+                node.offset[component]..node.offset[component] + system.grid.modes[component];
             for (rows, value) in self.wrench_rows.iter_mut().zip(change) {
                 for (slot, basis) in rows[columns.clone()].iter_mut().zip(&node.basis) {
                     *slot += value * basis;
@@ -240,7 +281,8 @@ impl Derivative {
         }
     }
 
-    /// Multiplies with the compliance and the test polynomials and adds to the rows of this element.
+    /// Multiplies with the compliance and the test polynomials and adds to the rows of this
+    /// element.
     #[inline(always)]
     fn project_rows(&mut self, system: &RodEquations, g: usize, workspace: &Workspace) {
         let node = &system.grid.nodes[g];
@@ -267,15 +309,22 @@ impl Derivative {
         }
     }
 
-    /// d balance / d tension, and its transpose d length / d unknown (the two differ only where weights are held or the
-    /// tendon has friction).
+    /// d balance / d tension, and its transpose d length / d unknown (the two differ only where
+    /// weights are held or the tendon has friction).
     #[inline(always)]
-    fn tendon_border(&mut self, system: &RodEquations, conditions: &SolveConditions, workspace: &Workspace) {
+    fn tendon_border(
+        &mut self,
+        system: &RodEquations,
+        conditions: &SolveConditions,
+        workspace: &Workspace,
+    ) {
         let (n, size, points) = (system.grid.unknowns, system.size(), system.grid.basis.points);
         for (i, constraint) in conditions.constraints.iter().enumerate() {
             for (g, node) in system.grid.nodes.iter().enumerate() {
-                let strain = workspace.shape.compliance[g].apply(&system.tendon_wrench(g, i, workspace));
-                (0..COMPONENTS).for_each(|c| self.field[c * points + g] = node.weight_m * strain[c]);
+                let strain =
+                    workspace.shape.compliance[g].apply(&system.tendon_wrench(g, i, workspace));
+                (0..COMPONENTS)
+                    .for_each(|c| self.field[c * points + g] = node.weight_m * strain[c]);
             }
             self.border.fill(0.0);
             system.grid.basis.test(&self.field, &mut self.border);
@@ -283,8 +332,10 @@ impl Derivative {
             // Held weights or friction make the border unsymmetric.
             if workspace.weights_frozen || system.params.tendons[i].has_friction() {
                 for (g, node) in system.grid.nodes.iter().enumerate() {
-                    let strain = workspace.weighted_strain(g, &system.tendon_wrench(g, i, workspace));
-                    let weight_m = node.weight_m * workspace.tension_shares[g * system.params.tendons.len() + i];
+                    let strain =
+                        workspace.weighted_strain(g, &system.tendon_wrench(g, i, workspace));
+                    let weight_m = node.weight_m
+                        * workspace.tension_shares[g * system.params.tendons.len() + i];
                     (0..COMPONENTS).for_each(|c| self.field[c * points + g] = weight_m * strain[c]);
                 }
                 self.border.fill(0.0);

@@ -1,5 +1,5 @@
-//! External loads: weight, inertia, drag and tip load, summed from the tip towards the base to the wrench that each
-//! cross-section carries.
+//! External loads: weight, inertia, drag and tip load, summed from the tip towards the base to the
+//! wrench that each cross-section carries.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -45,7 +45,8 @@ impl Loads {
     pub(crate) fn update(&mut self, rod: &LoadedRod, shape: &Shape, conditions: &SolveConditions) {
         let (gravity, motion) = (conditions.loads.gravity_m_s2, conditions.motion);
         for (g, section) in rod.sections.iter().enumerate() {
-            let mut f = section.mass_kg_m * (gravity - motion.node_acceleration(g, &shape.node_p[g]));
+            let mut f =
+                section.mass_kg_m * (gravity - motion.node_acceleration(g, &shape.node_p[g]));
             if rod.params.drag_n_s2_m3 > 0.0 {
                 // Quadratic drag on each body axis (Till et al. 2019, eq. 5).
                 let body = shape.node_r[g].transpose() * motion.node_velocity(g, &shape.node_p[g]);
@@ -89,7 +90,8 @@ impl Loads {
         self.end_m[tip] += conditions.loads.tip.moment_nm;
     }
 
-    /// Transfers the wrench at the end of cell `c` (moment about that end) to its Gauss points and its start.
+    /// Transfers the wrench at the end of cell `c` (moment about that end) to its Gauss points and
+    /// its start.
     #[inline(always)]
     fn through_cell(
         &mut self,
@@ -146,7 +148,11 @@ pub(crate) struct ConstantLoads {
 
 impl ConstantLoads {
     pub(crate) fn new(params: &RodParams, grid: &Grid) -> ConstantLoads {
-        let points = params.point_loads.iter().map(|load| (grid.nearest_end(load.position_m), *load)).collect();
+        let points = params
+            .point_loads
+            .iter()
+            .map(|load| (grid.nearest_end(load.position_m), *load))
+            .collect();
         let mut line = Vec::new();
         if !params.line_loads.is_empty() {
             line = grid.nodes.iter().map(|node| line_force(params, node.position_m)).collect();
@@ -157,12 +163,14 @@ impl ConstantLoads {
 
 /// Sum of the line loads at `position_m`, N/m.
 fn line_force(params: &RodParams, position_m: f64) -> Vector3<f64> {
-    let acting = params.line_loads.iter().filter(|load| (load.start_m..load.end_m).contains(&position_m));
+    let acting =
+        params.line_loads.iter().filter(|load| (load.start_m..load.end_m).contains(&position_m));
     acting.map(|load| load.force_n_m).sum()
 }
 
 impl PointLoad {
-    /// Force and moment in the world frame on a cross-section at orientation `r`, at `share` of their value.
+    /// Force and moment in the world frame on a cross-section at orientation `r`, at `share` of
+    /// their value.
     pub(crate) fn in_world(&self, r: &Matrix3<f64>, share: f64) -> (Vector3<f64>, Vector3<f64>) {
         if self.follows {
             (r * self.force_n * share, r * self.moment_nm * share)

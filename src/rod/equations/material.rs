@@ -3,8 +3,8 @@
 use crate::rod::discretisation::cell::GAUSS;
 use crate::rod::params::rod_params::RodParams;
 
-/// Components in the body frame. Strains: curvature and twist u (rad/m), then v (shear, shear, stretch). Wrenches:
-/// moments, then forces.
+/// Components in the body frame. Strains: curvature and twist u (rad/m), then v (shear, shear,
+/// stretch). Wrenches: moments, then forces.
 pub(crate) type Components = [f64; 6];
 
 /// Compliances of the cross-section at one Gauss point.
@@ -34,7 +34,8 @@ pub(crate) struct Section {
     pub(crate) mass_kg_m: f64,
 }
 
-/// Derivative of the strains with respect to the wrench: two coupled bending axes, the rest diagonal.
+/// Derivative of the strains with respect to the wrench: two coupled bending axes, the rest
+/// diagonal.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Compliance {
     pub(crate) bend: [f64; 3],
@@ -66,10 +67,9 @@ impl Section {
         let (sin, cos) = span.principal_angle_rad.sin_cos();
         let [k1, k2] = span.bending_n_m2;
         let (c1, c2) = (1.0 / k1, 1.0 / k2);
-        let section = params
-            .sections
-            .iter()
-            .find(|section| (section.start_m..section.start_m + section.length_m).contains(&position_m));
+        let section = params.sections.iter().find(|section| {
+            (section.start_m..section.start_m + section.length_m).contains(&position_m)
+        });
         let spine = section.map_or(0.0, |section| section.compliance_m_per_n / section.length_m);
         let axial = 1.0 / span.axial_n;
         let bending = 0.5 * (k1 + k2);
@@ -78,7 +78,11 @@ impl Section {
             rest: span.rest_curvature_rad_m.into(),
             home: span.home_curvature_rad_m.into(),
             // Compliance tensor of the principal axes, turned by their angle.
-            bend: [c1 * cos * cos + c2 * sin * sin, (c1 - c2) * sin * cos, c1 * sin * sin + c2 * cos * cos],
+            bend: [
+                c1 * cos * cos + c2 * sin * sin,
+                (c1 - c2) * sin * cos,
+                c1 * sin * sin + c2 * cos * cos,
+            ],
             twist: 1.0 / span.torsion_n_m2,
             shear: 1.0 / span.shear_n,
             axial,
@@ -98,13 +102,14 @@ impl Section {
         }
     }
 
-    /// Strains under the elastic wrench `w` and their derivative. The spine shortens in proportion to the axial
-    /// compression (paper, eq. 14) up to the saturation force.
+    /// Strains under the elastic wrench `w` and their derivative. The spine shortens in proportion
+    /// to the axial compression (paper, eq. 14) up to the saturation force.
     #[inline(always)]
     pub(crate) fn strain(&self, w: &Components) -> (Components, Compliance) {
         let [a, b, c] = self.bend;
         let saturated = w[5] < -self.saturation_n;
-        let stretch = if self.spine == 0.0 { 0.0 } else { self.spine * w[5].max(-self.saturation_n) };
+        let stretch =
+            if self.spine == 0.0 { 0.0 } else { self.spine * w[5].max(-self.saturation_n) };
         let strain = [
             self.rest[0] + a * w[0] + b * w[1],
             self.rest[1] + b * w[0] + c * w[1],
@@ -115,14 +120,19 @@ impl Section {
         ];
         // A fully shortened spine gives way no further.
         let axial = self.axial + if saturated { 0.0 } else { self.spine };
-        (strain, Compliance { bend: self.bend, diagonal: [self.twist, self.shear, self.shear, axial] })
+        (
+            strain,
+            Compliance { bend: self.bend, diagonal: [self.twist, self.shear, self.shear, axial] },
+        )
     }
 
     /// Elastic energy per length under the wrench `w`, J/m (bending, twist, shear, stretch).
     pub(crate) fn energy_j_m(&self, w: &Components) -> f64 {
         let [a, b, c] = self.bend;
         let bend = a * w[0] * w[0] + 2.0 * b * w[0] * w[1] + c * w[1] * w[1];
-        let others = self.twist * w[2] * w[2] + self.shear * (w[3] * w[3] + w[4] * w[4]) + self.axial * w[5] * w[5];
+        let others = self.twist * w[2] * w[2]
+            + self.shear * (w[3] * w[3] + w[4] * w[4])
+            + self.axial * w[5] * w[5];
         let spine = if self.spine == 0.0 {
             0.0
         } else if w[5] < -self.saturation_n {
@@ -134,18 +144,21 @@ impl Section {
         0.5 * (bend + others + spine)
     }
 
-    /// The larger of the bending compliances about the principal axes and the torsional one, 1/(N m²).
+    /// The larger of the bending compliances about the principal axes and the torsional one, 1/(N
+    /// m²).
     pub(crate) fn max_turning_compliance(&self) -> f64 {
         let [a, b, c] = self.bend;
         (0.5 * (a + c) + (0.5 * (a - c)).hypot(b)).max(self.twist)
     }
 
-    /// Quadrature error of a cell of length `h` in which the spine begins to saturate, metres of stretch: the exact
-    /// integral of the law under an axial force linear between `a` and `b`, minus the two-point rule.
+    /// Quadrature error of a cell of length `h` in which the spine begins to saturate, metres of
+    /// stretch: the exact integral of the law under an axial force linear between `a` and `b`,
+    /// minus the two-point rule.
     pub(crate) fn kink_m(&self, a: f64, b: f64, h: f64) -> f64 {
         // The axial force is extrapolated from the Gauss points to the ends of the cell.
         let half = 0.5 / (2.0 * GAUSS) * (b - a).abs();
-        let (low, high) = (0.5 * (a + b) - half + self.saturation_n, 0.5 * (a + b) + half + self.saturation_n);
+        let (low, high) =
+            (0.5 * (a + b) - half + self.saturation_n, 0.5 * (a + b) + half + self.saturation_n);
         if self.spine == 0.0 || low >= 0.0 || high <= 0.0 {
             return 0.0;
         }

@@ -1,5 +1,6 @@
-//! Time discretisation: within one implicit stage velocities and accelerations are affine in the unknown positions
-//! (the semi-discretisation of Till et al. 2019, here for diagonally implicit Runge–Kutta stages).
+//! Time discretisation: within one implicit stage velocities and accelerations are affine in the
+//! unknown positions (the semi-discretisation of Till et al. 2019, here for diagonally implicit
+//! Runge–Kutta stages).
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -31,7 +32,8 @@ pub(crate) struct Motion {
     pub(crate) strain_v: Vec<Components>,
     /// Orientation of the masses at the start of the step.
     pub(crate) from_r: Vec<Matrix3<f64>>,
-    /// Angular velocity (body) = rate·log(from_rᵀ r) + this; zero for masses without rotary inertia.
+    /// Angular velocity (body) = rate·log(from_rᵀ r) + this; zero for masses without rotary
+    /// inertia.
     pub(crate) spin_v: Vec<Vector3<f64>>,
     /// Angular acceleration (body) = rate²·log(from_rᵀ r) + this.
     pub(crate) spin_a: Vec<Vector3<f64>>,

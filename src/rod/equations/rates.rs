@@ -49,12 +49,14 @@ impl RateMatrices {
         self.viscosity[row * n..][..n].iter().zip(&self.inertia[row * n..][..n])
     }
 
-    /// D: viscous wrenches are local and diagonal in the strains; only bending about the two axes is coupled.
+    /// D: viscous wrenches are local and diagonal in the strains; only bending about the two axes
+    /// is coupled.
     #[inline(always)]
     fn add_viscosity(&mut self, system: &RodEquations, workspace: &Workspace) {
         self.viscosity.fill(0.0);
         // Both off-diagonal bending entries count: principal axes may be turned.
-        const PAIRS: [(usize, usize); 8] = [(0, 0), (0, 1), (1, 0), (1, 1), (2, 2), (3, 3), (4, 4), (5, 5)];
+        const PAIRS: [(usize, usize); 8] =
+            [(0, 0), (0, 1), (1, 0), (1, 1), (2, 2), (3, 3), (4, 4), (5, 5)];
         for (row, column) in PAIRS {
             for (g, node) in system.grid.nodes.iter().enumerate() {
                 let strain = workspace.shape.compliance[g].column(column);
@@ -66,7 +68,13 @@ impl RateMatrices {
             if weights.iter().all(|weight| *weight == 0.0) {
                 continue;
             }
-            system.grid.basis.test_pair(weights, row, column, &mut self.viscosity, system.grid.unknowns);
+            system.grid.basis.test_pair(
+                weights,
+                row,
+                column,
+                &mut self.viscosity,
+                system.grid.unknowns,
+            );
         }
     }
 
@@ -84,17 +92,29 @@ impl RateMatrices {
         }
         for (g, node) in system.grid.nodes.iter().enumerate() {
             let r = &workspace.shape.node_r[g];
-            let velocity = r.tr_mul(&conditions.motion.node_velocity(g, &workspace.shape.node_p[g]));
+            let velocity =
+                r.tr_mul(&conditions.motion.node_velocity(g, &workspace.shape.node_p[g]));
             let damping = Matrix3::from_diagonal(&(velocity.abs() * (2.0 * drag * node.weight_m)));
             let n = system.grid.unknowns;
-            add_gram(&mut self.viscosity, n, n, &variation.node_move[g], &(r * damping * r.transpose()));
+            add_gram(
+                &mut self.viscosity,
+                n,
+                n,
+                &variation.node_move[g],
+                &(r * damping * r.transpose()),
+            );
         }
     }
 
-    /// M: the Gram matrix of all displacements, weighted by mass. Displacements are gathered by unknown, so that each
-    /// entry is one dot product.
+    /// M: the Gram matrix of all displacements, weighted by mass. Displacements are gathered by
+    /// unknown, so that each entry is one dot product.
     #[inline(always)]
-    fn add_inertia(&mut self, system: &RodEquations, workspace: &Workspace, variation: &ShapeVariation) {
+    fn add_inertia(
+        &mut self,
+        system: &RodEquations,
+        workspace: &Workspace,
+        variation: &ShapeVariation,
+    ) {
         let n = system.grid.unknowns;
         let length = self.gathered.len() / n.max(1);
         let mut next = 0;
@@ -104,7 +124,13 @@ impl RateMatrices {
             gather(&mut self.gathered, length, &mut next, &variation.node_move[g], root);
         }
         for mass in &system.masses {
-            gather(&mut self.gathered, length, &mut next, &variation.end_move[mass.end], mass.mass_kg.sqrt());
+            gather(
+                &mut self.gathered,
+                length,
+                &mut next,
+                &variation.end_move[mass.end],
+                mass.mass_kg.sqrt(),
+            );
         }
         for row in 0..n {
             let row_moves = &self.gathered[row * length..(row + 1) * length];
@@ -124,7 +150,8 @@ impl RateMatrices {
     }
 }
 
-/// Writes `factor` times a displacement to places `next`, `next + 1`, `next + 2` of every unknown's row.
+/// Writes `factor` times a displacement to places `next`, `next + 1`, `next + 2` of every unknown's
+/// row.
 #[inline(always)]
 fn gather(rows: &mut [f64], length: usize, next: &mut usize, from: &VectorDerivative, factor: f64) {
     for values in from.rows() {
@@ -136,8 +163,15 @@ fn gather(rows: &mut [f64], length: usize, next: &mut usize, from: &VectorDeriva
     }
 }
 
-/// Adds `directionᵀ weightᵀ direction` to the first `n` rows and columns of a row-major matrix with rows of `size`.
-pub(super) fn add_gram(out: &mut [f64], n: usize, size: usize, direction: &VectorDerivative, weight: &Matrix3<f64>) {
+/// Adds `directionᵀ weightᵀ direction` to the first `n` rows and columns of a row-major matrix with
+/// rows of `size`.
+pub(super) fn add_gram(
+    out: &mut [f64],
+    n: usize,
+    size: usize,
+    direction: &VectorDerivative,
+    weight: &Matrix3<f64>,
+) {
     let [x, y, z] = direction.rows().map(|row| &row[..n]);
     for i in 0..n {
         let w = weight * Vector3::new(x[i], y[i], z[i]);

@@ -1,5 +1,5 @@
-//! Forward kinematics: strains at the Gauss points from the internal wrench, then poses by one fourth-order Magnus step
-//! per cell.
+//! Forward kinematics: strains at the Gauss points from the internal wrench, then poses by one
+//! fourth-order Magnus step per cell.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -72,8 +72,8 @@ impl Shape {
         self.integrate(grid);
     }
 
-    /// Computes strains and poses from an arbitrary wrench at each Gauss point; the compliances stay. Cells in which
-    /// the spine begins to saturate get the exact length.
+    /// Computes strains and poses from an arbitrary wrench at each Gauss point; the compliances
+    /// stay. Cells in which the spine begins to saturate get the exact length.
     #[inline(always)]
     pub(crate) fn update_from(&mut self, grid: &Grid, sections: &[Section], wrench: &[Components]) {
         for (g, local) in wrench.iter().enumerate() {
@@ -103,8 +103,8 @@ impl Shape {
         }
     }
 
-    /// Rotation vectors from the start of cell `c` to its Gauss points and its end. For a linear curvature over a
-    /// length x they are ∫u + (x/h)³ √3 h²/12 u₁×u₂ (Magnus expansion).
+    /// Rotation vectors from the start of cell `c` to its Gauss points and its end. For a linear
+    /// curvature over a length x they are ∫u + (x/h)³ √3 h²/12 u₁×u₂ (Magnus expansion).
     #[inline(always)]
     fn read_turns(&mut self, c: usize, h: f64) {
         let u1 = Vector3::from_row_slice(&self.strain[2 * c][..3]);
@@ -113,13 +113,15 @@ impl Shape {
         let commutator = u1.cross(&u2) * (0.5 * GAUSS * h * h);
         let weights = Grid::partial_weights(h);
         for (row, share) in [(0, 0.5 - GAUSS), (1, 0.5 + GAUSS)] {
-            let turn = u1 * weights[row][0] + u2 * weights[row][1] + commutator * (share * share * share);
+            let turn =
+                u1 * weights[row][0] + u2 * weights[row][1] + commutator * (share * share * share);
             self.turns.set(3 * c + row, &turn);
         }
         self.turns.set(3 * c + 2, &((u1 + u2) * (0.5 * h) + commutator));
     }
 
-    /// Poses at the Gauss points and the end of cell `c`; positions use the same Gauss points as rotations.
+    /// Poses at the Gauss points and the end of cell `c`; positions use the same Gauss points as
+    /// rotations.
     #[inline(always)]
     fn advance(&mut self, c: usize, h: f64) {
         let (first, second) = (2 * c, 2 * c + 1);
@@ -136,9 +138,9 @@ impl Shape {
         self.end_p[c + 1] = p + (d1 + d2) * (0.5 * h);
     }
 
-    /// Position and orientation at `position_m` from the base, inside the cell that holds it: strains linear in the cell,
-    /// positions by two Gauss points from the start of the cell to the place. Of fourth order in the turn of the cell,
-    /// of third in how strains bend within it.
+    /// Position and orientation at `position_m` from the base, inside the cell that holds it:
+    /// strains linear in the cell, positions by two Gauss points from the start of the cell to the
+    /// place. Of fourth order in the turn of the cell, of third in how strains bend within it.
     pub(crate) fn pose_at(&self, grid: &Grid, position_m: f64) -> (Vector3<f64>, Matrix3<f64>) {
         let last = grid.cell_lengths_m.len() - 1;
         let c = grid.boundaries_m[1..=last].partition_point(|&end| end <= position_m);
@@ -147,10 +149,12 @@ impl Shape {
         let part = |g: usize, from: usize| Vector3::from_row_slice(&self.strain[g][from..from + 3]);
         let (u1, u2) = (part(2 * c, 0), part(2 * c + 1, 0));
         let rotation = |x: f64| {
-            // Integral from the start of the cell of the line through the values at its two Gauss points.
+            // Integral from the start of the cell of the line through the values at its two Gauss
+            // points.
             let skew = (x * x - x * h) / (4.0 * GAUSS * h);
             let commutator = u1.cross(&u2) * (0.5 * GAUSS * h * h * (x / h).powi(3));
-            self.end_r[c] * rotation::exp(&(u1 * (0.5 * x - skew) + u2 * (0.5 * x + skew) + commutator))
+            self.end_r[c]
+                * rotation::exp(&(u1 * (0.5 * x - skew) + u2 * (0.5 * x + skew) + commutator))
         };
         let tangent = |x: f64| {
             let second = (x / h - (0.5 - GAUSS)) / (2.0 * GAUSS);
@@ -171,7 +175,8 @@ impl Shape {
     }
 }
 
-/// Distance between the tips of two shapes, metres. A rotation counts as angle times the length of the rod.
+/// Distance between the tips of two shapes, metres. A rotation counts as angle times the length of
+/// the rod.
 pub(crate) fn distance_m(a: &Shape, b: &Shape, length_m: f64) -> f64 {
     let moved = (a.tip_m() - b.tip_m()).norm();
     let turned = (a.tip_rotation() - b.tip_rotation()).norm() * length_m;

@@ -1,5 +1,5 @@
-//! The discrete equations of a rod: balance of internal and external wrench, weighted with the strain of each
-//! polynomial (Galerkin), and one equation per tendon.
+//! The discrete equations of a rod: balance of internal and external wrench, weighted with the
+//! strain of each polynomial (Galerkin), and one equation per tendon.
 
 use nalgebra::{DVector, Vector3};
 
@@ -51,7 +51,8 @@ pub(crate) struct Workspace {
     pub(crate) touches: Vec<Touch>,
     /// For each Gauss point and tendon: unit tangent (0 past the tendon's end).
     pub(crate) tangents: Vec<Vector3<f64>>,
-    /// For each Gauss point and tendon: length per backbone length (0 past the tendon's end), and one over it.
+    /// For each Gauss point and tendon: length per backbone length (0 past the tendon's end), and
+    /// one over it.
     pub(crate) stretches: Vec<f64>,
     inverse_stretches: Vec<f64>,
     /// For each Gauss point and tendon: tension as a share of that at the drive.
@@ -68,8 +69,8 @@ pub(crate) struct Workspace {
     pub(crate) imbalance: Vec<Components>,
     /// Axial compliance that weights the balance at each Gauss point, 1/N.
     pub(crate) axial_weight: Vec<f64>,
-    /// Whether these weights are frozen. They jump where the spine saturates; with a wrench that is not a polynomial,
-    /// the equations could otherwise alternate without a solution.
+    /// Whether these weights are frozen. They jump where the spine saturates; with a wrench that is
+    /// not a polynomial, the equations could otherwise alternate without a solution.
     pub(crate) weights_frozen: bool,
     /// Equations of balance, then one a tendon.
     pub(crate) residual: Vec<f64>,
@@ -115,15 +116,22 @@ impl RodEquations {
                 let columns = node.offset[c]..node.offset[c] + grid.modes[c];
                 scales[columns.clone()].iter_mut().for_each(|slot| *slot = slot.max(scale * lever));
                 let squares = node.basis.iter().map(|basis| node.weight_m * scale * basis * basis);
-                elastic_diagonal[columns].iter_mut().zip(squares).for_each(|(slot, square)| *slot += square);
+                elastic_diagonal[columns]
+                    .iter_mut()
+                    .zip(squares)
+                    .for_each(|(slot, square)| *slot += square);
             }
         }
-        let guides_at =
-            |node: &Node| params.tendons.iter().map(|tendon| tendon.guide(node.position_m)).collect::<Vec<_>>();
+        let guides_at = |node: &Node| {
+            params.tendons.iter().map(|tendon| tendon.guide(node.position_m)).collect::<Vec<_>>()
+        };
         let guides: Vec<TendonGuide> = grid.nodes.iter().flat_map(guides_at).collect();
-        let home_lengths_m =
-            (0..params.tendons.len()).map(|i| home_length_m(&params.tendons, &grid, &sections, &guides, i)).collect();
-        let reach_m_per_n = (0..params.tendons.len()).map(|i| reach_m_per_n(&params, &sections, &guides, i)).collect();
+        let home_lengths_m = (0..params.tendons.len())
+            .map(|i| home_length_m(&params.tendons, &grid, &sections, &guides, i))
+            .collect();
+        let reach_m_per_n = (0..params.tendons.len())
+            .map(|i| reach_m_per_n(&params, &sections, &guides, i))
+            .collect();
         let constant_loads = ConstantLoads::new(&params, &grid);
         let contact_points = ContactPoint::all(&params, &grid);
         RodEquations {
@@ -170,27 +178,50 @@ impl RodEquations {
 
     /// Virgin histories.
     pub(crate) fn virgin_histories(&self) -> Vec<Vec<HistoryState>> {
-        self.params.moment_laws.iter().map(|_| vec![HistoryState::default(); self.grid.nodes.len()]).collect()
+        self.params
+            .moment_laws
+            .iter()
+            .map(|_| vec![HistoryState::default(); self.grid.nodes.len()])
+            .collect()
     }
 
     /// Evaluates the equations at `unknowns`.
-    pub(crate) fn evaluate(&self, unknowns: &[f64], conditions: &SolveConditions, workspace: &mut Workspace) {
+    pub(crate) fn evaluate(
+        &self,
+        unknowns: &[f64],
+        conditions: &SolveConditions,
+        workspace: &mut Workspace,
+    ) {
         vectorised!(self.evaluate_all(unknowns, conditions, workspace));
     }
 
     #[inline(always)]
-    fn evaluate_all(&self, unknowns: &[f64], conditions: &SolveConditions, workspace: &mut Workspace) {
+    fn evaluate_all(
+        &self,
+        unknowns: &[f64],
+        conditions: &SolveConditions,
+        workspace: &mut Workspace,
+    ) {
         workspace.shape.update(&self.grid, &self.sections, &unknowns[..self.grid.unknowns]);
         if !workspace.weights_frozen {
             let axial = workspace.shape.compliance.iter().map(|compliance| compliance.diagonal[3]);
-            workspace.axial_weight.iter_mut().zip(axial).for_each(|(weight, compliance)| *weight = compliance);
+            workspace
+                .axial_weight
+                .iter_mut()
+                .zip(axial)
+                .for_each(|(weight, compliance)| *weight = compliance);
         }
         self.balance(unknowns, conditions, workspace);
     }
 
     /// Evaluates the equations for the shape and the weights in `workspace`.
     #[inline(always)]
-    pub(crate) fn balance(&self, unknowns: &[f64], conditions: &SolveConditions, workspace: &mut Workspace) {
+    pub(crate) fn balance(
+        &self,
+        unknowns: &[f64],
+        conditions: &SolveConditions,
+        workspace: &mut Workspace,
+    ) {
         let tensions = &unknowns[self.grid.unknowns..];
         // Order: tension shares need the paths, loads need the contacts.
         self.update_tendons(workspace);
@@ -211,7 +242,8 @@ impl RodEquations {
         for (g, node) in self.grid.nodes.iter().enumerate() {
             let imbalance = self.imbalance(g, tensions, conditions, workspace);
             let strain = workspace.weighted_strain(g, &imbalance);
-            (0..COMPONENTS).for_each(|c| workspace.field[c * points + g] = node.weight_m * strain[c]);
+            (0..COMPONENTS)
+                .for_each(|c| workspace.field[c * points + g] = node.weight_m * strain[c]);
             workspace.imbalance[g] = imbalance;
         }
         self.grid.basis.test(&workspace.field, &mut workspace.residual);
@@ -227,7 +259,8 @@ impl RodEquations {
         }
     }
 
-    /// Excess length of tendon `i` over what its drive and its own stretch allow, metres; negative when slack.
+    /// Excess length of tendon `i` over what its drive and its own stretch allow, metres; negative
+    /// when slack.
     pub(crate) fn overstretch_m(
         &self,
         i: usize,
@@ -237,7 +270,9 @@ impl RodEquations {
     ) -> f64 {
         let tendon = &self.params.tendons[i];
         let pull = if let TendonConstraint::Length(pull) = *constraint { pull } else { 0.0 };
-        workspace.lengths_m[i] + pull - self.home_lengths_m[i] - tendon.compliance_at(pull) * tension_n
+        workspace.lengths_m[i] + pull
+            - self.home_lengths_m[i]
+            - tendon.compliance_at(pull) * tension_n
     }
 
     /// Internal minus external wrench at Gauss point `g`, body frame.
@@ -256,7 +291,8 @@ impl RodEquations {
         let motion = conditions.motion;
         if motion.rate > 0.0 {
             for c in 0..COMPONENTS {
-                total[c] += section.viscosity[c] * (strain[c] * motion.rate + motion.strain_v[g][c]);
+                total[c] +=
+                    section.viscosity[c] * (strain[c] * motion.rate + motion.strain_v[g][c]);
             }
         }
         // … then the moments with a memory …
@@ -296,8 +332,9 @@ impl RodEquations {
         total
     }
 
-    /// Wrench of a unit tension of tendon `i` on the cross-section at `g`: (r × t, t), zero past the tendon's end.
-    /// It is also d length / d strain (Rucker & Webster 2011, in variational form).
+    /// Wrench of a unit tension of tendon `i` on the cross-section at `g`: (r × t, t), zero past
+    /// the tendon's end. It is also d length / d strain (Rucker & Webster 2011, in variational
+    /// form).
     #[inline(always)]
     pub(crate) fn tendon_wrench(&self, g: usize, i: usize, workspace: &Workspace) -> Components {
         let t = &workspace.tangents[g * self.params.tendons.len() + i];
@@ -333,7 +370,10 @@ impl RodEquations {
             return;
         }
         let points = self.guides.chunks_exact(count).zip(&workspace.shape.strain);
-        let each = workspace.tangents.chunks_exact_mut(count).zip(workspace.stretches.chunks_exact_mut(count));
+        let each = workspace
+            .tangents
+            .chunks_exact_mut(count)
+            .zip(workspace.stretches.chunks_exact_mut(count));
         for ((guides, strain), (paths, squares)) in points.zip(each) {
             for ((guide, path), square) in guides.iter().zip(paths).zip(squares) {
                 *path = if guide.present { guide.path(strain) } else { Vector3::zeros() };
@@ -341,14 +381,17 @@ impl RodEquations {
             }
         }
         // Square roots and quotients in one pass, for vector instructions.
-        for (stretch, inverse) in workspace.stretches.iter_mut().zip(&mut workspace.inverse_stretches) {
+        for (stretch, inverse) in
+            workspace.stretches.iter_mut().zip(&mut workspace.inverse_stretches)
+        {
             *stretch = stretch.sqrt();
             *inverse = if *stretch > 0.0 { 1.0 / *stretch } else { 0.0 };
         }
         let tangents = workspace.tangents.iter_mut().zip(&workspace.inverse_stretches);
         tangents.for_each(|(tangent, &inverse)| *tangent *= inverse);
         workspace.lengths_m.fill(0.0);
-        for (node, stretches) in self.grid.nodes.iter().zip(workspace.stretches.chunks_exact(count)) {
+        for (node, stretches) in self.grid.nodes.iter().zip(workspace.stretches.chunks_exact(count))
+        {
             workspace
                 .lengths_m
                 .iter_mut()
@@ -369,17 +412,23 @@ impl RodEquations {
         }
     }
 
-    /// Size of a step of the unknowns as a tip displacement, metres. Once every section of the spine is saturated,
-    /// axial forces move the tip no more than without sections.
+    /// Size of a step of the unknowns as a tip displacement, metres. Once every section of the
+    /// spine is saturated, axial forces move the tip no more than without sections.
     pub(crate) fn size_of_step_m(&self, step: &[f64], workspace: &Workspace) -> f64 {
         let length = self.params.length_m();
         // The axial scale follows saturation; all others are fixed.
         let axial = length * workspace.axial_weight.iter().copied().fold(0.0, f64::max);
-        let (per_element, axial_modes) = (self.grid.modes.iter().sum::<usize>(), self.grid.modes[5]);
+        let (per_element, axial_modes) =
+            (self.grid.modes.iter().sum::<usize>(), self.grid.modes[5]);
         let mut largest = 0.0_f64;
-        for (element_step, scales) in step.chunks(per_element).zip(self.scales.chunks(per_element)) {
+        for (element_step, scales) in step.chunks(per_element).zip(self.scales.chunks(per_element))
+        {
             let (others, forces) = element_step.split_at(per_element - axial_modes);
-            largest = others.iter().zip(scales).map(|(x, scale)| (x * scale).abs()).fold(largest, f64::max);
+            largest = others
+                .iter()
+                .zip(scales)
+                .map(|(x, scale)| (x * scale).abs())
+                .fold(largest, f64::max);
             largest = forces.iter().map(|x| (x * axial).abs()).fold(largest, f64::max);
         }
         // `f64::max` ignores NaN, which must not look small.
@@ -406,8 +455,14 @@ impl RodEquations {
     }
 }
 
-/// Approximate tip displacement per unit tension of tendon `i`, m/N: from bending and from axial shortening.
-fn reach_m_per_n(params: &RodParams, sections: &[Section], guides: &[TendonGuide], i: usize) -> f64 {
+/// Approximate tip displacement per unit tension of tendon `i`, m/N: from bending and from axial
+/// shortening.
+fn reach_m_per_n(
+    params: &RodParams,
+    sections: &[Section],
+    guides: &[TendonGuide],
+    i: usize,
+) -> f64 {
     let length = params.length_m();
     let passing = sections.iter().zip(guides.iter().skip(i).step_by(params.tendons.len()));
     let of = |(section, guide): (&Section, &TendonGuide)| {
@@ -419,11 +474,20 @@ fn reach_m_per_n(params: &RodParams, sections: &[Section], guides: &[TendonGuide
 }
 
 /// Path length of tendon `i` on the rod at home, metres.
-fn home_length_m(tendons: &[Tendon], grid: &Grid, sections: &[Section], guides: &[TendonGuide], i: usize) -> f64 {
+fn home_length_m(
+    tendons: &[Tendon],
+    grid: &Grid,
+    sections: &[Section],
+    guides: &[TendonGuide],
+    i: usize,
+) -> f64 {
     let along = grid.nodes.iter().zip(sections).zip(guides.iter().skip(i).step_by(tendons.len()));
     let passing = along.filter(|(_, guide)| guide.present);
     // As long as its part of the rod: exact, where the quadrature would round.
-    if passing.clone().all(|((_, section), guide)| guide.slope == [0.0; 2] && section.home == [0.0; 3]) {
+    if passing
+        .clone()
+        .all(|((_, section), guide)| guide.slope == [0.0; 2] && section.home == [0.0; 3])
+    {
         return tendons[i].end_m - tendons[i].start_m;
     }
     let stretch = |((node, section), guide): ((&Node, &Section), &TendonGuide)| {

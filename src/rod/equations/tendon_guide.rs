@@ -26,8 +26,8 @@ impl TendonGuide {
         Vector3::new(s[3] - s[2] * y + dx, s[4] + s[2] * x + dy, s[5] + s[0] * y - s[1] * x)
     }
 
-    /// Adds tension · ∂²length/∂strain², the stiffness of a taut tendon, to `total`. Its path has the direction `t` and
-    /// this `stretch`, its length per length of backbone.
+    /// Adds tension · ∂²length/∂strain², the stiffness of a taut tendon, to `total`. Its path has
+    /// the direction `t` and this `stretch`, its length per length of backbone.
     #[inline(always)]
     pub(crate) fn add_stiffness(
         &self,
@@ -37,8 +37,10 @@ impl TendonGuide {
         total: &mut [Components; COMPONENTS],
     ) {
         let [x, y] = self.offset_m;
-        // Stiffness transverse to the path, (τ/ℓ)(1 − t tᵀ), mapped to the strains: the path is v + u × r.
-        let across = Matrix3::from_fn(|i, j| (f64::from(i == j) - t[i] * t[j]) * (tension / stretch));
+        // Stiffness transverse to the path, (τ/ℓ)(1 − t tᵀ), mapped to the strains: the path is v +
+        // u × r.
+        let across =
+            Matrix3::from_fn(|i, j| (f64::from(i == j) - t[i] * t[j]) * (tension / stretch));
         let arm = rotation::skew(&Vector3::new(x, y, 0.0));
         let mixed = matrix3::product(&arm, &across);
         let turning = matrix3::product(&mixed, &arm.transpose());

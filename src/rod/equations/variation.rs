@@ -1,5 +1,5 @@
-//! Variation of the shape with the unknowns: δθ(s) = ∫ R δu and δp(s) = ∫ R δv + δθ × R v in the world frame, with the
-//! quadrature of the shape itself.
+//! Variation of the shape with the unknowns: δθ(s) = ∫ R δu and δp(s) = ∫ R δv + δθ × R v in the
+//! world frame, with the quadrature of the shape itself.
 
 use super::shape::Shape;
 use super::world_vectors::VectorDerivative;
@@ -69,14 +69,21 @@ impl ShapeVariation {
 
 /// World-frame strain variations at Gauss point `g`: R A φ for curvature (turn) and stretch (move).
 #[inline(always)]
-fn strain_rates(grid: &Grid, shape: &Shape, g: usize, turn: &mut VectorDerivative, moved: &mut VectorDerivative) {
+fn strain_rates(
+    grid: &Grid,
+    shape: &Shape,
+    g: usize,
+    turn: &mut VectorDerivative,
+    moved: &mut VectorDerivative,
+) {
     turn.fill_zero();
     moved.fill_zero();
     let node = &grid.nodes[g];
     for component in 0..COMPONENTS {
         let strain = shape.compliance[g].column(component);
         let columns = node.offset[component]..node.offset[component] + grid.modes[component];
-        let (target, part) = if component < 3 { (&mut *turn, &strain[..3]) } else { (&mut *moved, &strain[3..]) };
+        let (target, part) =
+            if component < 3 { (&mut *turn, &strain[..3]) } else { (&mut *moved, &strain[3..]) };
         let world = matrix3::times(&shape.node_r[g], part);
         for (row, factor) in target.rows_mut().into_iter().zip(world.iter()) {
             for (slot, basis) in row[columns.clone()].iter_mut().zip(&node.basis) {

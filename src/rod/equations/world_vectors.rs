@@ -1,4 +1,5 @@
-//! World-frame vectors linear in all unknowns, stored as three rows, so that inner loops run over contiguous memory.
+//! World-frame vectors linear in all unknowns, stored as three rows, so that inner loops run over
+//! contiguous memory.
 
 use nalgebra::Vector3;
 
@@ -97,10 +98,16 @@ impl VectorDerivative {
     }
 
     /// Adds `arm × (other × fixed)`: the moment about the origin of a rotating force.
-    pub(crate) fn add_arm_cross(&mut self, arm: &Vector3<f64>, other: &VectorDerivative, fixed: &Vector3<f64>) {
+    pub(crate) fn add_arm_cross(
+        &mut self,
+        arm: &Vector3<f64>,
+        other: &VectorDerivative,
+        fixed: &Vector3<f64>,
+    ) {
         let n = self.values.len() / 3;
         for k in 0..n {
-            let turned = Vector3::new(other.row(0)[k], other.row(1)[k], other.row(2)[k]).cross(fixed);
+            let turned =
+                Vector3::new(other.row(0)[k], other.row(1)[k], other.row(2)[k]).cross(fixed);
             let moment = arm.cross(&turned);
             for axis in 0..3 {
                 self.values[axis * n + k] += moment[axis];

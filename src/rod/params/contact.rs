@@ -2,8 +2,8 @@
 
 use super::obstacle::Obstacle;
 
-/// What a rod touches, and with which surface: a tube around the backbone, closed by a hemisphere at the tip, wider where
-/// there are disks.
+/// What a rod touches, and with which surface: a tube around the backbone, closed by a hemisphere
+/// at the tip, wider where there are disks.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ContactSurface {
     /// Fixed obstacles; without any there is no contact.
@@ -31,8 +31,9 @@ const SAME_PLACE_M: f64 = 1e-9;
 impl ContactSurface {
     /// Distance of the surface from the backbone at `position_m`, metres.
     pub fn radius_at(&self, position_m: f64) -> f64 {
-        let covers =
-            |disk: &&DiskSurface| position_m >= disk.start_m - SAME_PLACE_M && position_m <= disk.end_m + SAME_PLACE_M;
+        let covers = |disk: &&DiskSurface| {
+            position_m >= disk.start_m - SAME_PLACE_M && position_m <= disk.end_m + SAME_PLACE_M
+        };
         self.disks.iter().filter(covers).map(|disk| disk.radius_m).fold(self.radius_m, f64::max)
     }
 

@@ -2,7 +2,8 @@
 
 use std::fmt::Debug;
 
-/// State of one law at one Gauss point; its meaning belongs to the law. All zeros is the virgin state.
+/// State of one law at one Gauss point; its meaning belongs to the law. All zeros is the virgin
+/// state.
 pub type HistoryState = [f64; 4];
 
 /// A bending moment about the two body axes and its derivative with respect to the curvature.
@@ -16,15 +17,33 @@ pub struct HistoryMoment {
 
 /// A law that adds a history-dependent moment to the elastic one. Effects implement it.
 pub trait MomentLaw: Send + Sync + Debug {
-    /// Moment at curvature `curvature_rad_m` (change from the unloaded shape, body axes x and y) when the history up
-    /// to the start of the step is `state`. `bending_n_m2` is the mean bending stiffness there.
-    fn moment(&self, state: &HistoryState, curvature_rad_m: [f64; 2], bending_n_m2: f64) -> HistoryMoment;
+    /// Moment at curvature `curvature_rad_m` (change from the unloaded shape, body axes x and y)
+    /// when the history up to the start of the step is `state`. `bending_n_m2` is the mean bending
+    /// stiffness there.
+    fn moment(
+        &self,
+        state: &HistoryState,
+        curvature_rad_m: [f64; 2],
+        bending_n_m2: f64,
+    ) -> HistoryMoment;
 
     /// The moment after all rate-dependent parts have relaxed.
-    fn settled(&self, state: &HistoryState, curvature_rad_m: [f64; 2], bending_n_m2: f64) -> HistoryMoment {
+    fn settled(
+        &self,
+        state: &HistoryState,
+        curvature_rad_m: [f64; 2],
+        bending_n_m2: f64,
+    ) -> HistoryMoment {
         self.moment(state, curvature_rad_m, bending_n_m2)
     }
 
-    /// Updates the history after a step that ended at `curvature_rad_m`. An infinite `dt_s` means complete relaxation.
-    fn commit(&self, state: &mut HistoryState, curvature_rad_m: [f64; 2], bending_n_m2: f64, dt_s: f64);
+    /// Updates the history after a step that ended at `curvature_rad_m`. An infinite `dt_s` means
+    /// complete relaxation.
+    fn commit(
+        &self,
+        state: &mut HistoryState,
+        curvature_rad_m: [f64; 2],
+        bending_n_m2: f64,
+        dt_s: f64,
+    );
 }

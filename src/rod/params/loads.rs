@@ -20,8 +20,8 @@ pub struct PointLoad {
     pub force_n: Vector3<f64>,
     /// Moment, N m.
     pub moment_nm: Vector3<f64>,
-    /// True: force and moment are given in the body axes and turn with the cross-section (a follower load). False:
-    /// world frame.
+    /// True: force and moment are given in the body axes and turn with the cross-section (a
+    /// follower load). False: world frame.
     pub follows: bool,
 }
 

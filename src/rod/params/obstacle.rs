@@ -66,7 +66,9 @@ impl ObstacleShape {
     pub(crate) fn radius_m(&self) -> f64 {
         match self {
             ObstacleShape::HalfSpace { .. } => f64::INFINITY,
-            ObstacleShape::Sphere { radius_m, .. } | ObstacleShape::Capsule { radius_m, .. } => *radius_m,
+            ObstacleShape::Sphere { radius_m, .. } | ObstacleShape::Capsule { radius_m, .. } => {
+                *radius_m
+            }
             ObstacleShape::Cylinder { radius_m, length_m, .. } => radius_m.min(0.5 * length_m),
         }
     }
@@ -78,13 +80,16 @@ impl ObstacleShape {
                 let distance_m = normal.dot(place_m) - offset_m;
                 Surface { distance_m, normal: *normal, curvature_1_m: Matrix3::zeros() }
             }
-            ObstacleShape::Sphere { center_m, radius_m } => around(&(place_m - center_m), *radius_m, None),
+            ObstacleShape::Sphere { center_m, radius_m } => {
+                around(&(place_m - center_m), *radius_m, None)
+            }
             ObstacleShape::Cylinder { center_m, axis, radius_m, length_m } => {
                 cylinder(&(place_m - center_m), axis, *radius_m, 0.5 * length_m)
             }
             ObstacleShape::Capsule { ends_m: [start, end], radius_m } => {
                 let (segment, from_start) = (end - start, place_m - start);
-                let share = from_start.dot(&segment) / segment.norm_squared().max(f64::MIN_POSITIVE);
+                let share =
+                    from_start.dot(&segment) / segment.norm_squared().max(f64::MIN_POSITIVE);
                 let inside = (0.0..=1.0).contains(&share);
                 let axis = inside.then(|| segment.normalize());
                 around(&(from_start - segment * share.clamp(0.0, 1.0)), *radius_m, axis)
@@ -93,7 +98,8 @@ impl ObstacleShape {
     }
 }
 
-/// The surface at `radius_m` from the origin, or from the line along `axis` through it, seen from `arm`.
+/// The surface at `radius_m` from the origin, or from the line along `axis` through it, seen from
+/// `arm`.
 fn around(arm: &Vector3<f64>, radius_m: f64, axis: Option<Vector3<f64>>) -> Surface {
     let from_center_m = arm.norm();
     // From the very middle every direction is as good.
@@ -101,7 +107,11 @@ fn around(arm: &Vector3<f64>, radius_m: f64, axis: Option<Vector3<f64>>) -> Surf
     let across = Matrix3::identity() - normal * normal.transpose();
     let across = axis.map_or(across, |axis| across - axis * axis.transpose());
     // Towards the middle the curvature would grow without bound.
-    Surface { distance_m: from_center_m - radius_m, normal, curvature_1_m: across / from_center_m.max(radius_m * 1e-3) }
+    Surface {
+        distance_m: from_center_m - radius_m,
+        normal,
+        curvature_1_m: across / from_center_m.max(radius_m * 1e-3),
+    }
 }
 
 fn any_normal_to(axis: Option<Vector3<f64>>) -> Vector3<f64> {
@@ -125,12 +135,17 @@ fn cylinder(arm: &Vector3<f64>, axis: &Vector3<f64>, radius_m: f64, half_length_
         let distance_m = from_rim.norm();
         let normal = from_rim / distance_m;
         let tangent = side.normal.cross(axis);
-        let about_rim = Matrix3::identity() - normal * normal.transpose() - tangent * tangent.transpose();
+        let about_rim =
+            Matrix3::identity() - normal * normal.transpose() - tangent * tangent.transpose();
         let about_axis = tangent * tangent.transpose() * (normal.dot(&side.normal) / across.norm());
         return Surface { distance_m, normal, curvature_1_m: about_rim / distance_m + about_axis };
     }
     if past_end_m > side.distance_m {
-        return Surface { distance_m: past_end_m, normal: outwards, curvature_1_m: Matrix3::zeros() };
+        return Surface {
+            distance_m: past_end_m,
+            normal: outwards,
+            curvature_1_m: Matrix3::zeros(),
+        };
     }
     side
 }
@@ -150,18 +165,28 @@ mod tests {
             ObstacleShape::Cylinder { center_m, axis, radius_m, length_m: f64::INFINITY },
             ObstacleShape::Capsule { ends_m: [center_m, center_m + axis * 0.1], radius_m },
         ];
-        let places = [[0.2, -0.1, 0.35], [0.14, -0.22, 0.28], [0.3, 0.2, 0.1], [0.05, -0.35, 0.33], [0.17, -0.04, 0.2]];
+        let places = [
+            [0.2, -0.1, 0.35],
+            [0.14, -0.22, 0.28],
+            [0.3, 0.2, 0.1],
+            [0.05, -0.35, 0.33],
+            [0.17, -0.04, 0.2],
+        ];
         for shape in &shapes {
             for place in places.map(Vector3::from) {
                 let here = shape.surface(&place);
                 for axis in 0..3 {
                     let mut step = Vector3::zeros();
                     step[axis] = 1e-6;
-                    let (after, before) = (shape.surface(&(place + step)), shape.surface(&(place - step)));
+                    let (after, before) =
+                        (shape.surface(&(place + step)), shape.surface(&(place - step)));
                     let slope = (after.distance_m - before.distance_m) / 2e-6;
                     assert!((slope - here.normal[axis]).abs() < 1e-6, "{shape:?} {place}");
                     let turn = (after.normal - before.normal) / 2e-6;
-                    assert!((turn - here.curvature_1_m.column(axis)).norm() < 1e-4, "{shape:?} {place}");
+                    assert!(
+                        (turn - here.curvature_1_m.column(axis)).norm() < 1e-4,
+                        "{shape:?} {place}"
+                    );
                 }
             }
         }

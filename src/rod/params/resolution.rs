@@ -2,8 +2,11 @@
 
 use super::scheme::Scheme;
 
-/// Numerical resolution of the solver. The defaults keep statics of the paper's robot within a micrometre.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+/// Numerical resolution of the solver. The defaults keep statics of the paper's robot within a
+/// micrometre.
+#[derive(
+    Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema,
+)]
 #[serde(deny_unknown_fields, default)]
 pub struct Resolution {
     /// Largest length of an integration cell (two Gauss points each), metres.
@@ -16,21 +19,21 @@ pub struct Resolution {
     pub shear_modes: usize,
     /// Legendre polynomials for the axial force.
     pub axial_modes: usize,
-    /// Whether polynomials also end at jumps of stiffness, rest shape, spine and lumped mass. The wrench is nearly
-    /// smooth there: this affects only the last micrometres.
+    /// Whether polynomials also end at jumps of stiffness, rest shape, spine and lumped mass. The
+    /// wrench is nearly smooth there: this affects only the last micrometres.
     pub split_elements: bool,
-    /// Whether cells span jumps of stiffness, rest shape and spine, with homogenised properties at their Gauss points.
-    /// This needs fewer cells for a robot of many parts. It requires an infinite `static_tolerance_m`, since refined
-    /// grids end cells at jumps.
+    /// Whether cells span jumps of stiffness, rest shape and spine, with homogenised properties at
+    /// their Gauss points. This needs fewer cells for a robot of many parts. It requires an
+    /// infinite `static_tolerance_m`, since refined grids end cells at jumps.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub blended: bool,
-    /// Allowed tip error of a static solution due to the spatial discretisation, metres. The rod refines its grid when
-    /// the estimate exceeds it. Infinite: no refinement.
+    /// Allowed tip error of a static solution due to the spatial discretisation, metres. The rod
+    /// refines its grid when the estimate exceeds it. Infinite: no refinement.
     pub static_tolerance_m: f64,
     /// Largest time step, s.
     pub time_step_s: f64,
-    /// Allowed error per time step in the position of any part of the rod, metres. Steps are shortened to keep it.
-    /// Infinite: constant step length.
+    /// Allowed error per time step in the position of any part of the rod, metres. Steps are
+    /// shortened to keep it. Infinite: constant step length.
     pub motion_tolerance_m: f64,
     /// Time integration scheme.
     pub scheme: Scheme,

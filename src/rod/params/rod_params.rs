@@ -65,9 +65,12 @@ impl RodParams {
         if index == 0 { 0.0 } else { self.spans[index - 1].end_m }
     }
 
-    /// Splits the spans so that one ends at `position_m`; effects that change part of the rod begin with this.
+    /// Splits the spans so that one ends at `position_m`; effects that change part of the rod begin
+    /// with this.
     pub fn split_at(&mut self, position_m: f64) {
-        let Some(index) = self.spans.iter().position(|span| position_m < span.end_m) else { return };
+        let Some(index) = self.spans.iter().position(|span| position_m < span.end_m) else {
+            return;
+        };
         let start_m = self.start_of_span_m(index);
         // Already an end: nothing to split.
         if position_m > start_m {
@@ -88,7 +91,8 @@ impl RodParams {
     pub fn spans_between(&mut self, start_m: f64, end_m: f64) -> impl Iterator<Item = &mut Span> {
         self.split_at(start_m);
         self.split_at(end_m);
-        let first = self.spans.iter().position(|span| start_m < span.end_m).unwrap_or(self.spans.len());
+        let first =
+            self.spans.iter().position(|span| start_m < span.end_m).unwrap_or(self.spans.len());
         self.spans[first..].iter_mut().take_while(move |span| span.end_m <= end_m)
     }
 }

@@ -2,8 +2,8 @@
 
 use nalgebra::Vector3;
 
-/// Linear-elastic cross-section of the backbone and its rest shape over part of the length. The values hold at the
-/// span's start; `taper` says how they change along it.
+/// Linear-elastic cross-section of the backbone and its rest shape over part of the length. The
+/// values hold at the span's start; `taper` says how they change along it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Span {
     /// Where the span ends, metres from the base; it begins where the one before ends.
@@ -20,7 +20,8 @@ pub struct Span {
     pub axial_n: f64,
     /// Curvature and twist when unloaded, rad/m (body axes).
     pub rest_curvature_rad_m: Vector3<f64>,
-    /// Curvature and twist of the shape at which the tendon lengths are zero, rad/m: the rest curvature as designed.
+    /// Curvature and twist of the shape at which the tendon lengths are zero, rad/m: the rest
+    /// curvature as designed.
     pub home_curvature_rad_m: Vector3<f64>,
     /// Mass of the backbone per length, kg/m.
     pub mass_kg_m: f64,
@@ -30,8 +31,9 @@ pub struct Span {
     pub taper: Taper,
 }
 
-/// Outer and inner radius at both ends of a span, linear in between. Only ratios matter. Axial and shear stiffness and
-/// mass scale with the area, bending and torsional stiffness with the second moment of area.
+/// Outer and inner radius at both ends of a span, linear in between. Only ratios matter. Axial and
+/// shear stiffness and mass scale with the area, bending and torsional stiffness with the second
+/// moment of area.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Taper {
     /// Outer radius at the start and the end of the span.
@@ -49,7 +51,8 @@ impl Taper {
         let between = |[from, to]: [f64; 2]| from + (to - from) * share;
         let (outer, inner) = (between(self.outer), between(self.inner));
         let ratio = |power: i32| {
-            (outer.powi(power) - inner.powi(power)) / (self.outer[0].powi(power) - self.inner[0].powi(power))
+            (outer.powi(power) - inner.powi(power))
+                / (self.outer[0].powi(power) - self.inner[0].powi(power))
         };
         // Areas go with the square, second moments with the fourth power of the radius.
         if *self == Taper::NONE { (1.0, 1.0) } else { (ratio(2), ratio(4)) }
@@ -58,7 +61,13 @@ impl Taper {
 
 impl Span {
     /// A solid round cross-section of one material up to `end_m`, straight when unloaded.
-    pub fn round(end_m: f64, radius_m: f64, youngs_modulus_pa: f64, shear_modulus_pa: f64, mass_kg_m: f64) -> Span {
+    pub fn round(
+        end_m: f64,
+        radius_m: f64,
+        youngs_modulus_pa: f64,
+        shear_modulus_pa: f64,
+        mass_kg_m: f64,
+    ) -> Span {
         let area = std::f64::consts::PI * radius_m * radius_m;
         let second_moment = 0.25 * area * radius_m * radius_m;
         Span {
@@ -77,7 +86,8 @@ impl Span {
         }
     }
 
-    /// The remainder of a span that began at `start_m`, from `position_m` on: same end, properties at the new start.
+    /// The remainder of a span that began at `start_m`, from `position_m` on: same end, properties
+    /// at the new start.
     pub(super) fn from(&self, start_m: f64, position_m: f64) -> Span {
         if self.taper == Taper::NONE {
             return self.clone();

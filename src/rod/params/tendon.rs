@@ -1,11 +1,13 @@
 //! Tendons: path, ends and compliance.
 
-/// A tendon through guide holes, from the base or a more distal point to its anchor. It transmits tension only.
+/// A tendon through guide holes, from the base or a more distal point to its anchor. It transmits
+/// tension only.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tendon {
     /// Path through the cross-sections.
     pub path: TendonPath,
-    /// Where it leaves its sheath, metres from the base. It exerts no load on the rod proximal to this point.
+    /// Where it leaves its sheath, metres from the base. It exerts no load on the rod proximal to
+    /// this point.
     pub start_m: f64,
     /// Where it is anchored, metres from the base.
     pub end_m: f64,
@@ -13,8 +15,8 @@ pub struct Tendon {
     pub pretension_m: f64,
     /// Compliance of the whole tendon at home, m/N.
     pub compliance_m_per_n: f64,
-    /// Elastic length at home, metres; the part that is pulled in no longer stretches. Infinite: the compliance does
-    /// not depend on the displacement.
+    /// Elastic length at home, metres; the part that is pulled in no longer stretches. Infinite:
+    /// the compliance does not depend on the displacement.
     pub elastic_length_m: f64,
     /// Coefficient of friction in its guides (capstan equation); 0 without friction.
     pub friction_coefficient: f64,
@@ -25,8 +27,8 @@ pub struct Tendon {
 /// Displacement that mobilises a tendon's friction where nothing else is known, metres.
 pub const PRESLIDING_M: f64 = 3e-4;
 
-/// Offset from the backbone as a function of arc length s: linear between `points`, constant outside them, and rotated
-/// by `twist_rad_m`·s about the backbone (a helix).
+/// Offset from the backbone as a function of arc length s: linear between `points`, constant
+/// outside them, and rotated by `twist_rad_m`·s about the backbone (a helix).
 #[derive(Clone, Debug, PartialEq)]
 pub struct TendonPath {
     /// At least one, in order of s.
@@ -45,7 +47,8 @@ pub struct PathPoint {
 }
 
 impl Tendon {
-    /// A tendon parallel to the backbone from the base to `end_m`; it does not stretch and is just straight at home.
+    /// A tendon parallel to the backbone from the base to `end_m`; it does not stretch and is just
+    /// straight at home.
     pub fn parallel(offset_m: [f64; 2], end_m: f64) -> Tendon {
         Tendon {
             path: TendonPath::parallel(offset_m),
@@ -69,8 +72,8 @@ impl Tendon {
         self.compliance_m_per_n * (1.0 - pull_m / self.elastic_length_m)
     }
 
-    /// Arc lengths at which the rod's internal wrench may jump due to this tendon: its ends and the kinks of its path,
-    /// metres.
+    /// Arc lengths at which the rod's internal wrench may jump due to this tendon: its ends and the
+    /// kinks of its path, metres.
     pub(crate) fn borders_m(&self) -> Vec<f64> {
         let mut borders = vec![self.start_m, self.end_m];
         let inside = |s: f64| s > self.start_m && s < self.end_m;
@@ -87,7 +90,9 @@ impl TendonPath {
 
     /// Multiplies every offset.
     pub fn scale(&mut self, factor: f64) {
-        self.points.iter_mut().for_each(|point| point.offset_m = point.offset_m.map(|offset| offset * factor));
+        self.points
+            .iter_mut()
+            .for_each(|point| point.offset_m = point.offset_m.map(|offset| offset * factor));
     }
 
     /// Turns the whole path about the backbone, from x towards y.
@@ -104,9 +109,13 @@ impl TendonPath {
             Some(0) => (self.points[0].offset_m, [0.0; 2]),
             Some(next) => {
                 let (from, to) = (self.points[next - 1], self.points[next]);
-                let slope: [f64; 2] =
-                    std::array::from_fn(|k| (to.offset_m[k] - from.offset_m[k]) / (to.s_m - from.s_m));
-                (std::array::from_fn(|k| from.offset_m[k] + slope[k] * (position_m - from.s_m)), slope)
+                let slope: [f64; 2] = std::array::from_fn(|k| {
+                    (to.offset_m[k] - from.offset_m[k]) / (to.s_m - from.s_m)
+                });
+                (
+                    std::array::from_fn(|k| from.offset_m[k] + slope[k] * (position_m - from.s_m)),
+                    slope,
+                )
             }
         };
         if self.twist_rad_m == 0.0 {

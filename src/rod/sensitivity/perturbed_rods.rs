@@ -1,9 +1,11 @@
-//! Slightly perturbed rods that follow a leading one: derivatives of a whole motion (`docs/sensitivities.md`).
+//! Slightly perturbed rods that follow a leading one: derivatives of a whole motion
+//! (`docs/sensitivities.md`).
 //!
-//! The leader is solved. Each follower takes the same time steps with the same taut tendons, and at each solve corrects
-//! the leader's unknowns by −J⁻¹ (F′ − F): its own residual there and the leader's derivative. For a perturbation of
-//! relative size ε the error is of order ε², so that (follower − leader)/ε is the derivative of the discrete motion up
-//! to ε (internal differentiation, Bock 1981).
+//! The leader is solved. Each follower takes the same time steps with the same taut tendons, and at
+//! each solve corrects the leader's unknowns by −J⁻¹ (F′ − F): its own residual there and the
+//! leader's derivative. For a perturbation of relative size ε the error is of order ε², so that
+//! (follower − leader)/ε is the derivative of the discrete motion up to ε (internal
+//! differentiation, Bock 1981).
 
 use nalgebra::{DVector, Dyn, LU};
 
@@ -18,7 +20,8 @@ use crate::rod::state::rates::Rates;
 use crate::rod::state::rod::{Drive, Rod};
 use crate::rod::state::solve_log::{SolveLog, SolvedStage, SolvedStep};
 
-/// A rod cannot follow the leader: it has other parts, or coincident parts have separated. Holds its number, from 1.
+/// A rod cannot follow the leader: it has other parts, or coincident parts have separated. Holds
+/// its number, from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("rod {0} cannot follow the first one: its discretisation differs")]
 pub struct NotPerturbable(pub usize);
@@ -61,7 +64,8 @@ impl PerturbedRods {
     pub fn new(params: RodParams, others: Vec<RodParams>) -> Result<PerturbedRods, NotPerturbable> {
         let PerturbedRods { leader, .. } = PerturbedRods::alone(params);
         let follower = |(index, changed): (usize, RodParams)| {
-            let grid = Grid::moved(&leader.system.params, &changed).ok_or(NotPerturbable(index + 1))?;
+            let grid =
+                Grid::moved(&leader.system.params, &changed).ok_or(NotPerturbable(index + 1))?;
             Ok(Rod::on(RodEquations::on(grid, changed)))
         };
         let followers = others.into_iter().enumerate().map(follower).collect::<Result<_, _>>()?;
@@ -71,7 +75,12 @@ impl PerturbedRods {
     /// A rod without followers.
     pub fn alone(params: RodParams) -> PerturbedRods {
         let leader = Rod::new(params);
-        PerturbedRods { followed: leader.clone(), leader, followers: Vec::new(), leader_derivative: None }
+        PerturbedRods {
+            followed: leader.clone(),
+            leader,
+            followers: Vec::new(),
+            leader_derivative: None,
+        }
     }
 
     /// Whether a rod of `changed` could follow one of `params`.
@@ -108,15 +117,18 @@ impl PerturbedRods {
         self.lead(&|number, _| drives(number), &|_| 1.0, |leader| leader.settle(&drives(0)))
     }
 
-    /// [`Rod::advance_with`] for `duration_s(0)`. `drives` gives the drives by rod number and time from now, seconds.
-    /// Followers take the same number of steps in their own, slightly different `duration_s`.
+    /// [`Rod::advance_with`] for `duration_s(0)`. `drives` gives the drives by rod number and time
+    /// from now, seconds. Followers take the same number of steps in their own, slightly different
+    /// `duration_s`.
     pub fn advance_with(
         &mut self,
         drives: &dyn Fn(usize, f64) -> Vec<Drive>,
         duration_s: &dyn Fn(usize) -> f64,
     ) -> SolveStatus {
         let own_s = duration_s(0);
-        self.lead(drives, &|number| duration_s(number) / own_s, |leader| leader.advance_with(&|t| drives(0, t), own_s))
+        self.lead(drives, &|number| duration_s(number) / own_s, |leader| {
+            leader.advance_with(&|t| drives(0, t), own_s)
+        })
     }
 
     /// Brings the followers to the leader's grid; `None` when one of them has no such grid.
@@ -155,20 +167,25 @@ impl PerturbedRods {
         let status = movement(&mut self.leader);
         // Followers repeat exactly the solves that were accepted; rejected steps leave no trace.
         for solved in self.leader.log.take().unwrap_or_default().solved {
-            let drives_then = |number: usize, t: f64| drives(number, f64::max(0.0, start_s * scale(number) + t));
+            let drives_then =
+                |number: usize, t: f64| drives(number, f64::max(0.0, start_s * scale(number) + t));
             if self.match_leader_grid().is_none() {
                 return SolveStatus::UnderResolved;
             }
             if self.follow(&solved, &drives_then, scale).is_none() {
-                return if status == SolveStatus::Converged { SolveStatus::NotConverged } else { status };
+                return if status == SolveStatus::Converged {
+                    SolveStatus::NotConverged
+                } else {
+                    status
+                };
             }
             start_s += solved.duration_s;
         }
         status
     }
 
-    /// Takes the followers through one step or equilibrium of the leader. Time runs `scale` times as fast for a
-    /// follower.
+    /// Takes the followers through one step or equilibrium of the leader. Time runs `scale` times
+    /// as fast for a follower.
     fn follow(
         &mut self,
         solved: &SolvedStep,
@@ -195,12 +212,22 @@ impl PerturbedRods {
             let constraints = prepare(followed, 0)?;
             let mut solution = followed.at_solution(unknowns, taut, &constraints, at_rest);
             followed.adopt(unknowns, taut, i, at_rest);
-            let all_constraints: Vec<Vec<TendonConstraint>> =
-                followers.iter_mut().enumerate().map(|(index, rod)| prepare(rod, index + 1)).collect::<Option<_>>()?;
+            let all_constraints: Vec<Vec<TendonConstraint>> = followers
+                .iter_mut()
+                .enumerate()
+                .map(|(index, rod)| prepare(rod, index + 1))
+                .collect::<Option<_>>()?;
             // 1. An older derivative serves as long as its corrections are cheaper than a new one.
-            let reused = leader_derivative.take().filter(|old| old.serves(followed.motion.rate, taut, followers.len()));
+            let reused = leader_derivative
+                .take()
+                .filter(|old| old.serves(followed.motion.rate, taut, followers.len()));
             let corrected = reused.and_then(|mut reused| {
-                let corrected = reused.correct(followers, &all_constraints, &mut solution, OLD_FACTORS_TOLERANCE)?;
+                let corrected = reused.correct(
+                    followers,
+                    &all_constraints,
+                    &mut solution,
+                    OLD_FACTORS_TOLERANCE,
+                )?;
                 *leader_derivative = Some(reused);
                 Some(corrected)
             });
@@ -210,8 +237,14 @@ impl PerturbedRods {
                     // 2. Else linearise at this solution; old contractions say nothing of the new
                     // factors.
                     solution.contraction = None;
-                    let fresh = leader_derivative.insert(followed.linearise(&solution, &constraints));
-                    fresh.correct(followers, &all_constraints, &mut solution, FRESH_FACTORS_TOLERANCE)?
+                    let fresh =
+                        leader_derivative.insert(followed.linearise(&solution, &constraints));
+                    fresh.correct(
+                        followers,
+                        &all_constraints,
+                        &mut solution,
+                        FRESH_FACTORS_TOLERANCE,
+                    )?
                 }
             };
             for (follower, unknowns) in followers.iter_mut().zip(corrected) {
@@ -231,8 +264,8 @@ impl PerturbedRods {
     }
 }
 
-/// Allowed remainder as a share of the first correction: with a derivative at this solution, whose contraction hardly
-/// changes between solves, and with an older one.
+/// Allowed remainder as a share of the first correction: with a derivative at this solution, whose
+/// contraction hardly changes between solves, and with an older one.
 const FRESH_FACTORS_TOLERANCE: f64 = 1e-5;
 const OLD_FACTORS_TOLERANCE: f64 = 1e-7;
 /// Non-decreasing corrections below this, in lengths of the rod, are rounding.
@@ -247,7 +280,8 @@ impl LeaderDerivative {
         self.rate == rate && self.taut == taut && (self.corrections - 1) * rods < DERIVATIVE_COST
     }
 
-    /// The unknowns of all followers at the leader's `solution`; `None` when the derivative does not converge.
+    /// The unknowns of all followers at the leader's `solution`; `None` when the derivative does
+    /// not converge.
     fn correct(
         &mut self,
         rods: &mut [Rod],
@@ -257,7 +291,8 @@ impl LeaderDerivative {
     ) -> Option<Vec<Vec<f64>>> {
         self.corrections = 1;
         let each = rods.iter_mut().zip(constraints).map(|(rod, constraints)| {
-            let (unknowns, corrections) = rod.corrected(&self.factors, tolerance, solution, constraints)?;
+            let (unknowns, corrections) =
+                rod.corrected(&self.factors, tolerance, solution, constraints)?;
             self.corrections = self.corrections.max(corrections);
             Some(unknowns)
         });
@@ -276,26 +311,33 @@ impl Rod {
     ) -> LeaderSolution<'a> {
         let loads = self.full_loads();
         let Rod { system, solver, state, motion, .. } = self;
-        let conditions = SolveConditions { taut, ..state.conditions(motion, constraints, &loads, at_rest) };
+        let conditions =
+            SolveConditions { taut, ..state.conditions(motion, constraints, &loads, at_rest) };
         system.evaluate(unknowns, &conditions, &mut solver.workspace);
         let residual = DVector::from_column_slice(&solver.workspace.residual);
         LeaderSolution { unknowns, taut, residual, at_rest, contraction: None }
     }
 
     /// The factorised derivative at `solution`, whose residual has just been evaluated.
-    fn linearise(&mut self, solution: &LeaderSolution, constraints: &[TendonConstraint]) -> LeaderDerivative {
+    fn linearise(
+        &mut self,
+        solution: &LeaderSolution,
+        constraints: &[TendonConstraint],
+    ) -> LeaderDerivative {
         let loads = self.full_loads();
         let Rod { system, solver, state, motion, .. } = self;
         let &LeaderSolution { unknowns, taut, at_rest, .. } = solution;
-        let conditions = SolveConditions { taut, ..state.conditions(motion, constraints, &loads, at_rest) };
+        let conditions =
+            SolveConditions { taut, ..state.conditions(motion, constraints, &loads, at_rest) };
         solver.derivative.update(system, unknowns, &conditions, &solver.workspace);
         let factors = solver.derivative.matrix(system, &conditions).lu();
         LeaderDerivative { factors, rate: motion.rate, taut: taut.to_vec(), corrections: 1 }
     }
 
-    /// This follower's unknowns at the leader's `solution` and the number of corrections, until at most `tolerance` of the
-    /// first correction remains. The contraction is measured on the first follower with a nonzero correction; it is
-    /// nearly zero at the derivative's own solution, except for drag and rotary inertia, which the derivative omits.
+    /// This follower's unknowns at the leader's `solution` and the number of corrections, until at
+    /// most `tolerance` of the first correction remains. The contraction is measured on the first
+    /// follower with a nonzero correction; it is nearly zero at the derivative's own solution,
+    /// except for drag and rotary inertia, which the derivative omits.
     fn corrected(
         &mut self,
         factors: &LU<f64, Dyn, Dyn>,
@@ -307,20 +349,24 @@ impl Rod {
         let loads = self.full_loads();
         let Rod { system, solver, state, motion, .. } = self;
         let &mut LeaderSolution { taut, at_rest, .. } = solution;
-        let conditions = SolveConditions { taut, ..state.conditions(motion, constraints, &loads, at_rest) };
+        let conditions =
+            SolveConditions { taut, ..state.conditions(motion, constraints, &loads, at_rest) };
         let (mut first_m, mut last_m) = (0.0, f64::NAN);
         for count in 1..=MAX_CORRECTIONS {
             // Chord iteration: the factors stay those of the leader or of an earlier solution.
             system.evaluate(&unknowns, &conditions, &mut solver.workspace);
             // The leader's own residual is subtracted: only the difference of both rods is sought.
-            let mut step = DVector::from_column_slice(&solver.workspace.residual) - &solution.residual;
+            let mut step =
+                DVector::from_column_slice(&solver.workspace.residual) - &solution.residual;
             if !factors.solve_mut(&mut step) {
                 return None;
             }
             unknowns.iter_mut().zip(step.iter()).for_each(|(x, dx)| *x -= dx);
-            let size_m = system.size_of_step_m(&step.as_slice()[..system.grid.unknowns], &solver.workspace);
+            let size_m =
+                system.size_of_step_m(&step.as_slice()[..system.grid.unknowns], &solver.workspace);
             // Corrections that no longer shrink are rounding.
-            let rounding = size_m > 0.3 * last_m && size_m < ROUNDING_LENGTHS * system.params.length_m();
+            let rounding =
+                size_m > 0.3 * last_m && size_m < ROUNDING_LENGTHS * system.params.length_m();
             if size_m == 0.0 || rounding {
                 return Some((unknowns, count));
             }
@@ -329,7 +375,8 @@ impl Rod {
             } else if solution.contraction.is_none() {
                 solution.contraction = Some(size_m / last_m);
             }
-            let contraction = if count == 1 { solution.contraction.unwrap_or(1.0) } else { size_m / last_m };
+            let contraction =
+                if count == 1 { solution.contraction.unwrap_or(1.0) } else { size_m / last_m };
             // A linear iteration leaves about its contraction times the last correction.
             if contraction * size_m < tolerance * first_m {
                 return Some((unknowns, count));

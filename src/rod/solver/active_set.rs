@@ -12,13 +12,14 @@ pub(crate) struct ConstraintChange<'a> {
     pub(crate) to: &'a [TendonConstraint],
 }
 
-/// Violations below this share of the solve's tolerance are ignored: the excess length of a slack tendon, and the tip
-/// displacement due to a negative tension of a taut one.
+/// Violations below this share of the solve's tolerance are ignored: the excess length of a slack
+/// tendon, and the tip displacement due to a negative tension of a taut one.
 const SET_TOLERANCE: f64 = 0.1;
 
 impl NewtonSolver {
-    /// Switches the tendon with the largest violation after the last step between taut and slack; true if one switched.
-    /// One tendon at a time: more taut tendons than degrees of freedom of the shape would be contradictory.
+    /// Switches the tendon with the largest violation after the last step between taut and slack;
+    /// true if one switched. One tendon at a time: more taut tendons than degrees of freedom of the
+    /// shape would be contradictory.
     pub(super) fn change_set(
         &self,
         system: &RodEquations,
@@ -35,7 +36,9 @@ impl NewtonSolver {
                 TendonConstraint::Tension(_) => continue,
                 // Tension times the tip motion per newton, so that both kinds of violation are
                 // metres.
-                TendonConstraint::Length(_) if taut[i] => -unknowns[n + i] * system.reach_m_per_n[i],
+                TendonConstraint::Length(_) if taut[i] => {
+                    -unknowns[n + i] * system.reach_m_per_n[i]
+                }
                 TendonConstraint::Length(_) => {
                     // Length after the step, to first order.
                     let shift = self.derivative.length_change_m(system, i, &step.as_slice()[..n]);
@@ -65,7 +68,10 @@ impl NewtonSolver {
     ) {
         let led_here = |factors: &LuFactors| factors.rate == 0.0 && factors.taut == taut;
         // Any other derivative belongs to another solution.
-        if self.derivative_use != DerivativeUse::Rest || self.unreliable || !self.factors.last().is_some_and(led_here) {
+        if self.derivative_use != DerivativeUse::Rest
+            || self.unreliable
+            || !self.factors.last().is_some_and(led_here)
+        {
             return;
         }
         let n = system.grid.unknowns;
@@ -78,9 +84,12 @@ impl NewtonSolver {
         }
         // At the last solution all residuals vanish but those that the new commands make.
         self.workspace.residual.fill(0.0);
-        for (i, (before, after)) in change.from.iter().zip(change.to).enumerate().filter(|&(i, _)| taut[i]) {
-            let overstretch_m =
-                |constraint: &TendonConstraint| system.overstretch_m(i, constraint, unknowns[n + i], &self.workspace);
+        for (i, (before, after)) in
+            change.from.iter().zip(change.to).enumerate().filter(|&(i, _)| taut[i])
+        {
+            let overstretch_m = |constraint: &TendonConstraint| {
+                system.overstretch_m(i, constraint, unknowns[n + i], &self.workspace)
+            };
             self.workspace.residual[n + i] = overstretch_m(after) - overstretch_m(before);
         }
         self.residual_predicted = true;

@@ -12,7 +12,8 @@ const MAX_FACTORS: usize = 8;
 const MAX_ACCELERATION: f64 = 0.5;
 
 impl NewtonSolver {
-    /// Moves the factors for the rate and the taut set of `conditions` to the end of the list; factorises if needed.
+    /// Moves the factors for the rate and the taut set of `conditions` to the end of the list;
+    /// factorises if needed.
     pub(super) fn factor(&mut self, system: &RodEquations, conditions: &SolveConditions) {
         let rate = conditions.motion.rate;
         let cached = self.factors.iter().position(|f| f.rate == rate && f.taut == conditions.taut);
@@ -31,8 +32,8 @@ impl NewtonSolver {
         self.factors.push(newest);
     }
 
-    /// The next Newton step, with Broyden's update from the steps so far (Kelley, Solving Nonlinear Equations with
-    /// Newton's Method, 2003, section 4.1), in the norm of tip displacements.
+    /// The next Newton step, with Broyden's update from the steps so far (Kelley, Solving Nonlinear
+    /// Equations with Newton's Method, 2003, section 4.1), in the norm of tip displacements.
     pub(super) fn step(&self, system: &RodEquations) -> Option<DVector<f64>> {
         // Chord step with the factors at hand, then the rank-one updates in order.
         let mut step = DVector::from_column_slice(&self.workspace.residual);

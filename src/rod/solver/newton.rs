@@ -1,8 +1,9 @@
 //! Newton's method on the discrete equations with an active set for taut and slack tendons.
 //!
-//! Taut tendons keep their length and have a tension ≥ 0; slack tendons have none and are shorter than their drive
-//! allows. The set changes where a taut tendon would push or a slack one would be overstretched (a primal–dual active
-//! set, equivalent to a semismooth Newton method). The derivative is reused as long as it contracts well.
+//! Taut tendons keep their length and have a tension ≥ 0; slack tendons have none and are shorter
+//! than their drive allows. The set changes where a taut tendon would push or a slack one would be
+//! overstretched (a primal–dual active set, equivalent to a semismooth Newton method). The
+//! derivative is reused as long as it contracts well.
 
 use nalgebra::DVector;
 
@@ -12,7 +13,8 @@ use super::status::SolveStatus;
 use crate::rod::equations::boundary_conditions::SolveConditions;
 use crate::rod::equations::system::RodEquations;
 
-/// Iterations per taut set before a time step fails and is shortened. Converging steps take a few, rarely twenty.
+/// Iterations per taut set before a time step fails and is shortened. Converging steps take a few,
+/// rarely twenty.
 const MAX_ITERATIONS_WITH_ONE_SET: usize = 30;
 /// Changes of the taut set during the iteration; after this many, each set is solved for first.
 const QUICK_SET_CHANGES: usize = 10;
@@ -32,8 +34,8 @@ const UNPROVEN_CONTRACTION: f64 = 0.1;
 const MAX_STIFFENING: f64 = 1e4;
 /// … unless both are rounding, in lengths of the rod.
 const ROUNDING_LENGTHS: f64 = 1e-8;
-/// Imbalance (an angle) beyond which a derivative is not reused: it belongs to a shape under extreme tensions, from
-/// which every step is small (docs/robustness.md).
+/// Imbalance (an angle) beyond which a derivative is not reused: it belongs to a shape under
+/// extreme tensions, from which every step is small (docs/robustness.md).
 const UNRELIABLE_IMBALANCE: f64 = 1e8;
 
 /// The correction that was subtracted from the unknowns.
@@ -46,8 +48,8 @@ struct Correction {
 }
 
 impl NewtonSolver {
-    /// Solves for `unknowns`, starting from their current values. `taut` is the initial guess of the set and then the
-    /// result.
+    /// Solves for `unknowns`, starting from their current values. `taut` is the initial guess of
+    /// the set and then the result.
     pub(crate) fn solve(
         &mut self,
         system: &RodEquations,
@@ -61,31 +63,46 @@ impl NewtonSolver {
         let (mut set_changes, mut set_changed_at) = (0, 0);
         self.steps.clear();
         self.damping = NewtonDamping::new();
-        let needed = if conditions.motion.rate > 0.0 { DerivativeUse::Motion } else { DerivativeUse::Rest };
+        let needed =
+            if conditions.motion.rate > 0.0 { DerivativeUse::Motion } else { DerivativeUse::Rest };
         // At rest there is neither D nor M in the matrix.
         let mut stale = self.derivative_use != needed;
         self.workspace.weights_frozen = false;
         for iteration in 0..self.max_iterations {
             // A time step can be shortened instead; a static solve has no such way out and goes on.
-            if needed == DerivativeUse::Motion && iteration - set_changed_at == MAX_ITERATIONS_WITH_ONE_SET {
+            if needed == DerivativeUse::Motion
+                && iteration - set_changed_at == MAX_ITERATIONS_WITH_ONE_SET
+            {
                 break;
             }
             self.iterations += 1;
             let residual_predicted = self.residual_predicted;
-            // Weights that follow the tensions can make the iteration jump to and fro without a solution.
+            // Weights that follow the tensions can make the iteration jump to and fro without a
+            // solution.
             let freeze_weights = iteration == FREEZE_WEIGHTS_AFTER;
             self.workspace.weights_frozen |= freeze_weights;
             let fresh = stale || freeze_weights;
             let current = SolveConditions { taut, ..*conditions };
-            let Correction { step, size, shortened } = match self.correct(system, unknowns, &current, fresh) {
-                Ok(correction) => correction,
-                Err(failure) => return self.fail(failure),
-            };
+            let Correction { step, size, shortened } =
+                match self.correct(system, unknowns, &current, fresh) {
+                    Ok(correction) => correction,
+                    Err(failure) => return self.fail(failure),
+                };
             // After a shortened step the shape has changed too much for the old derivative.
             stale = shortened || self.unreliable;
             // Once the sets alternate, each is solved for before the next one is tried.
-            let may_change_set = set_changes <= QUICK_SET_CHANGES || (!shortened && size < 1e-3 * length_m);
-            if may_change_set && self.change_set(system, unknowns, taut, conditions.constraints, &step, tolerance_m) {
+            let may_change_set =
+                set_changes <= QUICK_SET_CHANGES || (!shortened && size < 1e-3 * length_m);
+            if may_change_set
+                && self.change_set(
+                    system,
+                    unknowns,
+                    taut,
+                    conditions.constraints,
+                    &step,
+                    tolerance_m,
+                )
+            {
                 set_changes += 1;
                 set_changed_at = iteration + 1;
                 if set_changes > MAX_SET_CHANGES {
@@ -96,19 +113,25 @@ impl NewtonSolver {
                 self.damping = NewtonDamping::new();
                 continue;
             }
-            let contraction = if last_size.is_finite() { size / last_size } else { UNPROVEN_CONTRACTION };
-            // The next error is quadratic in the step with a fresh derivative, linear with a reused one.
-            let remaining_m = if fresh { size * (size / length_m).min(1.0) } else { size * contraction.min(1.0) };
+            let contraction =
+                if last_size.is_finite() { size / last_size } else { UNPROVEN_CONTRACTION };
+            // The next error is quadratic in the step with a fresh derivative, linear with a reused
+            // one.
+            let remaining_m =
+                if fresh { size * (size / length_m).min(1.0) } else { size * contraction.min(1.0) };
             if shortened {
                 self.steps.clear();
-            } else if remaining_m < tolerance_m && !residual_predicted && !self.step_is_suspicious(system, size, needed)
+            } else if remaining_m < tolerance_m
+                && !residual_predicted
+                && !self.step_is_suspicious(system, size, needed)
             {
                 self.residual_m = remaining_m;
                 return SolveStatus::Converged;
             } else {
                 self.steps.push(step);
             }
-            // A poor contraction, or convergence by a predicted residual, is judged again with a fresh derivative.
+            // A poor contraction, or convergence by a predicted residual, is judged again with a
+            // fresh derivative.
             stale |= contraction > POOR_CONTRACTION && last_size.is_finite();
             stale |= remaining_m < tolerance_m && !residual_predicted;
             last_size = size;
@@ -116,21 +139,25 @@ impl NewtonSolver {
         self.fail(SolveStatus::NotConverged)
     }
 
-    /// Whether a step of `size` metres at rest is too small for the present imbalance: then the derivative belongs to
-    /// another shape, under extreme tensions.
+    /// Whether a step of `size` metres at rest is too small for the present imbalance: then the
+    /// derivative belongs to another shape, under extreme tensions.
     fn step_is_suspicious(&self, system: &RodEquations, size: f64, needed: DerivativeUse) -> bool {
         let length_m = system.params.length_m();
         needed == DerivativeUse::Rest
-            && self.largest_imbalance(system) * length_m > MAX_STIFFENING * size + ROUNDING_LENGTHS * length_m
+            && self.largest_imbalance(system) * length_m
+                > MAX_STIFFENING * size + ROUNDING_LENGTHS * length_m
     }
 
-    /// The largest residual of the balance: approximately the missing angle, or the missing share of the length.
+    /// The largest residual of the balance: approximately the missing angle, or the missing share
+    /// of the length.
     fn largest_imbalance(&self, system: &RodEquations) -> f64 {
-        self.workspace.residual[..system.grid.unknowns].iter().fold(0.0, |largest, r| f64::max(largest, r.abs()))
+        self.workspace.residual[..system.grid.unknowns]
+            .iter()
+            .fold(0.0, |largest, r| f64::max(largest, r.abs()))
     }
 
-    /// Evaluates the equations at `unknowns`, and their derivative when `stale`; subtracts the correction. Corrections
-    /// that are too large or that alternate are shortened.
+    /// Evaluates the equations at `unknowns`, and their derivative when `stale`; subtracts the
+    /// correction. Corrections that are too large or that alternate are shortened.
     fn correct(
         &mut self,
         system: &RodEquations,
@@ -173,7 +200,12 @@ impl NewtonSolver {
     }
 
     /// Computes the derivative of the residual in the workspace.
-    fn differentiate(&mut self, system: &RodEquations, unknowns: &[f64], conditions: &SolveConditions) {
+    fn differentiate(
+        &mut self,
+        system: &RodEquations,
+        unknowns: &[f64],
+        conditions: &SolveConditions,
+    ) {
         self.derivatives += 1;
         self.differentiated_under = conditions.loads.tip;
         self.contact_set.clone_from(&self.workspace.contact_set());
@@ -182,11 +214,17 @@ impl NewtonSolver {
         // Factors and Broyden's steps belong to the former derivative.
         self.factors.clear();
         self.steps.clear();
-        self.derivative_use = if conditions.motion.rate > 0.0 { DerivativeUse::Motion } else { DerivativeUse::Rest };
+        self.derivative_use =
+            if conditions.motion.rate > 0.0 { DerivativeUse::Motion } else { DerivativeUse::Rest };
     }
 
     /// Evaluates the equations at `unknowns` and their derivative, with D and M also at rest.
-    pub(crate) fn refresh(&mut self, system: &RodEquations, unknowns: &[f64], conditions: &SolveConditions) {
+    pub(crate) fn refresh(
+        &mut self,
+        system: &RodEquations,
+        unknowns: &[f64],
+        conditions: &SolveConditions,
+    ) {
         self.residual_predicted = false;
         system.evaluate(unknowns, conditions, &mut self.workspace);
         self.differentiate(system, unknowns, conditions);

@@ -1,6 +1,7 @@
-//! Damping of alternating Newton corrections. Dry friction laws have kinks, and each branch may send the iteration to
-//! the other one indefinitely (semismooth Newton methods need damping for global convergence; Facchinei & Pang,
-//! Finite-Dimensional Variational Inequalities and Complementarity Problems, 2003, section 8.3).
+//! Damping of alternating Newton corrections. Dry friction laws have kinks, and each branch may
+//! send the iteration to the other one indefinitely (semismooth Newton methods need damping for
+//! global convergence; Facchinei & Pang, Finite-Dimensional Variational Inequalities and
+//! Complementarity Problems, 2003, section 8.3).
 
 use nalgebra::DVector;
 
@@ -35,13 +36,13 @@ impl NewtonDamping {
         NewtonDamping { last: None, share: 1.0, branch_changes: 0 }
     }
 
-    /// The share of the correction `step` of `size` metres to apply: half the previous share after a change of branch,
-    /// otherwise a larger one.
+    /// The share of the correction `step` of `size` metres to apply: half the previous share after
+    /// a change of branch, otherwise a larger one.
     pub(crate) fn share(&mut self, system: &RodEquations, step: &DVector<f64>, size: f64) -> f64 {
         let changes_branch = self.last.as_ref().is_some_and(|(last, last_size)| {
             let norms = (system.product_m2(last, last) * system.product_m2(step, step)).sqrt();
-            let reverses =
-                system.product_m2(last, step) < REVERSAL_COSINE * norms && size > MIN_REVERSAL_RATIO * last_size;
+            let reverses = system.product_m2(last, step) < REVERSAL_COSINE * norms
+                && size > MIN_REVERSAL_RATIO * last_size;
             reverses || size > MAX_GROWTH_RATIO * last_size
         });
         self.branch_changes += i32::from(changes_branch);

@@ -93,7 +93,9 @@ impl NewtonSolver {
 
     /// Whether the present derivative has proved stability for this taut set.
     pub(crate) fn is_stable_derivative(&self, taut: &[bool]) -> bool {
-        self.stable.as_ref().is_some_and(|stable| stable.number == self.derivatives && stable.taut == taut)
+        self.stable
+            .as_ref()
+            .is_some_and(|stable| stable.number == self.derivatives && stable.taut == taut)
     }
 
     /// Records that the present derivative proves stability for this taut set.

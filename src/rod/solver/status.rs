@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-/// Outcome of a solve. Anything but [`SolveStatus::Converged`] means that the shape must not be used as an answer.
+/// Outcome of a solve. Anything but [`SolveStatus::Converged`] means that the shape must not be
+/// used as an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SolveStatus {
     /// The equations hold within the tolerance.
@@ -13,16 +14,16 @@ pub enum SolveStatus {
     TendonSetUnsettled,
     /// Floating-point overflow: the loads far exceed what the rod can carry.
     NotFinite,
-    /// The equations hold, but the discretisation error exceeds the tolerance: on the finest grid allowed (at rest), or
-    /// on the grid of the motion (moving).
+    /// The equations hold, but the discretisation error exceeds the tolerance: on the finest grid
+    /// allowed (at rest), or on the grid of the motion (moving).
     UnderResolved,
-    /// The equations hold for a shape in which cross-sections interpenetrate: the backbone or the path of a tendon has
-    /// a length ≤ 0.
+    /// The equations hold for a shape in which cross-sections interpenetrate: the backbone or the
+    /// path of a tendon has a length ≤ 0.
     Crushed,
     /// The equilibrium is unstable, and no stable one was found nearby.
     Unstable,
-    /// The equilibrium is one about which oscillations grow (loads that turn with the rod). The rod is in it, and a
-    /// motion may start there.
+    /// The equilibrium is one about which oscillations grow (loads that turn with the rod). The rod
+    /// is in it, and a motion may start there.
     Flutters,
     /// The command itself is not finite.
     BadCommand,
@@ -42,7 +43,8 @@ impl SolveStatus {
         SolveStatus::BadCommand,
     ];
 
-    /// Whether the rod is in an equilibrium: one in which it stays, or about which oscillations grow.
+    /// Whether the rod is in an equilibrium: one in which it stays, or about which oscillations
+    /// grow.
     pub(crate) fn is_equilibrium(self) -> bool {
         matches!(self, SolveStatus::Converged | SolveStatus::Flutters)
     }

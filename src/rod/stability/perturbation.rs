@@ -1,4 +1,5 @@
-//! The small deviation that every real rod has. A perfect one would stay on an unstable equilibrium.
+//! The small deviation that every real rod has. A perfect one would stay on an unstable
+//! equilibrium.
 
 use nalgebra::Vector3;
 
@@ -10,18 +11,21 @@ use crate::rod::state::rod::Rod;
 const DEVIATION_LENGTHS: f64 = 1e-6;
 
 impl Rod {
-    /// The combination of `directions` (from [`super::tangent::Tangent::descents`]) that moves the tip towards the
-    /// preferred side: +x where it can, else +y, else +z.
+    /// The combination of `directions` (from [`super::tangent::Tangent::descents`]) that moves the
+    /// tip towards the preferred side: +x where it can, else +y, else +z.
     pub(crate) fn preferred_direction(&self, directions: &[Vec<f64>]) -> Option<Vec<f64>> {
         let variation = &self.solver.derivative.variation;
         let last = variation.end_move.len() - 1;
         let moves: Vec<Vector3<f64>> =
             directions.iter().map(|direction| variation.end_move[last].times(direction)).collect();
         let largest = moves.iter().map(Vector3::norm).fold(0.0, f64::max);
-        let reach = |axis: usize| moves.iter().map(|moved| moved[axis] * moved[axis]).sum::<f64>().sqrt();
+        let reach =
+            |axis: usize| moves.iter().map(|moved| moved[axis] * moved[axis]).sum::<f64>().sqrt();
         let first = directions.first()?;
         // The first axis along which the tip can go at all; rounding must not choose the side.
-        let Some(axis) = (0..3).find(|&axis| reach(axis) > 1e-3 * largest) else { return Some(first.clone()) };
+        let Some(axis) = (0..3).find(|&axis| reach(axis) > 1e-3 * largest) else {
+            return Some(first.clone());
+        };
         let mut combined = vec![0.0; first.len()];
         for (direction, moved) in directions.iter().zip(&moves) {
             combined.iter_mut().zip(direction).for_each(|(sum, x)| *sum += moved[axis] * x);
@@ -29,16 +33,22 @@ impl Rod {
         Some(combined)
     }
 
-    /// Gives the rod at the end of the present step a velocity along `direction` where it has next to none, so that a
-    /// deviation that grows with `rate` (1/s) begins with about [`DEVIATION_LENGTHS`] lengths.
+    /// Gives the rod at the end of the present step a velocity along `direction` where it has next
+    /// to none, so that a deviation that grows with `rate` (1/s) begins with about
+    /// [`DEVIATION_LENGTHS`] lengths.
     pub(crate) fn deviate(&mut self, direction: &[f64], rate: f64) {
         let Rod { system, solver, state, stages, .. } = self;
         let Some(rates) = stages.last_mut() else { return };
         let variation = &solver.derivative.variation;
-        let moves: Vec<Vector3<f64>> = variation.node_move.iter().map(|moved| moved.times(direction)).collect();
+        let moves: Vec<Vector3<f64>> =
+            variation.node_move.iter().map(|moved| moved.times(direction)).collect();
         let largest = moves.iter().map(Vector3::norm).fold(0.0, f64::max);
         let weighted = |of: &dyn Fn(usize) -> f64| {
-            moves.iter().enumerate().map(|(g, _)| system.grid.nodes[g].weight_m * of(g)).sum::<f64>()
+            moves
+                .iter()
+                .enumerate()
+                .map(|(g, _)| system.grid.nodes[g].weight_m * of(g))
+                .sum::<f64>()
         };
         let squares = weighted(&|g| moves[g].norm_squared());
         // Component of the present velocity along the direction, by mass-free projection.
@@ -65,11 +75,16 @@ impl Rod {
 }
 
 /// Change of the strains at the Gauss points along a change of the coefficients.
-fn strain_changes(system: &RodEquations, compliances: &[Compliance], direction: &[f64]) -> Vec<Components> {
+fn strain_changes(
+    system: &RodEquations,
+    compliances: &[Compliance],
+    direction: &[f64],
+) -> Vec<Components> {
     let points = system.grid.basis.points;
     let mut field = vec![0.0; 6 * points];
     system.grid.basis.expand(direction, &mut field);
-    let change =
-        |(g, compliance): (usize, &Compliance)| compliance.apply(&std::array::from_fn(|c| field[c * points + g]));
+    let change = |(g, compliance): (usize, &Compliance)| {
+        compliance.apply(&std::array::from_fn(|c| field[c * points + g]))
+    };
     compliances.iter().enumerate().map(change).collect()
 }

@@ -1,8 +1,9 @@
 //! The tangent of a rod on the motions that its taut tendons allow: K + s·D + s²·M.
 //!
-//! K is the second derivative of the energy. For a conservative rod K + s·D + s²·M with s ≥ 0 is positive definite
-//! exactly if no deviation grows faster than exp(s t) (Sylvester's law of inertia; D and M only add stiffness as s
-//! grows), so that one factorisation decides, and none but Cholesky's is needed.
+//! K is the second derivative of the energy. For a conservative rod K + s·D + s²·M with s ≥ 0 is
+//! positive definite exactly if no deviation grows faster than exp(s t) (Sylvester's law of
+//! inertia; D and M only add stiffness as s grows), so that one factorisation decides, and none but
+//! Cholesky's is needed.
 
 use nalgebra::{DMatrix, DVector, Dyn, SymmetricEigen};
 
@@ -13,13 +14,13 @@ use crate::rod::state::rod::Rod;
 
 /// Compliance assigned to an inextensible tendon, as a share of the compliance of the rod along it.
 const MIN_COMPLIANCE_SHARE: f64 = 1e-6;
-/// An eigenvalue above this, in units of the elastic stiffness, is not told from zero: a buckled rod turns about the axis
-/// of its load as easily as the lateral load lets it.
+/// An eigenvalue above this, in units of the elastic stiffness, is not told from zero: a buckled
+/// rod turns about the axis of its load as easily as the lateral load lets it.
 pub(crate) const NEUTRAL_EIGENVALUE: f64 = 1e-5;
 /// Iterations for an eigenvalue, per row.
 const EIGEN_ITERATIONS: usize = 40;
-/// Eigenvalues this close to the lowest one, in units of the elastic stiffness, belong to the same loss of stability: a
-/// round rod buckles in any direction.
+/// Eigenvalues this close to the lowest one, in units of the elastic stiffness, belong to the same
+/// loss of stability: a round rod buckles in any direction.
 const EIGENVALUE_TOLERANCE: f64 = 1e-6;
 
 /// K + s·D + s²·M, scaled so that the unloaded rod has a unit diagonal.
@@ -30,13 +31,14 @@ pub(crate) struct Tangent {
 }
 
 impl Rod {
-    /// The tangent at growth rate `rate` (1/s), from the derivative that the solver holds. D and M are those of the
-    /// last derivative in motion.
+    /// The tangent at growth rate `rate` (1/s), from the derivative that the solver holds. D and M
+    /// are those of the last derivative in motion.
     pub(crate) fn tangent(&self, constraints: &[TendonConstraint], rate: f64) -> Tangent {
         Tangent::new(&self.system, &self.solver.derivative, constraints, &self.state.taut, rate)
     }
 
-    /// The tangent of a rest under `constraints` and the whole load at other `unknowns`; the solver stays as it is.
+    /// The tangent of a rest under `constraints` and the whole load at other `unknowns`; the solver
+    /// stays as it is.
     pub(crate) fn tangent_at(&self, constraints: &[TendonConstraint], unknowns: &[f64]) -> Tangent {
         let Rod { system, state, motion, .. } = self;
         let loads = self.full_loads();
@@ -81,7 +83,10 @@ impl Tangent {
                 // A taut tendon adds its stiffness along the change of its length.
                 let pull = DVector::from_iterator(n, row.iter().zip(&scale).map(|(x, s)| x * s));
                 let compliance = -bordered[(n + i) * size + n + i];
-                let stiffness = 1.0 / compliance.max(MIN_COMPLIANCE_SHARE * pull.norm_squared()).max(f64::MIN_POSITIVE);
+                let stiffness = 1.0
+                    / compliance
+                        .max(MIN_COMPLIANCE_SHARE * pull.norm_squared())
+                        .max(f64::MIN_POSITIVE);
                 matrix.ger(stiffness, &pull, &pull, 1.0);
             }
         }
@@ -97,15 +102,17 @@ impl Tangent {
         symmetric.cholesky().is_some()
     }
 
-    /// The directions, as changes of the polynomial coefficients, in which the energy falls fastest: one, or two where a
-    /// rod buckles as easily in one direction as across it. Empty when no eigenvalue is negative or the iteration fails.
+    /// The directions, as changes of the polynomial coefficients, in which the energy falls
+    /// fastest: one, or two where a rod buckles as easily in one direction as across it. Empty when
+    /// no eigenvalue is negative or the iteration fails.
     pub(crate) fn descents(&self) -> Vec<Vec<f64>> {
         let Some(eigen) = self.eigen() else { return Vec::new() };
         let lowest = eigen.eigenvalues.min();
         if lowest >= -NEUTRAL_EIGENVALUE {
             return Vec::new();
         }
-        let critical = (0..self.scale.len()).filter(|&index| eigen.eigenvalues[index] < lowest + EIGENVALUE_TOLERANCE);
+        let critical = (0..self.scale.len())
+            .filter(|&index| eigen.eigenvalues[index] < lowest + EIGENVALUE_TOLERANCE);
         critical.map(|index| self.direction(&eigen, index)).collect()
     }
 
@@ -126,7 +133,10 @@ impl Tangent {
 
     /// The stiffness along a change of the polynomial coefficients.
     pub(crate) fn along(&self, direction: &[f64]) -> f64 {
-        let scaled = DVector::from_iterator(direction.len(), direction.iter().zip(&self.scale).map(|(x, s)| x / s));
+        let scaled = DVector::from_iterator(
+            direction.len(),
+            direction.iter().zip(&self.scale).map(|(x, s)| x / s),
+        );
         scaled.dot(&(&self.matrix * &scaled))
     }
 

@@ -6,7 +6,8 @@ pub enum RestBranch {
     /// The rod stays stable while the loads change from the ones to the others.
     #[default]
     Same,
-    /// It loses stability at a bifurcation: further equilibria begin there, and the rod is in one of them.
+    /// It loses stability at a bifurcation: further equilibria begin there, and the rod is in one
+    /// of them.
     Bifurcation,
     /// Its equilibrium ends at a limit point, and it has snapped through to a distant one.
     SnapThrough,

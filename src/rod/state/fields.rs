@@ -57,7 +57,8 @@ impl Rod {
         (0..self.system.grid.nodes.len()).map(section).collect()
     }
 
-    /// World-frame angular velocities at the Gauss points, from the rates of curvature below each: ω(s) = ∫ R u_t.
+    /// World-frame angular velocities at the Gauss points, from the rates of curvature below each:
+    /// ω(s) = ∫ R u_t.
     fn angular_velocities_rad_s(&self) -> Vec<Vector3<f64>> {
         let (shape, rates) = (&self.state.shape, &self.state.rates);
         let rate = |g: usize| shape.node_r[g] * Vector3::from_row_slice(&rates.strain_v[g][..3]);
@@ -95,18 +96,22 @@ impl Rod {
         energy
     }
 
-    /// Energy of a rest and of the loads on it, J: its minima are the stable rests. Moments that keep their direction and
-    /// loads that turn with the rod have none.
+    /// Energy of a rest and of the loads on it, J: its minima are the stable rests. Moments that
+    /// keep their direction and loads that turn with the rod have none.
     pub(crate) fn potential_energy_j(&self, constraints: &[TendonConstraint]) -> f64 {
         let energy = self.energy();
-        let mut total = energy.elastic_j + energy.gravitational_j - self.tip_load.force_n.dot(&self.tip_m());
+        let mut total =
+            energy.elastic_j + energy.gravitational_j - self.tip_load.force_n.dot(&self.tip_m());
         let dead = self.system.constant_loads.points.iter().filter(|(_, load)| !load.follows);
-        total -= dead.map(|(end, load)| load.force_n.dot(&self.state.shape.end_p[*end])).sum::<f64>();
+        total -=
+            dead.map(|(end, load)| load.force_n.dot(&self.state.shape.end_p[*end])).sum::<f64>();
         for (g, force) in self.system.constant_loads.line.iter().enumerate() {
             total -= self.system.grid.nodes[g].weight_m * force.dot(&self.state.shape.node_p[g]);
         }
         total += self.solver.workspace.contact_energy_j();
-        for (constraint, length_m) in constraints.iter().zip(self.system.lengths_m(&self.state.shape)) {
+        for (constraint, length_m) in
+            constraints.iter().zip(self.system.lengths_m(&self.state.shape))
+        {
             if let TendonConstraint::Tension(tension_n) = constraint {
                 // A drive of given tension is a hanging weight: it rises as the tendon shortens.
                 total += tension_n * length_m;

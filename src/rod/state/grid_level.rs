@@ -27,7 +27,8 @@ pub(crate) struct GridLevel {
 
 impl GridLevel {
     pub(crate) fn new(system: &RodEquations) -> GridLevel {
-        let max_turning_compliance = system.sections.iter().map(Section::max_turning_compliance).fold(0.0, f64::max);
+        let max_turning_compliance =
+            system.sections.iter().map(Section::max_turning_compliance).fold(0.0, f64::max);
         GridLevel {
             base: system.params.resolution,
             level: 0,
@@ -40,12 +41,14 @@ impl GridLevel {
 
     /// `system` with the same polynomials on twice as many cells.
     pub(crate) fn halved(&self, system: &RodEquations) -> &RodEquations {
-        self.halved
-            .get_or_init(|| RodEquations::on(system.grid.halved(&system.params.resolution), system.params.clone()))
+        self.halved.get_or_init(|| {
+            RodEquations::on(system.grid.halved(&system.params.resolution), system.params.clone())
+        })
     }
 }
 
-/// A shape whose error was confirmed by reconstruction, and the ratio of that error to its estimate.
+/// A shape whose error was confirmed by reconstruction, and the ratio of that error to its
+/// estimate.
 #[derive(Clone, Debug)]
 pub(crate) struct ConfirmedShape {
     pub(crate) tip_m: Vector3<f64>,

@@ -16,7 +16,8 @@ pub(crate) struct Rates {
     pub(crate) mass_v: Vec<Vector3<f64>>,
     pub(crate) mass_a: Vec<Vector3<f64>>,
     pub(crate) strain_v: Vec<Components>,
-    /// Body angular velocity and acceleration of the masses with rotary inertia; zero for the others.
+    /// Body angular velocity and acceleration of the masses with rotary inertia; zero for the
+    /// others.
     pub(crate) spin: Vec<Vector3<f64>>,
     pub(crate) spin_a: Vec<Vector3<f64>>,
 }

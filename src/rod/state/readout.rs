@@ -33,8 +33,8 @@ impl Rod {
         self.state.shape.tip_rotation()
     }
 
-    /// Position (metres) and orientation of the cross-section at arc length `position_m`, world frame; clamped to the
-    /// ends of the rod.
+    /// Position (metres) and orientation of the cross-section at arc length `position_m`, world
+    /// frame; clamped to the ends of the rod.
     pub fn pose_at(&self, position_m: f64) -> (Vector3<f64>, Matrix3<f64>) {
         self.state.shape.pose_at(&self.system.grid, position_m)
     }
@@ -48,7 +48,10 @@ impl Rod {
     pub fn following_pulls_m(&self) -> Vec<f64> {
         let lengths_m = self.system.lengths_m(&self.state.shape);
         let homes = lengths_m.iter().zip(&self.system.home_lengths_m);
-        homes.zip(&self.system.params.tendons).map(|((now, home), tendon)| home - now - tendon.pretension_m).collect()
+        homes
+            .zip(&self.system.params.tendons)
+            .map(|((now, home), tendon)| home - now - tendon.pretension_m)
+            .collect()
     }
 
     /// How the last equilibrium is connected with the one before.
@@ -56,7 +59,8 @@ impl Rod {
         self.branch
     }
 
-    /// The obstacle that reaches deepest into the unloaded rod of `params`; `None` where all are outside.
+    /// The obstacle that reaches deepest into the unloaded rod of `params`; `None` where all are
+    /// outside.
     pub fn touched_at_home(params: &RodParams) -> Option<HomePenetration> {
         if params.contact.obstacles.is_empty() {
             return None;

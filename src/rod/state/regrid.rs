@@ -3,8 +3,8 @@
 use super::rod::Rod;
 
 impl Rod {
-    /// Estimated tip error due to the spatial discretisation, metres. After a static solve: the larger of the estimate
-    /// and the error found by reconstruction. In motion: the estimate.
+    /// Estimated tip error due to the spatial discretisation, metres. After a static solve: the
+    /// larger of the estimate and the error found by reconstruction. In motion: the estimate.
     pub fn space_error_m(&self) -> f64 {
         self.grid_level.error_m
     }
@@ -23,7 +23,10 @@ impl Rod {
 
     /// The same rod in the same state on the grid of another level, at rest.
     pub(crate) fn on_grid(&self, level: u32) -> Rod {
-        self.with_state_on(Rod::new(self.system.params.refined(&self.grid_level.base, level)), level)
+        self.with_state_on(
+            Rod::new(self.system.params.refined(&self.grid_level.base, level)),
+            level,
+        )
     }
 
     /// `rod`, on the grid of another level, in the state of this one.
@@ -37,8 +40,12 @@ impl Rod {
         let (from, to) = (&self.system.grid, &rod.system.grid);
         to.transfer(from, &self.state.unknowns, &mut rod.state.unknowns);
         rod.state.taut.clone_from(&self.state.taut);
-        rod.state.histories =
-            self.state.histories.iter().map(|states| to.interpolate_histories(from, states)).collect();
+        rod.state.histories = self
+            .state
+            .histories
+            .iter()
+            .map(|states| to.interpolate_histories(from, states))
+            .collect();
         rod.state.sliding.clone_from(&self.state.sliding);
         rod.state.contact_memory.clone_from(&self.state.contact_memory);
         rod.state.shape.update(to, &rod.system.sections, &rod.state.unknowns[..to.unknowns]);

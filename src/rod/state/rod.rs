@@ -78,7 +78,11 @@ impl Rod {
             before: state.clone(),
             state,
             motion: Motion::rest(&system.grid, &system.masses),
-            stages: tableau.rows.iter().map(|_| Rates::zero(&system.grid, &system.masses)).collect(),
+            stages: tableau
+                .rows
+                .iter()
+                .map(|_| Rates::zero(&system.grid, &system.masses))
+                .collect(),
             step_size: StepSize::new(&tableau),
             tableau,
             tip_load,
@@ -123,7 +127,11 @@ impl Rod {
 
     /// All loads at their full value.
     pub(crate) fn full_loads(&self) -> AppliedLoads {
-        AppliedLoads { tip: self.tip_load, share: 1.0, gravity_m_s2: self.system.params.gravity_m_s2 }
+        AppliedLoads {
+            tip: self.tip_load,
+            share: 1.0,
+            gravity_m_s2: self.system.params.gravity_m_s2,
+        }
     }
 
     /// Solves the equations from the present unknowns.
@@ -161,19 +169,29 @@ impl Rod {
     }
 
     /// Evaluates the equations at the present unknowns, and their derivative with D and M.
-    pub(crate) fn refresh(&mut self, constraints: &[TendonConstraint], loads: &AppliedLoads, at_rest: bool) {
+    pub(crate) fn refresh(
+        &mut self,
+        constraints: &[TendonConstraint],
+        loads: &AppliedLoads,
+        at_rest: bool,
+    ) {
         let Rod { system, solver, state, motion, obstacle_share, .. } = self;
         let conditions = state.conditions(motion, constraints, loads, at_rest);
         let conditions = SolveConditions { obstacle_share: *obstacle_share, ..conditions };
         solver.refresh(system, &state.unknowns, &conditions);
     }
 
-    /// Ends a step of `dt_s` seconds (infinite: at rest) for everything that remembers, at the last evaluation of the
-    /// equations.
+    /// Ends a step of `dt_s` seconds (infinite: at rest) for everything that remembers, at the last
+    /// evaluation of the equations.
     pub(crate) fn commit_histories(&mut self, dt_s: f64) {
         self.state.sliding.copy_from_slice(&self.solver.workspace.sliding);
         let RodState { shape, contact_memory, .. } = &mut self.state;
-        contact_memory.commit(&self.system.params.contact, &self.system.grid, shape, &self.solver.workspace.touches);
+        contact_memory.commit(
+            &self.system.params.contact,
+            &self.system.grid,
+            shape,
+            &self.solver.workspace.touches,
+        );
         let shape = &self.state.shape;
         for (law, states) in self.system.params.moment_laws.iter().zip(&mut self.state.histories) {
             for (g, state) in states.iter_mut().enumerate() {
@@ -190,7 +208,9 @@ impl Rod {
             return None;
         }
         let constraint = |(drive, tendon): (&Drive, &Tendon)| match *drive {
-            Drive::Pull(pull) if pull.is_finite() => Some(TendonConstraint::Length(pull + tendon.pretension_m)),
+            Drive::Pull(pull) if pull.is_finite() => {
+                Some(TendonConstraint::Length(pull + tendon.pretension_m))
+            }
             Drive::Tension(tension) if tension.is_finite() && tension >= 0.0 => {
                 Some(TendonConstraint::Tension(tension))
             }
@@ -216,8 +236,9 @@ impl Rod {
     /// Logs the stage that has just been solved.
     pub(crate) fn log_stage(&mut self) {
         let RodState { unknowns, taut, .. } = &self.state;
-        let stage =
-            |log: &mut SolveLog| log.stages.push(SolvedStage { unknowns: unknowns.clone(), taut: taut.clone() });
+        let stage = |log: &mut SolveLog| {
+            log.stages.push(SolvedStage { unknowns: unknowns.clone(), taut: taut.clone() })
+        };
         self.log.iter_mut().for_each(stage);
     }
 }

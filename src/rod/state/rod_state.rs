@@ -24,7 +24,8 @@ pub(crate) struct RodState {
 }
 
 impl RodState {
-    /// The conditions of a solve that goes on from this state, with the tendons taut that are taut now.
+    /// The conditions of a solve that goes on from this state, with the tendons taut that are taut
+    /// now.
     pub(crate) fn conditions<'a>(
         &'a self,
         motion: &'a Motion,

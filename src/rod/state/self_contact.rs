@@ -4,7 +4,8 @@ use super::rod::Rod;
 
 /// Angle through which a rod must turn to touch itself, rad.
 const MIN_TURN_RAD: f64 = std::f64::consts::PI;
-/// Places nearer along the rod than this multiple of their radii touch only where the rod bends tighter than it is thick.
+/// Places nearer along the rod than this multiple of their radii touch only where the rod bends
+/// tighter than it is thick.
 const NEIGHBOURS: f64 = 4.0;
 
 /// Two places of a rod that touch.
@@ -17,8 +18,8 @@ pub struct SelfContact {
 }
 
 impl Rod {
-    /// Where the surface of the rod (its contact radius, disks left out) penetrates itself deepest; `None` where it does
-    /// not.
+    /// Where the surface of the rod (its contact radius, disks left out) penetrates itself deepest;
+    /// `None` where it does not.
     pub fn self_contact(&self) -> Option<SelfContact> {
         let (shape, nodes) = (&self.state.shape, &self.system.grid.nodes);
         let turn = |(g, node): (usize, &crate::rod::discretisation::cell::Node)| {
@@ -36,7 +37,10 @@ impl Rod {
                 let penetration_m = width_m - (p - q).norm();
                 let deeper = deepest.is_none_or(|contact| penetration_m > contact.penetration_m);
                 if apart_m > 0.5 * NEIGHBOURS * width_m && penetration_m > 0.0 && deeper {
-                    deepest = Some(SelfContact { s_m: [boundaries_m[i], boundaries_m[j]], penetration_m });
+                    deepest = Some(SelfContact {
+                        s_m: [boundaries_m[i], boundaries_m[j]],
+                        penetration_m,
+                    });
                 }
             }
         }

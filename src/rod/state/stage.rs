@@ -35,17 +35,26 @@ impl History<'_> {
 }
 
 impl Motion {
-    /// Prepares a stage of a step of `h` seconds. `row` holds the coefficients of the earlier stages, whose rates are
-    /// in `stages`, and then γ.
-    pub(crate) fn prepare(&mut self, start: &RodState, masses: &[EndMass], row: &[f64], stages: &[Rates], h: f64) {
+    /// Prepares a stage of a step of `h` seconds. `row` holds the coefficients of the earlier
+    /// stages, whose rates are in `stages`, and then γ.
+    pub(crate) fn prepare(
+        &mut self,
+        start: &RodState,
+        masses: &[EndMass],
+        row: &[f64],
+        stages: &[Rates],
+        h: f64,
+    ) {
         let gamma = row[row.len() - 1];
         let rate = 1.0 / (h * gamma);
         self.rate = rate;
-        let earlier: Vec<(f64, &Rates)> = row[..row.len() - 1].iter().map(|a| a / gamma).zip(stages).collect();
+        let earlier: Vec<(f64, &Rates)> =
+            row[..row.len() - 1].iter().map(|a| a / gamma).zip(stages).collect();
         let history = History { rate, earlier: &earlier };
         let from = &start.rates;
         for (g, p) in start.shape.node_p.iter().enumerate() {
-            (self.node_v[g], self.node_a[g]) = history.of(p, &from.node_v[g], |s| (s.node_v[g], s.node_a[g]));
+            (self.node_v[g], self.node_a[g]) =
+                history.of(p, &from.node_v[g], |s| (s.node_v[g], s.node_a[g]));
             for c in 0..6 {
                 let before: f64 = earlier.iter().map(|(a, s)| a * s.strain_v[g][c]).sum();
                 self.strain_v[g][c] = -start.shape.strain[g][c] * rate - before;
@@ -53,7 +62,8 @@ impl Motion {
         }
         for (k, mass) in masses.iter().enumerate() {
             let p = &start.shape.end_p[mass.end];
-            (self.mass_v[k], self.mass_a[k]) = history.of(p, &from.mass_v[k], |s| (s.mass_v[k], s.mass_a[k]));
+            (self.mass_v[k], self.mass_a[k]) =
+                history.of(p, &from.mass_v[k], |s| (s.mass_v[k], s.mass_a[k]));
             if mass.turns() {
                 (self.spin_v[k], self.spin_a[k]) =
                     history.of(&Vector3::zeros(), &from.spin[k], |s| (s.spin[k], s.spin_a[k]));

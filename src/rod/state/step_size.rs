@@ -5,7 +5,8 @@ use crate::rod::params::scheme::Tableau;
 /// The length of the time steps.
 #[derive(Clone, Debug)]
 pub(crate) struct StepSize {
-    /// Suggested length of the next step from the error of the last one, s; infinite before the first.
+    /// Suggested length of the next step from the error of the last one, s; infinite before the
+    /// first.
     pub(crate) next_s: f64,
     /// Time that was asked for and was too short for a step, s: it is added to the next motion.
     pub(crate) owed_s: f64,
@@ -31,6 +32,13 @@ pub(crate) struct FlutterLimit {
 impl StepSize {
     pub(crate) fn new(tableau: &Tableau) -> StepSize {
         let stage_times: Vec<f64> = tableau.rows.iter().map(|row| row.iter().sum()).collect();
-        StepSize { next_s: f64::INFINITY, owed_s: 0.0, deviates: false, flutter: None, steps: 0, stage_times }
+        StepSize {
+            next_s: f64::INFINITY,
+            owed_s: 0.0,
+            deviates: false,
+            flutter: None,
+            steps: 0,
+            stage_times,
+        }
     }
 }

@@ -15,7 +15,8 @@ impl Rod {
         self.state.unknowns.fill(0.0);
         self.state.taut.fill(false);
         // A stuck share is better tried smaller than iterated longer.
-        let max_iterations = std::mem::replace(&mut self.solver.max_iterations, MAX_CONTINUATION_ITERATIONS);
+        let max_iterations =
+            std::mem::replace(&mut self.solver.max_iterations, MAX_CONTINUATION_ITERATIONS);
         let status = self.raise_load(constraints);
         self.solver.max_iterations = max_iterations;
         status

@@ -16,7 +16,8 @@ impl Rod {
     pub fn settle(&mut self, drives: &[Drive]) -> SolveStatus {
         let Some(constraints) = self.constraints(drives) else { return SolveStatus::BadCommand };
         let under = self.settled_under.take();
-        // With histories the refined grid is kept between equilibria, so that they keep their resolution.
+        // With histories the refined grid is kept between equilibria, so that they keep their
+        // resolution.
         if self.system.params.moment_laws.is_empty() {
             self.coarsen();
         }
@@ -62,15 +63,25 @@ impl Rod {
         status
     }
 
-    /// Between equilibria under the same loads the first residual is known: the change of the tendon constraints. This
-    /// saves one evaluation of the equations in four.
-    fn predict_residual(&mut self, constraints: &[TendonConstraint], before: Option<&SettledConditions>) {
+    /// Between equilibria under the same loads the first residual is known: the change of the
+    /// tendon constraints. This saves one evaluation of the equations in four.
+    fn predict_residual(
+        &mut self,
+        constraints: &[TendonConstraint],
+        before: Option<&SettledConditions>,
+    ) {
         let params = &self.system.params;
-        let remembers = !params.moment_laws.is_empty() || params.tendons.iter().any(Tendon::has_friction);
+        let remembers =
+            !params.moment_laws.is_empty() || params.tendons.iter().any(Tendon::has_friction);
         let same_load = |rest: &&SettledConditions| rest.tip_load == self.tip_load && !remembers;
         if let Some(rest) = before.filter(same_load) {
             let change = ConstraintChange { from: &rest.constraints, to: constraints };
-            self.solver.predict_residual(&self.system, &self.state.unknowns, &self.state.taut, &change);
+            self.solver.predict_residual(
+                &self.system,
+                &self.state.unknowns,
+                &self.state.taut,
+                &change,
+            );
         }
     }
 }

@@ -18,9 +18,10 @@ pub(crate) enum Stability {
 }
 
 impl Rod {
-    /// Judges the equilibrium under `constraints` that the rod is in. A conservative rod is stable where the tangent is positive
-    /// definite. Follower loads, which have no potential, are judged by the linearised motion; a dead moment, which has
-    /// none either, by the eigenvalues of the tangent where its symmetric part is not positive definite.
+    /// Judges the equilibrium under `constraints` that the rod is in. A conservative rod is stable
+    /// where the tangent is positive definite. Follower loads, which have no potential, are judged
+    /// by the linearised motion; a dead moment, which has none either, by the eigenvalues of the
+    /// tangent where its symmetric part is not positive definite.
     pub(crate) fn judge(&mut self, constraints: &[TendonConstraint]) -> Stability {
         // The verdict needs the derivative at the solution, not near it.
         self.solver.discard_derivative();
@@ -34,7 +35,9 @@ impl Rod {
                 Some(Growth::Flutter(_)) => Stability::Flutters,
                 // A rod without mass, or one whose eigenvalues were not found.
                 None if all_positive(self.tangent(constraints, 0.0).matrix) => Stability::Stable,
-                Some(Growth::Divergence(_)) | None => Stability::Unstable(self.tangent(constraints, 0.0).descents()),
+                Some(Growth::Divergence(_)) | None => {
+                    Stability::Unstable(self.tangent(constraints, 0.0).descents())
+                }
             };
         }
         let tangent = self.tangent(constraints, 0.0);

@@ -1,9 +1,9 @@
 //! Error estimation by a reconstructed, more accurate solution.
 //!
-//! The wrench of a solution is polynomial, and the balance holds in the weighted mean. The reconstruction solves the
-//! balance pointwise at twice as many Gauss points, under the loads of the solved shape. The remaining mean imbalance
-//! is removed with the solver's derivative. The estimate thus includes the amplification of small errors in slender or
-//! nearly buckled rods.
+//! The wrench of a solution is polynomial, and the balance holds in the weighted mean. The
+//! reconstruction solves the balance pointwise at twice as many Gauss points, under the loads of
+//! the solved shape. The remaining mean imbalance is removed with the solver's derivative. The
+//! estimate thus includes the amplification of small errors in slender or nearly buckled rods.
 
 use nalgebra::{DVector, Matrix6, Vector6};
 
@@ -18,37 +18,51 @@ use crate::rod::equations::system::{RodEquations, Workspace};
 use crate::rod::state::grid_level::ConfirmedShape;
 use crate::rod::state::rod::Rod;
 
-/// Safety factor: the reconstruction is accurate to higher order; for 600 random robots it was at least three quarters
-/// of the error.
+/// Safety factor: the reconstruction is accurate to higher order; for 600 random robots it was at
+/// least three quarters of the error.
 const RECONSTRUCTION_SAFETY_FACTOR: f64 = 2.0;
-/// Tip distance, as a share of the length, within which a confirmed shape applies; there the estimate is scaled, with
-/// this safety factor.
+/// Tip distance, as a share of the length, within which a confirmed shape applies; there the
+/// estimate is scaled, with this safety factor.
 const CONFIRMED_DISTANCE_LENGTHS: f64 = 0.05;
 const CONFIRMED_SAFETY_FACTOR: f64 = 5.0;
 
 impl Rod {
-    /// Raises an estimated error below the tolerance to the error found by reconstruction. Close to a confirmed shape,
-    /// scales the estimate `raw_m` instead.
-    pub(crate) fn confirm_by_reconstruction(&mut self, constraints: &[TendonConstraint], tolerance_m: f64, raw_m: f64) {
+    /// Raises an estimated error below the tolerance to the error found by reconstruction. Close to
+    /// a confirmed shape, scales the estimate `raw_m` instead.
+    pub(crate) fn confirm_by_reconstruction(
+        &mut self,
+        constraints: &[TendonConstraint],
+        tolerance_m: f64,
+        raw_m: f64,
+    ) {
         if self.grid_level.error_m > tolerance_m || tolerance_m.is_infinite() {
             return;
         }
         let tip_m = self.tip_m();
-        if let Some(ConfirmedShape { tip_m: confirmed_tip_m, taut, ratio }) = &self.grid_level.confirmed {
-            let near = (tip_m - confirmed_tip_m).norm() < CONFIRMED_DISTANCE_LENGTHS * self.system.params.length_m()
+        if let Some(ConfirmedShape { tip_m: confirmed_tip_m, taut, ratio }) =
+            &self.grid_level.confirmed
+        {
+            let near = (tip_m - confirmed_tip_m).norm()
+                < CONFIRMED_DISTANCE_LENGTHS * self.system.params.length_m()
                 && *taut == self.state.taut;
-            if near && CONFIRMED_SAFETY_FACTOR * ratio * raw_m <= tolerance_m && self.is_stable_by_bound() {
+            if near
+                && CONFIRMED_SAFETY_FACTOR * ratio * raw_m <= tolerance_m
+                && self.is_stable_by_bound()
+            {
                 return;
             }
         }
         let apart_m = self.reconstruction_m(constraints);
-        self.grid_level.error_m = self.grid_level.error_m.max(RECONSTRUCTION_SAFETY_FACTOR * apart_m);
+        self.grid_level.error_m =
+            self.grid_level.error_m.max(RECONSTRUCTION_SAFETY_FACTOR * apart_m);
         let ratio = (apart_m / raw_m.max(f64::MIN_POSITIVE)).max(1.0);
-        self.grid_level.confirmed = Some(ConfirmedShape { tip_m, taut: self.state.taut.clone(), ratio });
+        self.grid_level.confirmed =
+            Some(ConfirmedShape { tip_m, taut: self.state.taut.clone(), ratio });
     }
 
-    /// Distance between the tips of the reconstructed and the present solution, metres, after a static solve under
-    /// `constraints`. A rotation counts as angle times length. Infinite on failure.
+    /// Distance between the tips of the reconstructed and the present solution, metres, after a
+    /// static solve under `constraints`. A rotation counts as angle times length. Infinite on
+    /// failure.
     pub(crate) fn reconstruction_m(&mut self, constraints: &[TendonConstraint]) -> f64 {
         // 1. The same polynomials at twice as many Gauss points show the pointwise imbalance.
         let fine = self.grid_level.halved(&self.system);
@@ -59,16 +73,20 @@ impl Rod {
             .map(|states| fine.grid.interpolate_histories(&self.system.grid, states))
             .collect();
         // The forces of contacts stay: more points would press more on the same penetration.
-        let touches: Vec<Touch> = self.solver.workspace.touches.iter().map(|touch| touch.on_grid(&fine.grid)).collect();
+        let touches: Vec<Touch> =
+            self.solver.workspace.touches.iter().map(|touch| touch.on_grid(&fine.grid)).collect();
         let motion = Motion::rest(&fine.grid, &fine.masses);
         let loads = self.full_loads();
         let full = self.state.conditions(&motion, constraints, &loads, true);
-        let conditions = SolveConditions { histories: &histories, fixed_touches: Some(&touches), ..full };
+        let conditions =
+            SolveConditions { histories: &histories, fixed_touches: Some(&touches), ..full };
         let mut workspace = fine.workspace();
         let unknowns = &self.state.unknowns;
         fine.evaluate(unknowns, &conditions, &mut workspace);
         // 2. Balance each Gauss point by itself.
-        let Some(mut wrench) = fine.local_balance(unknowns, &workspace) else { return f64::INFINITY };
+        let Some(mut wrench) = fine.local_balance(unknowns, &workspace) else {
+            return f64::INFINITY;
+        };
         vectorised!({
             workspace.shape.update_from(&fine.grid, &fine.sections, &wrench);
             fine.balance(unknowns, &conditions, &mut workspace);
@@ -89,8 +107,8 @@ impl Rod {
 }
 
 impl RodEquations {
-    /// The wrench that balances the external one in `workspace` at each Gauss point, by one Newton iteration; its error
-    /// is of higher order.
+    /// The wrench that balances the external one in `workspace` at each Gauss point, by one Newton
+    /// iteration; its error is of higher order.
     fn local_balance(&self, unknowns: &[f64], workspace: &Workspace) -> Option<Vec<Components>> {
         let tensions = &unknowns[self.grid.unknowns..];
         let balanced = |g: usize| {

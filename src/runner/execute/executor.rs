@@ -1,5 +1,6 @@
-//! Executes a graph: computes what is wanted and not stored, each stage as soon as its inputs are there. Processes that share
-//! a store share the work: whoever computes a stage holds the lock of its entry, and the others take other stages meanwhile.
+//! Executes a graph: computes what is wanted and not stored, each stage as soon as its inputs are
+//! there. Processes that share a store share the work: whoever computes a stage holds the lock of
+//! its entry, and the others take other stages meanwhile.
 
 use super::outcomes::{Outcomes, SharingCost, StageOutcome};
 use super::plan::{Need, plan_with};
@@ -19,8 +20,8 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{Builder, available_parallelism};
 use std::time::{Duration, Instant};
 
-/// How long a thread without work waits before it asks again for stages that other processes compute; twice as long each
-/// time, up to [`MAX_PAUSE`].
+/// How long a thread without work waits before it asks again for stages that other processes
+/// compute; twice as long each time, up to [`MAX_PAUSE`].
 pub const MIN_PAUSE: Duration = Duration::from_millis(50);
 /// Longest such wait, and so the longest until a thread without work sees that it shall stop.
 pub const MAX_PAUSE: Duration = Duration::from_secs(2);
@@ -92,7 +93,12 @@ pub struct WorkerShare<'a> {
 ///
 /// # Errors
 /// When no thread can be started.
-pub fn execute(graph: &Graph, store: &Store, wanted: &[usize], options: &RunOptions) -> Result<Outcomes, Failure> {
+pub fn execute(
+    graph: &Graph,
+    store: &Store,
+    wanted: &[usize],
+    options: &RunOptions,
+) -> Result<Outcomes, Failure> {
     let mut values: Vec<Option<StageOutcome>> = graph.nodes.iter().map(|_| None).collect();
     let needs = plan_with(graph, wanted, |number, node| {
         values[number] = load(node, store, options.progress).map(Ok);
@@ -102,7 +108,8 @@ pub fn execute(graph: &Graph, store: &Store, wanted: &[usize], options: &RunOpti
     Execution::new(graph, store, options, &plan, 0).run(&needs, values, wanted)
 }
 
-/// Computes missing stages as one of several workers, until none is left that this worker could take.
+/// Computes missing stages as one of several workers, until none is left that this worker could
+/// take.
 ///
 /// # Errors
 /// When no thread can be started.
@@ -120,7 +127,8 @@ pub fn execute_share(
     execution.run(&needs, graph.nodes.iter().map(|_| None).collect(), &[])
 }
 
-/// Reads a stored result; `None` when there is none. One that fails its checks is reported and removed.
+/// Reads a stored result; `None` when there is none. One that fails its checks is reported and
+/// removed.
 fn load(node: &StageNode, store: &Store, progress: &Progress) -> Option<AnyResult> {
     let reason = match store.read(node.kind.name, &node.key) {
         Lookup::Absent => return None,
@@ -131,13 +139,15 @@ fn load(node: &StageNode, store: &Store, progress: &Progress) -> Option<AnyResul
         Lookup::Damaged(reason) => reason,
     };
     let (kind, key) = (node.kind.name, node.key.short());
-    progress.notice(&format!("stored result {kind} {key} is damaged ({reason}); computing it again"));
+    progress
+        .notice(&format!("stored result {kind} {key} is damaged ({reason}); computing it again"));
     store.discard(kind, &node.key);
     None
 }
 
-/// What the threads of one execution share. They are no pool of rayon's: a thread that waits there for a part of its stage may
-/// begin another stage meanwhile, within the first, and another within that.
+/// What the threads of one execution share. They are no pool of rayon's: a thread that waits there
+/// for a part of its stage may begin another stage meanwhile, within the first, and another within
+/// that.
 struct Execution<'a> {
     graph: &'a Graph,
     store: &'a Store,
@@ -189,7 +199,8 @@ enum Attempt {
     MissingInput,
 }
 
-/// Locks a mutex, poisoned or not: a stage that panics is caught in [`compute`], where nothing is locked.
+/// Locks a mutex, poisoned or not: a stage that panics is caught in [`compute`], where nothing is
+/// locked.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -226,7 +237,12 @@ impl<'a> Execution<'a> {
         }
     }
 
-    fn run(mut self, needs: &[Need], values: Vec<Option<StageOutcome>>, wanted: &[usize]) -> Result<Outcomes, Failure> {
+    fn run(
+        mut self,
+        needs: &[Need],
+        values: Vec<Option<StageOutcome>>,
+        wanted: &[usize],
+    ) -> Result<Outcomes, Failure> {
         let cached = values.iter().flatten().count();
         self.values = values.into_iter().map(Mutex::new).collect();
         wanted.iter().for_each(|&stage| *self.remaining_uses[stage].get_mut() += 1);
@@ -246,8 +262,9 @@ impl<'a> Execution<'a> {
                 *lock(&sharing.writer) = Some(sender);
                 scope.spawn(|| results.into_iter().for_each(|result| self.store_result(result)));
             }
-            let spawn =
-                |number: usize| Builder::new().name(format!("stage {number}")).spawn_scoped(scope, || self.work());
+            let spawn = |number: usize| {
+                Builder::new().name(format!("stage {number}")).spawn_scoped(scope, || self.work())
+            };
             let threads: Vec<_> = (0..threads).map(spawn).filter_map(Result::ok).collect();
             let started = threads.len();
             threads.into_iter().for_each(|thread| drop(thread.join()));
@@ -256,7 +273,10 @@ impl<'a> Execution<'a> {
             started
         });
         if started_threads == 0 {
-            return Err(Failure { stage: "threads".into(), status: "none could be started".into() });
+            return Err(Failure {
+                stage: "threads".into(),
+                status: "none could be started".into(),
+            });
         }
         self.options.progress.done();
         Ok(self.outcomes(cached, wanted))
@@ -274,7 +294,11 @@ impl<'a> Execution<'a> {
                     break;
                 }
                 let paused = Instant::now();
-                queue = self.stages_ended.wait_timeout(queue, pause).unwrap_or_else(PoisonError::into_inner).0;
+                queue = self
+                    .stages_ended
+                    .wait_timeout(queue, pause)
+                    .unwrap_or_else(PoisonError::into_inner)
+                    .0;
                 let mut cost = lock(&self.cost);
                 cost.idle_s += paused.elapsed().as_secs_f64();
                 cost.polls += usize::from(queue.resume(MAX_RESUMED_STAGES) > 0);
@@ -308,14 +332,25 @@ impl<'a> Execution<'a> {
         let mut last_exchange = lock(&sharing.last_exchange);
         if last_exchange.is_none_or(|last| last.elapsed() >= EXCHANGE_INTERVAL) {
             *last_exchange = Some(Instant::now());
-            self.options.record.finished_shares().into_iter().for_each(|share| queue.mark_share_stored(share));
+            self.options
+                .record
+                .finished_shares()
+                .into_iter()
+                .for_each(|share| queue.mark_share_stored(share));
         }
     }
 
-    /// Computes a stage unless it is stored or an input is missing; with the inputs that are found stored.
-    fn attempt(&self, number: usize, owned: bool, unknown_inputs: &[usize]) -> (Vec<usize>, Attempt) {
+    /// Computes a stage unless it is stored or an input is missing; with the inputs that are found
+    /// stored.
+    fn attempt(
+        &self,
+        number: usize,
+        owned: bool,
+        unknown_inputs: &[usize],
+    ) -> (Vec<usize>, Attempt) {
         let mut stored = Vec::new();
-        // A stage of the worker's own share is probably missing: looking it up first would only cost time.
+        // A stage of the worker's own share is probably missing: looking it up first would only
+        // cost time.
         if !owned && self.is_stored(number) {
             lock(&self.cost).found += 1;
             return (stored, Attempt::Stored);
@@ -336,7 +371,12 @@ impl<'a> Execution<'a> {
             return Attempt::Elsewhere;
         };
         let key = node.key.short();
-        let event = StageEvent { stage: node.kind.name, label: &node.label, key: &key, cost_ms: node.kind.cost_ms };
+        let event = StageEvent {
+            stage: node.kind.name,
+            label: &node.label,
+            key: &key,
+            cost_ms: node.kind.cost_ms,
+        };
         self.options.progress.started(event);
         if self.is_stored(number) {
             lock(&self.cost).found += 1;
@@ -345,7 +385,8 @@ impl<'a> Execution<'a> {
             return Attempt::Stored;
         }
         // A failure that is known, or inherited from an input, was reported when it happened.
-        let inputs = self.options.record.find_failure(&node.key).map_or_else(|| self.inputs(node), Err);
+        let inputs =
+            self.options.record.find_failure(&node.key).map_or_else(|| self.inputs(node), Err);
         let (outcome, timing) = match inputs {
             Ok(inputs) => {
                 let stopwatch = Stopwatch::start();
@@ -393,12 +434,17 @@ impl<'a> Execution<'a> {
         if self.sharing.is_some() && self.is_stored(number) {
             // The lock did not keep another process from it: the bytes are the same.
             let mut cost = lock(&self.cost);
-            (cost.duplicates, cost.duplicate_s) = (cost.duplicates + 1, cost.duplicate_s + timing.wall_s);
+            (cost.duplicates, cost.duplicate_s) =
+                (cost.duplicates + 1, cost.duplicate_s + timing.wall_s);
             return;
         }
         self.write(node, &bytes);
         let code = self.graph.code(number).to_string();
-        self.store.note(node.kind.name, &node.key, &Note { label: node.label.clone(), code, timing });
+        self.store.note(
+            node.kind.name,
+            &node.key,
+            &Note { label: node.label.clone(), code, timing },
+        );
     }
 
     fn write(&self, node: &StageNode, bytes: &[u8]) {
@@ -406,7 +452,9 @@ impl<'a> Execution<'a> {
             && !self.write_failed.swap(true, Ordering::Relaxed)
         {
             let root = self.store.root().display();
-            let text = format!("results cannot be kept in {root}: {error}; the run continues without storing them");
+            let text = format!(
+                "results cannot be kept in {root}: {error}; the run continues without storing them"
+            );
             self.options.progress.notice(&text);
         }
     }
@@ -439,7 +487,8 @@ impl<'a> Execution<'a> {
         Ok(InputResults { results: node.inputs.iter().map(value).collect::<Result<_, _>>()? })
     }
 
-    /// The result of a stage: from memory, from the store, or computed again where the stored one is damaged.
+    /// The result of a stage: from memory, from the store, or computed again where the stored one
+    /// is damaged.
     fn value(&self, number: usize) -> StageOutcome {
         if let Some(outcome) = &*lock(&self.values[number]) {
             return outcome.clone();
@@ -447,7 +496,11 @@ impl<'a> Execution<'a> {
         let node = &self.graph.nodes[number];
         let outcome = match load(node, self.store, self.options.progress) {
             Some(value) => Ok(value),
-            None => self.options.record.find_failure(&node.key).map_or_else(|| self.compute_again(node), Err),
+            None => self
+                .options
+                .record
+                .find_failure(&node.key)
+                .map_or_else(|| self.compute_again(node), Err),
         };
         self.keep(number, outcome.clone());
         outcome
@@ -461,7 +514,8 @@ impl<'a> Execution<'a> {
     }
 
     fn outcomes(self, cached: usize, wanted: &[usize]) -> Outcomes {
-        let stopped = lock(&self.queue).unfinished() > 0 && self.options.stop.load(Ordering::Relaxed);
+        let stopped =
+            lock(&self.queue).unfinished() > 0 && self.options.stop.load(Ordering::Relaxed);
         if !stopped {
             // What other processes have stored meanwhile.
             wanted.iter().for_each(|&stage| drop(self.value(stage)));
@@ -474,7 +528,8 @@ impl<'a> Execution<'a> {
     }
 }
 
-/// Runs the stage; its result and the result's bytes. A panic in a stage is a defect, but it ends that stage only.
+/// Runs the stage; its result and the result's bytes. A panic in a stage is a defect, but it ends
+/// that stage only.
 fn compute(node: &StageNode, inputs: &InputResults) -> Result<(AnyResult, Vec<u8>), Failure> {
     let failed = |status: String| Failure { stage: node.kind.name.into(), status };
     let value = catch_unwind(AssertUnwindSafe(|| (node.job)(inputs)))

@@ -49,7 +49,10 @@ impl Outcomes {
     /// # Errors
     /// The failure of the stage or of one before it.
     pub fn get<T: StageResult>(&self, handle: Handle<T>) -> Result<&T, Failure> {
-        let missing = || Failure { stage: "runner".into(), status: format!("stage {} was not wanted", handle.node) };
+        let missing = || Failure {
+            stage: "runner".into(),
+            status: format!("stage {} was not wanted", handle.node),
+        };
         match self.values.get(handle.node).and_then(Option::as_ref) {
             Some(Ok(value)) => value.downcast_ref::<T>().ok_or_else(missing),
             Some(Err(failure)) => Err(failure.clone()),

@@ -14,12 +14,14 @@ pub enum Need {
     Compute,
 }
 
-/// What is needed for the `wanted` stages, judging by the entries that the store has, without reading them.
+/// What is needed for the `wanted` stages, judging by the entries that the store has, without
+/// reading them.
 pub fn plan(graph: &Graph, store: &Store, wanted: &[usize]) -> Vec<Need> {
     plan_with(graph, wanted, |_, node| store.contains(node.kind.name, &node.key))
 }
 
-/// Decides for each stage from the last to the first: `stored` is asked only for those that are needed.
+/// Decides for each stage from the last to the first: `stored` is asked only for those that are
+/// needed.
 pub(crate) fn plan_with(
     graph: &Graph,
     wanted: &[usize],

@@ -56,7 +56,8 @@ struct StageCounts {
 impl StageCounts {
     /// How far everything and the kind of the last stage are.
     fn words(&self, stage: &str) -> String {
-        let failed = if self.failed > 0 { format!(", {} failed", self.failed) } else { String::new() };
+        let failed =
+            if self.failed > 0 { format!(", {} failed", self.failed) } else { String::new() };
         let [done, all] = self.kinds.get(stage).copied().unwrap_or_default();
         format!("{} of {} stages{failed}, {stage} {done}/{all}", self.done, self.total)
     }
@@ -66,7 +67,8 @@ impl Progress {
     /// A teller in this style; the bar appears when there is something to do.
     pub fn new(style: Style) -> Progress {
         let visible = style == Style::Human && std::io::stderr().is_terminal();
-        let target = if visible { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
+        let target =
+            if visible { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
         let bar = ProgressBar::with_draw_target(Some(0), target);
         let remaining = Arc::new(Mutex::new(RemainingTime::none()));
         Progress { style, bar, counts: Mutex::default(), remaining }
@@ -77,8 +79,9 @@ impl Progress {
         self.style == Style::Quiet
     }
 
-    /// The work is known: stages to compute on so many threads, each with its kind and rough cost in milliseconds, and
-    /// `cached` that need nothing. `usual_s`: what a stage of a kind took in runs before, seconds.
+    /// The work is known: stages to compute on so many threads, each with its kind and rough cost
+    /// in milliseconds, and `cached` that need nothing. `usual_s`: what a stage of a kind took in
+    /// runs before, seconds.
     pub fn planned<'a>(
         &self,
         compute: impl Iterator<Item = (&'a str, u64)> + Clone,
@@ -102,15 +105,21 @@ impl Progress {
         self.bar.reset();
         let remaining = Arc::clone(&self.remaining);
         let write_remaining = move |_: &ProgressState, out: &mut dyn std::fmt::Write| {
-            let remaining_s = remaining.lock().ok().and_then(|mut remaining| remaining.remaining_s(Instant::now()));
+            let remaining_s = remaining
+                .lock()
+                .ok()
+                .and_then(|mut remaining| remaining.remaining_s(Instant::now()));
             let _ = match remaining_s {
                 Some(remaining_s) => write!(out, "{} left", about(remaining_s)),
                 None => write!(out, "estimating the time left"),
             };
         };
         let style = ProgressStyle::with_template("{bar:32} {percent:>3} %  {msg}  {remaining}");
-        self.bar
-            .set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).with_key("remaining", write_remaining));
+        self.bar.set_style(
+            style
+                .unwrap_or_else(|_| ProgressStyle::default_bar())
+                .with_key("remaining", write_remaining),
+        );
         self.bar.enable_steady_tick(Duration::from_millis(250));
     }
 
@@ -119,7 +128,10 @@ impl Progress {
         if let Ok(mut remaining) = self.remaining.lock() {
             remaining.started(event.stage);
         }
-        self.event("started", json!({ "stage": event.stage, "label": event.label, "key": event.key }));
+        self.event(
+            "started",
+            json!({ "stage": event.stage, "label": event.label, "key": event.key }),
+        );
     }
 
     /// A stage ended, with its failure if it failed.
@@ -140,7 +152,9 @@ impl Progress {
         if let Ok(mut remaining) = self.remaining.lock() {
             remaining.finished(event.stage, timing.wall_s);
             let share = remaining.share_done(Instant::now());
-            self.bar.set_position(self.bar.position().max((share * BAR_PARTS as f64) as u64).min(BAR_PARTS));
+            self.bar.set_position(
+                self.bar.position().max((share * BAR_PARTS as f64) as u64).min(BAR_PARTS),
+            );
         }
     }
 

@@ -1,12 +1,13 @@
-//! How long the rest of a run takes: from what the stages of each kind have taken, in this run and in those before.
+//! How long the rest of a run takes: from what the stages of each kind have taken, in this run and
+//! in those before.
 
 use std::collections::BTreeMap;
 use std::time::Instant;
 
 /// Weight of the mean of earlier runs, in stages of this run.
 const EARLIER_RUNS_WEIGHT: f64 = 3.0;
-/// Share of a new estimate in what is shown, a second (exponential smoothing): the rest is the last one, less the time
-/// since.
+/// Share of a new estimate in what is shown, a second (exponential smoothing): the rest is the last
+/// one, less the time since.
 const SMOOTHING_SHARE: f64 = 0.05;
 
 /// What is left of a run.
@@ -38,11 +39,16 @@ struct KindOfStage {
 impl RemainingTime {
     /// Nothing to do.
     pub(crate) fn none() -> RemainingTime {
-        RemainingTime { kinds: BTreeMap::new(), threads: 1.0, last_estimate: None, began: Instant::now() }
+        RemainingTime {
+            kinds: BTreeMap::new(),
+            threads: 1.0,
+            last_estimate: None,
+            began: Instant::now(),
+        }
     }
 
-    /// The stages to compute, each with its kind and rough cost in milliseconds, on so many threads. `usual_s`: what a stage
-    /// of a kind took in runs before, seconds.
+    /// The stages to compute, each with its kind and rough cost in milliseconds, on so many
+    /// threads. `usual_s`: what a stage of a kind took in runs before, seconds.
     pub(crate) fn new<'a>(
         stages: impl Iterator<Item = (&'a str, u64)>,
         threads: usize,
@@ -102,7 +108,8 @@ impl RemainingTime {
     /// Share of the work that is done, by time.
     pub(crate) fn share_done(&mut self, now: Instant) -> f64 {
         let passed_s = (now - self.began).as_secs_f64();
-        self.remaining_s(now).map_or(0.0, |remaining_s| passed_s / (passed_s + remaining_s).max(1e-9))
+        self.remaining_s(now)
+            .map_or(0.0, |remaining_s| passed_s / (passed_s + remaining_s).max(1e-9))
     }
 
     fn estimate_s(&self, now: Instant) -> Option<f64> {
@@ -117,20 +124,26 @@ impl RemainingTime {
         let scale = if any && cost_s > 0.0 { observed_s / cost_s } else { 1.0 };
         // A stage that outlasts the others of its kind says something of them, too.
         let mean_s = |kind: &KindOfStage| {
-            let longest =
-                kind.running_since.iter().map(|&running_since| (now - running_since).as_secs_f64()).fold(0.0, f64::max);
+            let longest = kind
+                .running_since
+                .iter()
+                .map(|&running_since| (now - running_since).as_secs_f64())
+                .fold(0.0, f64::max);
             kind.mean_s().unwrap_or(scale * kind.cost_s).max(longest)
         };
         // Half of the work must be of kinds whose times are known.
         let work_s = |kind: &KindOfStage| kind.unfinished as f64 * mean_s(kind);
         let all_s: f64 = self.kinds.values().map(work_s).sum();
-        let known_work_s: f64 = self.kinds.values().filter(|kind| kind.mean_s().is_some()).map(work_s).sum();
+        let known_work_s: f64 =
+            self.kinds.values().filter(|kind| kind.mean_s().is_some()).map(work_s).sum();
         if known_work_s < 0.5 * all_s {
             return None;
         }
         let remaining_s = |kind: &KindOfStage| {
-            let at_work =
-                kind.running_since.iter().map(|&running_since| (now - running_since).as_secs_f64().min(mean_s(kind)));
+            let at_work = kind
+                .running_since
+                .iter()
+                .map(|&running_since| (now - running_since).as_secs_f64().min(mean_s(kind)));
             (work_s(kind) - at_work.sum::<f64>()).max(0.0)
         };
         Some(self.kinds.values().map(remaining_s).sum::<f64>() / self.threads)
@@ -142,7 +155,9 @@ impl KindOfStage {
     fn mean_s(&self) -> Option<f64> {
         let done = self.done as f64;
         match self.usual_s {
-            Some(usual_s) => Some((EARLIER_RUNS_WEIGHT * usual_s + self.done_s) / (EARLIER_RUNS_WEIGHT + done)),
+            Some(usual_s) => {
+                Some((EARLIER_RUNS_WEIGHT * usual_s + self.done_s) / (EARLIER_RUNS_WEIGHT + done))
+            }
             None => (self.done > 0).then(|| self.done_s / done),
         }
     }
@@ -189,7 +204,10 @@ mod tests {
     fn what_the_store_knows_makes_the_estimate_right_from_the_start() {
         let usual_s = |kind: &str| Some(if kind == "short" { 1.1 } else { 19.0 });
         for (truth_s, estimate_s) in run(&usual_s) {
-            assert!((estimate_s.unwrap() - truth_s).abs() < 0.12 * truth_s + 4.0, "{estimate_s:?} for {truth_s}");
+            assert!(
+                (estimate_s.unwrap() - truth_s).abs() < 0.12 * truth_s + 4.0,
+                "{estimate_s:?} for {truth_s}"
+            );
         }
     }
 
@@ -199,17 +217,26 @@ mod tests {
         let mut last: Option<f64> = None;
         for (_, estimate_s) in &estimates {
             if let (Some(last_s), Some(estimate_s)) = (last, *estimate_s) {
-                assert!((estimate_s - last_s).abs() < 0.1 * last_s.max(estimate_s) + 2.0, "{last_s} then {estimate_s}");
+                assert!(
+                    (estimate_s - last_s).abs() < 0.1 * last_s.max(estimate_s) + 2.0,
+                    "{last_s} then {estimate_s}"
+                );
             }
             last = *estimate_s;
         }
         let (truth_s, at_last_s) = estimates[estimates.len() - 30];
-        assert!((at_last_s.unwrap() - truth_s).abs() < 0.3 * truth_s, "{at_last_s:?} for {truth_s}");
+        assert!(
+            (at_last_s.unwrap() - truth_s).abs() < 0.3 * truth_s,
+            "{at_last_s:?} for {truth_s}"
+        );
     }
 
     #[test]
     fn times_are_round() {
         let all = [3.0, 44.0, 1080.0, 9000.0, 400_000.0].map(about);
-        assert_eq!(all, ["about 10 s", "about 40 s", "about 18 min", "about 2.5 h", "about 5 days"]);
+        assert_eq!(
+            all,
+            ["about 10 s", "about 40 s", "about 18 min", "about 2.5 h", "about 5 days"]
+        );
     }
 }

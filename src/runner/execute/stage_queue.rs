@@ -1,18 +1,21 @@
 //! The order in which a worker takes the stages of a run that several workers share.
 //!
-//! The missing stages are cut into one share per worker: neighbours in the graph, which need each other's results, of about
-//! equal estimated cost. A worker first takes ready stages of its own share and those that its share waits for, the stage with
-//! the longest chain of work behind it first (critical path: R. L. Graham, *Bounds on multiprocessing timing anomalies*, SIAM
-//! J. Appl. Math. 17, 1969). Without any, it steals from other shares, which it visits in a random order of its own, so that
-//! idle workers spread (R. D. Blumofe, C. E. Leiserson, *Scheduling multithreaded computations by work stealing*, J. ACM 46,
-//! 1999): it tries stages of a share in random order until a few in a row turn out to be stored.
+//! The missing stages are cut into one share per worker: neighbours in the graph, which need each
+//! other's results, of about equal estimated cost. A worker first takes ready stages of its own
+//! share and those that its share waits for, the stage with the longest chain of work behind it
+//! first (critical path: R. L. Graham, *Bounds on multiprocessing timing anomalies*, SIAM J. Appl.
+//! Math. 17, 1969). Without any, it steals from other shares, which it visits in a random order of
+//! its own, so that idle workers spread (R. D. Blumofe, C. E. Leiserson, *Scheduling multithreaded
+//! computations by work stealing*, J. ACM 46, 1999): it tries stages of a share in random order
+//! until a few in a row turn out to be stored.
 
 use super::plan::Need;
 use crate::runner::graph::Graph;
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
 
-/// Stages of a share that a thief tries in vain, one after the other, before it goes to the next share.
+/// Stages of a share that a thief tries in vain, one after the other, before it goes to the next
+/// share.
 const MAX_MISSES_PER_SHARE: usize = 3;
 
 /// The missing stages of a run and how workers divide them.
@@ -41,7 +44,8 @@ impl WorkPlan {
             dependents: vec![Vec::new(); count],
             inputs: vec![Vec::new(); count],
         };
-        // From the last stage to the first, so that the chains behind a stage are known when its turn comes.
+        // From the last stage to the first, so that the chains behind a stage are known when its
+        // turn comes.
         let mut total_cost = 0;
         for stage in (0..count).rev().filter(|&stage| is_missing(stage)) {
             total_cost += cost(stage);
@@ -72,7 +76,8 @@ impl WorkPlan {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum StageState {
     Unknown,
-    /// Taken, and neither finished nor postponed yet; or it waits until its inputs are known to be stored.
+    /// Taken, and neither finished nor postponed yet; or it waits until its inputs are known to be
+    /// stored.
     Taken,
     /// Another worker computes it.
     Postponed,
@@ -130,7 +135,8 @@ impl<'a> StageQueue<'a> {
         queue
     }
 
-    /// Takes the best ready stage, or one of another share that may be ready; `None` where this worker knows of none.
+    /// Takes the best ready stage, or one of another share that may be ready; `None` where this
+    /// worker knows of none.
     pub fn take(&mut self) -> Option<usize> {
         loop {
             let stage = match self.ready.pop() {
@@ -165,11 +171,14 @@ impl<'a> StageQueue<'a> {
     /// Visits the other shares from now on, once each.
     fn visit_others(&mut self) {
         let (shares, worker) = (&self.plan.shares, self.worker);
-        self.victims = (0..shares.len()).filter(|&share| share != worker && !shares[share].is_empty()).collect();
+        self.victims = (0..shares.len())
+            .filter(|&share| share != worker && !shares[share].is_empty())
+            .collect();
         self.victims.sort_by_cached_key(|&share| scrambled(worker, share));
     }
 
-    /// Inputs of a taken stage that this worker does not know to be stored; none of a stage of its own share.
+    /// Inputs of a taken stage that this worker does not know to be stored; none of a stage of its
+    /// own share.
     pub fn unknown_inputs(&self, stage: usize) -> Vec<usize> {
         let unknown = |input: &usize| self.state[*input] != StageState::Finished;
         self.plan.inputs[stage].iter().copied().filter(unknown).collect()
@@ -200,9 +209,12 @@ impl<'a> StageQueue<'a> {
         let plan = self.plan;
         for &next in &plan.dependents[stage] {
             self.unfinished_inputs[next] -= 1;
-            // Stages of other shares are probably stored, too, unless this worker computed their input or asked for them.
+            // Stages of other shares are probably stored, too, unless this worker computed their
+            // input or asked for them.
             let waits_for_inputs = self.state[next] == StageState::Taken;
-            if self.unfinished_inputs[next] == 0 && (computed || waits_for_inputs || self.needed[next]) {
+            if self.unfinished_inputs[next] == 0
+                && (computed || waits_for_inputs || self.needed[next])
+            {
                 self.push(next);
             }
         }
@@ -225,9 +237,11 @@ impl<'a> StageQueue<'a> {
         }
     }
 
-    /// Makes at most `max_count` of the postponed stages ready again and visits the other shares again; how many.
+    /// Makes at most `max_count` of the postponed stages ready again and visits the other shares
+    /// again; how many.
     pub fn resume(&mut self, max_count: usize) -> usize {
-        let resumed: Vec<usize> = self.postponed.drain(..max_count.min(self.postponed.len())).collect();
+        let resumed: Vec<usize> =
+            self.postponed.drain(..max_count.min(self.postponed.len())).collect();
         resumed.iter().for_each(|&stage| self.push(stage));
         self.visit_others();
         resumed.len()
@@ -261,7 +275,8 @@ impl<'a> StageQueue<'a> {
     }
 }
 
-/// A number that looks random, the same for the same two numbers (SplitMix64: Steele et al., OOPSLA 2014).
+/// A number that looks random, the same for the same two numbers (SplitMix64: Steele et al., OOPSLA
+/// 2014).
 fn scrambled(worker: usize, number: usize) -> u64 {
     let mut bits = ((worker as u64) << 32 | number as u64).wrapping_add(0x9e37_79b9_7f4a_7c15);
     bits = (bits ^ bits >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -278,7 +293,11 @@ mod tests {
     fn graph(stages: &[(u64, &[usize])]) -> Graph {
         let mut graph = Graph::default();
         for (number, (cost_ms, inputs)) in stages.iter().enumerate() {
-            let kind = StageKind { name: "test", module: "spinebench::runner::jobs::data::path", cost_ms: *cost_ms };
+            let kind = StageKind {
+                name: "test",
+                module: "spinebench::runner::jobs::data::path",
+                cost_ms: *cost_ms,
+            };
             let inputs: Vec<Handle<u64>> = inputs.iter().map(|&input| Handle::new(input)).collect();
             let stage: Stage<usize, Vec<Handle<u64>>, u64> = Stage { kind, job: |_, _| Ok(1) };
             graph.stage(&stage, "", number, inputs).unwrap();
@@ -287,8 +306,16 @@ mod tests {
     }
 
     /// Two seeds of four stages each; the last two of each need the first of all, too.
-    const STAGES: [(u64, &[usize]); 8] =
-        [(300, &[]), (100, &[0]), (100, &[1]), (100, &[0]), (400, &[]), (100, &[4, 0]), (50, &[5]), (50, &[4, 0])];
+    const STAGES: [(u64, &[usize]); 8] = [
+        (300, &[]),
+        (100, &[0]),
+        (100, &[1]),
+        (100, &[0]),
+        (400, &[]),
+        (100, &[4, 0]),
+        (50, &[5]),
+        (50, &[4, 0]),
+    ];
 
     /// Takes and computes stages until none is left to take.
     fn drain(queue: &mut StageQueue) -> Vec<usize> {
@@ -370,7 +397,11 @@ mod tests {
         };
         let seconds: std::collections::BTreeSet<Option<usize>> = (0..100).map(second).collect();
         assert!(seconds.len() > 50, "{} different second choices of 100 workers", seconds.len());
-        assert_eq!(drain(&mut StageQueue::new(&plan, 7)).len(), 100, "one worker reaches all stages");
+        assert_eq!(
+            drain(&mut StageQueue::new(&plan, 7)).len(),
+            100,
+            "one worker reaches all stages"
+        );
     }
 
     #[test]

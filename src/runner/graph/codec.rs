@@ -1,7 +1,8 @@
 //! The bytes of stored results: `postcard`, which keeps every bit of a number.
 //!
-//! Text formats were not taken because what is read back must equal what was computed to the last bit, NaN included.
-//! The form says nothing about itself: the code that a stage is filed under tells which types wrote it.
+//! Text formats were not taken because what is read back must equal what was computed to the last
+//! bit, NaN included. The form says nothing about itself: the code that a stage is filed under
+//! tells which types wrote it.
 
 use serde::{Serialize, de::DeserializeOwned};
 
@@ -32,7 +33,8 @@ pub(crate) fn encode<T: Serialize + ?Sized>(value: &T) -> Result<Vec<u8>, CodecE
 /// # Errors
 /// When the bytes are not exactly one value of this type.
 pub(crate) fn decode<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, CodecError> {
-    let (value, rest) = postcard::take_from_bytes(bytes).map_err(|error| CodecError::Malformed(error.to_string()))?;
+    let (value, rest) = postcard::take_from_bytes(bytes)
+        .map_err(|error| CodecError::Malformed(error.to_string()))?;
     if rest.is_empty() { Ok(value) } else { Err(CodecError::Surplus) }
 }
 

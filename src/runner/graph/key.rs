@@ -40,9 +40,12 @@ mod tests {
         };
         let base = key("a", "1", "p", &[]);
         assert_eq!(base, key("a", "1", "p", &[]));
-        for other in
-            [key("b", "1", "p", &[]), key("a", "2", "p", &[]), key("a", "1", "q", &[]), key("a", "1", "p", &[base])]
-        {
+        for other in [
+            key("b", "1", "p", &[]),
+            key("a", "2", "p", &[]),
+            key("a", "1", "q", &[]),
+            key("a", "1", "p", &[base]),
+        ] {
             assert_ne!(base, other);
         }
         assert_eq!(Digest::parse(&base.to_string()), Some(base));

@@ -1,6 +1,8 @@
-//! The graph of stages: each a function of parameters from the spec and of the results of earlier stages.
+//! The graph of stages: each a function of parameters from the spec and of the results of earlier
+//! stages.
 //!
-//! A stage that is added twice, by one spec or by several, has one key and therefore exists in the graph once.
+//! A stage that is added twice, by one spec or by several, has one key and therefore exists in the
+//! graph once.
 
 mod codec;
 pub(super) mod digest;
@@ -43,7 +45,8 @@ pub struct Graph {
 }
 
 impl Graph {
-    /// Adds a stage, or finds the one that is already there. `label` distinguishes it from others of its kind for a person.
+    /// Adds a stage, or finds the one that is already there. `label` distinguishes it from others
+    /// of its kind for a person.
     ///
     /// # Errors
     /// [`Failure`] when `params` cannot be written as JSON.
@@ -63,9 +66,10 @@ impl Graph {
         let mut numbers = Vec::new();
         inputs.add_numbers(&mut numbers);
         let keys: Vec<Key> = numbers.iter().map(|&input| self.nodes[input].key).collect();
-        let code = self.codes.entry(kind.name).or_insert_with(|| source_digest::of_module(kind.module));
-        let key =
-            key(kind.name, code, &params, &keys).map_err(|status| Failure { stage: kind.name.to_owned(), status })?;
+        let code =
+            self.codes.entry(kind.name).or_insert_with(|| source_digest::of_module(kind.module));
+        let key = key(kind.name, code, &params, &keys)
+            .map_err(|status| Failure { stage: kind.name.to_owned(), status })?;
         let node = *self.by_key.entry(key).or_insert_with(|| {
             self.nodes.push(StageNode {
                 kind,

@@ -1,7 +1,9 @@
-//! What a stage is: a function of keyed parameters and of the results of earlier stages, and of nothing else.
+//! What a stage is: a function of keyed parameters and of the results of earlier stages, and of
+//! nothing else.
 //!
-//! The function is a plain `fn`: it can capture nothing, and it receives exactly the parameters that are in the stage's
-//! key and the results that are named as its inputs. An input that is not named does not compile.
+//! The function is a plain `fn`: it can capture nothing, and it receives exactly the parameters
+//! that are in the stage's key and the results that are named as its inputs. An input that is not
+//! named does not compile.
 
 use serde::{Serialize, de::DeserializeOwned};
 use std::any::Any;
@@ -17,13 +19,16 @@ impl<T: Serialize + DeserializeOwned + Send + Sync + 'static> StageResult for T 
 pub struct StageKind {
     /// Its name, also its folder in the store.
     pub name: &'static str,
-    /// The module of its job, as `module_path!()` names it: what the job depends on is derived from its imports.
+    /// The module of its job, as `module_path!()` names it: what the job depends on is derived from
+    /// its imports.
     pub module: &'static str,
-    /// Rough cost of one, in milliseconds: it orders work and weighs the progress bar, nothing else.
+    /// Rough cost of one, in milliseconds: it orders work and weighs the progress bar, nothing
+    /// else.
     pub cost_ms: u64,
 }
 
-/// The job of a stage: its result from its parameters and the results of its inputs; an error is a status.
+/// The job of a stage: its result from its parameters and the results of its inputs; an error is a
+/// status.
 pub type Job<P, I, T> = fn(&P, <I as StageInputs>::Results<'_>) -> Result<T, String>;
 
 /// A kind of stage with its job.
@@ -67,7 +72,8 @@ pub struct InputResults {
     pub(crate) results: Vec<(usize, AnyResult)>,
 }
 
-/// Handles of the stages whose results a job reads: one, an optional one, a list, or a tuple of these.
+/// Handles of the stages whose results a job reads: one, an optional one, a list, or a tuple of
+/// these.
 pub trait StageInputs: Send + Sync + 'static {
     /// What the job receives.
     type Results<'a>;

@@ -1,8 +1,9 @@
 //! What stages compute. A job sees its parameters and the results of its inputs, nothing else.
 //!
-//! The key of a stage holds a digest of the sources that its file here imports, through any number of files
-//! (`build/import_graph.rs`). So stages that depend on different code stand in different files, and a file here imports
-//! narrow types: an experiment as a whole would bring all of `specs`.
+//! The key of a stage holds a digest of the sources that its file here imports, through any number
+//! of files (`build/import_graph.rs`). So stages that depend on different code stand in different
+//! files, and a file here imports narrow types: an experiment as a whole would bring all of
+//! `specs`.
 
 pub(super) mod data;
 pub(super) mod discovery;

@@ -1,9 +1,10 @@
 //! The paper's claims against the rows: reproduced, not reproduced or undecided.
 //!
-//! A relation gives one number per seed and the range in which the claim holds. The 95 % interval of the number's
-//! mean over seeds (Student's t; seeds are independent repetitions of the whole experiment, and numbers that compare
-//! two cells are differences within a seed, so that what the cells share cancels) decides: inside the range it is
-//! reproduced, outside it is not, across its border or from too few seeds it is undecided.
+//! A relation gives one number per seed and the range in which the claim holds. The 95 % interval
+//! of the number's mean over seeds (Student's t; seeds are independent repetitions of the whole
+//! experiment, and numbers that compare two cells are differences within a seed, so that what the
+//! cells share cancels) decides: inside the range it is reproduced, outside it is not, across its
+//! border or from too few seeds it is undecided.
 
 use super::metrics::{Tables, value};
 use crate::math::distribution::wilson_95;
@@ -17,11 +18,17 @@ use crate::specs::{ClaimMetric, PaperClaim, Relation};
 pub const SEEDS_NEEDED: usize = 10;
 
 /// Evaluates the claims over these seeds, once per kind of training where networks take part.
-pub fn evaluate(claims: &[PaperClaim], tables: &Tables, seeds: &[u64], trainings: &[String]) -> Vec<ClaimRow> {
+pub fn evaluate(
+    claims: &[PaperClaim],
+    tables: &Tables,
+    seeds: &[u64],
+    trainings: &[String],
+) -> Vec<ClaimRow> {
     let mut rows = Vec::new();
     for claim in claims {
-        let depends =
-            |metric: &ClaimMetric| metric.depends_on_training() || depends_on_simulating_network(metric, tables);
+        let depends = |metric: &ClaimMetric| {
+            metric.depends_on_training() || depends_on_simulating_network(metric, tables)
+        };
         if claim.relation.metrics().iter().any(depends) {
             rows.extend(trainings.iter().map(|training| judge(claim, tables, seeds, training)));
         } else {
@@ -33,7 +40,8 @@ pub fn evaluate(claims: &[PaperClaim], tables: &Tables, seeds: &[u64], trainings
 
 /// Gaussian processes depend on the training when p_sim comes from the forward network.
 fn depends_on_simulating_network(metric: &ClaimMetric, tables: &Tables) -> bool {
-    matches!(metric, ClaimMetric::GpError { .. }) && tables.published.gps.iter().any(|row| row.training != ANY_TRAINING)
+    matches!(metric, ClaimMetric::GpError { .. })
+        && tables.published.gps.iter().any(|row| row.training != ANY_TRAINING)
 }
 
 /// On how many robots each claim holds, where every seed has a robot of its own.
@@ -45,8 +53,10 @@ pub(crate) fn per_robot(
 ) -> Vec<RobotClaimRow> {
     let row = |claim: &PaperClaim, training: &String| {
         let [from, to] = accepted_range(&claim.relation);
-        let values: Vec<f64> =
-            seeds.iter().filter_map(|&seed| seed_value(&claim.relation, tables, seed, training)).collect();
+        let values: Vec<f64> = seeds
+            .iter()
+            .filter_map(|&seed| seed_value(&claim.relation, tables, seed, training))
+            .collect();
         let holding = values.iter().filter(|seed_value| (from..to).contains(*seed_value)).count();
         let [low_95, high_95] = wilson_95(holding as u64, values.len() as u64);
         RobotClaimRow {
@@ -60,12 +70,17 @@ pub(crate) fn per_robot(
             high_95,
         }
     };
-    trainings.iter().flat_map(|training| claims.iter().map(move |claim| row(claim, training))).collect()
+    trainings
+        .iter()
+        .flat_map(|training| claims.iter().map(move |claim| row(claim, training)))
+        .collect()
 }
 
 fn judge(claim: &PaperClaim, tables: &Tables, seeds: &[u64], training: &str) -> ClaimRow {
-    let values: Vec<f64> =
-        seeds.iter().filter_map(|&seed| seed_value(&claim.relation, tables, seed, training)).collect();
+    let values: Vec<f64> = seeds
+        .iter()
+        .filter_map(|&seed| seed_value(&claim.relation, tables, seed, training))
+        .collect();
     let interval = interval_95(&values);
     let [low_95, high_95] = interval.unwrap_or([f64::NAN; 2]);
     let decided = interval.filter(|_| values.len() >= SEEDS_NEEDED);
@@ -98,7 +113,9 @@ fn verdict([low, high]: [f64; 2], [from, to]: [f64; 2]) -> &'static str {
 /// The range of the number in which the claim holds.
 fn accepted_range(relation: &Relation) -> [f64; 2] {
     match relation {
-        Relation::Less { .. } | Relation::Falls { .. } | Relation::Alike { .. } => [f64::NEG_INFINITY, 0.0],
+        Relation::Less { .. } | Relation::Falls { .. } | Relation::Alike { .. } => {
+            [f64::NEG_INFINITY, 0.0]
+        }
         Relation::Between { low, high, .. } => [*low, *high],
         Relation::Near { figure, tolerance, .. } => [figure - tolerance, figure + tolerance],
         Relation::NoGain { margin, .. } => [-margin, f64::INFINITY],
@@ -107,7 +124,8 @@ fn accepted_range(relation: &Relation) -> [f64; 2] {
 
 /// The number of a relation for one seed; `None` when a metric is missing.
 fn seed_value(relation: &Relation, tables: &Tables, seed: u64, training: &str) -> Option<f64> {
-    let values = relation.metrics().into_iter().map(|metric| value(tables, &metric, seed, training));
+    let values =
+        relation.metrics().into_iter().map(|metric| value(tables, &metric, seed, training));
     let values = values.collect::<Option<Vec<f64>>>()?;
     match relation {
         Relation::Less { times, .. } => Some(values.first()? - times * values.get(1)?),
@@ -135,7 +153,11 @@ fn slope_per_decade(sizes: &[u64], values: &[f64]) -> Option<f64> {
 
 fn unit(relation: &Relation) -> String {
     let unit = relation.metrics().first().map_or("", ClaimMetric::unit);
-    if matches!(relation, Relation::Falls { .. }) { format!("{unit}/decade") } else { unit.to_owned() }
+    if matches!(relation, Relation::Falls { .. }) {
+        format!("{unit}/decade")
+    } else {
+        unit.to_owned()
+    }
 }
 
 #[cfg(test)]
@@ -158,19 +180,30 @@ mod tests {
                 noise_z_m: 0.0,
             },
         };
-        Tables::from(Published { gps: errors.iter().enumerate().map(row).collect(), ..Published::default() })
+        Tables::from(Published {
+            gps: errors.iter().enumerate().map(row).collect(),
+            ..Published::default()
+        })
     }
 
     fn near(figure: f64, errors: &[f64]) -> ClaimRow {
-        let relation = Relation::Near { metric: ClaimMetric::GpError { points: 100 }, figure, tolerance: 0.5 };
-        let claim = PaperClaim { claim: "gp".into(), statement: "gp".into(), paper: Some(figure), relation };
+        let relation =
+            Relation::Near { metric: ClaimMetric::GpError { points: 100 }, figure, tolerance: 0.5 };
+        let claim = PaperClaim {
+            claim: "gp".into(),
+            statement: "gp".into(),
+            paper: Some(figure),
+            relation,
+        };
         let seeds: Vec<u64> = (0..errors.len() as u64).collect();
         evaluate(&[claim], &gps(errors), &seeds, &["paper".into()]).remove(0)
     }
 
     #[test]
     fn the_interval_decides() {
-        let spread = |centre: f64| -> Vec<f64> { (0..10).map(|k| centre + 0.1 * f64::from(k % 3 - 1)).collect() };
+        let spread = |centre: f64| -> Vec<f64> {
+            (0..10).map(|k| centre + 0.1 * f64::from(k % 3 - 1)).collect()
+        };
         assert_eq!(near(2.0, &spread(2.0)).verdict, "reproduced");
         assert_eq!(near(2.0, &spread(3.0)).verdict, "not reproduced");
         assert_eq!(near(2.0, &spread(2.5)).verdict, "undecided");

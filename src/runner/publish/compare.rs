@@ -1,4 +1,5 @@
-//! Results against published ones: to the byte, or where another processor computed them, to a stated tolerance.
+//! Results against published ones: to the byte, or where another processor computed them, to a
+//! stated tolerance.
 
 use super::results::Files;
 use crate::data::packed::csv_of;
@@ -9,7 +10,8 @@ use std::path::{Path, PathBuf};
 pub enum Standard {
     /// To the byte, pictures included.
     Bytes,
-    /// Numbers in tables to this share of the larger one (or a nanometre); other words exactly; no pictures.
+    /// Numbers in tables to this share of the larger one (or a nanometre); other words exactly; no
+    /// pictures.
     Numbers(f64),
 }
 
@@ -56,8 +58,8 @@ const STAGES_OF_TABLES: [(&str, &str); 9] = [
     ("intervals.csv", "discover"),
 ];
 
-/// Compares files with those of the same names below `published`; the first difference is the one whose stage comes
-/// first.
+/// Compares files with those of the same names below `published`; the first difference is the one
+/// whose stage comes first.
 ///
 /// # Errors
 /// The first [`Difference`].
@@ -73,7 +75,13 @@ pub fn compare(files: &Files, published: &Path, standard: Standard) -> Result<()
             match difference(&bytes, &files[path], standard) {
                 None => {}
                 Some((line, published, found)) => {
-                    return Err(Difference::Changed { stage, file: path.clone(), line, published, found });
+                    return Err(Difference::Changed {
+                        stage,
+                        file: path.clone(),
+                        line,
+                        published,
+                        found,
+                    });
                 }
             }
         }
@@ -92,7 +100,11 @@ fn is_picture(path: &Path) -> bool {
 }
 
 /// The first line that differs, as published and as found.
-fn difference(published: &[u8], found: &[u8], standard: Standard) -> Option<(usize, String, String)> {
+fn difference(
+    published: &[u8],
+    found: &[u8],
+    standard: Standard,
+) -> Option<(usize, String, String)> {
     let (published, found) = (String::from_utf8_lossy(published), String::from_utf8_lossy(found));
     let (mut old, mut new) = (published.lines(), found.lines());
     let short = |text: Option<&str>| text.unwrap_or("(end of file)").chars().take(160).collect();
@@ -118,11 +130,14 @@ fn alike(one: &str, other: &str, share: f64) -> bool {
         line.split([',', ' ', '|', '(', ')', '[', ']', ':']).map(str::to_owned).collect()
     };
     let close = |one: &String, other: &String| match (one.parse::<f64>(), other.parse::<f64>()) {
-        (Ok(one), Ok(other)) => (one - other).abs() <= NEGLIGIBLE_DIFFERENCE.max(share * one.abs().max(other.abs())),
+        (Ok(one), Ok(other)) => {
+            (one - other).abs() <= NEGLIGIBLE_DIFFERENCE.max(share * one.abs().max(other.abs()))
+        }
         _ => one == other,
     };
     let (one, other) = (words(one), words(other));
-    one.len() == other.len() && one.iter().zip(&other).all(|(one, other)| one == other || close(one, other))
+    one.len() == other.len()
+        && one.iter().zip(&other).all(|(one, other)| one == other || close(one, other))
 }
 
 #[cfg(test)]
@@ -136,19 +151,32 @@ mod tests {
         std::fs::create_dir_all(folder.path().join("results/one")).unwrap();
         std::fs::write(folder.path().join(table), "a,b,c\nx,1.000000,\ny,2.5,-3e-12\n").unwrap();
         let told = |text: &str, standard: Standard| {
-            compare(&Files::from([(table.to_owned(), text.as_bytes().to_vec())]), folder.path(), standard)
+            compare(
+                &Files::from([(table.to_owned(), text.as_bytes().to_vec())]),
+                folder.path(),
+                standard,
+            )
         };
         let numbers = Standard::Numbers(1e-6);
         assert_eq!(told("a,b,c\nx,1.000000,\ny,2.5,-3e-12\n", Standard::Bytes), Ok(()));
         assert!(told("a,b,c\nx,1.0000001,\ny,2.5,-3e-12\n", Standard::Bytes).is_err());
         assert_eq!(told("a,b,c\nx,1.0000001,\ny,2.5,0\n", numbers), Ok(()));
-        let wrong =
-            ["a,b,c\nx,1.00001,\ny,2.5,0\n", "a,b,c\nz,1,\ny,2.5,0\n", "a,b,c\nx,1,0\ny,2.5,0\n", "a,b,c\nx,1,\n"];
+        let wrong = [
+            "a,b,c\nx,1.00001,\ny,2.5,0\n",
+            "a,b,c\nz,1,\ny,2.5,0\n",
+            "a,b,c\nx,1,0\ny,2.5,0\n",
+            "a,b,c\nx,1,\n",
+        ];
         for text in wrong {
-            let Err(Difference::Changed { stage, .. }) = told(text, numbers) else { panic!("{text}") };
+            let Err(Difference::Changed { stage, .. }) = told(text, numbers) else {
+                panic!("{text}")
+            };
             assert_eq!(stage, "reach");
         }
         let files = Files::from([(PathBuf::from("results/one/gp.csv"), b"1\n".to_vec())]);
-        assert!(matches!(compare(&files, folder.path(), numbers), Err(Difference::Missing { stage: "gp_fit", .. })));
+        assert!(matches!(
+            compare(&files, folder.path(), numbers),
+            Err(Difference::Missing { stage: "gp_fit", .. })
+        ));
     }
 }

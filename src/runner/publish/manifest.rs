@@ -1,4 +1,5 @@
-//! What is needed to repeat a run, and what it took. Beside the trail of stages the only published file that holds clocks.
+//! What is needed to repeat a run, and what it took. Beside the trail of stages the only published
+//! file that holds clocks.
 
 use super::provenance::stages_behind;
 use super::publish_all::RunFacts;
@@ -21,7 +22,8 @@ pub struct Manifest {
     pub experiment: String,
     /// Version of this program.
     pub version: String,
-    /// Revision of the sources in the working directory, `+` when changed since; empty outside a repository.
+    /// Revision of the sources in the working directory, `+` when changed since; empty outside a
+    /// repository.
     pub git_revision: String,
     /// Root seed.
     pub seed: u64,
@@ -73,7 +75,8 @@ impl Manifest {
         let mut stages = stage_times(campaign, needed.iter().copied(), outcomes);
         for number in needed.into_iter().filter(|&number| outcomes.timings[number].is_none()) {
             let (kind, _, key) = campaign.graph.describe(number);
-            let Timing { wall_s, cpu_s } = store.noted(kind, &key).map(|note| note.timing).unwrap_or_default();
+            let Timing { wall_s, cpu_s } =
+                store.noted(kind, &key).map(|note| note.timing).unwrap_or_default();
             let times = stages.entry(kind).or_default();
             times.wall_s += wall_s;
             times.cpu_s += cpu_s;
@@ -93,7 +96,8 @@ impl Manifest {
         }
     }
 
-    /// The manifest of an experiment whose parts have run one after the other or on several machines.
+    /// The manifest of an experiment whose parts have run one after the other or on several
+    /// machines.
     pub(crate) fn merged<'a>(
         parts: impl ExactSizeIterator<Item = &'a Manifest> + Clone,
         trail: &[StageRow],
@@ -167,14 +171,20 @@ pub fn stage_times<'a>(
     stages
 }
 
-/// Revision of the sources in the working directory, `+` when changed since; empty outside a repository.
+/// Revision of the sources in the working directory, `+` when changed since; empty outside a
+/// repository.
 pub fn git_revision() -> String {
     let git = |arguments: &[&str]| {
-        let output = Command::new("git").args(arguments).output().ok().filter(|output| output.status.success())?;
+        let output = Command::new("git")
+            .args(arguments)
+            .output()
+            .ok()
+            .filter(|output| output.status.success())?;
         String::from_utf8(output.stdout).ok().map(|text| text.trim().to_owned())
     };
     let Some(revision) = git(&["rev-parse", "HEAD"]) else { return String::new() };
-    let changed = git(&["status", "--porcelain", "--untracked-files=no"]).is_none_or(|changes| !changes.is_empty());
+    let changed = git(&["status", "--porcelain", "--untracked-files=no"])
+        .is_none_or(|changes| !changes.is_empty());
     if changed { revision + "+" } else { revision }
 }
 
@@ -182,5 +192,6 @@ pub fn git_revision() -> String {
 pub fn processor() -> String {
     let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let line = text.lines().find(|line| line.starts_with("model name"));
-    line.and_then(|line| line.split(':').nth(1)).map_or_else(|| "unknown".to_owned(), |name| name.trim().to_owned())
+    line.and_then(|line| line.split(':').nth(1))
+        .map_or_else(|| "unknown".to_owned(), |name| name.trim().to_owned())
 }

@@ -1,4 +1,5 @@
-//! Parts of one experiment that machines without a common store have run (`first_seed`), as the experiment that they are.
+//! Parts of one experiment that machines without a common store have run (`first_seed`), as the
+//! experiment that they are.
 
 use super::manifest::Manifest;
 use super::metrics::Tables;
@@ -47,14 +48,16 @@ struct PublishedPart {
     trail: Vec<StageRow>,
 }
 
-/// Reads `results/<experiment>` of several machines and makes the files of the experiment of all their repetitions,
-/// which must follow each other. Claims are judged and figures drawn anew, as one run would have; of one folder alone, too.
-/// The name of the experiment comes with it.
+/// Reads `results/<experiment>` of several machines and makes the files of the experiment of all
+/// their repetitions, which must follow each other. Claims are judged and figures drawn anew, as
+/// one run would have; of one folder alone, too. The name of the experiment comes with it.
 ///
 /// # Errors
-/// [`MergeError`] for the first folder that cannot be read, is not whole or does not go with the others.
+/// [`MergeError`] for the first folder that cannot be read, is not whole or does not go with the
+/// others.
 pub fn merge(folders: &[PathBuf]) -> Result<(String, Publication), MergeError> {
-    let mut parts = folders.iter().map(|folder| PublishedPart::read(folder)).collect::<Result<Vec<_>, _>>()?;
+    let mut parts =
+        folders.iter().map(|folder| PublishedPart::read(folder)).collect::<Result<Vec<_>, _>>()?;
     parts.sort_by_key(|part| part.experiment.first_seed);
     for pair in parts.windows(2) {
         pair[1].follows(&pair[0])?;
@@ -103,12 +106,15 @@ impl PublishedPart {
         let repetitions = &campaign.entries[0].points[0].repetitions;
         let trained = || repetitions.iter().flat_map(|repetition| &repetition.trained);
         let (published, drawn) = (&self.tables.published, self.experiment.targets.drawn);
-        let runs: BTreeSet<_> = published.tracks.iter().map(|row| (row.seed, &row.training, &row.policy)).collect();
+        let runs: BTreeSet<_> =
+            published.tracks.iter().map(|row| (row.seed, &row.training, &row.policy)).collect();
         let reached: usize = trained().map(|cells| cells.reach.len()).sum();
         let responded: usize = trained().map(|cells| cells.response.len()).sum();
         let paced: usize = trained().map(|cells| cells.pace.len()).sum();
         let speeds = self.experiment.runs.pace.as_ref().map_or(0, |run| run.speeds.len());
-        let changes = || trained().filter_map(|cells| cells.repair.as_ref()).flat_map(|repair| &repair.changes);
+        let changes = || {
+            trained().filter_map(|cells| cells.repair.as_ref()).flat_map(|repair| &repair.changes)
+        };
         let repair_cells: usize = changes().map(|change| change.trials.len()).sum();
         let intervals: u64 = published.cases.iter().map(|case| case.intervals).sum();
         let counts = [
@@ -129,10 +135,18 @@ impl PublishedPart {
         if let Some((table, found, expected, what)) =
             counts.into_iter().find(|(_, found, expected, _)| found != expected)
         {
-            return Err(refused(&self.folder.join(table), &format!("{found} {what}"), &expected.to_string()));
+            return Err(refused(
+                &self.folder.join(table),
+                &format!("{found} {what}"),
+                &expected.to_string(),
+            ));
         }
         let expected_seeds = self.experiment.repetitions();
-        let seeds = published.trials.iter().map(|row| row.seed).chain(published.tracks.iter().map(|row| row.seed));
+        let seeds = published
+            .trials
+            .iter()
+            .map(|row| row.seed)
+            .chain(published.tracks.iter().map(|row| row.seed));
         match seeds.into_iter().find(|seed| !expected_seeds.contains(seed)) {
             Some(seed) => {
                 let expected = format!("{} to {}", expected_seeds.start, expected_seeds.end - 1);
@@ -144,7 +158,8 @@ impl PublishedPart {
 
     /// Whether it is the same experiment, continued where `before` ends.
     fn follows(&self, before: &PublishedPart) -> Result<(), MergeError> {
-        let settings = |experiment: &Experiment| Experiment { seeds: 1, first_seed: 0, ..experiment.clone() };
+        let settings =
+            |experiment: &Experiment| Experiment { seeds: 1, first_seed: 0, ..experiment.clone() };
         let other = before.folder.display();
         if settings(&self.experiment) != settings(&before.experiment) {
             let expected = format!("that of {other}, but for `seeds` and `first_seed`");
@@ -160,7 +175,11 @@ impl PublishedPart {
 }
 
 fn refused(place: &Path, found: &str, expected: &str) -> MergeError {
-    MergeError::Part { place: place.to_owned(), found: found.to_owned(), expected: expected.to_owned() }
+    MergeError::Part {
+        place: place.to_owned(),
+        found: found.to_owned(),
+        expected: expected.to_owned(),
+    }
 }
 
 /// The stages of all parts; those that several needed stand there once.

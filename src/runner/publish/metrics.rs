@@ -32,8 +32,8 @@ impl Tables {
         Published::read(folder).map(Tables::from)
     }
 
-    /// These rows as [`Tables::read`] gives them back once they are published, but for their claims, which are made of
-    /// them: what is made of them can be made again.
+    /// These rows as [`Tables::read`] gives them back once they are published, but for their
+    /// claims, which are made of them: what is made of them can be made again.
     ///
     /// # Errors
     /// [`DataError::Write`] for rows that make no table.
@@ -42,20 +42,35 @@ impl Tables {
         Ok(Tables::from(Published { claims, robot_claims, ..self.published.rounded(folder)? }))
     }
 
-    /// Adds the rows of further repetitions, but for their claims, which are of all repetitions together.
+    /// Adds the rows of further repetitions, but for their claims, which are of all repetitions
+    /// together.
     pub(crate) fn append(&mut self, other: Tables) {
-        self.published.append(Published { claims: Vec::new(), robot_claims: Vec::new(), ..other.published });
+        self.published.append(Published {
+            claims: Vec::new(),
+            robot_claims: Vec::new(),
+            ..other.published
+        });
         self.runs.extend(other.runs);
     }
 }
 
-/// The metric for one seed and training; `None` where the rows do not tell (no such rows, none without failure).
-pub(crate) fn value(tables: &Tables, metric: &ClaimMetric, seed: u64, training: &str) -> Option<f64> {
+/// The metric for one seed and training; `None` where the rows do not tell (no such rows, none
+/// without failure).
+pub(crate) fn value(
+    tables: &Tables,
+    metric: &ClaimMetric,
+    seed: u64,
+    training: &str,
+) -> Option<f64> {
     let number = match metric {
         ClaimMetric::ReachMean(cell) => mean(&reach_errors_m(tables, cell, seed, training)),
-        ClaimMetric::ReachSd(cell) => standard_deviation(&reach_errors_m(tables, cell, seed, training)),
+        ClaimMetric::ReachSd(cell) => {
+            standard_deviation(&reach_errors_m(tables, cell, seed, training))
+        }
         ClaimMetric::NetworkMae { network, points } => {
-            let matches = |row: &&NetworkRow| row.seed == seed && row.training == training && row.network == *network;
+            let matches = |row: &&NetworkRow| {
+                row.seed == seed && row.training == training && row.network == *network
+            };
             let row = tables
                 .published
                 .networks
@@ -66,11 +81,14 @@ pub(crate) fn value(tables: &Tables, metric: &ClaimMetric, seed: u64, training: 
         }
         ClaimMetric::GpError { points } => {
             let matches = |row: &&GpRow| row.training == training || row.training == ANY_TRAINING;
-            let of_size = |row: &&GpRow| row.seed == seed && row.score.points == *points && matches(row);
+            let of_size =
+                |row: &&GpRow| row.seed == seed && row.score.points == *points && matches(row);
             tables.published.gps.iter().find(of_size)?.score.cross_validation_mae_m
         }
         ClaimMetric::TrackMean { policy } => run(tables, policy, seed, training)?.mean_error_m,
-        ClaimMetric::TrackOscillation { policy } => run(tables, policy, seed, training)?.oscillation_m,
+        ClaimMetric::TrackOscillation { policy } => {
+            run(tables, policy, seed, training)?.oscillation_m
+        }
         ClaimMetric::TrackTime { policy } => run(tables, policy, seed, training)?.completion_time_s,
         ClaimMetric::TrackStart { policy } => run(tables, policy, seed, training)?.start_error_m,
         ClaimMetric::GapRms { axis } => gap_rms_m(tables, *axis, seed),
@@ -94,8 +112,15 @@ fn reach_errors_m(tables: &Tables, cell: &ReachCell, seed: u64, training: &str) 
 }
 
 /// The tracking run that did not fail.
-fn run<'a>(tables: &'a Tables, policy: &str, seed: u64, training: &str) -> Option<&'a TrackSummaryRow> {
-    let matches = |row: &&TrackSummaryRow| row.seed == seed && row.training == training && row.policy == policy;
+fn run<'a>(
+    tables: &'a Tables,
+    policy: &str,
+    seed: u64,
+    training: &str,
+) -> Option<&'a TrackSummaryRow> {
+    let matches = |row: &&TrackSummaryRow| {
+        row.seed == seed && row.training == training && row.policy == policy
+    };
     tables.runs.iter().find(matches).filter(|row| row.status.is_ok())
 }
 
@@ -105,7 +130,12 @@ fn gap_rms_m(tables: &Tables, axis: FrameAxis, seed: u64) -> f64 {
         FrameAxis::Y => row.gap.sim_y_m - row.gap.real_y_m,
         FrameAxis::Z => row.gap.sim_z_m - row.gap.real_z_m,
     };
-    let squares: Vec<f64> =
-        tables.published.gaps.iter().filter(|row| row.seed == seed).map(|row| difference(row).powi(2)).collect();
+    let squares: Vec<f64> = tables
+        .published
+        .gaps
+        .iter()
+        .filter(|row| row.seed == seed)
+        .map(|row| difference(row).powi(2))
+        .collect();
     mean(&squares).sqrt()
 }

@@ -1,5 +1,5 @@
-//! The trail of an experiment: every stage behind its results, in an order in which each follows its inputs. It is what
-//! names the first stage at which two runs part.
+//! The trail of an experiment: every stage behind its results, in an order in which each follows
+//! its inputs. It is what names the first stage at which two runs part.
 
 use crate::rows::experiment::StageRow;
 use crate::runner::campaign::{Campaign, CampaignEntry};
@@ -18,8 +18,14 @@ pub(crate) fn stages_behind(campaign: &Campaign, entry: &CampaignEntry) -> BTree
     needed
 }
 
-/// The trail of `entry` after a run: digests as they stand in the store, times of this run or as they were noted.
-pub fn provenance(campaign: &Campaign, entry: &CampaignEntry, outcomes: &Outcomes, store: &Store) -> Vec<StageRow> {
+/// The trail of `entry` after a run: digests as they stand in the store, times of this run or as
+/// they were noted.
+pub fn provenance(
+    campaign: &Campaign,
+    entry: &CampaignEntry,
+    outcomes: &Outcomes,
+    store: &Store,
+) -> Vec<StageRow> {
     let row = |number: usize| {
         let (stage, label, key) = campaign.graph.describe(number);
         let noted = || store.noted(stage, &key).map(|note| note.timing);
@@ -36,16 +42,24 @@ pub fn provenance(campaign: &Campaign, entry: &CampaignEntry, outcomes: &Outcome
     stages_behind(campaign, entry).into_iter().map(row).collect()
 }
 
-/// The first stage at which a run parts from a published trail, in words; `None` where they go together.
+/// The first stage at which a run parts from a published trail, in words; `None` where they go
+/// together.
 pub fn first_difference(published: &[StageRow], found: &[StageRow]) -> Option<String> {
     for (before, now) in published.iter().zip(found) {
         let name = format!("{} ({})", now.stage, now.label);
         if (&before.stage, &before.label) != (&now.stage, &now.label) {
-            return Some(format!("{name}: published was {} ({}) in its place", before.stage, before.label));
+            return Some(format!(
+                "{name}: published was {} ({}) in its place",
+                before.stage, before.label
+            ));
         }
         if before.result != now.result && !before.result.is_empty() && !now.result.is_empty() {
             let (key, was, is) = (&now.key, &before.result, &now.result);
-            let why = if before.key == *key { "the same settings and code" } else { "other settings or other code" };
+            let why = if before.key == *key {
+                "the same settings and code"
+            } else {
+                "other settings or other code"
+            };
             return Some(format!("{name}: published {was}, found {is}, by {why}"));
         }
     }
@@ -76,7 +90,10 @@ mod tests {
             first_difference(&published, &other).unwrap().starts_with("c (seed 0)"),
             "another key alone is no difference"
         );
-        assert_eq!(first_difference(&published, &published[..2]).unwrap(), "2 stages, published were 3");
+        assert_eq!(
+            first_difference(&published, &published[..2]).unwrap(),
+            "2 stages, published were 3"
+        );
         let said = first_difference(&published, &[row("q", "1", "x")]).unwrap();
         assert!(said.contains("published was a (seed 0) in its place"), "{said}");
     }

@@ -11,7 +11,8 @@ use crate::runner::graph::{Failure, Handle};
 use crate::runner::jobs::repair::diagnosis::Diagnosis;
 use crate::runner::stages::{RepairCampaign, RepairStages};
 
-/// Adds the rows of one repetition and training; `targets` rows where a failure has made trials impossible.
+/// Adds the rows of one repetition and training; `targets` rows where a failure has made trials
+/// impossible.
 pub(crate) fn add(
     published: &mut Published,
     repetition: &TrainedRepetition,
@@ -28,7 +29,9 @@ pub(crate) fn add(
         published.repairs.push(repair_row(seed, training, change, outcomes));
         for (variant, cell, stage) in &change.trials {
             let unmeasured = |status: Outcome| {
-                (0..targets as u64).map(|target| ReachTrial::unmeasured(target, status.clone())).collect()
+                (0..targets as u64)
+                    .map(|target| ReachTrial::unmeasured(target, status.clone()))
+                    .collect()
             };
             let row = |trial: ReachTrial| RepairTrialRow {
                 seed,
@@ -42,7 +45,9 @@ pub(crate) fn add(
                 settled: trial.settled,
                 status: trial.status,
             };
-            published.repair_trials.extend(repetition.values(*stage, unmeasured).into_iter().map(row));
+            published
+                .repair_trials
+                .extend(repetition.values(*stage, unmeasured).into_iter().map(row));
         }
     }
 }
@@ -59,7 +64,11 @@ fn monitor_row(repetition: &TrainedRepetition, repair: &RepairCampaign) -> Monit
     }
 }
 
-fn identification_row(seed: u64, repair: &RepairCampaign, outcomes: &Outcomes) -> IdentificationRow {
+fn identification_row(
+    seed: u64,
+    repair: &RepairCampaign,
+    outcomes: &Outcomes,
+) -> IdentificationRow {
     let (diagnosis, status) = diagnosis(repair.identified, outcomes);
     IdentificationRow {
         seed,
@@ -121,6 +130,9 @@ mod tests {
             r#"[{"tip_load": {"mass_kg": 0.02}}, {"actuator_offset": {"tendon": 1, "offset_m": 0.002}}]"#,
         )
         .unwrap();
-        assert_eq!(effects_text(&effects), "tip_load: {mass_kg: 0.02}; actuator_offset: {tendon: 1, offset_m: 0.002}");
+        assert_eq!(
+            effects_text(&effects),
+            "tip_load: {mass_kg: 0.02}; actuator_offset: {tendon: 1, offset_m: 0.002}"
+        );
     }
 }

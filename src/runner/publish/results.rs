@@ -1,4 +1,5 @@
-//! The files that an experiment publishes, as bytes: writing them is one more step, comparing them another.
+//! The files that an experiment publishes, as bytes: writing them is one more step, comparing them
+//! another.
 
 use super::claims::{evaluate, per_robot};
 use super::metrics::Tables;
@@ -54,7 +55,8 @@ impl CampaignEntry {
         self.publish_rows(point, &point.tables(outcomes))
     }
 
-    /// Makes the files of one experiment from its rows as they are published, so that they can be made again from those.
+    /// Makes the files of one experiment from its rows as they are published, so that they can be
+    /// made again from those.
     ///
     /// # Errors
     /// As [`Entry::publish`].
@@ -96,12 +98,15 @@ impl CampaignEntry {
         per_robot(&self.experiment.claims, tables, &seeds, &trainings)
     }
 
-    /// The resolved spec: what it extends, includes and leaves to defaults filled in. It runs as it is.
+    /// The resolved spec: what it extends, includes and leaves to defaults filled in. It runs as it
+    /// is.
     pub fn spec_yaml(&self) -> Vec<u8> {
-        format!("# The spec as it was run, with everything filled in.\n{}", self.spec_yaml).into_bytes()
+        format!("# The spec as it was run, with everything filled in.\n{}", self.spec_yaml)
+            .into_bytes()
     }
 
-    /// Draws the figures of these names: that of the experiment's name to `plots/`, others to a folder there.
+    /// Draws the figures of these names: that of the experiment's name to `plots/`, others to a
+    /// folder there.
     pub(crate) fn draw(
         &self,
         figures: &[String],
@@ -113,7 +118,11 @@ impl CampaignEntry {
         for name in figures {
             let Some(figure) = report::figure(name) else { continue };
             let plots = Path::new("plots");
-            let plots = if *name == self.experiment.name { plots.into() } else { plots.join(&self.experiment.name) };
+            let plots = if *name == self.experiment.name {
+                plots.into()
+            } else {
+                plots.join(&self.experiment.name)
+            };
             let artifacts = (figure.render)(published).unwrap_or_else(|error| {
                 notices.push(format!("{}: {error}", self.experiment.name));
                 Vec::new()
@@ -123,9 +132,14 @@ impl CampaignEntry {
                     OutputFolder::Plots => plots.join(&artifact.name),
                     OutputFolder::Results => folder.join(&artifact.name),
                 };
-                // Two figures of one experiment may each have a summary: the later one carries its figure's name.
+                // Two figures of one experiment may each have a summary: the later one carries its
+                // figure's name.
                 let exists = files.contains_key(&path);
-                let path = if exists { path.with_file_name(format!("{name}_{}", artifact.name)) } else { path };
+                let path = if exists {
+                    path.with_file_name(format!("{name}_{}", artifact.name))
+                } else {
+                    path
+                };
                 files.insert(path, artifact.bytes);
             }
         }
@@ -146,17 +160,22 @@ pub fn put<R: TableRow>(files: &mut Files, folder: &Path, rows: &[R]) -> Result<
     Ok(())
 }
 
-/// The claims of all experiments that are published in a folder `results`, with those of `fresh` in place of older
-/// ones, as a table and a picture.
+/// The claims of all experiments that are published in a folder `results`, with those of `fresh` in
+/// place of older ones, as a table and a picture.
 ///
 /// # Errors
 /// [`PublishError`] for published claims that cannot be read, or a picture that cannot be drawn.
-pub fn all_claims(out: &Path, fresh: &BTreeMap<String, Vec<ClaimRow>>) -> Result<Files, PublishError> {
+pub fn all_claims(
+    out: &Path,
+    fresh: &BTreeMap<String, Vec<ClaimRow>>,
+) -> Result<Files, PublishError> {
     let results = Path::new("results");
     let mut by_experiment = fresh.clone();
     for folder in std::fs::read_dir(out.join(results)).into_iter().flatten().flatten() {
-        let (name, path) =
-            (folder.file_name().to_string_lossy().into_owned(), folder.path().join(ClaimRow::TABLE.file));
+        let (name, path) = (
+            folder.file_name().to_string_lossy().into_owned(),
+            folder.path().join(ClaimRow::TABLE.file),
+        );
         let many_robots = folder.path().join(RobotRow::TABLE.file).is_file();
         if !by_experiment.contains_key(&name) && path.is_file() && !many_robots {
             let (swept, claims) = tables::read_csv_beside(&path, |column| column.contains('.'))?;
@@ -172,7 +191,8 @@ pub fn all_claims(out: &Path, fresh: &BTreeMap<String, Vec<ClaimRow>>) -> Result
     if let (Some(figure), false) = (report::figure("claims"), claims.is_empty()) {
         let published = Published { claims, ..Published::default() };
         for artifact in (figure.render)(&published)? {
-            let folder = if artifact.folder == OutputFolder::Plots { Path::new("plots") } else { results };
+            let folder =
+                if artifact.folder == OutputFolder::Plots { Path::new("plots") } else { results };
             files.insert(folder.join(artifact.name), artifact.bytes);
         }
     }

@@ -1,12 +1,13 @@
-//! The results of a sweep: the tables of all points one below the other, with a column for each swept field, a
-//! summary of one row a point, and what makes a difference.
+//! The results of a sweep: the tables of all points one below the other, with a column for each
+//! swept field, a summary of one row a point, and what makes a difference.
 
 use super::metrics::Tables;
 use super::results::{Files, Publication, PublishError};
 use crate::data::TableRow;
 use crate::data::tables::{Beside, to_csv_beside};
 use crate::report::{
-    Published, SweepCell, SweepTable, SweptPoint, comparisons, gp_sweep, reach_sweep, response_sweep, track_sweep,
+    Published, SweepCell, SweepTable, SweptPoint, comparisons, gp_sweep, reach_sweep,
+    response_sweep, track_sweep,
 };
 use crate::rows::cell::CellLabel;
 use crate::rows::experiment::{ComparisonRow, SweepRow};
@@ -19,8 +20,8 @@ use std::path::Path;
 const FIGURE: &str = "sweep";
 
 impl CampaignEntry {
-    /// Makes the files of this sweep from the results of its stages. The claims are judged at every point, and count for
-    /// none of the published ones.
+    /// Makes the files of this sweep from the results of its stages. The claims are judged at every
+    /// point, and count for none of the published ones.
     pub(crate) fn publish_sweep(&self, outcomes: &Outcomes) -> Result<Publication, PublishError> {
         let mut all: Vec<Tables> = Vec::with_capacity(self.points.len());
         for point in &self.points {
@@ -40,7 +41,10 @@ impl CampaignEntry {
         files.extend(self.comparisons(&swept, &folder)?);
         let counts: Vec<usize> = swept.iter().map(|point| point.cells.len()).collect();
         let rows = swept.into_iter().flat_map(|point| point.cells).map(|cell| cell.row).collect();
-        let published = Published { sweep: SweepTable { fields: self.beside(&counts), rows }, ..Published::default() };
+        let published = Published {
+            sweep: SweepTable { fields: self.beside(&counts), rows },
+            ..Published::default()
+        };
         let mut notices = Vec::new();
         if !published.sweep.rows.is_empty() {
             let path = folder.join(SweepRow::TABLE.file);
@@ -50,7 +54,11 @@ impl CampaignEntry {
         }
         let name = &self.experiment.name;
         let others = self.experiment.figures.iter().filter(|figure| *figure != FIGURE);
-        notices.extend(others.map(|figure| format!("{name}: {figure} is of one setting and not made of a sweep")));
+        notices.extend(
+            others.map(|figure| {
+                format!("{name}: {figure} is of one setting and not made of a sweep")
+            }),
+        );
         Ok(Publication {
             files,
             claims: Vec::new(),
@@ -80,8 +88,11 @@ impl CampaignEntry {
     fn beside(&self, counts: &[usize]) -> Vec<Beside> {
         let column = |index: usize| {
             let value = |point: &PointStages| self.sweep[index].values[point.values[index]].clone();
-            let cells =
-                self.points.iter().zip(counts).flat_map(|(point, &count)| std::iter::repeat_n(value(point), count));
+            let cells = self
+                .points
+                .iter()
+                .zip(counts)
+                .flat_map(|(point, &count)| std::iter::repeat_n(value(point), count));
             (self.sweep[index].name.clone(), cells.collect())
         };
         (0..self.sweep.len()).map(column).collect()
@@ -95,8 +106,11 @@ fn summary(point: &PointStages, tables: &Tables) -> SweptPoint {
     if let Some(track) = &point.experiment.runs.track {
         let tracked = track_cells(&point.experiment);
         let cell = |policy: &str| {
-            let without_cell =
-                || CellLabel { policy: policy.to_owned(), mode: track.mode.clone(), ..CellLabel::default() };
+            let without_cell = || CellLabel {
+                policy: policy.to_owned(),
+                mode: track.mode.clone(),
+                ..CellLabel::default()
+            };
             tracked.iter().find(|cell| cell.policy == policy).cloned().unwrap_or_else(without_cell)
         };
         cells.extend(track_sweep(&tables.runs, cell));

@@ -1,4 +1,5 @@
-//! Stage results to published rows: every label is filled in here, failures become rows, everything is in a fixed order.
+//! Stage results to published rows: every label is filled in here, failures become rows, everything
+//! is in a fixed order.
 
 use super::metrics::Tables;
 use super::repair_tables;
@@ -9,7 +10,8 @@ use crate::policies::{NetworkDescription, TrainingData};
 use crate::report::{Published, track_summary};
 use crate::rows::cell::{CellLabel, CellRow};
 use crate::rows::experiment::{
-    GapRow, GpCoverageRow, GpLeaveOneOutRow, GpRow, NetworkRow, ReachTrial, TrackRow, TrackSample, WaypointRow,
+    GapRow, GpCoverageRow, GpLeaveOneOutRow, GpRow, NetworkRow, ReachTrial, TrackRow, TrackSample,
+    WaypointRow,
 };
 use crate::rows::population::RobotRow;
 use crate::rows::responses::{PaceLap, ResponseTrial};
@@ -26,30 +28,35 @@ impl PointStages {
         let published = &mut tables.published;
         for repetition in &self.repetitions {
             let seed = repetition.seed;
-            published.robots.extend(repetition.robot_effects.iter().flat_map(|effect| robot_rows(seed, effect)));
+            published.robots.extend(
+                repetition.robot_effects.iter().flat_map(|effect| robot_rows(seed, effect)),
+            );
             let gaps = repetition.gap.into_iter().flat_map(|stage| all(outcomes, stage));
             published.gaps.extend(gaps.map(|gap| GapRow { seed, gap }));
             let waypoints = repetition.waypoints.into_iter().flat_map(|stage| all(outcomes, stage));
-            published.waypoints.extend(waypoints.enumerate().map(|(waypoint, [x_m, y_m, z_m])| WaypointRow {
-                seed,
-                waypoint: waypoint as u64,
-                x_m,
-                y_m,
-                z_m,
+            published.waypoints.extend(waypoints.enumerate().map(|(waypoint, [x_m, y_m, z_m])| {
+                WaypointRow { seed, waypoint: waypoint as u64, x_m, y_m, z_m }
             }));
             for (training, stage) in &repetition.gps {
                 let score = outcomes.get(*stage).ok().cloned();
-                published.gps.extend(score.map(|score| GpRow { seed, training: training.clone(), score }));
+                published.gps.extend(score.map(|score| GpRow {
+                    seed,
+                    training: training.clone(),
+                    score,
+                }));
             }
             for (training, stage) in &repetition.gp_coverages {
                 let row = |coverage| GpCoverageRow { seed, training: training.clone(), coverage };
                 published.gp_coverages.extend(all(outcomes, *stage).map(row));
             }
             for (training, stage) in &repetition.gp_left_out {
-                let row = |left_out| GpLeaveOneOutRow { seed, training: training.clone(), left_out };
+                let row =
+                    |left_out| GpLeaveOneOutRow { seed, training: training.clone(), left_out };
                 published.gp_left_out.extend(all(outcomes, *stage).map(row));
             }
-            for ScoredCase { row, intervals } in repetition.blind.iter().map(|case| case.scored(outcomes)) {
+            for ScoredCase { row, intervals } in
+                repetition.blind.iter().map(|case| case.scored(outcomes))
+            {
                 published.cases.push(row);
                 published.intervals.extend(intervals);
             }
@@ -82,7 +89,8 @@ fn robot_rows(seed: u64, effect: &DrawnEffect) -> impl Iterator<Item = RobotRow>
     })
 }
 
-/// Rows of one seed and training. Seeds ascend, trainings and cells are in the order of their expansion.
+/// Rows of one seed and training. Seeds ascend, trainings and cells are in the order of their
+/// expansion.
 fn add_trained(
     published: &mut Published,
     experiment: &Experiment,
@@ -98,7 +106,11 @@ fn add_trained(
         }
     }
     let targets = 0..experiment.targets.drawn as u64;
-    let lap = experiment.runs.pace.iter().flat_map(|run| run.speeds.iter().map(|speed| (*speed, run.lap_s / speed)));
+    let lap = experiment
+        .runs
+        .pace
+        .iter()
+        .flat_map(|run| run.speeds.iter().map(|speed| (*speed, run.lap_s / speed)));
     published.trials.extend(repetition.rows(&cells.reach, |status| {
         targets.clone().map(|target| ReachTrial::unmeasured(target, status.clone())).collect()
     }));
@@ -106,11 +118,18 @@ fn add_trained(
         targets.clone().map(|target| ResponseTrial::unmeasured(target, status.clone())).collect()
     }));
     published.paces.extend(repetition.rows(&cells.pace, |status| {
-        lap.clone().map(|(speed, lap_s)| PaceLap::unmeasured(speed, lap_s, status.clone())).collect()
+        lap.clone()
+            .map(|(speed, lap_s)| PaceLap::unmeasured(speed, lap_s, status.clone()))
+            .collect()
     }));
     for (cell, stage) in &cells.track {
         let samples = repetition.values(*stage, |status| vec![TrackSample::unmeasured(status)]);
-        let row = |sample| TrackRow { seed, training: training.clone(), policy: cell.policy.clone(), sample };
+        let row = |sample| TrackRow {
+            seed,
+            training: training.clone(),
+            policy: cell.policy.clone(),
+            sample,
+        };
         published.tracks.extend(samples.into_iter().map(row));
     }
     if let Some(repair) = &cells.repair {

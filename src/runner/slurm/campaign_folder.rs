@@ -82,11 +82,16 @@ impl CampaignFolder {
     }
 
     /// Writes what the campaign computes, unless that is there.
-    pub(super) fn create(&self, specs: &[Vec<u8>], contents: &CampaignContents) -> Result<(), String> {
+    pub(super) fn create(
+        &self,
+        specs: &[Vec<u8>],
+        contents: &CampaignContents,
+    ) -> Result<(), String> {
         if self.contents().is_some() {
             return Ok(());
         }
-        fs::create_dir_all(self.logs()).map_err(|error| format!("{}: {error}", self.logs().display()))?;
+        fs::create_dir_all(self.logs())
+            .map_err(|error| format!("{}: {error}", self.logs().display()))?;
         for (number, spec) in specs.iter().enumerate() {
             self.write(&format!("specs/{number}.yaml"), spec)?;
         }
@@ -101,8 +106,10 @@ impl CampaignFolder {
     pub(super) fn campaign(&self) -> Result<Campaign, String> {
         let file = |number: usize| self.root.join("specs").join(format!("{number}.yaml"));
         let files = (0..).map(file).take_while(|file| file.is_file());
-        let read = |file: PathBuf| ExperimentSet::read(&file, &[], &[]).map_err(|error| error.to_string());
-        Campaign::expand(files.map(read).collect::<Result<Vec<_>, _>>()?).map_err(|failure| failure.to_string())
+        let read =
+            |file: PathBuf| ExperimentSet::read(&file, &[], &[]).map_err(|error| error.to_string());
+        Campaign::expand(files.map(read).collect::<Result<Vec<_>, _>>()?)
+            .map_err(|failure| failure.to_string())
     }
 
     /// Numbers of the stages that were missing when the workers were submitted.
@@ -133,7 +140,8 @@ impl CampaignFolder {
     pub(super) fn failed(&self) -> HashSet<Key> {
         let names = names(&self.root.join("failed"));
         let failed: HashSet<Key> = names.iter().filter_map(|name| Digest::parse(name)).collect();
-        *self.listed_failures.lock().unwrap_or_else(PoisonError::into_inner) = Some((Instant::now(), failed.clone()));
+        *self.listed_failures.lock().unwrap_or_else(PoisonError::into_inner) =
+            Some((Instant::now(), failed.clone()));
         failed
     }
 
@@ -150,7 +158,8 @@ impl CampaignFolder {
 
     /// The right to submit and to wait, until it is dropped; `None` while another process has it.
     pub(super) fn lock(&self) -> Option<File> {
-        let file = File::options().append(true).create(true).open(self.root.join("watched")).ok()?;
+        let file =
+            File::options().append(true).create(true).open(self.root.join("watched")).ok()?;
         // On a file system without locks nobody else is assumed.
         if matches!(file.try_lock(), Err(TryLockError::WouldBlock)) { None } else { Some(file) }
     }
@@ -170,14 +179,18 @@ impl CampaignFolder {
 
 impl RunRecord for CampaignFolder {
     fn find_failure(&self, key: &Key) -> Option<Failure> {
-        let listed_failures = self.listed_failures.lock().unwrap_or_else(PoisonError::into_inner).clone();
-        let fresh = listed_failures.filter(|(at, _)| at.elapsed() < MAX_FAILURES_AGE).map(|(_, failed)| failed);
+        let listed_failures =
+            self.listed_failures.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let fresh = listed_failures
+            .filter(|(at, _)| at.elapsed() < MAX_FAILURES_AGE)
+            .map(|(_, failed)| failed);
         let failed = fresh.unwrap_or_else(|| self.failed());
         if failed.contains(key) { self.read_json(&format!("failed/{key}")) } else { None }
     }
 
     fn record_failure(&self, key: &Key, failure: &Failure) {
-        let _ = self.write_json(&format!("failed/{key}"), failure); // at worst another worker tries the stage again
+        // At worst another worker tries the stage again.
+        let _ = self.write_json(&format!("failed/{key}"), failure);
         self.failed();
     }
 
@@ -193,7 +206,8 @@ impl RunRecord for CampaignFolder {
 /// Names of what lies in a folder, sorted; none where there is no folder.
 fn names(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
-    let mut names: Vec<String> = entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+    let mut names: Vec<String> =
+        entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
     names.sort();
     names
 }

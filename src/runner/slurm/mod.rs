@@ -1,5 +1,5 @@
-//! Campaigns on a Slurm cluster: an array of identical workers that fill a shared store. What is done is what lies in the
-//! store; the queue only tells whether somebody is still at work.
+//! Campaigns on a Slurm cluster: an array of identical workers that fill a shared store. What is
+//! done is what lies in the store; the queue only tells whether somebody is still at work.
 
 mod campaign_folder;
 mod monitor;
@@ -55,7 +55,8 @@ fn status(store: &Store, id: String) -> Option<CampaignStatus> {
     })
 }
 
-/// Cancels the jobs of a campaign and ends the process that waits for it; results stay in the store.
+/// Cancels the jobs of a campaign and ends the process that waits for it; results stay in the
+/// store.
 ///
 /// # Errors
 /// That there is no such campaign, or what the cluster says.
@@ -63,8 +64,11 @@ pub fn cancel(store: &Store, id: &str) -> Result<(), String> {
     let folder = CampaignFolder::of(store, id);
     if folder.contents().is_none() {
         let expected = CampaignFolder::ids(store).join(", ");
-        let expected =
-            if expected.is_empty() { "a campaign; this store has none".into() } else { format!("one of {expected}") };
+        let expected = if expected.is_empty() {
+            "a campaign; this store has none".into()
+        } else {
+            format!("one of {expected}")
+        };
         return Err(format!("found campaign `{id}`, expected {expected}"));
     }
     folder.mark(campaign_folder::CANCELLED, "")?;

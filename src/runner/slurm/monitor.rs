@@ -1,4 +1,5 @@
-//! Submits the workers of a campaign and waits until everything is stored or has failed, or until somebody ends it.
+//! Submits the workers of a campaign and waits until everything is stored or has failed, or until
+//! somebody ends it.
 
 use super::campaign_folder::{CANCELLED, CampaignContents, CampaignFolder, FINISHED, REFUSED};
 use super::queue;
@@ -18,7 +19,8 @@ use std::time::{Duration, Instant};
 const STORE_INTERVAL: Duration = Duration::from_millis(500);
 /// How often the cluster is asked.
 const QUEUE_INTERVAL: Duration = Duration::from_secs(3);
-/// How long the queue may be empty before missing results count as lost: a shared folder may lag behind.
+/// How long the queue may be empty before missing results count as lost: a shared folder may lag
+/// behind.
 const MAX_EMPTY_QUEUE: Duration = Duration::from_secs(6);
 /// Without a number from the user: most workers, and estimated work for each, milliseconds.
 const MAX_DEFAULT_WORKERS: u64 = 100;
@@ -71,7 +73,9 @@ impl CampaignMonitor<'_> {
         let specs: Vec<_> = self.campaign.entries.iter().map(CampaignEntry::spec_yaml).collect();
         folder.create(&specs, &self.contents(&missing))?;
         let Some(_lock) = folder.lock() else {
-            return Err(format!("campaign {id} is watched by another process; `spinebench status` shows its state"));
+            return Err(format!(
+                "campaign {id} is watched by another process; `spinebench status` shows its state"
+            ));
         };
         folder.forget(&[CANCELLED]);
         let jobs = queue::jobs(&folder.job_name())?;
@@ -79,7 +83,10 @@ impl CampaignMonitor<'_> {
             folder.forget(&["failed", "workers"]);
             self.submit(&folder, &missing)?;
         } else {
-            self.progress.say(&format!("campaign {id} is under way ({}); watching it", queue::describe(&jobs)));
+            self.progress.say(&format!(
+                "campaign {id} is under way ({}); watching it",
+                queue::describe(&jobs)
+            ));
         }
         if folder.marked(CANCELLED).is_some() {
             return Ok(CampaignEnd::Cancelled);
@@ -96,8 +103,17 @@ impl CampaignMonitor<'_> {
     fn contents(&self, missing: &[usize]) -> CampaignContents {
         let describe = |&stage: &usize| self.campaign.graph.describe(stage);
         CampaignContents {
-            experiments: self.campaign.entries.iter().map(|entry| entry.experiment.name.clone()).collect(),
-            stages: missing.iter().map(describe).map(|(kind, _, key)| (kind.to_owned(), key)).collect(),
+            experiments: self
+                .campaign
+                .entries
+                .iter()
+                .map(|entry| entry.experiment.name.clone())
+                .collect(),
+            stages: missing
+                .iter()
+                .map(describe)
+                .map(|(kind, _, key)| (kind.to_owned(), key))
+                .collect(),
         }
     }
 
@@ -116,7 +132,8 @@ impl CampaignMonitor<'_> {
             return queue::cancel(&folder.job_name(), false);
         }
         let (id, stages) = (self.id(), missing.len());
-        self.progress.say(&format!("campaign {id}: submitted {} for {stages} stages", array.describe()));
+        self.progress
+            .say(&format!("campaign {id}: submitted {} for {stages} stages", array.describe()));
         Ok(())
     }
 
@@ -134,7 +151,8 @@ impl CampaignMonitor<'_> {
             unfinished.retain(|&stage| !self.has_ended(stage, &folder, &failed));
             if unfinished.is_empty() {
                 self.progress.done();
-                // Workers that wait for a free node have nothing to do any more; the others end by themselves.
+                // Workers that wait for a free node have nothing to do any more; the others end by
+                // themselves.
                 let _ = queue::cancel(&folder.job_name(), true);
                 return Ok(CampaignEnd::Complete(folder));
             }
@@ -160,7 +178,9 @@ impl CampaignMonitor<'_> {
                 unfinished.iter().for_each(|&stage| self.give_up(stage, &folder));
                 continue;
             }
-            self.progress.notice(&format!("the workers ended with {submitted} stages left; submitting them again"));
+            self.progress.notice(&format!(
+                "the workers ended with {submitted} stages left; submitting them again"
+            ));
             // A cluster that refuses now may not a while later: it counts as an attempt in vain.
             if let Err(error) = self.submit(&folder, &self.missing()) {
                 self.progress.notice(&error);
@@ -180,8 +200,13 @@ impl CampaignMonitor<'_> {
         let event = StageEvent { stage: kind, label, key: &short, cost_ms: graph.cost_ms(stage) };
         let timing = self.store.noted(kind, &key).map(|note| note.timing).unwrap_or_default();
         // A failure that it inherits from an input is reported once, for the input.
-        let failure = folder.find_failure(&key).filter(|failure| has_failed && failure.stage == kind);
-        self.progress.finished(event, timing, failure.as_ref().map(|failure| failure.status.as_str()));
+        let failure =
+            folder.find_failure(&key).filter(|failure| has_failed && failure.stage == kind);
+        self.progress.finished(
+            event,
+            timing,
+            failure.as_ref().map(|failure| failure.status.as_str()),
+        );
         true
     }
 
@@ -189,7 +214,8 @@ impl CampaignMonitor<'_> {
     fn give_up(&self, stage: usize, folder: &CampaignFolder) {
         let (kind, _, key) = self.campaign.graph.describe(stage);
         let (times, logs) = (self.options.attempts, folder.logs());
-        let status = format!("lost on the cluster {times} times; its output is in {}", logs.display());
+        let status =
+            format!("lost on the cluster {times} times; its output is in {}", logs.display());
         folder.record_failure(&key, &Failure { stage: kind.to_owned(), status });
     }
 }
@@ -215,7 +241,8 @@ impl QueueWatch {
         self.last_query = Some(Instant::now());
         let trouble = match queue::jobs(&self.name) {
             Ok(states) if states.is_empty() => {
-                let ended = self.empty_since.get_or_insert_with(Instant::now).elapsed() >= MAX_EMPTY_QUEUE;
+                let ended =
+                    self.empty_since.get_or_insert_with(Instant::now).elapsed() >= MAX_EMPTY_QUEUE;
                 self.empty_since.take_if(|_| ended);
                 return ended;
             }

@@ -8,11 +8,13 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
 /// Usual reasons to wait.
-const USUAL_REASONS: [&str; 7] = ["", "None", "Resources", "Priority", "Dependency", "BeginTime", "JobArrayTaskLimit"];
+const USUAL_REASONS: [&str; 7] =
+    ["", "None", "Resources", "Priority", "Dependency", "BeginTime", "JobArrayTaskLimit"];
 /// Seconds before the limit at which workers are told to end.
 const NOTICE_S: u32 = 90;
 
-/// Most array tasks: a controller starts some fifty a second, the step of a task all its workers at once.
+/// Most array tasks: a controller starts some fifty a second, the step of a task all its workers at
+/// once.
 const MAX_TASKS: usize = 100;
 /// Exit status of a worker that was told to end while stages were left: `EX_TEMPFAIL` of sysexits.
 pub const STAGES_LEFT_STATUS: u8 = 75;
@@ -33,11 +35,18 @@ pub(super) struct WorkerArray {
 impl WorkerArray {
     /// An array of at least `workers` workers.
     pub(super) fn of(workers: usize, options: &SlurmOptions) -> WorkerArray {
-        WorkerArray::within(workers, options.workers_per_task.map(|count| count as usize), largest_array())
+        WorkerArray::within(
+            workers,
+            options.workers_per_task.map(|count| count as usize),
+            largest_array(),
+        )
     }
 
     fn within(workers: usize, per_task: Option<usize>, max_tasks: usize) -> WorkerArray {
-        let per_task = per_task.unwrap_or_else(|| workers_per_task(workers)).max(workers.div_ceil(max_tasks)).max(1);
+        let per_task = per_task
+            .unwrap_or_else(|| workers_per_task(workers))
+            .max(workers.div_ceil(max_tasks))
+            .max(1);
         WorkerArray { tasks: workers.div_ceil(per_task), workers_per_task: per_task }
     }
 
@@ -51,16 +60,26 @@ impl WorkerArray {
 ///
 /// # Errors
 /// What `sbatch` says, or that there is none.
-pub(super) fn submit(folder: &CampaignFolder, array: WorkerArray, options: &SlurmOptions) -> Result<(), String> {
-    let program = std::env::current_exe().map_err(|error| format!("the file of this program: {error}"))?;
+pub(super) fn submit(
+    folder: &CampaignFolder,
+    array: WorkerArray,
+    options: &SlurmOptions,
+) -> Result<(), String> {
+    let program =
+        std::env::current_exe().map_err(|error| format!("the file of this program: {error}"))?;
     if !program.is_file() {
         let file = program.display();
         return Err(format!(
-            "{file}: found it replaced since it started, expected the same build; run the command again"
+            "{file}: found it replaced since it started, expected the same build; run the command \
+             again"
         ));
     }
     let mut command = Command::new("sbatch");
-    command.args(arguments(folder, array, options)).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+        .args(arguments(folder, array, options))
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped());
     let mut child = command.spawn().map_err(|error| absent("sbatch", &error))?;
     if let Some(mut input) = child.stdin.take() {
         // A refusal says more than the pipe that it closes.
@@ -82,30 +101,36 @@ fn arguments(folder: &CampaignFolder, array: WorkerArray, options: &SlurmOptions
         format!("--signal=USR2@{NOTICE_S}"),
         format!("--output={}", folder.logs().join("%A_%a.log").display()),
     ];
-    let mut optional =
-        |name: &str, value: Option<String>| arguments.extend(value.map(|value| format!("--{name}={value}")));
+    let mut optional = |name: &str, value: Option<String>| {
+        arguments.extend(value.map(|value| format!("--{name}={value}")))
+    };
     optional("partition", options.partition.clone());
     optional("account", options.account.clone());
     optional("time", options.time_min.map(|minutes| minutes.to_string()));
-    optional("mem-per-cpu", options.memory_mb.map(|megabytes| format!("{}M", megabytes.div_ceil(options.cpus))));
+    optional(
+        "mem-per-cpu",
+        options.memory_mb.map(|megabytes| format!("{}M", megabytes.div_ceil(options.cpus))),
+    );
     arguments.extend(options.arguments.iter().cloned());
     arguments
 }
 
-/// The script of a task: one step that starts its workers. The notice before the limit goes to the workers; one that comes
-/// before they listen does not end them. A task whose workers ended early goes back into the queue.
-fn script(program: &Path, folder: &CampaignFolder, array: WorkerArray, options: &SlurmOptions) -> String {
+/// The script of a task: one step that starts its workers. The notice before the limit goes to the
+/// workers; one that comes before they listen does not end them. A task whose workers ended early
+/// goes back into the queue.
+fn script(
+    program: &Path,
+    folder: &CampaignFolder,
+    array: WorkerArray,
+    options: &SlurmOptions,
+) -> String {
     let (program, folder) = (quoted(program), quoted(folder.path()));
     let (workers, cpus) = (array.tasks * array.workers_per_task, options.cpus);
     format!(
-        "#!/bin/bash\n\
-         srun --kill-on-bad-exit=0 --wait=0 --cpus-per-task={cpus} bash -c 'trap \"\" USR2; exec \"$@\"' worker \\\n  \
-         {program} work {folder} --workers {workers}\n\
-         status=$?\n\
-         if [ $status = {STAGES_LEFT_STATUS} ]; then\n  \
-         scontrol requeue \"${{SLURM_ARRAY_JOB_ID}}_${{SLURM_ARRAY_TASK_ID}}\" && sleep 60\n\
-         fi\n\
-         exit $status\n"
+        "#!/bin/bash\nsrun --kill-on-bad-exit=0 --wait=0 --cpus-per-task={cpus} bash -c 'trap \"\" \
+         USR2; exec \"$@\"' worker \\\n  {program} work {folder} --workers \
+         {workers}\nstatus=$?\nif [ $status = {STAGES_LEFT_STATUS} ]; then\n  scontrol requeue \
+         \"${{SLURM_ARRAY_JOB_ID}}_${{SLURM_ARRAY_TASK_ID}}\" && sleep 60\nfi\nexit $status\n"
     )
 }
 
@@ -114,13 +139,17 @@ fn quoted(path: &Path) -> String {
     format!("'{}'", path.display().to_string().replace('\'', r"'\''"))
 }
 
-/// Jobs with this name by state, with the reason for waiting in brackets where a person should know it.
+/// Jobs with this name by state, with the reason for waiting in brackets where a person should know
+/// it.
 ///
 /// # Errors
 /// What `squeue` says.
 pub(super) fn jobs(name: &str) -> Result<BTreeMap<String, usize>, String> {
     let arguments = ["--noheader", "--array", "--format=%T %r", "--name", name];
-    let output = Command::new("squeue").args(arguments).output().map_err(|error| absent("squeue", &error))?;
+    let output = Command::new("squeue")
+        .args(arguments)
+        .output()
+        .map_err(|error| absent("squeue", &error))?;
     Ok(counted(&succeeded("squeue", &output)?))
 }
 
@@ -130,7 +159,8 @@ fn counted(listing: &str) -> BTreeMap<String, usize> {
         let (state, reason) = line.split_once(' ').unwrap_or((line, ""));
         let state = state.to_lowercase();
         let unusual = state == "pending" && !USUAL_REASONS.contains(&reason);
-        *states.entry(if unusual { format!("{state} ({reason})") } else { state }).or_default() += 1;
+        *states.entry(if unusual { format!("{state} ({reason})") } else { state }).or_default() +=
+            1;
     }
     states
 }
@@ -143,9 +173,12 @@ pub(super) fn describe(states: &BTreeMap<String, usize>) -> String {
 /// Largest number of tasks that one array may have.
 fn largest_array() -> usize {
     let output = Command::new("scontrol").args(["show", "config"]).output();
-    let config = output.map(|output| String::from_utf8_lossy(&output.stdout).into_owned()).unwrap_or_default();
-    let size =
-        config.lines().find_map(|line| line.strip_prefix("MaxArraySize")?.split('=').nth(1)?.trim().parse().ok());
+    let config = output
+        .map(|output| String::from_utf8_lossy(&output.stdout).into_owned())
+        .unwrap_or_default();
+    let size = config
+        .lines()
+        .find_map(|line| line.strip_prefix("MaxArraySize")?.split('=').nth(1)?.trim().parse().ok());
     // The documented default, where the cluster does not tell.
     size.unwrap_or(1001_usize).saturating_sub(1).max(1)
 }
@@ -169,7 +202,10 @@ fn succeeded(command: &str, output: &Output) -> Result<String, String> {
         return Ok(String::from_utf8_lossy(&output.stdout).into_owned());
     }
     let message = String::from_utf8_lossy(&output.stderr);
-    Err(format!("{command}: {}", message.trim().lines().next().unwrap_or("failed and said nothing")))
+    Err(format!(
+        "{command}: {}",
+        message.trim().lines().next().unwrap_or("failed and said nothing")
+    ))
 }
 
 #[cfg(test)]
@@ -185,7 +221,11 @@ mod tests {
         assert_eq!([within(1, None, 1000), within(100, None, 1000)], [(1, 1), (100, 1)]);
         assert_eq!([within(1000, None, 1000), within(150, None, 1000)], [(100, 10), (75, 2)]);
         assert_eq!([within(12, None, 10), within(12, Some(1), 1000)], [(6, 2), (12, 1)]);
-        assert_eq!(within(12, Some(1), 10), (6, 2), "the cluster's largest array limits the option");
+        assert_eq!(
+            within(12, Some(1), 10),
+            (6, 2),
+            "the cluster's largest array limits the option"
+        );
     }
 
     #[test]
@@ -200,7 +240,9 @@ mod tests {
         };
         let array = WorkerArray { tasks: 5, workers_per_task: 3 };
         let said = arguments(&folder, array, &options).join(" ");
-        for part in ["--array=0-4", "--ntasks=3", "--partition=long", "--time=30", "--mem-per-cpu=250M"] {
+        for part in
+            ["--array=0-4", "--ntasks=3", "--partition=long", "--time=30", "--mem-per-cpu=250M"]
+        {
             assert!(said.contains(part), "{said}");
         }
         let script = script(Path::new("/opt/it's/spinebench"), &folder, array, &options);
@@ -210,9 +252,12 @@ mod tests {
 
     #[test]
     fn the_queue_is_counted_by_state_and_telling_reasons() {
-        let said = "RUNNING None\nPENDING Resources\nPENDING JobHeldAdmin\nPENDING BeginTime\nCOMPLETING None\n";
-        let expected = [("completing", 1), ("pending", 2), ("pending (JobHeldAdmin)", 1), ("running", 1)];
-        let expected: BTreeMap<String, usize> = expected.map(|(state, count)| (state.to_owned(), count)).into();
+        let said = "RUNNING None\nPENDING Resources\nPENDING JobHeldAdmin\nPENDING \
+                    BeginTime\nCOMPLETING None\n";
+        let expected =
+            [("completing", 1), ("pending", 2), ("pending (JobHeldAdmin)", 1), ("running", 1)];
+        let expected: BTreeMap<String, usize> =
+            expected.map(|(state, count)| (state.to_owned(), count)).into();
         assert_eq!(counted(said), expected);
         assert!(counted("").is_empty());
     }

@@ -26,7 +26,8 @@ pub struct WorkerSummary {
     pub traffic: StoreTraffic,
 }
 
-/// Works as number `worker` of `workers` (from 0). SIGUSR2 tells it to complete what it has begun and to end.
+/// Works as number `worker` of `workers` (from 0). SIGUSR2 tells it to complete what it has begun
+/// and to end.
 ///
 /// # Errors
 /// What the campaign's folder lacks; that this is another build than the one that submitted it.
@@ -43,18 +44,21 @@ pub fn work(
         return Ok(WorkerSummary::default());
     }
     let root = folder.path().display();
-    let missing = folder.missing().ok_or_else(|| format!("{root}: found no missing.json, expected a campaign"))?;
+    let missing = folder
+        .missing()
+        .ok_or_else(|| format!("{root}: found no missing.json, expected a campaign"))?;
     let campaign = folder.campaign()?;
     if !folder.path().ends_with(CampaignFolder::id_of(&campaign)) {
-        let text =
-            "the workers found another build of the program, or another recording to replay, than the one submitted";
+        let text = "the workers found another build of the program, or another recording to \
+                    replay, than the one submitted";
         folder.mark(REFUSED, text)?;
         return Err(text.to_owned());
     }
     let options = RunOptions { threads, progress, stop: notice.flag(), record: folder };
     let share = WorkerShare { worker, workers, missing: &missing };
     let store = folder.store();
-    let outcomes = execute_share(&campaign.graph, &store, share, &options).map_err(|failure| failure.to_string())?;
+    let outcomes = execute_share(&campaign.graph, &store, share, &options)
+        .map_err(|failure| failure.to_string())?;
     if outcomes.sharing.left == 0 {
         folder.mark(FINISHED, "")?;
     }
@@ -79,8 +83,9 @@ impl WorkerSummary {
         let count = |number: fn(&WorkerSummary) -> u64| all.iter().map(number).sum::<u64>();
         let time = |number: fn(&WorkerSummary) -> f64| all.iter().map(number).sum::<f64>();
         format!(
-            "{} worker runs of {:.1} s: {} stages computed in {:.1} s; {} locks lost, {} stages computed twice ({:.1} s), \
-             {} polls, {:.1} s without work; {} results read ({:.1} MB), {} written ({:.1} MB), {} lookups, {} locks",
+            "{} worker runs of {:.1} s: {} stages computed in {:.1} s; {} locks lost, {} stages \
+             computed twice ({:.1} s), {} polls, {:.1} s without work; {} results read ({:.1} MB), \
+             {} written ({:.1} MB), {} lookups, {} locks",
             all.len(),
             time(|summary| summary.wall_s),
             count(|summary| summary.computed as u64),

@@ -21,7 +21,8 @@ impl Stages<'_> {
 
     /// The exploration as the spec describes it.
     pub(super) fn explore_params(&self) -> ExploreParams {
-        let (options, step_s, seed) = (self.spec.explore, self.step_s(), self.seed.child("explore").0);
+        let (options, step_s, seed) =
+            (self.spec.explore, self.step_s(), self.seed.child("explore").0);
         ExploreParams { model: self.parts.model.clone(), options, step_s, seed }
     }
 
@@ -51,17 +52,20 @@ impl Stages<'_> {
     /// The predefined points on model and a robot.
     pub(super) fn pool_of(&mut self, plant: Identified, label: &str) -> Added<GpPool> {
         let (model, mut options) = (self.parts.model.clone(), self.spec.gp_points);
-        options.p_sim = SimulatedBy::Rod; // the recording is the same whatever p_sim is later taken from
+        // The recording is the same whatever p_sim is later taken from.
+        options.p_sim = SimulatedBy::Rod;
         let (step_s, seed) = (self.step_s(), self.seed.child("gp_pool").0);
         let params = PoolParams { model, plant, options, step_s, seed };
         self.graph.stage(&GP_POOL, self.label(label), params, ())
     }
 
-    /// All points that may become targets: of the robot without measurement noise, the same for every seed.
+    /// All points that may become targets: of the robot without measurement noise, the same for
+    /// every seed.
     pub(super) fn target_pool(&mut self) -> Added<Vec<Point3>> {
         let mut options = self.spec.targets;
         options.drawn = 1; // how many are drawn later does not change the pool
-        let params = TargetPoolParams { robot: self.parts.quiet.clone(), options, step_s: self.step_s() };
+        let params =
+            TargetPoolParams { robot: self.parts.quiet.clone(), options, step_s: self.step_s() };
         self.graph.stage(&TARGET_POOL, "target pool", params, ())
     }
 
@@ -74,7 +78,8 @@ impl Stages<'_> {
         })
     }
 
-    /// The points through which the path goes: of the robot without measurement noise, the same for every seed.
+    /// The points through which the path goes: of the robot without measurement noise, the same for
+    /// every seed.
     pub(crate) fn waypoints(&mut self) -> Added<Vec<Point3>> {
         let (robot, options, step_s) = (self.parts.quiet.clone(), self.spec.path, self.step_s());
         self.graph.stage(&WAYPOINTS, "way-points", WaypointParams { robot, options, step_s }, ())

@@ -1,10 +1,11 @@
-//! Blind cases of discovery. The truth is drawn and sealed in a stage of its own: beside the recording, which is made
-//! from it, only the score reads it. What looks into the recording has the recording alone.
+//! Blind cases of discovery. The truth is drawn and sealed in a stage of its own: beside the
+//! recording, which is made from it, only the score reads it. What looks into the recording has the
+//! recording alone.
 
 use super::Stages;
 use crate::benchmark::{
-    self, CaseBatch, CaseDesign, CaseSetting, CatalogueSpan, Commands, Prior, RecordedCase, RecordedCases, ScoredCase,
-    Truth,
+    self, CaseBatch, CaseDesign, CaseSetting, CatalogueSpan, Commands, Prior, RecordedCase,
+    RecordedCases, ScoredCase, Truth,
 };
 use crate::data::DataError;
 use crate::discovery::Options;
@@ -15,7 +16,9 @@ use crate::runner::jobs::discovery::blind::{
     COMMANDS, CommandParams, RECORDED_TRUTH, RECORDING, SPAN, SpanParams, TRUTH,
 };
 use crate::runner::jobs::discovery::blind_score::{SCORE, ScoreParams};
-use crate::runner::jobs::discovery::discover::{DISCOVER, DISCOVER_RECORDED, RecordedFile, RecordedParams};
+use crate::runner::jobs::discovery::discover::{
+    DISCOVER, DISCOVER_RECORDED, RecordedFile, RecordedParams,
+};
 use crate::specs::{DiscoveryRun, PlantSpec};
 use crate::tasks::ExploreOptions;
 
@@ -49,7 +52,11 @@ impl BlindStages {
     pub(crate) fn scored(&self, outcomes: &Outcomes) -> ScoredCase {
         let truth = outcomes.get(self.truth).ok();
         let failed = |failure: super::Failure| {
-            let setting = CaseSetting { number: self.case, batch: &self.batch, correlation: self.correlation };
+            let setting = CaseSetting {
+                number: self.case,
+                batch: &self.batch,
+                correlation: self.correlation,
+            };
             benchmark::failed(setting, truth, &failure.to_string())
         };
         outcomes.get(self.score).cloned().unwrap_or_else(failed)
@@ -67,7 +74,8 @@ struct Benchmark<'a> {
     run: &'a DiscoveryRun,
     /// The model as it is given to whoever looks into a recording.
     model: &'a Model,
-    /// The same with cells as long as those of the look: what strengths and the oracle are computed with.
+    /// The same with cells as long as those of the look: what strengths and the oracle are computed
+    /// with.
     quick: Model,
     priors: Vec<Prior>,
 }
@@ -81,15 +89,21 @@ impl Stages<'_> {
         };
         let mut quick = plant.model.clone();
         let resolution = &mut quick.robot.resolution;
-        resolution.motion_tolerance_m = resolution.motion_tolerance_m.max(run.options.motion_tolerance_m);
+        resolution.motion_tolerance_m =
+            resolution.motion_tolerance_m.max(run.options.motion_tolerance_m);
         resolution.cell_m = resolution.cell_m.max(run.options.cell_m);
         let priors = run.options.uncertain.iter().map(prior).collect();
         let benchmark = Benchmark { run, model: &plant.model, quick, priors };
-        let unreadable =
-            |error: DataError| super::Failure { stage: "recordings".to_owned(), status: error.to_string() };
-        let recorded = run.recordings.iter().map(RecordedCases::cases).collect::<Result<Vec<_>, _>>();
-        let recorded: Vec<RecordedCase> = recorded.map_err(unreadable)?.into_iter().flatten().collect();
-        let cases_per_repetition = run.batches.iter().map(|batch| batch.cases).sum::<usize>() + recorded.len();
+        let unreadable = |error: DataError| super::Failure {
+            stage: "recordings".to_owned(),
+            status: error.to_string(),
+        };
+        let recorded =
+            run.recordings.iter().map(RecordedCases::cases).collect::<Result<Vec<_>, _>>();
+        let recorded: Vec<RecordedCase> =
+            recorded.map_err(unreadable)?.into_iter().flatten().collect();
+        let cases_per_repetition =
+            run.batches.iter().map(|batch| batch.cases).sum::<usize>() + recorded.len();
         let mut case = self.repetition * cases_per_repetition as u64;
         let mut cases = Vec::with_capacity(cases_per_repetition);
         for batch in &run.batches {
@@ -120,10 +134,12 @@ impl Stages<'_> {
         let truth = self.graph.stage(&RECORDED_TRUTH, label, truth, ())?;
         let label = self.label(&format!("discovery in case {case}"));
         let (measured, baseline) = (RecordedFile(recording), baseline.map(RecordedFile));
-        let params = RecordedParams { model: model.clone(), options: options.clone(), measured, baseline };
+        let params =
+            RecordedParams { model: model.clone(), options: options.clone(), measured, baseline };
         let answer = self.graph.stage(&DISCOVER_RECORDED, label, params, ())?;
         let label = self.label(&format!("score of case {case}"));
-        let params = ScoreParams { case, batch: batch.clone(), correlation: 0.0, model: model.clone() };
+        let params =
+            ScoreParams { case, batch: batch.clone(), correlation: 0.0, model: model.clone() };
         let score = self.graph.stage(&SCORE, label, params, (truth, answer))?;
         Ok(BlindStages { case, batch, correlation: 0.0, truth, score })
     }
@@ -155,13 +171,15 @@ impl Stages<'_> {
         let label = self.label(&format!("truth of case {case}"));
         let truth = self.graph.stage(&TRUTH, label, robot.clone(), (commands, span))?;
         let label = self.label(&format!("recording of case {case}"));
-        let recording = self.graph.stage(&RECORDING, label, (robot, correlation), (truth, commands))?;
+        let recording =
+            self.graph.stage(&RECORDING, label, (robot, correlation), (truth, commands))?;
         // The answer depends on the model, the recording and the options alone.
         let label = self.label(&format!("discovery in case {case}"));
         let params = (benchmark.model.clone(), run.options.clone());
         let answer = self.graph.stage(&DISCOVER, label, params, recording)?;
         let label = self.label(&format!("score of case {case}"));
-        let params = ScoreParams { case, batch: batch.clone(), correlation, model: benchmark.model.clone() };
+        let params =
+            ScoreParams { case, batch: batch.clone(), correlation, model: benchmark.model.clone() };
         let score = self.graph.stage(&SCORE, label, params, (truth, answer))?;
         Ok(BlindStages { case, batch: batch.clone(), correlation, truth, score })
     }
@@ -174,7 +192,11 @@ impl Stages<'_> {
         number: usize,
         case: u64,
     ) -> Expanded<CommandStages> {
-        let explore = ExploreOptions { points: batch.samples, trajectories: batch.trials, ..self.spec.explore };
+        let explore = ExploreOptions {
+            points: batch.samples,
+            trajectories: batch.trials,
+            ..self.spec.explore
+        };
         let judged = batch.group.judged();
         let seed = if judged {
             let shared = number / benchmark.run.oracle.cases_per_commands;
@@ -182,14 +204,21 @@ impl Stages<'_> {
         } else {
             self.seed.child("blind").index(case).child("commands")
         };
-        let params = CommandParams { model: benchmark.quick.clone(), explore, step_s: self.step_s(), seed: seed.0 };
+        let params = CommandParams {
+            model: benchmark.quick.clone(),
+            explore,
+            step_s: self.step_s(),
+            seed: seed.0,
+        };
         let commands = self.graph.stage(&COMMANDS, self.label("blind commands"), params, ())?;
         if !judged {
             return Ok((commands, None));
         }
-        let (model, priors, noise_m) = (benchmark.quick.clone(), benchmark.priors.clone(), batch.noise_m);
+        let (model, priors, noise_m) =
+            (benchmark.quick.clone(), benchmark.priors.clone(), batch.noise_m);
         let params = SpanParams { model, priors, noise_m };
-        let span = self.graph.stage(&SPAN, self.label("span of the catalogue"), params, commands)?;
+        let span =
+            self.graph.stage(&SPAN, self.label("span of the catalogue"), params, commands)?;
         Ok((commands, Some(span)))
     }
 }

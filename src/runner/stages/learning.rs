@@ -24,7 +24,9 @@ impl Stages<'_> {
         training: &Training,
         points: usize,
     ) -> Added<Trained> {
-        self.once((network.stage, stops(training), points), |stages| stages.add_network(network, training, points))
+        self.once((network.stage, stops(training), points), |stages| {
+            stages.add_network(network, training, points)
+        })
     }
 
     fn add_network(
@@ -33,7 +35,11 @@ impl Stages<'_> {
         training: &Training,
         points: usize,
     ) -> Added<Trained> {
-        let label = if points == 0 { network.label.to_owned() } else { format!("{}, {points} points", network.label) };
+        let label = if points == 0 {
+            network.label.to_owned()
+        } else {
+            format!("{}, {points} points", network.label)
+        };
         let (label, params) = (self.label(&label), self.network_params(network, training, points));
         match network.data {
             TrainingData::Simulated => {
@@ -46,9 +52,11 @@ impl Stages<'_> {
             }
             TrainingData::Generated => {
                 let (samples, gp) = (self.explore()?, self.gp(training, points)?);
-                let start = network.start.map(|start| self.network(start, training, 0)).transpose()?;
+                let start =
+                    network.start.map(|start| self.network(start, training, 0)).transpose()?;
                 let warm = self.spec.generated_start == GeneratedStart::Trained;
-                let inputs = (samples, gp, start.filter(|_| warm), self.simulating_network(training)?);
+                let inputs =
+                    (samples, gp, start.filter(|_| warm), self.simulating_network(training)?);
                 self.graph.stage(&train_generated(network), label, params, inputs)
             }
             TrainingData::Randomised => {
@@ -78,26 +86,47 @@ impl Stages<'_> {
     /// How good that process is; the row's seed and training are filled in by whoever publishes it.
     pub(crate) fn gp_score(&mut self, training: &Training, points: usize) -> Added<GpScore> {
         let gp = self.gp(training, points)?;
-        self.graph.stage(&GP_SCORE, self.label(&format!("score of the process on {points} points")), (), gp)
+        self.graph.stage(
+            &GP_SCORE,
+            self.label(&format!("score of the process on {points} points")),
+            (),
+            gp,
+        )
     }
 
     /// How often its intervals cover what was measured.
-    pub(crate) fn gp_coverage(&mut self, training: &Training, points: usize) -> Added<Vec<GpCoverage>> {
-        let inputs = (self.gp_pool()?, self.simulating_network(training)?, self.gp(training, points)?);
-        let params = CoverageParams { gp: self.gp_params(points), shares: self.spec.runs.gp_coverage.clone() };
+    pub(crate) fn gp_coverage(
+        &mut self,
+        training: &Training,
+        points: usize,
+    ) -> Added<Vec<GpCoverage>> {
+        let inputs =
+            (self.gp_pool()?, self.simulating_network(training)?, self.gp(training, points)?);
+        let params = CoverageParams {
+            gp: self.gp_params(points),
+            shares: self.spec.runs.gp_coverage.clone(),
+        };
         let label = self.label(&format!("intervals of the process on {points} points"));
         self.graph.stage(&GP_COVERAGE, label, params, inputs)
     }
 
     /// How it foretells each of its points from the others.
-    pub(crate) fn gp_leave_one_out(&mut self, training: &Training, points: usize) -> Added<Vec<GpLeftOut>> {
+    pub(crate) fn gp_leave_one_out(
+        &mut self,
+        training: &Training,
+        points: usize,
+    ) -> Added<Vec<GpLeftOut>> {
         let (gp, shares) = (self.gp(training, points)?, self.spec.runs.gp_leave_one_out.clone());
-        let label = self.label(&format!("points of the process on {points} points, left out one by one"));
+        let label =
+            self.label(&format!("points of the process on {points} points, left out one by one"));
         self.graph.stage(&GP_LEAVE_ONE_OUT, label, shares, gp)
     }
 
     /// The forward network where p_sim comes from it, and nothing where it comes from the rod.
-    fn simulating_network(&mut self, training: &Training) -> Result<Option<Handle<Trained>>, Failure> {
+    fn simulating_network(
+        &mut self,
+        training: &Training,
+    ) -> Result<Option<Handle<Trained>>, Failure> {
         match self.spec.gp_points.p_sim {
             SimulatedBy::Rod => Ok(None),
             SimulatedBy::Network => self.network(&FORWARD, training, 0).map(Some),
@@ -111,7 +140,10 @@ impl Stages<'_> {
         points: usize,
     ) -> NetworkParams {
         NetworkParams {
-            config: NetworkConfig { stop_at_validation_mae_m: training.stop_m(network), ..self.spec.network.clone() },
+            config: NetworkConfig {
+                stop_at_validation_mae_m: training.stop_m(network),
+                ..self.spec.network.clone()
+            },
             inputs: network.inputs,
             outputs: network.outputs,
             points: (network.data == TrainingData::Real).then_some(points),

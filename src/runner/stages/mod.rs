@@ -1,5 +1,5 @@
-//! The stages of an experiment: which parts of the spec and which earlier results each of them reads. What they compute is
-//! in `jobs`.
+//! The stages of an experiment: which parts of the spec and which earlier results each of them
+//! reads. What they compute is in `jobs`.
 
 mod data;
 mod discovery;
@@ -30,7 +30,8 @@ pub fn codes() -> BTreeMap<&'static str, Digest> {
     kinds().map(|kind| (kind.name, source_digest::of_module(kind.module))).collect()
 }
 
-/// Every kind of stage: those with a job of their own, and the training of the networks that policies describe.
+/// Every kind of stage: those with a job of their own, and the training of the networks that
+/// policies describe.
 fn kinds() -> impl Iterator<Item = StageKind> {
     jobs::kinds().into_iter().chain(networks().into_iter().map(learning::kind))
 }
@@ -69,12 +70,13 @@ pub(super) struct Stages<'a> {
     added: HashMap<StageQuery, Box<dyn Any>>,
 }
 
-/// What one of several like stages of a repetition was asked for: its kind, where the networks behind it stop, its size.
+/// What one of several like stages of a repetition was asked for: its kind, where the networks
+/// behind it stop, its size.
 type StageQuery = (&'static str, Option<[Option<u64>; 4]>, usize);
 
 impl<'a> Stages<'a> {
-    /// For repetition number `repetition` of `spec`. Its seed depends on the spec's seed and its number only, so that
-    /// experiments that share settings share stages.
+    /// For repetition number `repetition` of `spec`. Its seed depends on the spec's seed and its
+    /// number only, so that experiments that share settings share stages.
     pub(super) fn new(
         graph: &'a mut Graph,
         spec: &'a Experiment,
@@ -86,8 +88,14 @@ impl<'a> Stages<'a> {
     }
 
     /// The stage that was added for `query` before, or the one that `add` adds now.
-    fn once<T: 'static>(&mut self, query: StageQuery, add: impl FnOnce(&mut Self) -> Added<T>) -> Added<T> {
-        if let Some(handle) = self.added.get(&query).and_then(|added| added.downcast_ref::<Handle<T>>()) {
+    fn once<T: 'static>(
+        &mut self,
+        query: StageQuery,
+        add: impl FnOnce(&mut Self) -> Added<T>,
+    ) -> Added<T> {
+        if let Some(handle) =
+            self.added.get(&query).and_then(|added| added.downcast_ref::<Handle<T>>())
+        {
             return Ok(*handle);
         }
         let handle = add(self)?;
@@ -107,13 +115,17 @@ impl<'a> Stages<'a> {
 /// A kind of training as part of what is asked for.
 fn stops(training: &Training) -> Option<[Option<u64>; 4]> {
     let Training { forward_mae_m, inverse_mae_m, inverse_b_mae_m, pi_real_mae_m } = *training;
-    Some([forward_mae_m, inverse_mae_m, inverse_b_mae_m, pi_real_mae_m].map(|stop_m| stop_m.map(f64::to_bits)))
+    Some(
+        [forward_mae_m, inverse_mae_m, inverse_b_mae_m, pi_real_mae_m]
+            .map(|stop_m| stop_m.map(f64::to_bits)),
+    )
 }
 
 /// What adding a stage yields.
 type Added<T> = Result<Handle<T>, Failure>;
 
-/// How much data a network of a cell depends on: real points, points of the error model, or 0 for simulated data.
+/// How much data a network of a cell depends on: real points, points of the error model, or 0 for
+/// simulated data.
 pub(super) fn points_of(network: &NetworkDescription, cell: &CellLabel) -> usize {
     match network.data {
         TrainingData::Simulated | TrainingData::Randomised => 0,

@@ -1,4 +1,5 @@
-//! The stages of repairs: the robot at work, its monitor, and for each change what is noticed, told, mended and run again.
+//! The stages of repairs: the robot at work, its monitor, and for each change what is noticed,
+//! told, mended and run again.
 
 use super::{Added, Stages, points_of};
 use crate::base::Point3;
@@ -35,10 +36,11 @@ pub(crate) enum RepairVariant {
     Changed,
     /// The model got the named lines; networks were trained on with it.
     Repaired,
-    /// The error model's points were moved by what the named lines do in the model; networks of simulated data are as they
-    /// were.
+    /// The error model's points were moved by what the named lines do in the model; networks of
+    /// simulated data are as they were.
     Moved,
-    /// An error model of new points of the changed robot, and networks of generated data trained on with it.
+    /// An error model of new points of the changed robot, and networks of generated data trained on
+    /// with it.
     NewPoints,
     /// Networks of real data trained on new data of the changed robot.
     NewReal,
@@ -60,8 +62,9 @@ impl RepairVariant {
     /// The variants of a policy: there is nothing to mend in one that was trained on nothing.
     fn of(entry: &PolicyEntry) -> Vec<RepairVariant> {
         let mut variants = vec![RepairVariant::Before, RepairVariant::Changed];
-        let simulated =
-            entry.networks().any(|network| matches!(network.data, TrainingData::Simulated | TrainingData::Generated));
+        let simulated = entry.networks().any(|network| {
+            matches!(network.data, TrainingData::Simulated | TrainingData::Generated)
+        });
         variants.extend(simulated.then_some(RepairVariant::Repaired));
         if entry.uses_error_model() {
             variants.extend([RepairVariant::Moved, RepairVariant::NewPoints]);
@@ -109,7 +112,8 @@ impl RepairCampaign {
                 .chain(trials)
                 .collect::<Vec<_>>()
         };
-        let shared_stages = [self.monitor.number(), self.identified.number(), self.nearest_m.number()];
+        let shared_stages =
+            [self.monitor.number(), self.identified.number(), self.nearest_m.number()];
         shared_stages.into_iter().chain(self.changes.iter().flat_map(stages_of)).collect()
     }
 }
@@ -151,19 +155,30 @@ struct NewParts {
 
 impl Stages<'_> {
     /// The monitor and the changes of `runs.repair`; nothing without it.
-    pub(crate) fn repair(&mut self, training: &Training) -> Result<Option<RepairCampaign>, Failure> {
+    pub(crate) fn repair(
+        &mut self,
+        training: &Training,
+    ) -> Result<Option<RepairCampaign>, Failure> {
         let Some(run) = &self.spec.runs.repair else { return Ok(None) };
         let (pool, worker) = (self.target_pool()?, repair_worker(self.spec, run));
         let gp = self.gp(training, run.gp_points)?;
         let (parts, params) = self.work(run, &worker, training, &[], "monitor")?;
-        let monitor = self.graph.stage(&MONITOR, self.label("monitor"), params, (parts, pool, gp))?;
-        let built = self.recording(self.parts.plant.clone(), run.recordings.trials_before, "built", run)?;
+        let monitor =
+            self.graph.stage(&MONITOR, self.label("monitor"), params, (parts, pool, gp))?;
+        let built =
+            self.recording(self.parts.plant.clone(), run.recordings.trials_before, "built", run)?;
         let params = self.diagnose_params(run.identification_options())?;
-        let identified = self.graph.stage(&IDENTIFY, self.label("identification"), params, built)?;
+        let identified =
+            self.graph.stage(&IDENTIFY, self.label("identification"), params, built)?;
         let repair = Repair { run, training, worker, pool, gp, monitor, built, identified };
         let changes = run.changes.iter().map(|(name, effects)| self.change(&repair, name, effects));
         let changes = changes.collect::<Result<_, Failure>>()?;
-        Ok(Some(RepairCampaign { monitor, identified, nearest_m: self.nearest(&[], "unchanged")?, changes }))
+        Ok(Some(RepairCampaign {
+            monitor,
+            identified,
+            nearest_m: self.nearest(&[], "unchanged")?,
+            changes,
+        }))
     }
 
     /// The parts of the policy that works, and its work on the robot with these effects.
@@ -181,40 +196,82 @@ impl Stages<'_> {
         Ok((parts, WorkParams { condition, model: self.parts.model.clone(), options: run.monitor }))
     }
 
-    fn change(&mut self, repair: &Repair, name: &str, effects: &[EffectSpec]) -> Result<RepairStages, Failure> {
-        let (parts, params) = self.work(repair.run, &repair.worker, repair.training, effects, "alarm")?;
+    fn change(
+        &mut self,
+        repair: &Repair,
+        name: &str,
+        effects: &[EffectSpec],
+    ) -> Result<RepairStages, Failure> {
+        let (parts, params) =
+            self.work(repair.run, &repair.worker, repair.training, effects, "alarm")?;
         let label = self.label(&format!("{} works, {name}", repair.worker.policy));
         let inputs = ((parts, repair.pool, repair.gp), repair.monitor);
         let alarm = self.graph.stage(&ALARM, label, params, inputs)?;
         let plant = Identified::new(self.spec.plant.with_effects(effects))?;
-        let changed = self.recording(plant.clone(), repair.run.recordings.trials_after, "changed", repair.run)?;
+        let changed = self.recording(
+            plant.clone(),
+            repair.run.recordings.trials_after,
+            "changed",
+            repair.run,
+        )?;
         let params = self.diagnose_params(repair.run.discovery.clone())?;
         let inputs = (repair.built, changed, repair.identified);
-        let diagnosis = self.graph.stage(&DIAGNOSE, self.label(&format!("diagnosis, {name}")), params, inputs)?;
+        let diagnosis = self.graph.stage(
+            &DIAGNOSE,
+            self.label(&format!("diagnosis, {name}")),
+            params,
+            inputs,
+        )?;
         let label = self.label(&format!("exploration on the model repaired for {name}"));
-        let samples = self.graph.stage(&EXPLORE_REPAIRED, label, self.explore_params(), diagnosis)?;
+        let samples =
+            self.graph.stage(&EXPLORE_REPAIRED, label, self.explore_params(), diagnosis)?;
         let change = Change { name, effects, plant, recorded: changed, diagnosis, samples };
         let nearest_m = self.nearest(effects, name)?;
         let mut trials = Vec::new();
         for cell in repair_cells(self.spec) {
-            let Some(entry) = policies::find_with(&cell.policy, &self.spec.policies.outside) else { continue };
+            let Some(entry) = policies::find_with(&cell.policy, &self.spec.policies.outside) else {
+                continue;
+            };
             for variant in RepairVariant::of(entry) {
-                trials.push((variant, cell.clone(), self.repair_trials(repair, &change, entry, &cell, variant)?));
+                trials.push((
+                    variant,
+                    cell.clone(),
+                    self.repair_trials(repair, &change, entry, &cell, variant)?,
+                ));
             }
         }
-        Ok(RepairStages { change: name.to_owned(), truth: effects.to_vec(), alarm, diagnosis, nearest_m, trials })
+        Ok(RepairStages {
+            change: name.to_owned(),
+            truth: effects.to_vec(),
+            alarm,
+            diagnosis,
+            nearest_m,
+            trials,
+        })
     }
 
     /// How near a robot with these effects can come to the targets.
     fn nearest(&mut self, effects: &[EffectSpec], name: &str) -> Added<f64> {
         let (robot, travel_m) = (self.parts.plant.clone(), self.parts.policies.limits.travel_m);
-        let params = NearestParams { robot, effects: effects.to_vec(), travel_m, step_s: self.step_s() };
+        let params =
+            NearestParams { robot, effects: effects.to_vec(), travel_m, step_s: self.step_s() };
         let targets = self.targets()?;
-        self.graph.stage(&NEAREST, self.label(&format!("nearest to the targets, {name}")), params, targets)
+        self.graph.stage(
+            &NEAREST,
+            self.label(&format!("nearest to the targets, {name}")),
+            params,
+            targets,
+        )
     }
 
     /// Random walks on a robot.
-    fn recording(&mut self, robot: Identified, trials: usize, name: &str, run: &RepairRun) -> Added<Transitions> {
+    fn recording(
+        &mut self,
+        robot: Identified,
+        trials: usize,
+        name: &str,
+        run: &RepairRun,
+    ) -> Added<Transitions> {
         let points = trials * (run.recordings.rows - 1);
         let options = ExploreOptions { points, trajectories: trials, ..self.spec.explore };
         let seed = self.seed.child("repair").child(name).0;
@@ -224,7 +281,10 @@ impl Stages<'_> {
 
     fn diagnose_params(&self, options: Options) -> Result<DiagnoseParams, Failure> {
         let PlantSpec::Simulated(simulated) = &self.spec.model else {
-            return Err(Failure { stage: "diagnose".into(), status: "the model is no simulated rod".into() });
+            return Err(Failure {
+                stage: "diagnose".into(),
+                status: "the model is no simulated rod".into(),
+            });
         };
         let model = simulated.model.clone();
         Ok(DiagnoseParams { model, options, step_s: self.step_s() })
@@ -240,10 +300,13 @@ impl Stages<'_> {
         variant: RepairVariant,
     ) -> Added<Vec<ReachTrial>> {
         let parts = match variant {
-            RepairVariant::Before | RepairVariant::Changed => self.part_handles(entry, cell, repair.training)?,
+            RepairVariant::Before | RepairVariant::Changed => {
+                self.part_handles(entry, cell, repair.training)?
+            }
             _ => self.new_parts(repair, change, entry, cell, variant)?,
         };
-        let unknown = || Failure { stage: "reach".into(), status: format!("unknown {}", cell.mode) };
+        let unknown =
+            || Failure { stage: "reach".into(), status: format!("unknown {}", cell.mode) };
         let mut mode = self.spec.modes.get(&cell.mode).cloned().ok_or_else(unknown)?;
         if variant != RepairVariant::Before {
             mode.effects.extend(change.effects.iter().cloned());
@@ -251,7 +314,13 @@ impl Stages<'_> {
         let (_, condition) = self.condition_in(&cell.policy, &mode, "reach")?;
         let params = ReachParams { condition, options: self.spec.reach };
         let inputs = (parts, self.targets()?);
-        let label = self.label(&format!("{} {} {} {}", cell.policy, cell.mode, change.name, variant.name()));
+        let label = self.label(&format!(
+            "{} {} {} {}",
+            cell.policy,
+            cell.mode,
+            change.name,
+            variant.name()
+        ));
         self.graph.stage(&REACH, label, params, inputs)
     }
 
@@ -264,20 +333,27 @@ impl Stages<'_> {
         variant: RepairVariant,
     ) -> Result<PartHandles, Failure> {
         let repaired = variant == RepairVariant::Repaired;
-        let gp = entry.uses_error_model().then(|| self.new_gp(change, cell.gp_points as usize, variant)).transpose()?;
-        let real = (variant == RepairVariant::NewReal).then(|| self.new_real(change)).transpose()?;
+        let gp = entry
+            .uses_error_model()
+            .then(|| self.new_gp(change, cell.gp_points as usize, variant))
+            .transpose()?;
+        let real =
+            (variant == RepairVariant::NewReal).then(|| self.new_real(change)).transpose()?;
         let new = NewParts { samples: repaired.then_some(change.samples), real, gp };
         let (mut networks, mut error) = (Vec::new(), None);
         for need in entry.needs {
             match need {
-                ModelNeed::Network(network) => networks.push(self.new_network(repair, &new, network, cell)?),
+                ModelNeed::Network(network) => {
+                    networks.push(self.new_network(repair, &new, network, cell)?)
+                }
                 ModelNeed::ErrorModel => error = new.gp,
             }
         }
         Ok((networks, error))
     }
 
-    /// A network of new data, trained on from where it is; the one that is there where its data have not changed.
+    /// A network of new data, trained on from where it is; the one that is there where its data
+    /// have not changed.
     fn new_network(
         &mut self,
         repair: &Repair,
@@ -306,17 +382,23 @@ impl Stages<'_> {
         }
     }
 
-    /// The error model of a variant: of so many new points of the changed robot, or of so many points from before the change
-    /// and the recording after it.
+    /// The error model of a variant: of so many new points of the changed robot, or of so many
+    /// points from before the change and the recording after it.
     fn new_gp(&mut self, change: &Change, points: usize, variant: RepairVariant) -> Added<Gp> {
-        let label = self.label(&format!("Gaussian process, {points} points, {} {}", change.name, variant.name()));
+        let label = self.label(&format!(
+            "Gaussian process, {points} points, {} {}",
+            change.name,
+            variant.name()
+        ));
         let gp = self.gp_params(points);
         if variant == RepairVariant::NewPoints {
-            let pool = self.pool_of(change.plant.clone(), &format!("new points, {}", change.name))?;
+            let pool =
+                self.pool_of(change.plant.clone(), &format!("new points, {}", change.name))?;
             return self.graph.stage(&GP, label, gp, (pool, None));
         }
         let stage = if variant == RepairVariant::Moved { &GP_MOVED } else { &GP_REPAIRED };
-        let params = GpRepairedParams { model: self.parts.model.clone(), step_s: self.step_s(), gp };
+        let params =
+            GpRepairedParams { model: self.parts.model.clone(), step_s: self.step_s(), gp };
         let inputs = (self.gp_pool()?, change.recorded, change.diagnosis);
         self.graph.stage(stage, label, params, inputs)
     }

@@ -21,21 +21,29 @@ pub(crate) struct SharedParts {
 }
 
 impl SharedParts {
-    /// The parts of `spec`; robots that equal those of the experiment `previous` are shared with it.
+    /// The parts of `spec`; robots that equal those of the experiment `previous` are shared with
+    /// it.
     ///
     /// # Errors
     /// [`Failure`] for a part that cannot be written into a key.
-    pub(crate) fn new(spec: &Experiment, previous: Option<&SharedParts>) -> Result<SharedParts, Failure> {
-        let robot =
-            |spec: PlantSpec, previous: Option<&Identified>| match previous.filter(|previous| previous.is(&spec)) {
-                Some(shared) => Ok(shared.clone()),
-                None => Identified::new(spec),
-            };
+    pub(crate) fn new(
+        spec: &Experiment,
+        previous: Option<&SharedParts>,
+    ) -> Result<SharedParts, Failure> {
+        let robot = |spec: PlantSpec, previous: Option<&Identified>| match previous
+            .filter(|previous| previous.is(&spec))
+        {
+            Some(shared) => Ok(shared.clone()),
+            None => Identified::new(spec),
+        };
         Ok(SharedParts {
             model: robot(spec.model.clone(), previous.map(|previous| &previous.model))?,
             plant: robot(spec.plant.clone(), previous.map(|previous| &previous.plant))?,
             quiet: robot(spec.plant.without_noise(), previous.map(|previous| &previous.quiet))?,
-            policies: SharedPart::new(PolicyOptions { outside: BTreeMap::new(), ..spec.policies.clone() })?,
+            policies: SharedPart::new(PolicyOptions {
+                outside: BTreeMap::new(),
+                ..spec.policies.clone()
+            })?,
             outside: OutsidePart::all(&spec.policies.outside)?,
         })
     }

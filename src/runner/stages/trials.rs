@@ -7,21 +7,36 @@ use crate::rows::experiment::{ReachTrial, TrackSample};
 use crate::rows::responses::{PaceLap, ResponseTrial};
 use crate::runner::graph::failure::Failure;
 use crate::runner::jobs::parts::identified::Identified;
-use crate::runner::jobs::trials::reach_track::{Condition, PartHandles, REACH, ReachParams, TRACK, TrackParams};
+use crate::runner::jobs::trials::reach_track::{
+    Condition, PartHandles, REACH, ReachParams, TRACK, TrackParams,
+};
 use crate::runner::jobs::trials::responses::{PACE, PaceParams, RESPONSE, ResponseParams};
 use crate::specs::{PaceRun, Training, TrialMode};
 
 impl Stages<'_> {
     /// Goal reaching in one cell.
-    pub(crate) fn reach(&mut self, cell: &CellLabel, training: &Training) -> Added<Vec<ReachTrial>> {
+    pub(crate) fn reach(
+        &mut self,
+        cell: &CellLabel,
+        training: &Training,
+    ) -> Added<Vec<ReachTrial>> {
         let (entry, condition) = self.condition(cell, "reach")?;
         let inputs = (self.part_handles(entry, cell, training)?, self.targets()?);
         let params = ReachParams { condition, options: self.spec.reach };
-        self.graph.stage(&REACH, self.label(&format!("{} {}", cell.policy, cell.mode)), params, inputs)
+        self.graph.stage(
+            &REACH,
+            self.label(&format!("{} {}", cell.policy, cell.mode)),
+            params,
+            inputs,
+        )
     }
 
     /// Path tracking of one policy.
-    pub(crate) fn track(&mut self, cell: &CellLabel, training: &Training) -> Added<Vec<TrackSample>> {
+    pub(crate) fn track(
+        &mut self,
+        cell: &CellLabel,
+        training: &Training,
+    ) -> Added<Vec<TrackSample>> {
         let (entry, condition) = self.condition(cell, "track")?;
         let inputs = (self.part_handles(entry, cell, training)?, self.path()?);
         let params = TrackParams { condition, options: self.spec.track };
@@ -38,16 +53,31 @@ impl Stages<'_> {
         let (entry, condition) = self.condition(cell, "response")?;
         let inputs = (self.part_handles(entry, cell, training)?, self.targets()?);
         let params = ResponseParams { condition, quiet: self.quiet(), duration_s };
-        self.graph.stage(&RESPONSE, self.label(&format!("{} {} responds", cell.policy, cell.mode)), params, inputs)
+        self.graph.stage(
+            &RESPONSE,
+            self.label(&format!("{} {} responds", cell.policy, cell.mode)),
+            params,
+            inputs,
+        )
     }
 
     /// Laps of one policy.
-    pub(crate) fn pace(&mut self, cell: &CellLabel, training: &Training, run: &PaceRun) -> Added<Vec<PaceLap>> {
+    pub(crate) fn pace(
+        &mut self,
+        cell: &CellLabel,
+        training: &Training,
+        run: &PaceRun,
+    ) -> Added<Vec<PaceLap>> {
         let (entry, condition) = self.condition(cell, "pace")?;
         let inputs = (self.part_handles(entry, cell, training)?, self.path()?);
         let trial = ResponseParams { condition, quiet: self.quiet(), duration_s: run.lead_in_s };
         let params = PaceParams { trial, lap_s: run.lap_s, speeds: run.speeds.clone() };
-        self.graph.stage(&PACE, self.label(&format!("{} {} laps", cell.policy, cell.mode)), params, inputs)
+        self.graph.stage(
+            &PACE,
+            self.label(&format!("{} {} laps", cell.policy, cell.mode)),
+            params,
+            inputs,
+        )
     }
 
     /// The robot without noise beside the one that is measured; there is none on a bench.
@@ -55,8 +85,13 @@ impl Stages<'_> {
         (!self.spec.plant.drives_hardware()).then(|| self.parts.quiet.clone())
     }
 
-    fn condition(&self, cell: &CellLabel, task: &str) -> Result<(&'static PolicyEntry, Condition), Failure> {
-        let unknown = || Failure { stage: task.to_owned(), status: format!("unknown {}", cell.mode) };
+    fn condition(
+        &self,
+        cell: &CellLabel,
+        task: &str,
+    ) -> Result<(&'static PolicyEntry, Condition), Failure> {
+        let unknown =
+            || Failure { stage: task.to_owned(), status: format!("unknown {}", cell.mode) };
         let mode = self.spec.modes.get(&cell.mode).ok_or_else(unknown)?;
         self.condition_in(&cell.policy, mode, task)
     }

@@ -1,10 +1,13 @@
-//! Locks of entries: who computes a result. The system releases a lock when its process dies, however it dies.
+//! Locks of entries: who computes a result. The system releases a lock when its process dies,
+//! however it dies.
 //!
-//! On a shared folder the locks of Linux (`flock`) reach across machines: NFS since kernel 2.6.12, Lustre mounted with
-//! `flock`, GPFS. Such a server may keep the lock of a machine that lost power: NFS 4 for its lease of 90 s, NFS 3 until the
-//! machine is back. So the holder touches its lock file every 30 s, and a lock whose file has not changed for 180 s is taken
-//! over. The waiting process measures that time on its own clock: clocks need not agree. Where a folder has no locks, or a
-//! holder was only suspended, two processes may compute the same entry: twice the work, the same bytes.
+//! On a shared folder the locks of Linux (`flock`) reach across machines: NFS since kernel 2.6.12,
+//! Lustre mounted with `flock`, GPFS. Such a server may keep the lock of a machine that lost power:
+//! NFS 4 for its lease of 90 s, NFS 3 until the machine is back. So the holder touches its lock
+//! file every 30 s, and a lock whose file has not changed for 180 s is taken over. The waiting
+//! process measures that time on its own clock: clocks need not agree. Where a folder has no locks,
+//! or a holder was only suspended, two processes may compute the same entry: twice the work, the
+//! same bytes.
 
 use super::Store;
 use crate::runner::graph::key::Key;
@@ -16,27 +19,30 @@ use std::time::{Duration, Instant, SystemTime};
 
 /// How often a holder touches its lock file.
 const TOUCH_INTERVAL: Duration = Duration::from_secs(30);
-/// Age of a lock that nobody touches at which it is taken over: longer than a network file system caches a file's time.
+/// Age of a lock that nobody touches at which it is taken over: longer than a network file system
+/// caches a file's time.
 pub(super) const EXPIRY: Duration = Duration::from_secs(180);
 
 /// The right to compute an entry, given back when dropped.
 #[derive(Debug)]
 pub struct EntryLock {
     path: PathBuf,
-    /// Ends the thread that touches the file when it is dropped. `None` where the store takes no files.
+    /// Ends the thread that touches the file when it is dropped. `None` where the store takes no
+    /// files.
     alive: Option<Sender<()>>,
 }
 
 impl Store {
-    /// Locks an entry; `None` while another process holds its lock. Who gets the lock looks into the store once more:
-    /// another process may have finished meanwhile.
+    /// Locks an entry; `None` while another process holds its lock. Who gets the lock looks into
+    /// the store once more: another process may have finished meanwhile.
     pub fn lock(&self, stage: &str, key: &Key) -> Option<EntryLock> {
         let folder = self.root.join("locks");
         let path = folder.join(format!("{stage}-{}", key.short()));
         self.count(|traffic| traffic.locks += 1);
         let open = || File::options().append(true).create(true).open(&path);
         // Without a file there is no lock: the store takes nothing, as its writes will report.
-        let Ok(mut file) = open().or_else(|_| fs::create_dir_all(&folder).and_then(|()| open())) else {
+        let Ok(mut file) = open().or_else(|_| fs::create_dir_all(&folder).and_then(|()| open()))
+        else {
             return Some(EntryLock { path, alive: None });
         };
         if matches!(file.try_lock(), Err(TryLockError::WouldBlock)) {
@@ -55,7 +61,8 @@ impl Store {
                 let _ = file.set_modified(SystemTime::now()); // at worst another process takes over
             }
         };
-        let _ = std::thread::Builder::new().name("lock".to_owned()).spawn(touch); // at worst the same
+        // At worst the same.
+        let _ = std::thread::Builder::new().name("lock".to_owned()).spawn(touch);
         Some(EntryLock { path, alive: Some(alive) })
     }
 
@@ -77,7 +84,8 @@ impl Store {
 
 impl Drop for EntryLock {
     fn drop(&mut self) {
-        // Removed while it is locked. A process that has it open locks a file without a name and finds the entry stored.
+        // Removed while it is locked. A process that has it open locks a file without a name and
+        // finds the entry stored.
         if self.alive.is_some() {
             let _ = fs::remove_file(&self.path);
         }
@@ -100,7 +108,11 @@ mod tests {
         assert!(other.lock("stage", &Digest::of(b"another")).is_some());
         drop(held);
         assert!(other.lock("stage", &key).is_some());
-        assert_eq!(fs::read_dir(folder.path().join("locks")).unwrap().count(), 0, "locks leave nothing behind");
+        assert_eq!(
+            fs::read_dir(folder.path().join("locks")).unwrap().count(),
+            0,
+            "locks leave nothing behind"
+        );
     }
 
     #[test]
@@ -110,7 +122,8 @@ mod tests {
         assert!(Store::at(folder.path().join("file")).lock("stage", &Digest::of(b"k")).is_some());
     }
 
-    /// The lock of a machine without power, which the file server still keeps: nobody touches its file.
+    /// The lock of a machine without power, which the file server still keeps: nobody touches its
+    /// file.
     #[test]
     fn a_lock_that_nobody_touches_is_taken_over() {
         let folder = tempfile::tempdir().unwrap();

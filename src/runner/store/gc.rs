@@ -57,9 +57,18 @@ impl Store {
         self.visit(|stage, path, name| {
             if let Some(key) = Digest::parse(name) {
                 let metadata = fs::metadata(path)?;
-                let age = metadata.modified().ok().and_then(|at| SystemTime::now().duration_since(at).ok());
+                let age = metadata
+                    .modified()
+                    .ok()
+                    .and_then(|at| SystemTime::now().duration_since(at).ok());
                 let (stage, note) = (stage.to_owned(), self.noted(stage, &key));
-                entries.push(StoredEntry { stage, key, bytes: metadata.len(), age: age.unwrap_or_default(), note });
+                entries.push(StoredEntry {
+                    stage,
+                    key,
+                    bytes: metadata.len(),
+                    age: age.unwrap_or_default(),
+                    note,
+                });
             }
             Ok(())
         })?;
@@ -86,18 +95,23 @@ impl Store {
         fs::remove_file(path)
     }
 
-    /// Temporary files of writers that died, with their sizes: those of whose entry nobody holds the lock.
+    /// Temporary files of writers that died, with their sizes: those of whose entry nobody holds
+    /// the lock.
     ///
     /// # Errors
     /// What the file system says of a folder.
     pub fn leftovers(&self) -> io::Result<Vec<(PathBuf, u64)>> {
         let mut leftovers = Vec::new();
         self.visit(|stage, path, name| {
-            let key = name.strip_prefix('.').and_then(|name| Digest::parse(name.split('.').next()?));
+            let key =
+                name.strip_prefix('.').and_then(|name| Digest::parse(name.split('.').next()?));
             if let Some(key) = key.filter(|_| name.ends_with(".tmp"))
                 && self.lock(stage, &key).is_some()
             {
-                leftovers.push((path.to_owned(), fs::metadata(path).map_or(0, |metadata| metadata.len())));
+                leftovers.push((
+                    path.to_owned(),
+                    fs::metadata(path).map_or(0, |metadata| metadata.len()),
+                ));
             }
             Ok(())
         })?;
@@ -111,7 +125,9 @@ impl Store {
             let stage = kind.file_name().unwrap_or_default().to_string_lossy().into_owned();
             // Entries lie in folders named by the first two digits of their keys.
             let shelves = folders(&kind)?;
-            for shelf in shelves.iter().filter(|shelf| shelf.file_name().is_some_and(|name| name.len() == 2)) {
+            for shelf in
+                shelves.iter().filter(|shelf| shelf.file_name().is_some_and(|name| name.len() == 2))
+            {
                 for file in fs::read_dir(shelf)? {
                     let path = file?.path();
                     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
@@ -129,7 +145,9 @@ fn folders(folder: &Path) -> io::Result<Vec<PathBuf>> {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
         other => other?,
     };
-    let paths = entries.map(|entry| entry.map(|entry| entry.path())).collect::<io::Result<Vec<PathBuf>>>()?;
+    let paths = entries
+        .map(|entry| entry.map(|entry| entry.path()))
+        .collect::<io::Result<Vec<PathBuf>>>()?;
     Ok(paths.into_iter().filter(|path| path.is_dir()).collect())
 }
 
@@ -147,11 +165,16 @@ mod tests {
         for (key, code) in [(&old, "1"), (&new, "2")] {
             store.write("stage", key, b"payload").unwrap();
             let code = Digest::of(code.as_bytes()).to_string();
-            store.note("stage", key, &Note { label: "one".into(), code, timing: Timing::default() });
+            store.note(
+                "stage",
+                key,
+                &Note { label: "one".into(), code, timing: Timing::default() },
+            );
         }
         let codes = BTreeMap::from([("stage", Digest::of(b"2"))]);
         let entries = store.entries().unwrap();
-        let states: BTreeMap<Key, EntryState> = entries.iter().map(|entry| (entry.key, entry.state(&codes))).collect();
+        let states: BTreeMap<Key, EntryState> =
+            entries.iter().map(|entry| (entry.key, entry.state(&codes))).collect();
         assert_eq!(states, BTreeMap::from([(old, EntryState::Stale), (new, EntryState::Current)]));
 
         let left = store.path("stage", &old).with_file_name(format!(".{old}.77.0.tmp"));
@@ -162,7 +185,8 @@ mod tests {
         assert_eq!(store.leftovers().unwrap(), [(left, 4)]);
 
         fs::write(store.path("stage", &new), "rubbish").unwrap();
-        let damaged: Vec<bool> = entries.iter().map(|entry| store.damage(entry).is_some()).collect();
+        let damaged: Vec<bool> =
+            entries.iter().map(|entry| store.damage(entry).is_some()).collect();
         assert_eq!(damaged.iter().filter(|damaged| **damaged).count(), 1);
         entries.iter().for_each(|entry| store.remove(entry).unwrap());
         assert!(store.entries().unwrap().is_empty());

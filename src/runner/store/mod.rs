@@ -1,8 +1,9 @@
 //! The content-addressed store: results of stages on disk, under their keys.
 //!
-//! An entry is written to a temporary file, flushed to the disk and renamed, so that it is either whole or absent
-//! whenever the process dies. It carries the digest of its bytes and a seal over key and digest, both checked on every
-//! read. Whoever computes an entry holds its lock, so that processes that share a store share the work as well.
+//! An entry is written to a temporary file, flushed to the disk and renamed, so that it is either
+//! whole or absent whenever the process dies. It carries the digest of its bytes and a seal over
+//! key and digest, both checked on every read. Whoever computes an entry holds its lock, so that
+//! processes that share a store share the work as well.
 
 mod entry_lock;
 mod gc;
@@ -71,7 +72,8 @@ pub struct Store {
     root: PathBuf,
     next_temporary: AtomicU64,
     traffic: Mutex<StoreTraffic>,
-    /// Lock files that other processes hold: when they were last touched, and when this process saw that.
+    /// Lock files that other processes hold: when they were last touched, and when this process saw
+    /// that.
     held_elsewhere: Mutex<HashMap<PathBuf, (SystemTime, Instant)>>,
     /// Age at which a lock that nobody touches is taken over.
     expiry: Duration,
@@ -126,7 +128,8 @@ impl Store {
             Err(error) => return Lookup::Damaged(error.to_string()),
         };
         self.count(|traffic| {
-            (traffic.reads, traffic.read_bytes) = (traffic.reads + 1, traffic.read_bytes + bytes.len() as u64)
+            (traffic.reads, traffic.read_bytes) =
+                (traffic.reads + 1, traffic.read_bytes + bytes.len() as u64)
         });
         let Some((header, payload)) = bytes.split_at_checked(HEADER) else {
             return Lookup::Damaged("it is truncated".into());
@@ -134,7 +137,9 @@ impl Store {
         if &header[..16] != MAGIC {
             return Lookup::Damaged("it is of another format".into());
         }
-        if header[16..48] != *Digest::of(payload).bytes() || header[48..] != seal(key, &header[16..48]) {
+        if header[16..48] != *Digest::of(payload).bytes()
+            || header[48..] != seal(key, &header[16..48])
+        {
             return Lookup::Damaged("its checksum does not match".into());
         }
         Lookup::Found(bytes.split_off(HEADER))
@@ -167,22 +172,26 @@ impl Store {
             file.write_all(payload)?;
             file.sync_all()?;
             fs::rename(&temporary, &path)?;
-            // The new name itself must survive a loss of power; systems that cannot flush a folder do without.
+            // The new name itself must survive a loss of power; systems that cannot flush a folder
+            // do without.
             File::open(folder).and_then(|folder| folder.sync_all()).or(Ok(()))
         })();
         if written.is_err() {
-            let _ = fs::remove_file(&temporary); // already failing: the first error is the one to report
+            // Already failing: the first error is the one to report.
+            let _ = fs::remove_file(&temporary);
         }
         let bytes = (HEADER + payload.len()) as u64;
         self.count(|traffic| {
-            (traffic.writes, traffic.written_bytes) = (traffic.writes + 1, traffic.written_bytes + bytes)
+            (traffic.writes, traffic.written_bytes) =
+                (traffic.writes + 1, traffic.written_bytes + bytes)
         });
         written
     }
 
     /// Removes a damaged entry, so that nobody takes it for a stored one.
     pub fn discard(&self, stage: &str, key: &Key) {
-        let _ = fs::remove_file(self.path(stage, key)); // what replaces it will report why this failed
+        // What replaces it will report why this failed.
+        let _ = fs::remove_file(self.path(stage, key));
     }
 
     /// Notes something beside an entry. A lost note costs a line of a manifest.
@@ -192,13 +201,18 @@ impl Store {
         }
     }
 
-    /// Mean time that stages of this kind took when they were computed, seconds, of some of the entries.
+    /// Mean time that stages of this kind took when they were computed, seconds, of some of the
+    /// entries.
     pub fn usual_s(&self, stage: &str) -> Option<f64> {
         let shelves = fs::read_dir(self.root.join(stage)).ok()?.flatten();
-        let files = shelves.flat_map(|shelf| fs::read_dir(shelf.path()).into_iter().flatten().flatten());
-        let notes = files.map(|file| file.path()).filter(|path| path.extension().is_some_and(|end| end == "note"));
+        let files =
+            shelves.flat_map(|shelf| fs::read_dir(shelf.path()).into_iter().flatten().flatten());
+        let notes = files
+            .map(|file| file.path())
+            .filter(|path| path.extension().is_some_and(|end| end == "note"));
         let read = |path: PathBuf| serde_json::from_slice::<Note>(&fs::read(path).ok()?).ok();
-        let times: Vec<f64> = notes.take(MAX_NOTES_READ).filter_map(read).map(|note| note.timing.wall_s).collect();
+        let times: Vec<f64> =
+            notes.take(MAX_NOTES_READ).filter_map(read).map(|note| note.timing.wall_s).collect();
         (!times.is_empty()).then(|| times.iter().sum::<f64>() / times.len() as f64)
     }
 

@@ -57,7 +57,8 @@ pub enum ControllerFault {
     TellsHomed,
     /// Its reports have three axes.
     ThreeAxes,
-    /// The next report during a move gives the last axis where it was this many seconds before the others.
+    /// The next report during a move gives the last axis where it was this many seconds before the
+    /// others.
     TornReport(f64),
     /// It reports work positions instead of machine positions.
     WorkPositions,
@@ -145,8 +146,8 @@ impl SimulatedController {
     pub(crate) fn closed_switches(&self) -> [bool; 4] {
         let switch_mm = -super::table::value(&self.settings, 27);
         std::array::from_fn(|axis| {
-            let pressed =
-                self.injected.has(&ControllerFault::HardLimit(axis)) || self.axes.screws_mm[axis] <= switch_mm + 1e-9;
+            let pressed = self.injected.has(&ControllerFault::HardLimit(axis))
+                || self.axes.screws_mm[axis] <= switch_mm + 1e-9;
             self.injected.has(&ControllerFault::SwitchStuckClosed(axis))
                 || (pressed && !self.injected.has(&ControllerFault::SwitchStuckOpen(axis)))
         })

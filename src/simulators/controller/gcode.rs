@@ -44,14 +44,20 @@ impl ModalState {
         let feed_mode = if self.inverse_time { 93 } else { 94 };
         let level = if self.initial_level { 98 } else { 99 };
         let feed = self.feed;
-        format!("[GC:G{motion} G54 G17 G{units} G{distance} G{feed_mode} G40 G49 G{level} G50 M5 M9 T0 F{feed} S0.]")
+        format!(
+            "[GC:G{motion} G54 G17 G{units} G{distance} G{feed_mode} G40 G49 G{level} G50 M5 M9 T0 \
+             F{feed} S0.]"
+        )
     }
 }
 
 /// Parses a line; on failure returns the error number.
 pub(crate) fn words(line: &str) -> Result<GcodeWords, u16> {
-    let text: Vec<u8> =
-        line.bytes().filter(|byte| !byte.is_ascii_whitespace()).map(|byte| byte.to_ascii_uppercase()).collect();
+    let text: Vec<u8> = line
+        .bytes()
+        .filter(|byte| !byte.is_ascii_whitespace())
+        .map(|byte| byte.to_ascii_uppercase())
+        .collect();
     let mut words = GcodeWords::default();
     let mut seen = Vec::new();
     let mut rest = text.as_slice();
@@ -130,7 +136,11 @@ pub(crate) fn apply(words: &GcodeWords, modes: &mut ModalState) -> Result<GcodeA
         None => next.feed,
     };
     let moves = words.axes.iter().any(Option::is_some) && !dwell;
-    if moves && !shift && !next.rapid && (next.feed == 0.0 || (next.inverse_time && words.feed.is_none())) {
+    if moves
+        && !shift
+        && !next.rapid
+        && (next.feed == 0.0 || (next.inverse_time && words.feed.is_none()))
+    {
         return Err(22);
     }
     *modes = next;

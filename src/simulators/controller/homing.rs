@@ -53,7 +53,8 @@ impl SimulatedController {
             Some(remaining_s) => {
                 self.back_off(remaining_s, duration_s);
                 homing.remaining_s = Some(remaining_s - duration_s);
-                let stuck = (0..4).any(|axis| self.injected.has(&ControllerFault::SwitchStuckClosed(axis)));
+                let stuck =
+                    (0..4).any(|axis| self.injected.has(&ControllerFault::SwitchStuckClosed(axis)));
                 if stuck { Err(8) } else { Ok(()) }
             }
         };
@@ -72,7 +73,8 @@ impl SimulatedController {
             let pull_off_mm = table::value(&self.settings, 27);
             let slow_mm_s = table::value(&self.settings, 24) / 60.0;
             // Two back-offs at the search speed, one slow approach, and the pauses.
-            homing.remaining_s = Some(2.0 * pull_off_mm / speed_mm_s + pull_off_mm / slow_mm_s + PAUSES_S);
+            homing.remaining_s =
+                Some(2.0 * pull_off_mm / speed_mm_s + pull_off_mm / slow_mm_s + PAUSES_S);
             return Ok(());
         }
         let way_mm = speed_mm_s * duration_s;

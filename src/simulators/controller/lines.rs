@@ -52,7 +52,8 @@ impl SimulatedController {
             GcodeAction::Shift(axes) => {
                 let here_mm = self.mirrored_mm(self.axes.planned_mm());
                 for axis in 0..4 {
-                    self.offset_mm[axis] = axes[axis].map_or(self.offset_mm[axis], |value| here_mm[axis] - value);
+                    self.offset_mm[axis] =
+                        axes[axis].map_or(self.offset_mm[axis], |value| here_mm[axis] - value);
                 }
                 Ok(LineReply::Ok)
             }
@@ -73,7 +74,12 @@ impl SimulatedController {
         self.modes = modes;
     }
 
-    fn target_mm(&self, axes: [Option<f64>; 4], modes: &ModalState, offset_mm: &[f64; 4]) -> [f64; 4] {
+    fn target_mm(
+        &self,
+        axes: [Option<f64>; 4],
+        modes: &ModalState,
+        offset_mm: &[f64; 4],
+    ) -> [f64; 4] {
         let from_mm = self.mirrored_mm(self.axes.planned_mm());
         std::array::from_fn(|axis| match axes[axis] {
             None => from_mm[axis],
@@ -91,14 +97,17 @@ impl SimulatedController {
         let travel_mm = table::of_axes(&self.settings, 130);
         let downwards = table::bits(&self.settings, 23);
         (0..4).any(|axis| {
-            let (low_mm, high_mm) =
-                if downwards & (1 << axis) == 0 { (-travel_mm[axis], 0.0) } else { (0.0, travel_mm[axis]) };
+            let (low_mm, high_mm) = if downwards & (1 << axis) == 0 {
+                (-travel_mm[axis], 0.0)
+            } else {
+                (0.0, travel_mm[axis])
+            };
             target_mm[axis] < low_mm || target_mm[axis] > high_mm
         })
     }
 
-    /// Converts between screw and machine positions (its own inverse): positions of axes that home upwards are
-    /// negative.
+    /// Converts between screw and machine positions (its own inverse): positions of axes that home
+    /// upwards are negative.
     pub(crate) fn mirrored_mm(&self, along_mm: [f64; 4]) -> [f64; 4] {
         let downwards = table::bits(&self.settings, 23);
         let upwards = |axis: usize| self.homed && downwards & (1 << axis) == 0;
@@ -113,7 +122,8 @@ impl SimulatedController {
         if (0..4).all(|axis| steps(axis, target_mm[axis]) == steps(axis, from_mm[axis])) {
             return;
         }
-        let length_mm = (0..4).map(|axis| (target_mm[axis] - from_mm[axis]).powi(2)).sum::<f64>().sqrt();
+        let length_mm =
+            (0..4).map(|axis| (target_mm[axis] - from_mm[axis]).powi(2)).sum::<f64>().sqrt();
         let feed_mm_min = match modes {
             ModalState { rapid: true, .. } => f64::INFINITY,
             ModalState { inverse_time: true, feed, .. } => feed * length_mm,
@@ -134,7 +144,8 @@ impl SimulatedController {
             "X" => self.unlock()?,
             "I" => self.identify(),
             "$" => {
-                self.require_standing().or_else(|code| if code == 79 { Ok(()) } else { Err(code) })?;
+                self.require_standing()
+                    .or_else(|code| if code == 79 { Ok(()) } else { Err(code) })?;
                 self.list_settings();
             }
             "#" => self.list_offsets(),

@@ -1,4 +1,5 @@
-//! A simulated GRBL controller: protocol and motion of a grblHAL with four axes, with injectable faults.
+//! A simulated GRBL controller: protocol and motion of a grblHAL with four axes, with injectable
+//! faults.
 
 mod faults;
 mod gcode;
@@ -50,8 +51,8 @@ pub struct ControllerOptions {
     pub lost_queries: f64,
     /// Seed of the reply delays and of lost queries.
     pub seed: u64,
-    /// It behaves like plain GRBL 1.1: names neither its axes nor the homing passes, reports no homing state, orders
-    /// the report fields differently, and reports holds without a sub-state.
+    /// It behaves like plain GRBL 1.1: names neither its axes nor the homing passes, reports no
+    /// homing state, orders the report fields differently, and reports holds without a sub-state.
     pub plain: bool,
 }
 
@@ -80,7 +81,8 @@ enum Activity {
     Alarm(u16, bool),
 }
 
-/// A controller at the other end of a serial line. It advances only in [`SimulatedController::step`].
+/// A controller at the other end of a serial line. It advances only in
+/// [`SimulatedController::step`].
 pub struct SimulatedController {
     serial: Option<Box<dyn SerialLine>>,
     settings: Settings,
@@ -163,8 +165,8 @@ impl SimulatedController {
         self.send_due_replies();
     }
 
-    /// Input since the last call, at most the last thousand entries, without status queries: lines as received; single
-    /// bytes as `!` hold, `~` resume, `^X` reset and `\x..` any other.
+    /// Input since the last call, at most the last thousand entries, without status queries: lines
+    /// as received; single bytes as `!` hold, `~` resume, `^X` reset and `\x..` any other.
     pub fn take_received(&mut self) -> Vec<String> {
         self.received.drain(..).collect()
     }
@@ -264,7 +266,10 @@ impl SimulatedController {
 
     /// Executes lines until the state requires to wait.
     fn execute_lines(&mut self) {
-        while !matches!(self.activity, Activity::Homing(_)) && self.axes.queued() < MAX_QUEUED_MOVES && !self.flushing {
+        while !matches!(self.activity, Activity::Homing(_))
+            && self.axes.queued() < MAX_QUEUED_MOVES
+            && !self.flushing
+        {
             let Some(line) = self.lines.pop_front() else { return };
             self.execute_line(line);
         }

@@ -87,7 +87,8 @@ impl SimulatedController {
 
     /// The effect of Ctrl-X.
     fn reset(&mut self) {
-        let moving = matches!(self.activity, Activity::Ready | Activity::Holding) && self.axes.speed_mm_min() > 0.0;
+        let moving = matches!(self.activity, Activity::Ready | Activity::Holding)
+            && self.axes.speed_mm_min() > 0.0;
         // A reset while homing (6) or in motion (3) loses the position.
         let before = match self.activity {
             Activity::Homing(_) => Some(6),
@@ -96,7 +97,9 @@ impl SimulatedController {
             _ => None,
         };
         let mut wait_s = 0.0;
-        if let Some(code @ (3 | 6)) = before.filter(|_| !matches!(self.activity, Activity::Alarm(..))) {
+        if let Some(code @ (3 | 6)) =
+            before.filter(|_| !matches!(self.activity, Activity::Alarm(..)))
+        {
             self.reply(&format!("ALARM:{code}"));
             wait_s = MESSAGE_S;
         }

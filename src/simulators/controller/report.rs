@@ -35,7 +35,12 @@ impl ReportState {
 impl SimulatedController {
     /// Answers `?`.
     pub(crate) fn report(&mut self) {
-        let status = match self.injected.last_status.take().filter(|_| self.injected.has(&ControllerFault::Frozen)) {
+        let status = match self
+            .injected
+            .last_status
+            .take()
+            .filter(|_| self.injected.has(&ControllerFault::Frozen))
+        {
             Some(last) => last,
             None => self.status(),
         };
@@ -64,7 +69,8 @@ impl SimulatedController {
         if self.plain {
             return self.plain_status(&position_mm, feed);
         }
-        let which = if self.injected.has(&ControllerFault::WorkPositions) { "WPos" } else { "MPos" };
+        let which =
+            if self.injected.has(&ControllerFault::WorkPositions) { "WPos" } else { "MPos" };
         let mut position = format_axes(&position_mm);
         if self.injected.has(&ControllerFault::ThreeAxes) {
             position.truncate(position.rfind(',').unwrap_or_default());
@@ -79,7 +85,10 @@ impl SimulatedController {
     fn plain_status(&mut self, position_mm: &[f64; 4], feed: f64) -> String {
         let mut text = format!("<{}|FS:{feed},0|MPos:{}", self.mode(), format_axes(position_mm));
         if table::bits(&self.settings, 10) & 2 != 0 {
-            text.push_str(&format!("|Bf:{},128", MAX_QUEUED_MOVES - self.axes.queued().min(MAX_QUEUED_MOVES)));
+            text.push_str(&format!(
+                "|Bf:{},128",
+                MAX_QUEUED_MOVES - self.axes.queued().min(MAX_QUEUED_MOVES)
+            ));
         }
         match self.reporting.count % OFFSET_EVERY {
             0 => text.push_str(&format!("|WCO:{}", format_axes(&self.offset_mm))),
@@ -112,7 +121,9 @@ impl SimulatedController {
             text.push_str("|A:");
         }
         let homing = matches!(self.activity, Activity::Homing(_));
-        if (self.reporting.homed != self.homed || self.injected.has(&ControllerFault::TellsHomed)) && !homing {
+        if (self.reporting.homed != self.homed || self.injected.has(&ControllerFault::TellsHomed))
+            && !homing
+        {
             self.reporting.homed = self.homed;
             text.push_str(&format!("|H:{}", u8::from(self.homed)));
         }
@@ -157,14 +168,17 @@ impl SimulatedController {
 
     /// Answers `$$`.
     pub(crate) fn list_settings(&mut self) {
-        let lines: Vec<String> = self.settings.iter().map(|(number, value)| format!("${number}={value}")).collect();
+        let lines: Vec<String> =
+            self.settings.iter().map(|(number, value)| format!("${number}={value}")).collect();
         lines.iter().for_each(|line| self.reply(line));
     }
 
     /// Answers `$#`.
     pub(crate) fn list_offsets(&mut self) {
         let none = format_axes(&[0.0; 4]);
-        for name in ["G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3", "G28", "G30"] {
+        for name in
+            ["G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3", "G28", "G30"]
+        {
             self.reply(&format!("[{name}:{none}]"));
         }
         let offset = format_axes(&self.offset_mm);

@@ -1,4 +1,5 @@
-//! A simulated motion capture server: NatNet over real UDP on this computer, without threads, with injectable faults.
+//! A simulated motion capture server: NatNet over real UDP on this computer, without threads, with
+//! injectable faults.
 
 mod options;
 mod server;
@@ -53,8 +54,12 @@ pub struct SimulatedTracker {
 
 impl SimulatedTracker {
     /// Supported versions: NatNet 3.0, 3.1, 4.0 and 4.1.
-    pub const VERSIONS: [Version; 4] =
-        [Version::new(3, 0, 0, 0), Version::new(3, 1, 0, 0), Version::new(4, 0, 0, 0), Version::V4_1];
+    pub const VERSIONS: [Version; 4] = [
+        Version::new(3, 0, 0, 0),
+        Version::new(3, 1, 0, 0),
+        Version::new(4, 0, 0, 0),
+        Version::V4_1,
+    ];
 
     /// Opens the server's sockets.
     ///
@@ -126,8 +131,8 @@ impl SimulatedTracker {
         (self.held, self.frozen, self.frozen_tip, self.frozen_stamp_s) = (None, None, None, None);
     }
 
-    /// Answers requests and sends the frames that are due by `now_s`. The bodies are at `tip` and `base` in Motive's
-    /// frame at `now_s`, and have moved there uniformly since the last call.
+    /// Answers requests and sends the frames that are due by `now_s`. The bodies are at `tip` and
+    /// `base` in Motive's frame at `now_s`, and have moved there uniformly since the last call.
     pub fn step(&mut self, now_s: f64, tip: &RigidPose, base: &RigidPose) {
         let silent = self.has(TrackerFault::Silent);
         let model = (!self.has(TrackerFault::Undescribed)).then(|| self.model());
@@ -139,9 +144,17 @@ impl SimulatedTracker {
         }
         let mut due_s = self.next_s.unwrap_or(now_s);
         while due_s <= now_s {
-            let share = if now_s > before_s { ((due_s - before_s) / (now_s - before_s)).clamp(0.0, 1.0) } else { 1.0 };
+            let share = if now_s > before_s {
+                ((due_s - before_s) / (now_s - before_s)).clamp(0.0, 1.0)
+            } else {
+                1.0
+            };
             if !silent && now_s - due_s <= OVERDUE_S {
-                self.capture_frame(due_s, base_before.towards(base, share), tip_before.towards(tip, share));
+                self.capture_frame(
+                    due_s,
+                    base_before.towards(base, share),
+                    tip_before.towards(tip, share),
+                );
             }
             self.number = self.number.wrapping_add(1);
             due_s += 1.0 / self.options.rate_hz;
@@ -190,12 +203,20 @@ impl SimulatedTracker {
         if self.has(TrackerFault::Frozen) {
             bodies = self.frozen.get_or_insert(bodies).clone();
         }
-        let number = if self.has(TrackerFault::Descending) { self.number.wrapping_neg() } else { self.number };
-        let mut frame = SyntheticServer::new(self.options.version, CLOCK_HZ).frame(number, stamp_s, &bodies);
+        let number = if self.has(TrackerFault::Descending) {
+            self.number.wrapping_neg()
+        } else {
+            self.number
+        };
+        let mut frame =
+            SyntheticServer::new(self.options.version, CLOCK_HZ).frame(number, stamp_s, &bodies);
         if std::mem::take(&mut self.model_changed) {
             frame.params |= MODEL_CHANGED;
         }
-        let loss = self.amount(|fault| if let TrackerFault::Loss(share) = fault { Some(*share) } else { None });
+        let loss =
+            self.amount(
+                |fault| if let TrackerFault::Loss(share) = fault { Some(*share) } else { None },
+            );
         let in_gap = self.faults.iter().any(|fault| {
             matches!(fault, TrackerFault::Gaps { every_s, lasting_s } if time_s.rem_euclid(*every_s) < *lasting_s)
         });
@@ -215,12 +236,15 @@ impl SimulatedTracker {
     fn bodies(&mut self, base: RigidPose, tip: RigidPose) -> Vec<PlannedBody> {
         let noise_m = self.options.noise_m;
         let (mut base, mut tip) = (self.noisy(base, noise_m), self.noisy(tip, noise_m));
-        if let Some(m) = self.amount(|fault| if let TrackerFault::FrozenTip(m) = fault { Some(*m) } else { None }) {
+        if let Some(m) = self
+            .amount(|fault| if let TrackerFault::FrozenTip(m) = fault { Some(*m) } else { None })
+        {
             let frozen = *self.frozen_tip.get_or_insert(tip);
             (tip, base) = (self.noisy(frozen, m), self.noisy(base, m));
         }
-        tip.position_m[0] +=
-            self.amount(|fault| if let TrackerFault::Jump(m) = fault { Some(*m) } else { None }).unwrap_or(0.0);
+        tip.position_m[0] += self
+            .amount(|fault| if let TrackerFault::Jump(m) = fault { Some(*m) } else { None })
+            .unwrap_or(0.0);
         if self.has(TrackerFault::NanPose) {
             tip.position_m = [f64::NAN; 3];
         }
@@ -238,7 +262,8 @@ impl SimulatedTracker {
         if !self.has(TrackerFault::BodyGone) {
             bodies.push(planned_body(TrackedBody::Tip, self.options.tip.1, &tip));
         }
-        bodies.extend(self.options.others.iter().map(|(_, id)| planned(*id, &RigidPose::default())));
+        bodies
+            .extend(self.options.others.iter().map(|(_, id)| planned(*id, &RigidPose::default())));
         bodies
     }
 
@@ -260,7 +285,8 @@ impl SimulatedTracker {
             self.late.insert(place, (due_s, frame));
             return;
         }
-        let late_s = self.amount(|fault| if let TrackerFault::Late(s) = fault { Some(*s) } else { None });
+        let late_s =
+            self.amount(|fault| if let TrackerFault::Late(s) = fault { Some(*s) } else { None });
         if let Some(late_s) = late_s {
             self.late.push_back((time_s + late_s, frame));
             return;
@@ -290,7 +316,8 @@ impl SimulatedTracker {
         }
     }
 
-    /// Sends the frame of a second server at the same address and port, if there is one; true if it is alone.
+    /// Sends the frame of a second server at the same address and port, if there is one; true if it
+    /// is alone.
     fn send_from_same_address(&mut self, frame: &FrameOfData) -> bool {
         let second = self.faults.iter().find_map(|fault| match *fault {
             TrackerFault::SameAddress { frames, clock_s, alone } => Some((frames, clock_s, alone)),

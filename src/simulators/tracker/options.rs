@@ -86,10 +86,11 @@ pub enum TrackerFault {
     Silent,
     /// Numbers and stamps advance, the poses are frozen.
     Frozen,
-    /// The tip's pose is frozen, with noise of this standard deviation per axis, metres; the base goes on.
+    /// The tip's pose is frozen, with noise of this standard deviation per axis, metres; the base
+    /// goes on.
     FrozenTip(f64),
-    /// A second server at the same address and port sends other poses, with these offsets of its count, frames, and of its
-    /// clock, s; `alone` once the first one is silent.
+    /// A second server at the same address and port sends other poses, with these offsets of its
+    /// count, frames, and of its clock, s; `alone` once the first one is silent.
     SameAddress {
         /// Frame numbers of the second server minus those of the first one.
         frames: i32,

@@ -16,7 +16,8 @@ pub(crate) const CLOCK_HZ: u64 = 10_000_000;
 /// Time without a message after which a client is forgotten, s.
 const CLIENT_GONE_S: f64 = 5.0;
 
-/// Most clients, and most requests answered in one step: the port is open to everybody on this computer.
+/// Most clients, and most requests answered in one step: the port is open to everybody on this
+/// computer.
 const MAX_CLIENTS: usize = 8;
 const MAX_REQUESTS: usize = 256;
 
@@ -80,7 +81,13 @@ impl NatNetServer {
         self.clients.retain(|client| now_s - client.heard_s <= CLIENT_GONE_S);
     }
 
-    fn reply(&mut self, request: &[u8], from: SocketAddr, now_s: f64, model: Option<&ModelDef>) -> Option<Vec<u8>> {
+    fn reply(
+        &mut self,
+        request: &[u8],
+        from: SocketAddr,
+        now_s: f64,
+        model: Option<&ModelDef>,
+    ) -> Option<Vec<u8>> {
         let id = natnet::MessageHeader::parse(request).ok()?.message_id;
         let payload = &request[natnet::HEADER_LEN..];
         match id {
@@ -108,8 +115,10 @@ impl NatNetServer {
 
     /// Adds a unicast client, with the version that it requests.
     fn add_client(&mut self, payload: &[u8], address: SocketAddr, heard_s: f64) {
-        let requested = ConnectOptions::parse(payload).and_then(|options| options.bitstream_version);
-        let version = requested.filter(|version| version.validate().is_ok()).unwrap_or(self.version);
+        let requested =
+            ConnectOptions::parse(payload).and_then(|options| options.bitstream_version);
+        let version =
+            requested.filter(|version| version.validate().is_ok()).unwrap_or(self.version);
         self.clients.retain(|client| client.address != address);
         if self.clients.len() < MAX_CLIENTS {
             self.clients.push(NatNetClient { address, version, heard_s });
@@ -139,8 +148,14 @@ impl NatNetServer {
         info.to_datagram().ok()
     }
 
-    /// Sends a frame to all clients. `corrupt` may change its bytes; a second server sends from another port.
-    pub(crate) fn send(&self, frame: &FrameOfData, stranger: bool, corrupt: &mut dyn FnMut(&mut Vec<u8>)) {
+    /// Sends a frame to all clients. `corrupt` may change its bytes; a second server sends from
+    /// another port.
+    pub(crate) fn send(
+        &self,
+        frame: &FrameOfData,
+        stranger: bool,
+        corrupt: &mut dyn FnMut(&mut Vec<u8>),
+    ) {
         let socket = if stranger { &self.stranger } else { &self.data };
         let mut send = |version: Version, address: SocketAddr| {
             if let Ok(mut datagram) = frame.to_datagram(version) {
@@ -150,7 +165,9 @@ impl NatNetServer {
         };
         match self.transport {
             Transport::Multicast => send(self.version, self.group.into()),
-            Transport::Unicast => self.clients.iter().for_each(|client| send(client.version, client.address)),
+            Transport::Unicast => {
+                self.clients.iter().for_each(|client| send(client.version, client.address))
+            }
         }
     }
 }
@@ -173,5 +190,8 @@ fn message(id: u16, payload: &[u8]) -> Vec<u8> {
 /// The client's time as received, and the server's time.
 fn echo(payload: &[u8], now_s: f64) -> Vec<u8> {
     let ticks = (now_s * CLOCK_HZ as f64) as u64;
-    message(natnet::NAT_ECHORESPONSE, &[&payload[..payload.len().min(8)], &ticks.to_le_bytes()].concat())
+    message(
+        natnet::NAT_ECHORESPONSE,
+        &[&payload[..payload.len().min(8)], &ticks.to_le_bytes()].concat(),
+    )
 }

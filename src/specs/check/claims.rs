@@ -21,7 +21,8 @@ pub(crate) fn check(experiment: &Experiment, document: &Document) -> Result<(), 
         let path = path.key("relation");
         check_numbers(&claim.relation, document, &path)?;
         for (below, metric) in metric_paths(&claim.relation, &path) {
-            check_metric(&metric, experiment).map_err(|expected| document.wrong(&below, expected))?;
+            check_metric(&metric, experiment)
+                .map_err(|expected| document.wrong(&below, expected))?;
         }
     }
     Ok(())
@@ -50,14 +51,24 @@ fn metric_paths(relation: &Relation, path: &KeyPath) -> Vec<(KeyPath, ClaimMetri
 }
 
 /// Checks ranges and lengths.
-fn check_numbers(relation: &Relation, document: &Document, path: &KeyPath) -> Result<(), SpecError> {
+fn check_numbers(
+    relation: &Relation,
+    document: &Document,
+    path: &KeyPath,
+) -> Result<(), SpecError> {
     let unless = |holds: bool, path: KeyPath, expected: &str| {
         if holds { Ok(()) } else { Err(document.wrong(&path, expected)) }
     };
-    let sweepable = |metric: &ClaimMetric| matches!(metric, ClaimMetric::ReachMean(_) | ClaimMetric::ReachSd(_));
+    let sweepable = |metric: &ClaimMetric| {
+        matches!(metric, ClaimMetric::ReachMean(_) | ClaimMetric::ReachSd(_))
+    };
     match relation {
-        Relation::Less { times, .. } => unless(*times > 0.0, path.key("less").key("times"), "a factor above 0"),
-        Relation::Between { low, high, .. } => unless(low < high, path.key("between").key("low"), "less than `high`"),
+        Relation::Less { times, .. } => {
+            unless(*times > 0.0, path.key("less").key("times"), "a factor above 0")
+        }
+        Relation::Between { low, high, .. } => {
+            unless(low < high, path.key("between").key("low"), "less than `high`")
+        }
         Relation::Near { tolerance, .. } => {
             unless(*tolerance > 0.0, path.key("near").key("tolerance"), "a tolerance above 0")
         }

@@ -8,9 +8,13 @@ use crate::specs::document::merged::Document;
 use crate::specs::document::mismatch::one_of;
 use crate::specs::document::path::KeyPath;
 
-/// Refuses names that are not in the catalogue and deviations that are not positive; `path` is the path of the options in
-/// the document.
-pub(crate) fn check_entries(document: &Document, options: &Options, path: &KeyPath) -> Result<(), SpecError> {
+/// Refuses names that are not in the catalogue and deviations that are not positive; `path` is the
+/// path of the options in the document.
+pub(crate) fn check_entries(
+    document: &Document,
+    options: &Options,
+    path: &KeyPath,
+) -> Result<(), SpecError> {
     let unless = |holds: bool, path: &KeyPath, expected: &[&str]| {
         if holds { Ok(()) } else { Err(document.wrong(path, one_of(expected))) }
     };
@@ -22,9 +26,14 @@ pub(crate) fn check_entries(document: &Document, options: &Options, path: &KeyPa
         let path = path.key("uncertain").item(index);
         let card = CATALOGUE.iter().find(|card| card.name == uncertainty.effect);
         let card = card.ok_or_else(|| document.wrong(&path.key("effect"), one_of(&names)))?;
-        let mut parameters: Vec<&str> = card.parameters.iter().map(|parameter| parameter.vector()).collect();
+        let mut parameters: Vec<&str> =
+            card.parameters.iter().map(|parameter| parameter.vector()).collect();
         parameters.dedup();
-        unless(parameters.contains(&uncertainty.parameter.as_str()), &path.key("parameter"), &parameters)?;
+        unless(
+            parameters.contains(&uncertainty.parameter.as_str()),
+            &path.key("parameter"),
+            &parameters,
+        )?;
         BadOption::unless_positive("deviation", uncertainty.deviation)
             .map_err(|bad| document.wrong(&path.key(bad.key), bad.expected))?;
     }

@@ -41,7 +41,8 @@ const MAX_NOISE_M: f64 = 0.05;
 
 /// Whether a name is of letters, digits, `_` and `-`.
 pub(super) fn is_name(name: &str) -> bool {
-    !name.is_empty() && name.chars().all(|letter| letter.is_ascii_alphanumeric() || "_-".contains(letter))
+    !name.is_empty()
+        && name.chars().all(|letter| letter.is_ascii_alphanumeric() || "_-".contains(letter))
 }
 
 pub(super) struct Checker<'a> {
@@ -54,20 +55,41 @@ impl Checker<'_> {
         self.document.wrong(path, expected)
     }
 
-    pub(super) fn unless(&self, holds: bool, path: &KeyPath, expected: &str) -> Result<(), SpecError> {
+    pub(super) fn unless(
+        &self,
+        holds: bool,
+        path: &KeyPath,
+        expected: &str,
+    ) -> Result<(), SpecError> {
         if holds { Ok(()) } else { Err(self.wrong(path, expected)) }
     }
 
     fn header(&self) -> Result<(), SpecError> {
         let (root, spec) = (KeyPath::default(), self.experiment);
         let null = self.document.is_null(&root.key("name"));
-        self.unless(is_name(&spec.name) && !null, &root.key("name"), "a name of letters, digits, `_` and `-`")?;
+        self.unless(
+            is_name(&spec.name) && !null,
+            &root.key("name"),
+            "a name of letters, digits, `_` and `-`",
+        )?;
         let hz = spec.control_hz;
-        self.unless(hz > 0.0 && hz <= 1000.0, &root.key("control_hz"), "a rate above 0 and up to 1000 Hz")?;
+        self.unless(
+            hz > 0.0 && hz <= 1000.0,
+            &root.key("control_hz"),
+            "a rate above 0 and up to 1000 Hz",
+        )?;
         self.unless((1..=MAX_SEEDS).contains(&spec.seeds), &root.key("seeds"), "1 to 1000")?;
         let max_first = MAX_SEEDS - spec.seeds;
-        self.unless(spec.first_seed <= max_first, &root.key("first_seed"), &format!("0 to {max_first}"))?;
-        self.unless(!spec.training.is_empty(), &root.key("training"), "at least one kind of training")?;
+        self.unless(
+            spec.first_seed <= max_first,
+            &root.key("first_seed"),
+            &format!("0 to {max_first}"),
+        )?;
+        self.unless(
+            !spec.training.is_empty(),
+            &root.key("training"),
+            "at least one kind of training",
+        )?;
         for (name, training) in &spec.training {
             let path = root.key("training").key(name);
             self.unless(is_name(name), &path, "a name of letters, digits, `_` and `-`")?;
@@ -92,7 +114,9 @@ impl Checker<'_> {
     /// The checks of each module's options.
     fn options(&self) -> Result<(), SpecError> {
         let spec = self.experiment;
-        let option = |name: &str, result: Result<(), BadOption>| self.checked(&KeyPath::default().key(name), result);
+        let option = |name: &str, result: Result<(), BadOption>| {
+            self.checked(&KeyPath::default().key(name), result)
+        };
         option("explore", spec.explore.check())?;
         option("gp_points", spec.gp_points.check())?;
         option("policies", spec.policies.check())?;
@@ -113,37 +137,63 @@ impl Checker<'_> {
         self.learn("gp", spec.gp.kernel.check_inputs(spec.model.tendons() + POSITION_INPUTS))?;
         self.learn("network", spec.network.check())?;
         let stop = KeyPath::default().key("network").key("stop_at_validation_mae_m");
-        self.unless(spec.network.stop_at_validation_mae_m.is_none(), &stop, "null: `training` sets where networks stop")
+        self.unless(
+            spec.network.stop_at_validation_mae_m.is_none(),
+            &stop,
+            "null: `training` sets where networks stop",
+        )
     }
 
     fn plants(&self) -> Result<(), SpecError> {
         let (root, spec) = (KeyPath::default(), self.experiment);
         for (name, plant) in [("model", &spec.model), ("plant", &spec.plant)] {
-            plant
-                .check()
-                .map_err(|(path, bad)| self.option(&format!("{name}.{path}"), bad.key, &bad.found, bad.expected))?;
+            plant.check().map_err(|(path, bad)| {
+                self.option(&format!("{name}.{path}"), bad.key, &bad.found, bad.expected)
+            })?;
             let path = root.key(name).key(plant.kind());
             plant.tendon_layout().check().map_err(|found| {
-                let angles =
-                    ["model", "robot", "tendons", "angles_deg"].iter().fold(path.clone(), |path, key| path.key(key));
+                let angles = ["model", "robot", "tendons", "angles_deg"]
+                    .iter()
+                    .fold(path.clone(), |path, key| path.key(key));
                 let at = if self.document.has(&angles) { &angles } else { &path };
-                self.document.refuse(at, PathEnd::Value, found, "tendons on every side, to bend the robot both ways")
+                self.document.refuse(
+                    at,
+                    PathEnd::Value,
+                    found,
+                    "tendons on every side, to bend the robot both ways",
+                )
             })?;
-            let is_plausible = plant.noise_m().is_none_or(|noise_m| (0.0..=MAX_NOISE_M).contains(&noise_m));
+            let is_plausible =
+                plant.noise_m().is_none_or(|noise_m| (0.0..=MAX_NOISE_M).contains(&noise_m));
             self.unless(is_plausible, &path.key("noise_m"), "0 to 0.05 m of tracking noise")?;
             let is_allowed = name == "plant" || !plant.drives_hardware();
-            self.unless(is_allowed, &root.key(name), &format!("a model, not a `{}` plant", plant.kind()))?;
+            self.unless(
+                is_allowed,
+                &root.key(name),
+                &format!("a model, not a `{}` plant", plant.kind()),
+            )?;
             plant.travel_m().map_or(Ok(()), |travel_m| self.pulls(name, travel_m))?;
         }
         let (found, expected) = (spec.plant.tendons(), spec.model.tendons());
         if found != expected {
-            let expected = format!("{expected}, as many as `model` has: its commands are replayed on the robot");
-            return Err(self.document.refuse(&root.key("plant"), PathEnd::Value, format!("{found} tendons"), expected));
+            let expected = format!(
+                "{expected}, as many as `model` has: its commands are replayed on the robot"
+            );
+            return Err(self.document.refuse(
+                &root.key("plant"),
+                PathEnd::Value,
+                format!("{found} tendons"),
+                expected,
+            ));
         }
         for (name, mode) in &spec.modes {
             let path = root.key("modes").key(name).key("effects");
             let allowed = mode.effects.is_empty() || spec.plant.takes_effects();
-            self.unless(allowed, &path, "no effects, because the plant is neither `simulated` nor `hardware`")?;
+            self.unless(
+                allowed,
+                &path,
+                "no effects, because the plant is neither `simulated` nor `hardware`",
+            )?;
             self.effects(&mode.effects, &path)?;
         }
         Ok(())
@@ -167,15 +217,24 @@ impl Checker<'_> {
 
     fn learn(&self, name: &str, result: Result<(), LearnError>) -> Result<(), SpecError> {
         result.map_err(|error| match error {
-            LearnError::Setting { key, found, expected } => self.option(name, key, &found, expected),
-            other => {
-                self.document.refuse(&KeyPath::default().key(name), PathEnd::Value, other.to_string(), "a valid value")
+            LearnError::Setting { key, found, expected } => {
+                self.option(name, key, &found, expected)
             }
+            other => self.document.refuse(
+                &KeyPath::default().key(name),
+                PathEnd::Value,
+                other.to_string(),
+                "a valid value",
+            ),
         })
     }
 
     /// A check of the options below `path`.
-    pub(super) fn checked(&self, path: &KeyPath, result: Result<(), BadOption>) -> Result<(), SpecError> {
+    pub(super) fn checked(
+        &self,
+        path: &KeyPath,
+        result: Result<(), BadOption>,
+    ) -> Result<(), SpecError> {
         result.map_err(|bad| self.option(&path.to_string(), bad.key, &bad.found, bad.expected))
     }
 
@@ -188,7 +247,8 @@ impl Checker<'_> {
         })
     }
 
-    /// Option checks name a key without the keys above it: it is the first one below `name` with that value.
+    /// Option checks name a key without the keys above it: it is the first one below `name` with
+    /// that value.
     pub(super) fn option(&self, name: &str, key: &str, found: &str, expected: &str) -> SpecError {
         let below = KeyPath::parse(name).unwrap_or_default();
         let path = self.document.find(&below, key, found).unwrap_or_else(|| below.key(key));
@@ -199,9 +259,13 @@ impl Checker<'_> {
     fn runs(&self) -> Result<(), SpecError> {
         let (runs, path) = (&self.experiment.runs, KeyPath::default().key("runs"));
         let points = self.experiment.explore.points;
-        let rows = self.experiment.network.check_rows(points, &self.experiment.explore.starts(points));
+        let rows =
+            self.experiment.network.check_rows(points, &self.experiment.explore.starts(points));
         self.enough(rows, &KeyPath::default().key("explore").key("points"))?;
-        let any = runs.gap.is_some() || runs.forward || !runs.gp_points.is_empty() || !runs.reach.is_empty();
+        let any = runs.gap.is_some()
+            || runs.forward
+            || !runs.gp_points.is_empty()
+            || !runs.reach.is_empty();
         self.unless(
             any || runs.track.is_some()
                 || runs.response.is_some()
@@ -209,14 +273,17 @@ impl Checker<'_> {
                 || runs.repair.is_some()
                 || runs.discovery.is_some(),
             &path,
-            "at least one of `gap`, `forward`, `gp_points`, `reach`, `track`, `response`, `pace`, `repair`, `discovery`",
+            "at least one of `gap`, `forward`, `gp_points`, `reach`, `track`, `response`, `pace`, \
+             `repair`, `discovery`",
         )?;
         if let Some(gap) = runs.gap {
             let max_rows = self.experiment.explore.points;
             self.fits(&[gap.rows], &path.key("gap").key("rows"), 1..=max_rows, "collected points")?;
         }
         self.gp_sizes(&runs.gp_points, &path.key("gp_points"))?;
-        for (key, shares) in [("gp_coverage", &runs.gp_coverage), ("gp_leave_one_out", &runs.gp_leave_one_out)] {
+        for (key, shares) in
+            [("gp_coverage", &runs.gp_coverage), ("gp_leave_one_out", &runs.gp_leave_one_out)]
+        {
             for (index, share) in shares.iter().enumerate() {
                 let inside = *share > 0.0 && *share < 1.0;
                 self.unless(inside, &path.key(key).item(index), "a share above 0 and below 1")?;
@@ -225,14 +292,20 @@ impl Checker<'_> {
         let figures: Vec<&str> = figures().map(|figure| figure.name).collect();
         for (index, name) in self.experiment.figures.iter().enumerate() {
             let path = KeyPath::default().key("figures").item(index);
-            self.unless(!self.experiment.figures[..index].contains(name), &path, "each figure once")?;
+            self.unless(
+                !self.experiment.figures[..index].contains(name),
+                &path,
+                "each figure once",
+            )?;
             self.unless(figures.contains(&name.as_str()), &path, &one_of(&figures))?;
         }
         self.cells(&runs.reach, &path.key("reach"))?;
         self.fixed_duration(&path)?;
         runs.track.as_ref().map_or(Ok(()), |track| self.track(track, &path.key("track")))?;
         runs.repair.as_ref().map_or(Ok(()), |repair| self.repair(repair, &path.key("repair")))?;
-        runs.discovery.as_ref().map_or(Ok(()), |discovery| self.discovery(discovery, &path.key("discovery")))
+        runs.discovery
+            .as_ref()
+            .map_or(Ok(()), |discovery| self.discovery(discovery, &path.key("discovery")))
     }
 
     /// Products of policies, modes and sizes.
@@ -245,7 +318,8 @@ impl Checker<'_> {
                 self.mode(mode, &path.key("modes").item(number))?;
             }
             for (key, part) in [("gp_points", Size::GpPoints), ("real_points", Size::RealPoints)] {
-                let sizes = if part == Size::GpPoints { &sweep.gp_points } else { &sweep.real_points };
+                let sizes =
+                    if part == Size::GpPoints { &sweep.gp_points } else { &sweep.real_points };
                 self.sizes(&sweep.policies, part, sizes.as_deref(), &path.key(key))?;
             }
         }
@@ -255,11 +329,17 @@ impl Checker<'_> {
     /// Trials of fixed duration.
     fn fixed_duration(&self, path: &KeyPath) -> Result<(), SpecError> {
         let runs = &self.experiment.runs;
-        let seconds = |value: f64, path: &KeyPath| self.unless((1.0..=600.0).contains(&value), path, "1 to 600 s");
+        let seconds = |value: f64, path: &KeyPath| {
+            self.unless((1.0..=600.0).contains(&value), path, "1 to 600 s")
+        };
         if let Some(run) = &runs.response {
             let path = path.key("response");
             seconds(run.duration_s, &path.key("duration_s"))?;
-            self.unless(!run.cells.is_empty(), &path.key("cells"), "at least one product of policies and modes")?;
+            self.unless(
+                !run.cells.is_empty(),
+                &path.key("cells"),
+                "at least one product of policies and modes",
+            )?;
             self.cells(&run.cells, &path.key("cells"))?;
         }
         let Some(run) = &runs.pace else { return Ok(()) };
@@ -268,15 +348,27 @@ impl Checker<'_> {
         self.unless((1.0..=3600.0).contains(&run.lap_s), &path.key("lap_s"), "1 to 3600 s")?;
         self.not_empty(&run.speeds, &path.key("speeds"))?;
         for (index, &speed) in run.speeds.iter().enumerate() {
-            self.unless((0.1..=100.0).contains(&speed), &path.key("speeds").item(index), "0.1 to 100 times")?;
+            self.unless(
+                (0.1..=100.0).contains(&speed),
+                &path.key("speeds").item(index),
+                "0.1 to 100 times",
+            )?;
         }
-        self.unless(!run.cells.is_empty(), &path.key("cells"), "at least one product of policies and modes")?;
+        self.unless(
+            !run.cells.is_empty(),
+            &path.key("cells"),
+            "at least one product of policies and modes",
+        )?;
         self.cells(&run.cells, &path.key("cells"))
     }
 
     fn discovery(&self, discovery: &DiscoveryRun, path: &KeyPath) -> Result<(), SpecError> {
         let rod = matches!(self.experiment.model, PlantSpec::Simulated(_));
-        self.unless(rod, &KeyPath::default().key("model"), "a simulated rod, as `runs.discovery` needs")?;
+        self.unless(
+            rod,
+            &KeyPath::default().key("model"),
+            "a simulated rod, as `runs.discovery` needs",
+        )?;
         check_entries(self.document, &discovery.options, &path.key("options"))?;
         self.checked(&path.key("options"), discovery.options.check())?;
         self.checked(&path.key("truth"), discovery.truth.check())?;
@@ -285,9 +377,12 @@ impl Checker<'_> {
         let has_cases = !discovery.batches.is_empty() || !discovery.recordings.is_empty();
         self.unless(has_cases, &batches, "at least one batch here or one table of `recordings`")?;
         let mut numbered = discovery.batches.iter().enumerate();
-        numbered.try_for_each(|(index, batch)| self.checked(&batches.item(index), batch.check()))?;
+        numbered
+            .try_for_each(|(index, batch)| self.checked(&batches.item(index), batch.check()))?;
         let mut numbered = discovery.recordings.iter().enumerate();
-        numbered.try_for_each(|(index, cases)| self.checked(&path.key("recordings").item(index), cases.check()))
+        numbered.try_for_each(|(index, cases)| {
+            self.checked(&path.key("recordings").item(index), cases.check())
+        })
     }
 
     fn track(&self, track: &TrackRun, path: &KeyPath) -> Result<(), SpecError> {
@@ -311,14 +406,19 @@ impl Checker<'_> {
         self.not_empty(names, path)?;
         for (index, name) in names.iter().enumerate() {
             let outside = self.experiment.policies.outside.keys().map(String::as_str);
-            let allowed: Vec<&str> = policies::REGISTRY.iter().map(|entry| entry.name).chain(outside).collect();
+            let allowed: Vec<&str> =
+                policies::REGISTRY.iter().map(|entry| entry.name).chain(outside).collect();
             self.unless(allowed.contains(&name.as_str()), &path.item(index), &one_of(&allowed))?;
-            let asks_model = policies::find(name).is_some_and(|entry| entry.model == ModelAccess::AtRest);
-            let expected =
-                format!("a model with equations (`simulated`, `constant_curvature`), as policy `{name}` needs");
+            let asks_model =
+                policies::find(name).is_some_and(|entry| entry.model == ModelAccess::AtRest);
+            let expected = format!(
+                "a model with equations (`simulated`, `constant_curvature`), as policy `{name}` \
+                 needs"
+            );
             let model = KeyPath::default().key("model");
             self.unless(!asks_model || has_tip_model(&self.experiment.model), &model, &expected)?;
-            let needs_random_robots = policies::find(name).is_some_and(PolicyEntry::uses_randomised_robots);
+            let needs_random_robots =
+                policies::find(name).is_some_and(PolicyEntry::uses_randomised_robots);
             let expected = format!("a `simulated` model, as policy `{name}` needs");
             let simulated = matches!(self.experiment.model, PlantSpec::Simulated(_));
             self.unless(!needs_random_robots || simulated, &model, &expected)?;
@@ -346,7 +446,11 @@ impl Checker<'_> {
             (Some(_), None) => Err(self.wrong(path, "no such key: none of these policies uses it")),
             (Some(sizes), Some(_)) => {
                 self.not_empty(sizes, path)?;
-                if part == Size::GpPoints { self.gp_sizes(sizes, path) } else { self.real_sizes(sizes, path) }
+                if part == Size::GpPoints {
+                    self.gp_sizes(sizes, path)
+                } else {
+                    self.real_sizes(sizes, path)
+                }
             }
         }
     }
@@ -356,7 +460,8 @@ impl Checker<'_> {
         let range = gp.mean.least_rows(inputs)..=self.experiment.gp_points.points();
         self.fits(sizes, path, range, "predefined points")?;
         let max_points = gp.most_points();
-        let hint = if gp.approximation.is_exact() { "; `gp.approximation: sgpr` takes more" } else { "" };
+        let hint =
+            if gp.approximation.is_exact() { "; `gp.approximation: sgpr` takes more" } else { "" };
         let kind = if gp.approximation.is_exact() { "an exact" } else { "a sparse" };
         for (index, size) in sizes.iter().enumerate() {
             self.unless(
@@ -382,14 +487,22 @@ impl Checker<'_> {
     fn enough(&self, result: Result<(), LearnError>, path: &KeyPath) -> Result<(), SpecError> {
         result.map_err(|error| {
             let expected = match error {
-                LearnError::TooFewRows { needed, why, .. } => format!("about {needed} or more, enough for {why}"),
+                LearnError::TooFewRows { needed, why, .. } => {
+                    format!("about {needed} or more, enough for {why}")
+                }
                 other => other.to_string(),
             };
             self.wrong(path, expected)
         })
     }
 
-    fn fits(&self, sizes: &[usize], path: &KeyPath, range: RangeInclusive<usize>, what: &str) -> Result<(), SpecError> {
+    fn fits(
+        &self,
+        sizes: &[usize],
+        path: &KeyPath,
+        range: RangeInclusive<usize>,
+        what: &str,
+    ) -> Result<(), SpecError> {
         for (index, size) in sizes.iter().enumerate() {
             let expected = format!("{} to {}, the number of {what}", range.start(), range.end());
             self.unless(range.contains(size), &self.item(path, index), &expected)?;
@@ -399,6 +512,8 @@ impl Checker<'_> {
 
     /// The path of a size: a single size is the value of its key, several are a list.
     fn item(&self, path: &KeyPath, index: usize) -> KeyPath {
-        Some(path.item(index)).filter(|item| self.document.has(item)).unwrap_or_else(|| path.clone())
+        Some(path.item(index))
+            .filter(|item| self.document.has(item))
+            .unwrap_or_else(|| path.clone())
     }
 }

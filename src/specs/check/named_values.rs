@@ -1,16 +1,21 @@
-//! The values of keys that an expected range names: "at most `max_pull_m`" is no help without the number.
+//! The values of keys that an expected range names: "at most `max_pull_m`" is no help without the
+//! number.
 
 use crate::specs::document::path::{KeyPath, Step};
 use crate::specs::document::tree::get;
 use serde::Serialize;
 use serde_yaml::Value;
 
-/// `expected` with the value behind each `` `key` `` that stands beside the key at `path`, or beside one above it.
+/// `expected` with the value behind each `` `key` `` that stands beside the key at `path`, or
+/// beside one above it.
 pub(super) fn with_values<T: Serialize>(expected: &str, settings: &T, path: &KeyPath) -> String {
     if !expected.contains('`') {
         return expected.to_owned();
     }
-    let tree = serde_yaml::with::singleton_map_recursive::serialize(settings, serde_yaml::value::Serializer);
+    let tree = serde_yaml::with::singleton_map_recursive::serialize(
+        settings,
+        serde_yaml::value::Serializer,
+    );
     let tree = tree.unwrap_or_default();
     let mut words = String::new();
     for (index, part) in expected.split('`').enumerate() {
@@ -43,9 +48,16 @@ mod tests {
 
     #[test]
     fn a_named_key_is_told_with_its_number() {
-        let settings = json!({ "explore": { "max_pull_m": 0.03, "max_step_m": 0.05 }, "name": "x" });
+        let settings =
+            json!({ "explore": { "max_pull_m": 0.03, "max_step_m": 0.05 }, "name": "x" });
         let path = KeyPath::parse("explore.max_step_m").unwrap();
-        assert_eq!(with_values("at most `max_pull_m`", &settings, &path), "at most `max_pull_m` (0.03)");
-        assert_eq!(with_values("below `other`, not `name`", &settings, &path), "below `other`, not `name`");
+        assert_eq!(
+            with_values("at most `max_pull_m`", &settings, &path),
+            "at most `max_pull_m` (0.03)"
+        );
+        assert_eq!(
+            with_values("below `other`, not `name`", &settings, &path),
+            "below `other`, not `name`"
+        );
     }
 }

@@ -13,15 +13,22 @@ pub(super) fn outside_policies(document: &Document, spec: &Experiment) -> Result
     let root = KeyPath::default().key("policies").key("outside");
     for (name, policy) in &spec.policies.outside {
         let path = root.key(name);
-        let refuse = |found: String, expected: String| document.refuse(&path, PathEnd::Key, found, expected);
+        let refuse =
+            |found: String, expected: String| document.refuse(&path, PathEnd::Key, found, expected);
         if !is_name(name) || policies::find(name).is_some() {
-            let expected = "a name of letters, digits, `_` and `-` that no policy of the program has";
+            let expected =
+                "a name of letters, digits, `_` and `-` that no policy of the program has";
             return Err(refuse(format!("`{name}`"), expected.to_owned()));
         }
         let content = std::fs::read(policy.file()).map_err(|error| {
-            refuse(format!("{}: {error}", policy.file().display()), "a file that can be read".into())
+            refuse(
+                format!("{}: {error}", policy.file().display()),
+                "a file that can be read".into(),
+            )
         })?;
-        policy.check_content(&content, spec.plant.tendons()).map_err(|(found, expected)| refuse(found, expected))?;
+        policy
+            .check_content(&content, spec.plant.tendons())
+            .map_err(|(found, expected)| refuse(found, expected))?;
     }
     Ok(())
 }

@@ -14,15 +14,24 @@ use crate::tasks::SimulatedBy;
 const MIN_ROWS: usize = 30;
 
 impl Checker<'_> {
-    /// A robot to which effects can be added, changes that it takes, and enough rows to tell them by.
+    /// A robot to which effects can be added, changes that it takes, and enough rows to tell them
+    /// by.
     pub(super) fn repair(&self, run: &RepairRun, path: &KeyPath) -> Result<(), SpecError> {
         let (root, spec) = (KeyPath::default(), self.experiment);
         let rod = matches!(spec.model, PlantSpec::Simulated(_));
         self.unless(rod, &root.key("model"), "a simulated rod, as `runs.repair` needs")?;
         let simulated = matches!(spec.plant, PlantSpec::Simulated(_));
-        self.unless(simulated, &root.key("plant"), "a simulated robot, which `runs.repair` changes")?;
+        self.unless(
+            simulated,
+            &root.key("plant"),
+            "a simulated robot, which `runs.repair` changes",
+        )?;
         let by_rod = spec.gp_points.p_sim == SimulatedBy::Rod;
-        self.unless(by_rod, &root.key("gp_points").key("p_sim"), "`rod`, as `runs.repair` needs: the rod is repaired")?;
+        self.unless(
+            by_rod,
+            &root.key("gp_points").key("p_sim"),
+            "`rod`, as `runs.repair` needs: the rod is repaired",
+        )?;
         self.changes(run, &path.key("changes"))?;
         self.policies(std::slice::from_ref(&run.worker), &path.key("worker"))?;
         self.gp_sizes(&[run.gp_points], &path.key("gp_points"))?;
@@ -32,7 +41,9 @@ impl Checker<'_> {
         let (recordings_path, recordings) = (path.key("recordings"), run.recordings);
         let rows = recordings.rows;
         self.unless((2..=10_000).contains(&rows), &recordings_path.key("rows"), "2 to 10000 rows")?;
-        for (key, trials) in [("trials_before", recordings.trials_before), ("trials_after", recordings.trials_after)] {
+        for (key, trials) in
+            [("trials_before", recordings.trials_before), ("trials_after", recordings.trials_after)]
+        {
             let enough = (2..=1000).contains(&trials) && trials * rows >= MIN_ROWS;
             let expected = "2 to 1000 trials with 30 rows or more, which a discovery needs";
             self.unless(enough, &recordings_path.key(key), expected)?;
@@ -41,16 +52,22 @@ impl Checker<'_> {
         check_entries(self.document, &run.discovery, &path.key("discovery"))?;
         self.checked(&path.key("discovery"), run.discovery.check())?;
         self.checked(&path.key("identification"), run.identification_options().check())?;
-        self.unless(!run.cells.is_empty(), &path.key("cells"), "at least one product of policies and modes")?;
+        self.unless(
+            !run.cells.is_empty(),
+            &path.key("cells"),
+            "at least one product of policies and modes",
+        )?;
         self.cells(&run.cells, &path.key("cells"))?;
         self.asks_no_model(run, &path.key("cells"))
     }
 
-    /// The repaired model is found during the run, while a policy that asks the model is handed the spec's.
+    /// The repaired model is found during the run, while a policy that asks the model is handed the
+    /// spec's.
     fn asks_no_model(&self, run: &RepairRun, path: &KeyPath) -> Result<(), SpecError> {
         for (index, sweep) in run.cells.iter().enumerate() {
             for (number, name) in sweep.policies.iter().enumerate() {
-                let asks_model = policies::find(name).is_some_and(|entry| entry.model == ModelAccess::AtRest);
+                let asks_model =
+                    policies::find(name).is_some_and(|entry| entry.model == ModelAccess::AtRest);
                 let path = path.item(index).key("policies").item(number);
                 self.unless(
                     !asks_model,

@@ -1,4 +1,5 @@
-//! Other names of fields: short forms for `--set`, `--sweep` and the keys of `sweep:`, and former names of keys.
+//! Other names of fields: short forms for `--set`, `--sweep` and the keys of `sweep:`, and former
+//! names of keys.
 
 use super::path::{KeyPath, Step};
 use crate::policies::OUTSIDE_KINDS;
@@ -67,33 +68,46 @@ fn move_outside(value: &mut Value, root: &KeyPath) -> Vec<RenamedKey> {
     };
     let Some(Value::Mapping(mapping)) = holder else { return Vec::new() };
     let is_outside = |policy: &Value| {
-        let keys = policy.as_mapping().filter(|mapping| mapping.len() == 1).and_then(|mapping| mapping.keys().next());
+        let keys = policy
+            .as_mapping()
+            .filter(|mapping| mapping.len() == 1)
+            .and_then(|mapping| mapping.keys().next());
         keys.and_then(Value::as_str).is_some_and(|kind| OUTSIDE_KINDS.contains(&kind))
     };
-    let named = mapping.iter().filter(|(name, policy)| name.as_str() != Some(OUTSIDE[1]) && is_outside(policy));
-    let names: Vec<String> = named.filter_map(|(name, _)| name.as_str().map(str::to_owned)).collect();
+    let named = mapping
+        .iter()
+        .filter(|(name, policy)| name.as_str() != Some(OUTSIDE[1]) && is_outside(policy));
+    let names: Vec<String> =
+        named.filter_map(|(name, _)| name.as_str().map(str::to_owned)).collect();
     let mut renamed = Vec::new();
     for name in names {
         let Some(policy) = mapping.remove(name.as_str()) else { continue };
-        let outside = mapping.entry(OUTSIDE[1].into()).or_insert_with(|| Value::Mapping(Mapping::new()));
+        let outside =
+            mapping.entry(OUTSIDE[1].into()).or_insert_with(|| Value::Mapping(Mapping::new()));
         if let Value::Mapping(outside) = outside {
             outside.insert(name.as_str().into(), policy);
         }
-        renamed.push(RenamedKey { former: policies.key(&name), present: policies.key(OUTSIDE[1]).key(&name) });
+        renamed.push(RenamedKey {
+            former: policies.key(&name),
+            present: policies.key(OUTSIDE[1]).key(&name),
+        });
     }
     renamed
 }
 
-/// Makes the names of files of policies from outside, which are relative to `folder`, absolute: the resolved spec lies
-/// elsewhere.
+/// Makes the names of files of policies from outside, which are relative to `folder`, absolute: the
+/// resolved spec lies elsewhere.
 pub(super) fn resolve_outside(value: &mut Value, folder: &std::path::Path) {
-    let Some(Value::Mapping(outside)) = value.get_mut(OUTSIDE[0]).and_then(|policies| policies.get_mut(OUTSIDE[1]))
+    let Some(Value::Mapping(outside)) =
+        value.get_mut(OUTSIDE[0]).and_then(|policies| policies.get_mut(OUTSIDE[1]))
     else {
         return;
     };
     for (_, policy) in outside.iter_mut() {
         for kind in OUTSIDE_KINDS {
-            if let Some(Value::String(file)) = policy.get_mut(kind).and_then(|options| options.get_mut("file")) {
+            if let Some(Value::String(file)) =
+                policy.get_mut(kind).and_then(|options| options.get_mut("file"))
+            {
                 let place = folder.join(&*file);
                 *file = std::path::absolute(&place).unwrap_or(place).display().to_string();
             }
@@ -119,7 +133,9 @@ pub(super) fn rename_keys(value: &mut Value, root: &KeyPath) -> Result<Vec<Renam
             if mapping.contains_key(present) {
                 return Err(parent.key(former));
             }
-            let rename = |(key, value)| if key == former { (Value::from(present), value) } else { (key, value) };
+            let rename = |(key, value)| {
+                if key == former { (Value::from(present), value) } else { (key, value) }
+            };
             *mapping = std::mem::take(mapping).into_iter().map(rename).collect::<Mapping>();
             renamed.push(RenamedKey { former: parent.key(former), present: parent.key(present) });
         }
@@ -161,7 +177,10 @@ mod tests {
         assert_eq!(of("policies.outside.mine.onnx.file"), "policies.outside.mine.onnx.file");
         let mut value = yaml("{policies: {c: {dwell: 1}, mine: {onnx: {file: mine.onnx}}}}");
         let renamed = rename_keys(&mut value, &KeyPath::default()).unwrap();
-        assert_eq!(value, yaml("{policies: {c: {dwell: 1}, outside: {mine: {onnx: {file: mine.onnx}}}}}"));
+        assert_eq!(
+            value,
+            yaml("{policies: {c: {dwell: 1}, outside: {mine: {onnx: {file: mine.onnx}}}}}")
+        );
         assert_eq!(renamed[0].former.to_string(), "policies.mine");
         assert!(!renamed[0].is_former());
         resolve_outside(&mut value, std::path::Path::new("/specs"));

@@ -1,4 +1,5 @@
-//! Reading the tree as a typed value: all keys and values that do not fit, and inherited entries that `null` drops.
+//! Reading the tree as a typed value: all keys and values that do not fit, and inherited entries
+//! that `null` drops.
 
 use super::error::SpecError;
 use super::merged::Document;
@@ -12,16 +13,18 @@ use serde_yaml::Value;
 const MAX_FAULTS: usize = 20;
 
 impl Document {
-    /// The document as a `T`. An entry that a weaker source has and a stronger one sets to `null` is dropped where the entry
-    /// itself cannot be `null`.
+    /// The document as a `T`. An entry that a weaker source has and a stronger one sets to `null`
+    /// is dropped where the entry itself cannot be `null`.
     ///
     /// # Errors
-    /// [`SpecError::Key`] for an unknown or missing key or a value of the wrong type, with its source location;
-    /// [`SpecError::Several`] where there are more of them.
+    /// [`SpecError::Key`] for an unknown or missing key or a value of the wrong type, with its
+    /// source location; [`SpecError::Several`] where there are more of them.
     pub fn parse<T: DeserializeOwned>(&self) -> Result<T, SpecError> {
         let mut tree = self.merged.clone();
         // A mapping is dropped at once: read as nothing, it would be one of defaults.
-        self.dropped_mappings(&self.merged, &KeyPath::default()).iter().for_each(|entry| remove(&mut tree, entry));
+        self.dropped_mappings(&self.merged, &KeyPath::default())
+            .iter()
+            .for_each(|entry| remove(&mut tree, entry));
         if let Ok(read) = deserialize(&tree, self.root_keys) {
             return Ok(read);
         }
@@ -32,11 +35,12 @@ impl Document {
                 Ok(_) => break,
                 Err(wrong) => wrong,
             };
-            // What follows from a fault that was told is none of its own; a key that is missing beside an unknown one is
-            // likely that one.
+            // What follows from a fault that was told is none of its own; a key that is missing
+            // beside an unknown one is likely that one.
             let absent = get(&tree, &wrong.key).is_none();
             let follows = |removed_key: &KeyPath| {
-                removed_key.0.starts_with(&wrong.key.0) || (absent && removed_key.parent() == wrong.key.parent())
+                removed_key.0.starts_with(&wrong.key.0)
+                    || (absent && removed_key.parent() == wrong.key.parent())
             };
             if removed.iter().any(follows) {
                 break;
@@ -58,23 +62,30 @@ impl Document {
         Err(SpecError::of_all(faults))
     }
 
-    /// The entries at and below `path` that are `null` in the tree and a mapping in a weaker source.
+    /// The entries at and below `path` that are `null` in the tree and a mapping in a weaker
+    /// source.
     fn dropped_mappings(&self, value: &Value, path: &KeyPath) -> Vec<KeyPath> {
         let is_mapping = |value: Option<Value>| value.is_some_and(|value| value.is_mapping());
         match value {
             Value::Mapping(mapping) => {
-                let named = mapping.iter().filter_map(|(key, value)| Some((path.key(key.as_str()?), value)));
+                let named = mapping
+                    .iter()
+                    .filter_map(|(key, value)| Some((path.key(key.as_str()?), value)));
                 named.flat_map(|(path, value)| self.dropped_mappings(value, &path)).collect()
             }
-            Value::Null if self.layers.iter().any(|layer| is_mapping(layer.get(path))) => vec![path.clone()],
+            Value::Null if self.layers.iter().any(|layer| is_mapping(layer.get(path))) => {
+                vec![path.clone()]
+            }
             _ => Vec::new(),
         }
     }
 
-    /// The entry at or above `path` that is `null` in the tree and something else in a weaker source.
+    /// The entry at or above `path` that is `null` in the tree and something else in a weaker
+    /// source.
     fn dropped(&self, path: &KeyPath) -> Option<KeyPath> {
         let entry = (1..=path.0.len()).map(|depth| KeyPath(path.0[..depth].to_vec()));
-        let entry = entry.into_iter().find(|entry| get(&self.merged, entry).is_some_and(Value::is_null))?;
+        let entry =
+            entry.into_iter().find(|entry| get(&self.merged, entry).is_some_and(Value::is_null))?;
         let has_value = |value: Option<Value>| value.is_some_and(|value| !value.is_null());
         self.layers.iter().any(|layer| has_value(layer.get(&entry))).then_some(entry)
     }

@@ -34,13 +34,20 @@ pub(super) const SET: &str = "--set ";
 const SWEEP: &str = "--sweep ";
 
 impl Layer {
-    /// A file, as the layer below `include` (a path, and the location of the file's name), or as the root.
-    pub(super) fn file(path: &Path, include: Option<(&KeyPath, SourceLocation)>) -> Result<Layer, SpecError> {
+    /// A file, as the layer below `include` (a path, and the location of the file's name), or as
+    /// the root.
+    pub(super) fn file(
+        path: &Path,
+        include: Option<(&KeyPath, SourceLocation)>,
+    ) -> Result<Layer, SpecError> {
         let name = path.display().to_string();
         let text = read_text(path).map_err(|error| {
             let missing = error.kind() == std::io::ErrorKind::NotFound;
-            let found =
-                if missing { format!("no file `{name}`{}", searched(path)) } else { format!("`{name}`: {error}") };
+            let found = if missing {
+                format!("no file `{name}`{}", searched(path))
+            } else {
+                format!("`{name}`: {error}")
+            };
             let expected = "the name of a YAML file";
             match &include {
                 Some((key, place)) => {
@@ -54,7 +61,15 @@ impl Layer {
         let value = if value.is_null() { Value::Mapping(Mapping::new()) } else { value };
         let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
         let root = include.as_ref().map_or_else(KeyPath::default, |(key, _)| (*key).clone());
-        let layer = Layer { name, text, value, folder, root, replaces: include.is_some(), renamed: Vec::new() };
+        let layer = Layer {
+            name,
+            text,
+            value,
+            folder,
+            root,
+            replaces: include.is_some(),
+            renamed: Vec::new(),
+        };
         if !layer.value.is_mapping() {
             let table = layer.text.lines().next().is_some_and(|line| line.starts_with("trial,"));
             let found = if table { "a recording (CSV)".to_owned() } else { describe(&layer.value) };
@@ -71,8 +86,11 @@ impl Layer {
         let (path, text) = set.split_once('=').ok_or_else(|| refuse(format!("`{set}`")))?;
         let (root, renamed) = unaliased(KeyPath::parse(path.trim()).map_err(refuse)?);
         let value = yaml(text, &name)?;
-        let (text, folder, renamed) = (text.to_owned(), PathBuf::new(), renamed.into_iter().collect());
-        Layer { name, text, value, folder, root, replaces: false, renamed }.plain()?.with_present_names()
+        let (text, folder, renamed) =
+            (text.to_owned(), PathBuf::new(), renamed.into_iter().collect());
+        Layer { name, text, value, folder, root, replaces: false, renamed }
+            .plain()?
+            .with_present_names()
     }
 
     /// Gives keys that were written under former names their present names.
@@ -80,7 +98,11 @@ impl Layer {
         match rename_keys(&mut self.value, &self.root) {
             Ok(renamed) => self.renamed.extend(renamed),
             Err(former) => {
-                return Err(self.refuse(&former, "a former name beside the present one".to_owned(), "one of both"));
+                return Err(self.refuse(
+                    &former,
+                    "a former name beside the present one".to_owned(),
+                    "one of both",
+                ));
             }
         }
         Ok(self)
@@ -105,11 +127,20 @@ impl Layer {
     /// A `--sweep` option, as the equivalent entry of `sweep:`.
     pub(super) fn sweep(option: &str) -> Result<Layer, SpecError> {
         let name = format!("{SWEEP}{option}");
-        let (path, values) = sweep_option::parse(option)
-            .map_err(|found| malformed(&name, found, format!("path.to.key= and {}", sweep_option::EXPECTED)))?;
+        let (path, values) = sweep_option::parse(option).map_err(|found| {
+            malformed(&name, found, format!("path.to.key= and {}", sweep_option::EXPECTED))
+        })?;
         let value = Value::Mapping(Mapping::from_iter([(Value::from(path.to_string()), values)]));
         let (root, text) = (KeyPath::default().key("sweep"), option.to_owned());
-        Ok(Layer { name, text, value, folder: PathBuf::new(), root, replaces: false, renamed: Vec::new() })
+        Ok(Layer {
+            name,
+            text,
+            value,
+            folder: PathBuf::new(),
+            root,
+            replaces: false,
+            renamed: Vec::new(),
+        })
     }
 
     pub(super) fn is_option(&self) -> bool {
@@ -117,7 +148,11 @@ impl Layer {
     }
 
     /// Appends this layer and, below it, the files that it names at the paths `includes`.
-    pub(super) fn push_with_included(mut self, includes: &[KeyPath], layers: &mut Vec<Layer>) -> Result<(), SpecError> {
+    pub(super) fn push_with_included(
+        mut self,
+        includes: &[KeyPath],
+        layers: &mut Vec<Layer>,
+    ) -> Result<(), SpecError> {
         let mut included = Vec::new();
         for path in includes {
             let Some(Value::String(name)) = get(&self.rooted(), path).cloned() else { continue };
@@ -134,11 +169,16 @@ impl Layer {
     }
 
     /// Takes `extends` out of this layer and reads the file that it names.
-    pub(super) fn parent(&mut self, extended_files: &[PathBuf]) -> Result<Option<Layer>, SpecError> {
+    pub(super) fn parent(
+        &mut self,
+        extended_files: &[PathBuf],
+    ) -> Result<Option<Layer>, SpecError> {
         let path = KeyPath::default().key("extends");
         let Some(value) = self.value.get("extends").cloned() else { return Ok(None) };
         let expected = "the name of a spec beside this one";
-        let Value::String(name) = &value else { return Err(self.refuse(&path, describe(&value), expected)) };
+        let Value::String(name) = &value else {
+            return Err(self.refuse(&path, describe(&value), expected));
+        };
         let file = self.folder.join(name);
         if !file.is_file() {
             let found = format!("no file `{}`{}", file.display(), searched(&file));
@@ -173,7 +213,8 @@ impl Layer {
         SourceLocation::File { file: self.name.clone(), line, column }
     }
 
-    /// The value of this layer at a path of the document; above its root, the mapping that leads there.
+    /// The value of this layer at a path of the document; above its root, the mapping that leads
+    /// there.
     pub(super) fn get(&self, path: &KeyPath) -> Option<Value> {
         match path.0.strip_prefix(self.root.0.as_slice()) {
             Some(below) => get(&self.value, &KeyPath(below.to_vec())).cloned(),
@@ -193,14 +234,17 @@ impl Layer {
         }
         let mut value = get(tree, &self.root).cloned().unwrap_or(Value::Null);
         merge(&mut value, self.value.clone());
-        put(tree, &self.root.0, value)
-            .map_err(|found| self.refuse(&self.root, found, "a path of keys and of items of lists that are there"))
+        put(tree, &self.root.0, value).map_err(|found| {
+            self.refuse(&self.root, found, "a path of keys and of items of lists that are there")
+        })
     }
 
     /// The value under its path from the root of the document.
     pub(super) fn rooted(&self) -> Value {
         self.root.0.iter().rev().fold(self.value.clone(), |value, step| match step {
-            Step::Key(key) => Value::Mapping(Mapping::from_iter([(Value::from(key.as_str()), value)])),
+            Step::Key(key) => {
+                Value::Mapping(Mapping::from_iter([(Value::from(key.as_str()), value)]))
+            }
             Step::Item(_) => value,
         })
     }
@@ -208,7 +252,12 @@ impl Layer {
 
 /// The error for a malformed option.
 fn malformed(option: &str, found: String, expected: String) -> SpecError {
-    SpecError::Key { place: SourceLocation::Option(option.to_owned()), key: KeyPath::default(), found, expected }
+    SpecError::Key {
+        place: SourceLocation::Option(option.to_owned()),
+        key: KeyPath::default(),
+        found,
+        expected,
+    }
 }
 
 fn yaml(text: &str, name: &str) -> Result<Value, SpecError> {
@@ -219,7 +268,8 @@ fn yaml(text: &str, name: &str) -> Result<Value, SpecError> {
         } else {
             SourceLocation::File { file: name.to_owned(), line, column }
         };
-        let at_tab = text.lines().nth(line - 1).and_then(|text| text.chars().nth(column - 1)) == Some('\t');
+        let at_tab =
+            text.lines().nth(line - 1).and_then(|text| text.chars().nth(column - 1)) == Some('\t');
         let (found, expected) = match at_tab {
             true => ("a tab character".to_owned(), "YAML, which is indented by spaces".to_owned()),
             false => syntax(&error.to_string()),
@@ -239,14 +289,19 @@ fn syntax(message: &str) -> (String, String) {
 
 /// Where a relative file was searched for, and the file there that is named most alike.
 pub(super) fn searched(path: &Path) -> String {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let Ok(place) = folder.canonicalize() else { return format!(" (there is no folder `{}`)", folder.display()) };
+    let folder =
+        path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let Ok(place) = folder.canonicalize() else {
+        return format!(" (there is no folder `{}`)", folder.display());
+    };
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
-    let mut names: Vec<String> = entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+    let mut names: Vec<String> =
+        entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
     names.sort();
     let suggestion = nearest(&name, names.iter().map(String::as_str));
-    let hint = suggestion.map_or(String::new(), |suggestion| format!("; did you mean `{suggestion}`?"));
+    let hint =
+        suggestion.map_or(String::new(), |suggestion| format!("; did you mean `{suggestion}`?"));
     format!(" in {}{hint}", place.display())
 }
 

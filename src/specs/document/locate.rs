@@ -1,7 +1,7 @@
 //! Line and column of a key path in a YAML text.
 //!
-//! A deserialiser walks down the path and fails on purpose at its end; the parser adds the position to the error. The
-//! position is therefore right in every style of YAML.
+//! A deserialiser walks down the path and fails on purpose at its end; the parser adds the position
+//! to the error. The position is therefore right in every style of YAML.
 
 use super::path::{KeyPath, Step};
 use serde::de::{DeserializeSeed, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
@@ -53,7 +53,9 @@ impl<'de> Visitor<'de> for PathSeeker<'_> {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<(), A::Error> {
-        let Some((step, below)) = self.steps.split_first() else { return Err(A::Error::custom(ARRIVED)) };
+        let Some((step, below)) = self.steps.split_first() else {
+            return Err(A::Error::custom(ARRIVED));
+        };
         let stop = below.is_empty() && self.end == PathEnd::Key;
         while let Some(matches) = map.next_key_seed(KeySeeker { step, stop })? {
             if matches {
@@ -66,7 +68,9 @@ impl<'de> Visitor<'de> for PathSeeker<'_> {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<(), A::Error> {
-        let Some((step, below)) = self.steps.split_first() else { return Err(A::Error::custom(ARRIVED)) };
+        let Some((step, below)) = self.steps.split_first() else {
+            return Err(A::Error::custom(ARRIVED));
+        };
         for index in 0.. {
             let more = if *step == Step::Item(index) {
                 seq.next_element_seed(PathSeeker { steps: below, end: self.end })?.is_some()
@@ -133,7 +137,8 @@ impl<'de> Visitor<'de> for KeySeeker<'_> {
 mod tests {
     use super::*;
 
-    const TEXT: &str = "# a comment\ngp:\n  sizes: [50,\n    100]\n  kernel: {se_ard: {starts: 3}}\nname: 'x'\n";
+    const TEXT: &str =
+        "# a comment\ngp:\n  sizes: [50,\n    100]\n  kernel: {se_ard: {starts: 3}}\nname: 'x'\n";
 
     fn at(path: &str, end: PathEnd) -> Option<(usize, usize)> {
         locate(TEXT, &KeyPath::parse(path).unwrap(), end)

@@ -1,7 +1,8 @@
 //! The merged tree of a spec, and where each of its values was written.
 //!
-//! Mappings merge key by key, the extending file's values winning; lists and scalars replace what they override.
-//! Where a key may name a file (a model), that file's content takes the name's place.
+//! Mappings merge key by key, the extending file's values winning; lists and scalars replace what
+//! they override. Where a key may name a file (a model), that file's content takes the name's
+//! place.
 
 use super::error::{SourceLocation, SpecError};
 use super::layer::{Layer, canonical};
@@ -29,8 +30,8 @@ pub struct Document {
 }
 
 impl Document {
-    /// Reads `file`, the files that it `extends`, the overrides `path.to.key=value` in `sets`, and the files named at
-    /// the paths `includes`.
+    /// Reads `file`, the files that it `extends`, the overrides `path.to.key=value` in `sets`, and
+    /// the files named at the paths `includes`.
     ///
     /// # Errors
     /// A missing file, text that is not YAML, a cycle of `extends`, a malformed override.
@@ -69,12 +70,23 @@ impl Document {
         }
         let notes = layers.iter().rev().flat_map(Layer::notes).collect();
         let root_keys: &[&str] = &["extends", "sweep"];
-        Ok(Document { layers, merged, root_keys, file: file.display().to_string(), origins: Vec::new(), notes })
+        Ok(Document {
+            layers,
+            merged,
+            root_keys,
+            file: file.display().to_string(),
+            origins: Vec::new(),
+            notes,
+        })
     }
 
     /// Every file that was read for it.
     pub(crate) fn files(&self) -> Vec<PathBuf> {
-        self.layers.iter().filter(|layer| !layer.is_option()).map(|layer| PathBuf::from(&layer.name)).collect()
+        self.layers
+            .iter()
+            .filter(|layer| !layer.is_option())
+            .map(|layer| PathBuf::from(&layer.name))
+            .collect()
     }
 
     /// The error for the value at `path`.
@@ -97,39 +109,62 @@ impl Document {
     pub fn find(&self, below: &KeyPath, key: &str, found: &str) -> Option<KeyPath> {
         let number: Option<f64> = found.parse().ok();
         self.search(below, &|path, value| {
-            let same = value.as_str() == Some(found) || (number.is_some() && value.as_f64() == number);
+            let same =
+                value.as_str() == Some(found) || (number.is_some() && value.as_f64() == number);
             same && path.0.last() == Some(&Step::Key(key.to_owned()))
         })
     }
 
-    fn search(&self, below: &KeyPath, matches: &dyn Fn(&KeyPath, &Value) -> bool) -> Option<KeyPath> {
+    fn search(
+        &self,
+        below: &KeyPath,
+        matches: &dyn Fn(&KeyPath, &Value) -> bool,
+    ) -> Option<KeyPath> {
         let value = get(&self.merged, below)?;
         if matches(below, value) {
             return Some(below.clone());
         }
         match value {
-            Value::Mapping(mapping) => {
-                mapping.keys().filter_map(Value::as_str).find_map(|key| self.search(&below.key(key), matches))
+            Value::Mapping(mapping) => mapping
+                .keys()
+                .filter_map(Value::as_str)
+                .find_map(|key| self.search(&below.key(key), matches)),
+            Value::Sequence(items) => {
+                (0..items.len()).find_map(|index| self.search(&below.item(index), matches))
             }
-            Value::Sequence(items) => (0..items.len()).find_map(|index| self.search(&below.item(index), matches)),
             _ => None,
         }
     }
 
     /// The error for `path`, with the given texts.
-    pub fn refuse(&self, path: &KeyPath, end: PathEnd, found: String, expected: impl Into<String>) -> SpecError {
-        SpecError::Key { place: self.place(path, end), key: path.clone(), found, expected: expected.into() }
+    pub fn refuse(
+        &self,
+        path: &KeyPath,
+        end: PathEnd,
+        found: String,
+        expected: impl Into<String>,
+    ) -> SpecError {
+        SpecError::Key {
+            place: self.place(path, end),
+            key: path.clone(),
+            found,
+            expected: expected.into(),
+        }
     }
 
     /// Location of `path`, or of its nearest existing parent.
     pub fn place(&self, path: &KeyPath, end: PathEnd) -> SourceLocation {
-        if let Some(place) = self.origins.iter().rev().find_map(|origin| origin.place(self, path, end)) {
+        if let Some(place) =
+            self.origins.iter().rev().find_map(|origin| origin.place(self, path, end))
+        {
             return place;
         }
         // A value in an overridden layer is not part of the document.
         match self.owner(path).filter(|_| self.has(path)) {
             Some(layer) => layer.place(path, end),
-            None if path.0.is_empty() => SourceLocation::File { file: self.file.clone(), line: 1, column: 1 },
+            None if path.0.is_empty() => {
+                SourceLocation::File { file: self.file.clone(), line: 1, column: 1 }
+            }
             None => self.place(&path.parent(), PathEnd::Value),
         }
     }
@@ -144,10 +179,16 @@ impl Document {
     }
 
     /// Location of `below` in the values of a swept field, or of its nearest existing parent.
-    pub(crate) fn place_swept(&self, written: &SweptEntry, below: &[Step], end: PathEnd) -> SourceLocation {
+    pub(crate) fn place_swept(
+        &self,
+        written: &SweptEntry,
+        below: &[Step],
+        end: PathEnd,
+    ) -> SourceLocation {
         let layer = &self.layers[written.layer];
         let full = KeyPath([written.at.0.as_slice(), below].concat());
-        let (path, end) = if layer.get(&full).is_some() { (&full, end) } else { (&written.at, PathEnd::Value) };
+        let (path, end) =
+            if layer.get(&full).is_some() { (&full, end) } else { (&written.at, PathEnd::Value) };
         layer.place(path, end)
     }
 }
@@ -180,11 +221,19 @@ pub(crate) struct Origin {
 
 impl Origin {
     /// Location of `path`, if it is in the swept field.
-    pub(super) fn place(&self, document: &Document, path: &KeyPath, end: PathEnd) -> Option<SourceLocation> {
+    pub(super) fn place(
+        &self,
+        document: &Document,
+        path: &KeyPath,
+        end: PathEnd,
+    ) -> Option<SourceLocation> {
         let below_field = path.0.strip_prefix(self.written.field.0.as_slice())?;
-        let files =
-            self.files.iter().map(|(below, file, text)| (below_field.strip_prefix(below.0.as_slice()), file, text));
-        if let Some((inside, file, text)) = files.filter_map(|(inside, file, text)| Some((inside?, file, text))).next()
+        let files = self
+            .files
+            .iter()
+            .map(|(below, file, text)| (below_field.strip_prefix(below.0.as_slice()), file, text));
+        if let Some((inside, file, text)) =
+            files.filter_map(|(inside, file, text)| Some((inside?, file, text))).next()
         {
             let (line, column) = locate(text, &KeyPath(inside.to_vec()), end).unwrap_or((1, 1));
             return Some(SourceLocation::File { file: file.clone(), line, column });

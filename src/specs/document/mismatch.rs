@@ -29,12 +29,18 @@ impl Mismatch {
 ///
 /// # Errors
 /// [`Mismatch`] for the first key or value that does not fit.
-pub(crate) fn deserialize<T: DeserializeOwned>(value: &Value, root_keys: &[&str]) -> Result<T, Mismatch> {
+pub(crate) fn deserialize<T: DeserializeOwned>(
+    value: &Value,
+    root_keys: &[&str],
+) -> Result<T, Mismatch> {
     // Most values fit, and reading without a record of the path is several times faster.
     singleton_map_recursive::deserialize(value).or_else(|_| {
         let mut track = Track::new();
-        singleton_map_recursive::deserialize(Deserializer::new(value, &mut track))
-            .map_err(|error: serde_yaml::Error| explain(&error.to_string(), &KeyPath::from(&track.path()), root_keys))
+        singleton_map_recursive::deserialize(Deserializer::new(value, &mut track)).map_err(
+            |error: serde_yaml::Error| {
+                explain(&error.to_string(), &KeyPath::from(&track.path()), root_keys)
+            },
+        )
     })
 }
 
@@ -44,15 +50,24 @@ fn explain(message: &str, path: &KeyPath, root_keys: &[&str]) -> Mismatch {
         .or_else(|| missing(message, path))
         .or_else(|| mistyped(message, path))
         .or_else(|| unregistered(message, path))
-        .unwrap_or_else(|| Mismatch::new(path.clone(), PathEnd::Value, message.to_owned(), "a valid value"))
+        .unwrap_or_else(|| {
+            Mismatch::new(path.clone(), PathEnd::Value, message.to_owned(), "a valid value")
+        })
 }
 
 /// ``unknown kernel `x`, expected one of a, b``, the message of registries.
 fn unregistered(message: &str, path: &KeyPath) -> Option<Mismatch> {
     let (found, expected) = message[message.find("unknown ")?..].split_once(", expected ")?;
-    let suggestion = nearest(found.split('`').nth(1)?, expected.trim_start_matches("one of ").split(", "));
-    let hint = suggestion.map_or(String::new(), |suggestion| format!(" (did you mean `{suggestion}`?)"));
-    Some(Mismatch::new(path.clone(), PathEnd::Value, format!("the {found}"), format!("{expected}{hint}")))
+    let suggestion =
+        nearest(found.split('`').nth(1)?, expected.trim_start_matches("one of ").split(", "));
+    let hint =
+        suggestion.map_or(String::new(), |suggestion| format!(" (did you mean `{suggestion}`?)"));
+    Some(Mismatch::new(
+        path.clone(),
+        PathEnd::Value,
+        format!("the {found}"),
+        format!("{expected}{hint}"),
+    ))
 }
 
 /// ``unknown field `x`, expected one of `a`, `b` `` and the same for the names of enum variants.
@@ -83,7 +98,12 @@ fn unknown(message: &str, path: &KeyPath, root_keys: &[&str]) -> Option<Mismatch
 /// ``missing field `x` ``.
 fn missing(message: &str, path: &KeyPath) -> Option<Mismatch> {
     let name = message[message.find("missing field `")?..].split('`').nth(1)?;
-    Some(Mismatch::new(path.key(name), PathEnd::Value, "no such key".to_owned(), format!("the key `{name}`")))
+    Some(Mismatch::new(
+        path.key(name),
+        PathEnd::Value,
+        "no such key".to_owned(),
+        format!("the key `{name}`"),
+    ))
 }
 
 /// `invalid type: string "x", expected u64` and similar messages.
@@ -103,7 +123,10 @@ fn mistyped(message: &str, path: &KeyPath) -> Option<Mismatch> {
         other if other.starts_with("struct ") || other == "a map" => "a mapping of keys to values",
         other => other,
     };
-    let found = found.replace("unit value", "nothing").replace("string \"", "text \"").replace("map", "a mapping");
+    let found = found
+        .replace("unit value", "nothing")
+        .replace("string \"", "text \"")
+        .replace("map", "a mapping");
     Some(Mismatch::new(path.clone(), PathEnd::Value, found, expected))
 }
 
@@ -118,7 +141,10 @@ pub(crate) fn describe(value: &Value) -> String {
         Value::Number(number) => number.to_string(),
         Value::String(text) => match text.lines().next() {
             Some(line) if line.len() < text.len() || line.chars().count() > MAX_SHOWN => {
-                format!("a text that begins with `{}`", line.chars().take(MAX_SHOWN).collect::<String>())
+                format!(
+                    "a text that begins with `{}`",
+                    line.chars().take(MAX_SHOWN).collect::<String>()
+                )
             }
             _ => format!("`{text}`"),
         },

@@ -1,5 +1,5 @@
-//! A spec as it is read: a file, the files it extends, and overrides from the command line, merged into one tree that
-//! keeps the source location of each value.
+//! A spec as it is read: a file, the files it extends, and overrides from the command line, merged
+//! into one tree that keeps the source location of each value.
 
 pub(crate) mod alias;
 pub(crate) mod error;

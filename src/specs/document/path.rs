@@ -30,7 +30,9 @@ impl KeyPath {
             steps.push(Step::Key(key.to_owned()));
             for item in rest.split_inclusive(']').filter(|item| !item.is_empty()) {
                 let digits = item.strip_prefix('[').and_then(|item| item.strip_suffix(']'));
-                let index = digits.and_then(|digits| digits.parse().ok()).ok_or_else(|| format!("`{part}`"))?;
+                let index = digits
+                    .and_then(|digits| digits.parse().ok())
+                    .ok_or_else(|| format!("`{part}`"))?;
                 steps.push(Step::Item(index));
             }
         }

@@ -10,8 +10,9 @@ use super::path::{KeyPath, Step};
 use serde_yaml::Value;
 
 impl Document {
-    /// Removes `sweep:` from the tree and returns its entries in the order in which they were written, weaker sources
-    /// first. A stronger source's values replace a weaker one's; `null` removes the field.
+    /// Removes `sweep:` from the tree and returns its entries in the order in which they were
+    /// written, weaker sources first. A stronger source's values replace a weaker one's; `null`
+    /// removes the field.
     ///
     /// # Errors
     /// A `sweep` that is not a mapping; a field that one source, or the command line, sweeps twice.
@@ -27,25 +28,42 @@ impl Document {
                 }
                 Some(Value::Mapping(mapping)) => mapping.clone(),
                 Some(other) => {
-                    return Err(layer.refuse(&sweep, describe(other), "a mapping from fields to their values"));
+                    return Err(layer.refuse(
+                        &sweep,
+                        describe(other),
+                        "a mapping from fields to their values",
+                    ));
                 }
             };
             for (key, value) in mapping {
-                let refuse = |found: String| layer.refuse(&sweep, found, "paths of fields, such as `gp.kernel`");
-                let key = key.as_str().ok_or_else(|| refuse(format!("the key `{}`", describe(&key))))?.to_owned();
+                let refuse = |found: String| {
+                    layer.refuse(&sweep, found, "paths of fields, such as `gp.kernel`")
+                };
+                let key = key
+                    .as_str()
+                    .ok_or_else(|| refuse(format!("the key `{}`", describe(&key))))?
+                    .to_owned();
                 let (field, renamed) = unaliased(KeyPath::parse(&key).map_err(refuse)?);
                 self.notes.extend(renamed.map(|renamed| {
                     let place = layer.place(&sweep.key(&key), PathEnd::Key);
                     format!("{place}: `{}` is now called `{}`", renamed.former, renamed.present)
                 }));
-                let written =
-                    SweptEntry { at: sweep.key(&key), field, layer: number, folder: layer.folder.clone(), value };
+                let written = SweptEntry {
+                    at: sweep.key(&key),
+                    field,
+                    layer: number,
+                    folder: layer.folder.clone(),
+                    value,
+                };
                 let earlier = fields.iter().position(|field| field.field == written.field);
                 let earlier_layer = earlier.map(|index| &self.layers[fields[index].layer]);
-                let is_same = |other: &Layer| other.name == layer.name || (other.is_option() && layer.is_option());
+                let is_same = |other: &Layer| {
+                    other.name == layer.name || (other.is_option() && layer.is_option())
+                };
                 if earlier_layer.is_some_and(is_same) {
                     let place = layer.place(&written.at, PathEnd::Key);
-                    let (found, expected) = ("a field that is already swept".into(), "each field once".into());
+                    let (found, expected) =
+                        ("a field that is already swept".into(), "each field once".into());
                     return Err(SpecError::Key { place, key: written.field, found, expected });
                 }
                 match (earlier, written.value.is_null()) {
@@ -65,7 +83,8 @@ impl Document {
     /// Location of the `--set` that sets `field` or a part of it.
     pub(crate) fn set_by(&self, field: &KeyPath) -> Option<SourceLocation> {
         let sets_field = |layer: &&Layer| {
-            layer.name.starts_with(SET) && (layer.root.0.starts_with(&field.0) || layer.get(field).is_some())
+            layer.name.starts_with(SET)
+                && (layer.root.0.starts_with(&field.0) || layer.get(field).is_some())
         };
         self.layers.iter().find(sets_field).map(|layer| layer.place(field, PathEnd::Value))
     }
@@ -82,7 +101,8 @@ impl Document {
         SpecError::Key { place, key: written.field.clone(), found, expected: expected.to_owned() }
     }
 
-    /// Reads the file that a swept value names at `below` its field: its content, its name and its text.
+    /// Reads the file that a swept value names at `below` its field: its content, its name and its
+    /// text.
     pub(crate) fn read_swept_file(
         &self,
         written: &SweptEntry,

@@ -4,7 +4,8 @@ use super::path::KeyPath;
 use serde_yaml::{Mapping, Value};
 
 /// What is expected after `=`.
-pub(crate) const EXPECTED: &str = "values `a,b,c`, or `from:to:count`, `log:from:to:count`, `random:from:to:count`, each with `:whole` for whole numbers";
+pub(crate) const EXPECTED: &str = "values `a,b,c`, or `from:to:count`, `log:from:to:count`, \
+                                   `random:from:to:count`, each with `:whole` for whole numbers";
 
 /// The path and the values of `--sweep`, the values as in YAML.
 ///
@@ -38,8 +39,13 @@ fn series(text: &str) -> Result<Value, String> {
         }
         form.insert(Value::from(*flag), Value::Bool(true));
     }
-    let complete = numbers.len() == 3 && form.values().all(|value| value.is_number() || value.is_bool());
-    if complete { Ok(Value::Mapping(Mapping::from_iter([(Value::from(kind), form.into())]))) } else { Err(malformed()) }
+    let complete =
+        numbers.len() == 3 && form.values().all(|value| value.is_number() || value.is_bool());
+    if complete {
+        Ok(Value::Mapping(Mapping::from_iter([(Value::from(kind), form.into())])))
+    } else {
+        Err(malformed())
+    }
 }
 
 /// Values between commas, each as YAML; commas inside brackets or quotes separate nothing.
@@ -71,7 +77,16 @@ mod tests {
         for (option, expected) in cases {
             assert_eq!(series(option), Ok(yaml(expected)), "{option}");
         }
-        for malformed in ["1:2", "1:2:3:4", "log:1:2", "log:a:2:3", "random:1:2:3:loud", "1:2:3:log", "[1", "1:2:x"] {
+        for malformed in [
+            "1:2",
+            "1:2:3:4",
+            "log:1:2",
+            "log:a:2:3",
+            "random:1:2:3:loud",
+            "1:2:3:log",
+            "[1",
+            "1:2:x",
+        ] {
             assert!(series(malformed).is_err(), "{malformed}");
         }
         assert!(parse("gp.kernel").is_err());

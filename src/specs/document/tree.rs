@@ -21,8 +21,8 @@ pub(super) fn merge(under: &mut Value, over: Value) {
     }
 }
 
-/// Keys whose value is one alternative with its settings, such as `plant: {simulated: {…}}`: another alternative
-/// replaces the first instead of merging with it.
+/// Keys whose value is one alternative with its settings, such as `plant: {simulated: {…}}`:
+/// another alternative replaces the first instead of merging with it.
 pub(super) const CHOICES: [&str; 3] = ["model", "plant", "layout"];
 
 fn other_choice(key: &Value, under: &Value, over: &Value) -> bool {
@@ -65,7 +65,8 @@ pub(crate) fn put(tree: &mut Value, steps: &[Step], value: Value) -> Result<(), 
             // Another alternative replaces the present one, as it does in a file.
             let choice = CHOICES.contains(&key.as_str());
             let holder = mapping.entry(Value::from(key.as_str())).or_insert(Value::Null);
-            if let (true, Some(Step::Key(name)), Value::Mapping(chosen)) = (choice, below.first(), &mut *holder)
+            if let (true, Some(Step::Key(name)), Value::Mapping(chosen)) =
+                (choice, below.first(), &mut *holder)
                 && chosen.len() == 1
                 && !chosen.contains_key(name.as_str())
                 && !chosen.contains_key("robot")
@@ -90,7 +91,9 @@ pub(super) fn not_plain(value: &Value, path: &KeyPath) -> Option<(KeyPath, Strin
             Value::String(key) => not_plain(value, &path.key(key)),
             other => Some((path.clone(), format!("the key `{}`", describe(other)))),
         }),
-        Value::Sequence(items) => items.iter().enumerate().find_map(|(index, item)| not_plain(item, &path.item(index))),
+        Value::Sequence(items) => {
+            items.iter().enumerate().find_map(|(index, item)| not_plain(item, &path.item(index)))
+        }
         Value::Tagged(tagged) => Some((path.clone(), format!("the tag `{}`", tagged.tag))),
         _ => None,
     }

@@ -1,4 +1,5 @@
-//! The cells of an experiment: the product of policies, modes and sizes, each once, in a fixed order.
+//! The cells of an experiment: the product of policies, modes and sizes, each once, in a fixed
+//! order.
 
 use super::claims::Size;
 use super::repair::RepairRun;
@@ -29,7 +30,9 @@ pub fn repair_cells(experiment: &Experiment) -> Vec<CellLabel> {
 /// The policy that works while the robot is watched, as a cell without a mode.
 pub fn repair_worker(experiment: &Experiment, run: &RepairRun) -> CellLabel {
     let entry = policies::find_with(&run.worker, &experiment.policies.outside);
-    let size = |part: Size, size: usize| if entry.is_some_and(|entry| uses(entry, part)) { size as u64 } else { 0 };
+    let size = |part: Size, size: usize| {
+        if entry.is_some_and(|entry| uses(entry, part)) { size as u64 } else { 0 }
+    };
     CellLabel {
         policy: run.worker.clone(),
         mode: String::new(),
@@ -50,12 +53,20 @@ fn product(experiment: &Experiment, sweeps: &[ReachSweep]) -> Vec<CellLabel> {
     let mut cells = Vec::new();
     for sweep in sweeps {
         for policy in &sweep.policies {
-            let Some(entry) = policies::find_with(policy, &experiment.policies.outside) else { continue };
+            let Some(entry) = policies::find_with(policy, &experiment.policies.outside) else {
+                continue;
+            };
             let open = |mode: &String| experiment.modes.get(mode).is_some_and(TrialMode::is_open);
             for mode in sweep.modes.iter().filter(|mode| !(entry.closed_loop_only && open(mode))) {
                 for gp_points in sizes(entry, Size::GpPoints, sweep.gp_points.as_deref()) {
-                    for real_points in sizes(entry, Size::RealPoints, sweep.real_points.as_deref()) {
-                        cells.push(CellLabel { policy: policy.clone(), mode: mode.clone(), gp_points, real_points });
+                    for real_points in sizes(entry, Size::RealPoints, sweep.real_points.as_deref())
+                    {
+                        cells.push(CellLabel {
+                            policy: policy.clone(),
+                            mode: mode.clone(),
+                            gp_points,
+                            real_points,
+                        });
                     }
                 }
             }
@@ -71,7 +82,9 @@ pub fn track_cells(experiment: &Experiment) -> Vec<CellLabel> {
     let Some(track) = &experiment.runs.track else { return Vec::new() };
     let cell = |policy: &String| {
         let entry = policies::find_with(policy, &experiment.policies.outside)?;
-        let size = |part: Size, size: Option<usize>| if uses(entry, part) { size.unwrap_or(0) as u64 } else { 0 };
+        let size = |part: Size, size: Option<usize>| {
+            if uses(entry, part) { size.unwrap_or(0) as u64 } else { 0 }
+        };
         Some(CellLabel {
             policy: policy.clone(),
             mode: track.mode.clone(),
@@ -85,7 +98,10 @@ pub fn track_cells(experiment: &Experiment) -> Vec<CellLabel> {
 /// Sizes of all Gaussian processes that the experiment fits, ascending.
 pub fn gp_sizes(experiment: &Experiment) -> Vec<usize> {
     let monitor = experiment.runs.repair.as_ref().map(|run| run.gp_points);
-    let used = trial_cells(experiment).map(|cell| cell.gp_points as usize).chain(monitor).filter(|&points| points > 0);
+    let used = trial_cells(experiment)
+        .map(|cell| cell.gp_points as usize)
+        .chain(monitor)
+        .filter(|&points| points > 0);
     let mut sizes: Vec<usize> = used.chain(experiment.runs.gp_points.iter().copied()).collect();
     sizes.sort_unstable();
     sizes.dedup();
@@ -94,7 +110,11 @@ pub fn gp_sizes(experiment: &Experiment) -> Vec<usize> {
 
 /// The sizes that count for a policy: those given, or a single 0 when it has no such part.
 fn sizes(entry: &policies::PolicyEntry, part: Size, sizes: Option<&[usize]>) -> Vec<u64> {
-    if uses(entry, part) { sizes.unwrap_or_default().iter().map(|&size| size as u64).collect() } else { vec![0] }
+    if uses(entry, part) {
+        sizes.unwrap_or_default().iter().map(|&size| size as u64).collect()
+    } else {
+        vec![0]
+    }
 }
 
 /// Whether a policy is trained from data of which there may be more or less.

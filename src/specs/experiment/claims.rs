@@ -1,6 +1,8 @@
-//! The paper's claims as relations between measured quantities: a closed set of relations, no expressions.
+//! The paper's claims as relations between measured quantities: a closed set of relations, no
+//! expressions.
 //!
-//! Each relation yields one number per seed and a range in which the claim holds; see `runner::claims`.
+//! Each relation yields one number per seed and a range in which the claim holds; see
+//! `runner::claims`.
 
 use serde::{Deserialize, Serialize};
 
@@ -51,7 +53,8 @@ pub enum Relation {
         /// Largest difference, in the metric's unit.
         tolerance: f64,
     },
-    /// The metric falls with the amount of data; the number is its slope in units per decade of data, by least squares.
+    /// The metric falls with the amount of data; the number is its slope in units per decade of
+    /// data, by least squares.
     Falls {
         /// Goal-reaching metric, without sizes.
         metric: ClaimMetric,
@@ -60,8 +63,8 @@ pub enum Relation {
         /// Its values, at least two.
         values: Vec<u64>,
     },
-    /// More data improves the metric by less than a margin; the number is the mean at the larger sizes minus the value
-    /// at `from`, and the claim holds above −margin.
+    /// More data improves the metric by less than a margin; the number is the mean at the larger
+    /// sizes minus the value at `from`, and the claim holds above −margin.
     NoGain {
         /// Goal-reaching metric, without sizes.
         metric: ClaimMetric,
@@ -187,7 +190,9 @@ impl ClaimMetric {
     /// The metric at another data size; `None` for a metric without that size.
     pub fn at(&self, over: Size, points: u64) -> Option<ClaimMetric> {
         let mut metric = self.clone();
-        let (ClaimMetric::ReachMean(cell) | ClaimMetric::ReachSd(cell)) = &mut metric else { return None };
+        let (ClaimMetric::ReachMean(cell) | ClaimMetric::ReachSd(cell)) = &mut metric else {
+            return None;
+        };
         match over {
             Size::GpPoints => cell.gp_points = Some(points),
             Size::RealPoints => cell.real_points = Some(points),
@@ -204,8 +209,12 @@ impl Relation {
         };
         match self {
             Relation::Less { left, right, .. } => vec![left.clone(), right.clone()],
-            Relation::Between { metric, .. } | Relation::Near { metric, .. } => vec![metric.clone()],
-            Relation::Falls { metric, over, values } => swept(metric, over, &mut values.iter().copied()),
+            Relation::Between { metric, .. } | Relation::Near { metric, .. } => {
+                vec![metric.clone()]
+            }
+            Relation::Falls { metric, over, values } => {
+                swept(metric, over, &mut values.iter().copied())
+            }
             Relation::NoGain { metric, over, from, beyond, .. } => {
                 swept(metric, over, &mut std::iter::once(*from).chain(beyond.iter().copied()))
             }

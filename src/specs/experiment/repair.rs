@@ -1,4 +1,5 @@
-//! Repair: what changes on a robot that works, how it is noticed, told and mended, and what is run before and after.
+//! Repair: what changes on a robot that works, how it is noticed, told and mended, and what is run
+//! before and after.
 
 use super::spec::ReachSweep;
 use crate::discovery::Options;
@@ -7,9 +8,10 @@ use crate::tasks::MonitorOptions;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// A robot works under a monitor. `discover` has told from a recording what the model lacks of it as it was built. Something
-/// changes that nobody announces; the monitor tells it, a recording is made, `discover` names the change, the model gets the
-/// lines, and networks are trained on from where they are.
+/// A robot works under a monitor. `discover` has told from a recording what the model lacks of it
+/// as it was built. Something changes that nobody announces; the monitor tells it, a recording is
+/// made, `discover` names the change, the model gets the lines, and networks are trained on from
+/// where they are.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RepairRun {
@@ -36,7 +38,8 @@ pub struct RepairRun {
     /// What else holds for the discovery of what the model lacks of the robot as it was built.
     #[serde(default)]
     pub identification: Identification,
-    /// Goal reaching before the change, after it, and repaired: products of policies, modes and sizes.
+    /// Goal reaching before the change, after it, and repaired: products of policies, modes and
+    /// sizes.
     pub cells: Vec<ReachSweep>,
 }
 
@@ -58,8 +61,8 @@ impl RepairRun {
     }
 }
 
-/// Many small effects rather than a few that stand for them: a change is told beside what is left of the robot as it was
-/// built.
+/// Many small effects rather than a few that stand for them: a change is told beside what is left
+/// of the robot as it was built.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Identification {

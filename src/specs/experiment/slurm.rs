@@ -3,7 +3,8 @@
 use crate::base::BadOption;
 use serde::{Deserialize, Serialize};
 
-/// Shortest limit, minutes: the notice comes 90 s before, and clusters round that up by as much as a minute.
+/// Shortest limit, minutes: the notice comes 90 s before, and clusters round that up by as much as
+/// a minute.
 const MIN_TIME_MIN: u32 = 4;
 
 /// Resources of a worker and where it runs. The cluster decides what is left out.
@@ -14,13 +15,15 @@ pub struct SlurmOptions {
     pub partition: Option<String>,
     /// Account that is charged.
     pub account: Option<String>,
-    /// Time limit of a worker, minutes. Ninety seconds before, it completes the stages that it has begun and ends.
+    /// Time limit of a worker, minutes. Ninety seconds before, it completes the stages that it has
+    /// begun and ends.
     pub time_min: Option<u32>,
     /// Memory of a worker, megabytes.
     pub memory_mb: Option<u32>,
     /// Processors, and threads, of a worker.
     pub cpus: u32,
-    /// Workers that each task of the job array starts at once; by default as many as keep the array at a hundred tasks.
+    /// Workers that each task of the job array starts at once; by default as many as keep the array
+    /// at a hundred tasks.
     pub workers_per_task: Option<u32>,
     /// Times that workers are submitted again without anything new having come of it.
     pub attempts: u32,
@@ -54,7 +57,8 @@ impl SlurmOptions {
     /// [`BadOption`] names the first one.
     pub fn check(&self) -> Result<(), BadOption> {
         if let Some(minutes) = self.time_min.filter(|&minutes| minutes < MIN_TIME_MIN) {
-            let expected = "at least 4: the notice comes up to two and a half minutes before the end";
+            let expected =
+                "at least 4: the notice comes up to two and a half minutes before the end";
             return Err(BadOption { key: "time_min", found: minutes.to_string(), expected });
         }
         BadOption::unless_counted("cpus", self.cpus as usize)?;

@@ -4,7 +4,9 @@ use super::claims::PaperClaim;
 use super::repair::RepairRun;
 use super::slurm::SlurmOptions;
 use crate::base::{Seed, is_default};
-use crate::benchmark::{CaseBatch, DrawnEffect, OracleOptions, Population, RecordedCases, TruthOptions};
+use crate::benchmark::{
+    CaseBatch, DrawnEffect, OracleOptions, Population, RecordedCases, TruthOptions,
+};
 use crate::discovery::Options;
 use crate::effects::EffectSpec;
 use crate::learn::gp::GpConfig;
@@ -12,11 +14,15 @@ use crate::learn::networks::NetworkConfig;
 use crate::plants::PlantSpec;
 use crate::policies::{self, EarlyStopping, NetworkDescription, PolicyOptions};
 use crate::report::figures;
-use crate::tasks::{ExploreOptions, GpPointsOptions, LoopMode, PathOptions, ReachOptions, TargetOptions, TrackOptions};
+use crate::tasks::{
+    ExploreOptions, GpPointsOptions, LoopMode, PathOptions, ReachOptions, TargetOptions,
+    TrackOptions,
+};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// An experiment. Omitted keys take the defaults of their modules, which `docs/decisions.md` explains.
+/// An experiment. Omitted keys take the defaults of their modules, which `docs/decisions.md`
+/// explains.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Experiment {
@@ -97,7 +103,8 @@ impl Experiment {
 
     /// What the robot of a repetition has beside `plant`, where repetitions differ in their robots.
     pub fn drawn_effects(&self, repetition: u64) -> Vec<DrawnEffect> {
-        let (Some(population), PlantSpec::Simulated(robot)) = (&self.population, &self.plant) else {
+        let (Some(population), PlantSpec::Simulated(robot)) = (&self.population, &self.plant)
+        else {
             return Vec::new();
         };
         population.draw(&robot.model, Seed(self.seed).child("population").index(repetition))
@@ -111,7 +118,8 @@ fn one() -> u64 {
 fn policy_names(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
     let names: Vec<&str> = policies::REGISTRY.iter().map(|entry| entry.name).collect();
     // The second form is that of policies from outside.
-    let item = serde_json::json!({ "anyOf": [{ "type": "string", "enum": names }, { "type": "string" }] });
+    let item =
+        serde_json::json!({ "anyOf": [{ "type": "string", "enum": names }, { "type": "string" }] });
     schemars::json_schema!({ "type": "array", "items": item })
 }
 
@@ -121,7 +129,9 @@ fn figure_names(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
 }
 
 /// Initial weights of policy B's network when it is trained on generated data.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum GeneratedStart {
     /// The weights of policy A's network ("we can retrain the RNN in control policy A").
@@ -135,7 +145,8 @@ pub enum GeneratedStart {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Training {
-    /// Validation mean absolute error at which the forward model stops, metres; `null`: train to convergence.
+    /// Validation mean absolute error at which the forward model stops, metres; `null`: train to
+    /// convergence.
     pub forward_mae_m: Option<f64>,
     /// The same for the inverse mapping of simulated data.
     pub inverse_mae_m: Option<f64>,
@@ -187,7 +198,8 @@ pub struct Runs {
     pub forward: bool,
     /// Sizes of further Gaussian processes, beside those that policies use.
     pub gp_points: Vec<usize>,
-    /// Shares that intervals of the Gaussian processes promise to cover, which are held against unseen points.
+    /// Shares that intervals of the Gaussian processes promise to cover, which are held against
+    /// unseen points.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub gp_coverage: Vec<f64>,
     /// The same shares, held against each point of a process as the others foretell it.
@@ -210,7 +222,8 @@ pub struct Runs {
     pub discovery: Option<DiscoveryRun>,
 }
 
-/// Blind cases of discovery. Commands are those of `explore`, with the trials and samples of each batch.
+/// Blind cases of discovery. Commands are those of `explore`, with the trials and samples of each
+/// batch.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DiscoveryRun {

@@ -18,7 +18,8 @@ use std::sync::Arc;
 const MAX_POINTS: usize = 100_000;
 
 /// Fields that cannot be swept, as they change no trial.
-const NOT_SWEPT: [&str; 8] = ["name", "extends", "sweep", "seeds", "first_seed", "figures", "claims", "slurm"];
+const NOT_SWEPT: [&str; 8] =
+    ["name", "extends", "sweep", "seeds", "first_seed", "figures", "claims", "slurm"];
 
 /// An experiment, or one for each point of a sweep.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,27 +56,44 @@ pub struct SweepPoint {
 
 impl From<Experiment> for ExperimentSet {
     fn from(experiment: Experiment) -> ExperimentSet {
-        ExperimentSet { experiment, sweep: Vec::new(), points: Vec::new(), notes: Vec::new(), written: Mapping::new() }
+        ExperimentSet {
+            experiment,
+            sweep: Vec::new(),
+            points: Vec::new(),
+            notes: Vec::new(),
+            written: Mapping::new(),
+        }
     }
 }
 
 impl ExperimentSet {
-    /// Reads and checks a spec with overrides `path.to.key=value` and sweeps `path.to.key=values`. Paths may be
-    /// written with the aliases of `docs/sweeps.md`.
+    /// Reads and checks a spec with overrides `path.to.key=value` and sweeps `path.to.key=values`.
+    /// Paths may be written with the aliases of `docs/sweeps.md`.
     ///
     /// # Errors
     /// [`SpecError`] for the first invalid key or value, at any point.
-    pub fn read(file: &Path, sets: &[String], sweeps: &[String]) -> Result<ExperimentSet, SpecError> {
-        let includes: Vec<KeyPath> =
-            ["model", "plant"].iter().flat_map(|key| model_paths(&KeyPath::default().key(key))).collect();
+    pub fn read(
+        file: &Path,
+        sets: &[String],
+        sweeps: &[String],
+    ) -> Result<ExperimentSet, SpecError> {
+        let includes: Vec<KeyPath> = ["model", "plant"]
+            .iter()
+            .flat_map(|key| model_paths(&KeyPath::default().key(key)))
+            .collect();
         let mut document = Document::read_swept(file, sets, sweeps, &includes)?;
         let written = document.take_sweep()?;
         if written.is_empty() {
             let notes = std::mem::take(&mut document.notes);
-            return checked(&document).map(|experiment| ExperimentSet { notes, ..ExperimentSet::from(experiment) });
+            return checked(&document)
+                .map(|experiment| ExperimentSet { notes, ..ExperimentSet::from(experiment) });
         }
-        let seed = get(&document.merged, &KeyPath::default().key("seed")).and_then(Value::as_u64).unwrap_or_default();
-        let fields = written.into_iter().map(|written| ResolvedField::read(&document, written, &includes, Seed(seed)));
+        let seed = get(&document.merged, &KeyPath::default().key("seed"))
+            .and_then(Value::as_u64)
+            .unwrap_or_default();
+        let fields = written
+            .into_iter()
+            .map(|written| ResolvedField::read(&document, written, &includes, Seed(seed)));
         let fields = fields.collect::<Result<Vec<ResolvedField>, SpecError>>()?;
         let count = count(&document, &fields)?;
         let mut set = ExperimentSet {
@@ -95,7 +113,8 @@ impl ExperimentSet {
 
     /// The experiment, and the experiments at all points (the first of which it repeats).
     pub fn experiments(&self) -> impl Iterator<Item = &Experiment> {
-        std::iter::once(&self.experiment).chain(self.points.iter().map(|point| point.experiment.as_ref()))
+        std::iter::once(&self.experiment)
+            .chain(self.points.iter().map(|point| point.experiment.as_ref()))
     }
 
     /// The spec with all defaults filled in and no references to other files.
@@ -107,7 +126,8 @@ impl ExperimentSet {
         if self.sweep.is_empty() {
             return Ok(body);
         }
-        let sweep = Mapping::from_iter([(Value::from("sweep"), Value::Mapping(self.written.clone()))]);
+        let sweep =
+            Mapping::from_iter([(Value::from("sweep"), Value::Mapping(self.written.clone()))]);
         Ok(body + &to_yaml(&sweep)?)
     }
 }
@@ -131,7 +151,12 @@ impl Experiment {
 impl SweepPoint {
     /// Its values as text, `field=value` for each field.
     pub fn label(&self, sweep: &[SweptField]) -> String {
-        label(sweep.iter().zip(&self.values).map(|(field, &value)| (field.name.as_str(), field.values[value].as_str())))
+        label(
+            sweep
+                .iter()
+                .zip(&self.values)
+                .map(|(field, &value)| (field.name.as_str(), field.values[value].as_str())),
+        )
     }
 }
 
@@ -156,18 +181,28 @@ impl ResolvedField {
         seed: Seed,
     ) -> Result<ResolvedField, SpecError> {
         let field = &written.field;
-        let refuse = |found: &str, expected: &str| document.refuse_swept(&written, &[], found.to_owned(), expected);
+        let refuse = |found: &str, expected: &str| {
+            document.refuse_swept(&written, &[], found.to_owned(), expected)
+        };
         if let Some(Step::Key(first)) = field.0.first()
             && NOT_SWEPT.contains(&first.as_str())
         {
             return Err(refuse(&format!("`{first}`"), "a field that the trials depend on"));
         }
         if let Some(place) = document.set_by(field) {
-            let expected = "a field either set or swept (`--set sweep=null` drops what the file sweeps)".to_owned();
-            return Err(SpecError::Key { place, key: field.clone(), found: "a field that is swept".into(), expected });
+            let expected =
+                "a field either set or swept (`--set sweep=null` drops what the file sweeps)"
+                    .to_owned();
+            return Err(SpecError::Key {
+                place,
+                key: field.clone(),
+                found: "a field that is swept".into(),
+                expected,
+            });
         }
-        let values = expand(&written.value, field, seed)
-            .map_err(|(below, found, expected)| document.refuse_swept(&written, &below.0, found, &expected))?;
+        let values = expand(&written.value, field, seed).map_err(|(below, found, expected)| {
+            document.refuse_swept(&written, &below.0, found, &expected)
+        })?;
         let with_files = |mut sweep_value: SweepValue| {
             let files = read_files(document, &written, &mut sweep_value, includes)?;
             Ok((sweep_value, files))
@@ -195,10 +230,9 @@ impl ResolvedField {
             random.entry(Value::from("seed")).or_insert(Value::from(seed));
         }
         if self.values.iter().any(|(_, files)| !files.is_empty()) {
-            let named = self
-                .values
-                .iter()
-                .map(|(sweep_value, _)| (Value::from(sweep_value.name.as_str()), sweep_value.value.clone()));
+            let named = self.values.iter().map(|(sweep_value, _)| {
+                (Value::from(sweep_value.name.as_str()), sweep_value.value.clone())
+            });
             let named = Value::Mapping(named.collect());
             value = Value::Mapping(Mapping::from_iter([(Value::from("named"), named)]));
         }
@@ -235,7 +269,12 @@ fn count(document: &Document, fields: &[ResolvedField]) -> Result<usize, SpecErr
         (None, Some(last)) => {
             let sizes: Vec<String> = sizes.iter().map(usize::to_string).collect();
             let found = format!("{} points", sizes.join(" × "));
-            Err(document.refuse_swept(&last.written, &[], found, &format!("at most {MAX_POINTS} in one sweep")))
+            Err(document.refuse_swept(
+                &last.written,
+                &[],
+                found,
+                &format!("at most {MAX_POINTS} in one sweep"),
+            ))
         }
         (None, None) => Ok(0),
     }
@@ -266,21 +305,30 @@ fn at_point(
         .collect();
     // A field inside another swept field (a number of a swept model) is set after it.
     chosen.sort_by_key(|(field, _, _)| field.written.field.0.len());
-    let origin = |&(field, sweep_value, files): &(&ResolvedField, &SweepValue, &IncludedFiles)| Origin {
-        written: field.written.clone(),
-        below: sweep_value.below.clone(),
-        files: files.clone(),
-    };
+    let origin =
+        |&(field, sweep_value, files): &(&ResolvedField, &SweepValue, &IncludedFiles)| Origin {
+            written: field.written.clone(),
+            below: sweep_value.below.clone(),
+            files: files.clone(),
+        };
     document.origins = chosen.iter().map(origin).collect();
     for (field, sweep_value, _) in &chosen {
-        put(&mut document.merged, &field.written.field.0, sweep_value.value.clone()).map_err(|found| {
-            document.refuse_swept(&field.written, &[], format!("{found} on the way there"), "a field of this spec")
-        })?;
+        put(&mut document.merged, &field.written.field.0, sweep_value.value.clone()).map_err(
+            |found| {
+                document.refuse_swept(
+                    &field.written,
+                    &[],
+                    format!("{found} on the way there"),
+                    "a field of this spec",
+                )
+            },
+        )?;
     }
     let values = || {
         let named = fields.iter().zip(&digits);
-        let named: Vec<(String, &str)> =
-            named.map(|(field, &digit)| (field.name(), field.values[digit].0.name.as_str())).collect();
+        let named: Vec<(String, &str)> = named
+            .map(|(field, &digit)| (field.name(), field.values[digit].0.name.as_str()))
+            .collect();
         label(named.iter().map(|(name, value)| (name.as_str(), *value)))
     };
     checked(document).map_err(|error| match error {

@@ -1,4 +1,5 @@
-//! The values of a swept field: a list, an even or logarithmic range, random samples, or values with names.
+//! The values of a swept field: a list, an even or logarithmic range, random samples, or values
+//! with names.
 
 use crate::base::Seed;
 use crate::data::tables::{SIGNIFICANT_DIGITS, round_significant};
@@ -98,12 +99,16 @@ pub(crate) struct RandomDraw {
     seed: Option<u64>,
 }
 
-/// Expands `written` to values. Random values come from the child `sweep`, `field` of `seed`, with one generator per
-/// sample, so that a larger count keeps the first samples.
+/// Expands `written` to values. Random values come from the child `sweep`, `field` of `seed`, with
+/// one generator per sample, so that a larger count keeps the first samples.
 ///
 /// # Errors
 /// The first invalid value.
-pub(crate) fn expand(written: &Value, field: &KeyPath, seed: Seed) -> Result<Vec<SweepValue>, Wrong> {
+pub(crate) fn expand(
+    written: &Value,
+    field: &KeyPath,
+    seed: Seed,
+) -> Result<Vec<SweepValue>, Wrong> {
     let values = match written {
         Value::Sequence(items) => listed(items)?,
         Value::Mapping(form) if form.len() == 1 => {
@@ -145,8 +150,11 @@ fn named(settings: &Value) -> Result<Vec<SweepValue>, Wrong> {
     let Value::Mapping(mapping) = settings else {
         return Err(wrong("named", describe(settings), "a mapping from names to values"));
     };
-    let sweep_value =
-        |(key, value): (&Value, &Value)| SweepValue { name: name(key), value: value.clone(), below: None };
+    let sweep_value = |(key, value): (&Value, &Value)| SweepValue {
+        name: name(key),
+        value: value.clone(),
+        below: None,
+    };
     Ok(mapping.iter().map(sweep_value).collect())
 }
 
@@ -170,7 +178,9 @@ fn even(range: &EvenRange) -> Result<Vec<SweepValue>, Wrong> {
             }
             (steps as usize, step)
         }
-        (None, Some(step)) => return Err(wrong("range.step", step.to_string(), "a finite number above 0")),
+        (None, Some(step)) => {
+            return Err(wrong("range.step", step.to_string(), "a finite number above 0"));
+        }
         (Some(_), Some(_)) => return Err(wrong("range", "both `count` and `step`", "one of them")),
         (None, None) => return Err(wrong("range", "neither `count` nor `step`", "one of them")),
     };
@@ -254,8 +264,8 @@ fn each_once(values: &[SweepValue]) -> Result<(), Wrong> {
     }
 }
 
-/// Computed numbers, rounded to the digits of tables, so that the published values are the ones that were run; `exact`
-/// ones are not rounded. Whole results become integers.
+/// Computed numbers, rounded to the digits of tables, so that the published values are the ones
+/// that were run; `exact` ones are not rounded. Whole results become integers.
 fn numbers(values: impl Iterator<Item = f64>, whole: bool, exact: [f64; 2]) -> Vec<SweepValue> {
     let rounded = |value: f64| match whole {
         true => value.round(),
@@ -264,8 +274,11 @@ fn numbers(values: impl Iterator<Item = f64>, whole: bool, exact: [f64; 2]) -> V
     };
     let sweep_value = |value: f64| {
         // Integer fields do not accept `3.0`.
-        let number =
-            if value.fract() == 0.0 && value.abs() < 1e15 { Number::from(value as i64) } else { Number::from(value) };
+        let number = if value.fract() == 0.0 && value.abs() < 1e15 {
+            Number::from(value as i64)
+        } else {
+            Number::from(value)
+        };
         let value = Value::Number(number);
         SweepValue { name: name(&value), value, below: None }
     };
@@ -287,7 +300,11 @@ fn name(value: &Value) -> String {
 /// A number as in published tables.
 fn number_name(value: f64) -> String {
     let value = round_significant(value, SIGNIFICANT_DIGITS);
-    if value != 0.0 && !(1e-4..1e15).contains(&value.abs()) { format!("{value:e}") } else { value.to_string() }
+    if value != 0.0 && !(1e-4..1e15).contains(&value.abs()) {
+        format!("{value:e}")
+    } else {
+        value.to_string()
+    }
 }
 
 #[cfg(test)]
@@ -297,9 +314,9 @@ mod tests {
     fn names(text: &str) -> Result<Vec<String>, String> {
         let field = KeyPath::parse("gp.noise_floor").unwrap();
         let values = expand(&serde_yaml::from_str(text).unwrap(), &field, Seed(7));
-        values
-            .map(|values| values.into_iter().map(|one| one.name).collect())
-            .map_err(|(path, found, expected)| format!("{path}: found {found}, expected {expected}"))
+        values.map(|values| values.into_iter().map(|one| one.name).collect()).map_err(
+            |(path, found, expected)| format!("{path}: found {found}, expected {expected}"),
+        )
     }
 
     #[test]
@@ -317,8 +334,11 @@ mod tests {
         for (text, expected) in cases {
             assert_eq!(names(text).map(|names| names.join(" ")), Ok(expected.to_owned()), "{text}");
         }
-        let whole =
-            expand(&serde_yaml::from_str("{range: {from: 1, to: 5, count: 3}}").unwrap(), &KeyPath::default(), Seed(0));
+        let whole = expand(
+            &serde_yaml::from_str("{range: {from: 1, to: 5, count: 3}}").unwrap(),
+            &KeyPath::default(),
+            Seed(0),
+        );
         assert!(
             whole.unwrap().iter().all(|one| one.value.is_u64() || one.value.is_i64()),
             "fields that count take them"
@@ -331,11 +351,20 @@ mod tests {
         let few = draw("{random: {from: 2, to: 3, count: 5}}");
         assert_eq!(few, draw("{random: {from: 2, to: 3, count: 9}}")[..5]);
         assert_ne!(few, draw("{random: {from: 2, to: 3, count: 5, seed: 8}}"));
-        assert_eq!(few, draw("{random: {from: 2, to: 3, count: 5, seed: 7}}"), "the spec's seed is the default");
-        let log: Vec<f64> =
-            draw("{random: {from: 1e-6, to: 1, count: 400, log: true}}").iter().map(|x| x.parse().unwrap()).collect();
+        assert_eq!(
+            few,
+            draw("{random: {from: 2, to: 3, count: 5, seed: 7}}"),
+            "the spec's seed is the default"
+        );
+        let log: Vec<f64> = draw("{random: {from: 1e-6, to: 1, count: 400, log: true}}")
+            .iter()
+            .map(|x| x.parse().unwrap())
+            .collect();
         let below = log.iter().filter(|&&value| value < 1e-3).count();
-        assert!((150..250).contains(&below), "half of the values lie in the lower half of the decades: {below}");
+        assert!(
+            (150..250).contains(&below),
+            "half of the values lie in the lower half of the decades: {below}"
+        );
         assert!(log.iter().all(|value| (1e-6..1.0).contains(value)));
     }
 
@@ -344,21 +373,45 @@ mod tests {
         let cases = [
             ("[]", "(whole document): found no values"),
             ("3", "(whole document): found 3, expected a list, or one of"),
-            ("{rang: {}}", "(whole document): found the unknown key `rang`, expected a list, or one of"),
+            (
+                "{rang: {}}",
+                "(whole document): found the unknown key `rang`, expected a list, or one of",
+            ),
             ("{range: {from: 0, to: 1}}", "range: found neither `count` nor `step`"),
             ("{range: {from: 0, to: 1, count: 3, step: 1}}", "range: found both"),
             ("{range: {from: 0, to: 1, count: 1}}", "range.count: found 1, expected at least 2"),
             ("{range: {from: 0, to: 1, count: 0}}", "range.count: found 0, expected at least 2"),
-            ("{range: {from: 1, to: 1, count: 3}}", "range.from: found 1 to 1, expected two finite numbers"),
+            (
+                "{range: {from: 1, to: 1, count: 3}}",
+                "range.from: found 1 to 1, expected two finite numbers",
+            ),
             ("{range: {from: 0, to: .inf, count: 3}}", "range.from: found 0 to inf"),
             ("{range: {from: 0, to: 1, step: 2}}", "range.step: found 2, expected at most 1"),
-            ("{range: {from: 0, to: 1, step: 1e-9}}", "range.step: found 1000000001 values, expected at most"),
-            ("{range: {from: 0, to: 1, count: 1000000}}", "range.count: found 1000000 values, expected at most"),
+            (
+                "{range: {from: 0, to: 1, step: 1e-9}}",
+                "range.step: found 1000000001 values, expected at most",
+            ),
+            (
+                "{range: {from: 0, to: 1, count: 1000000}}",
+                "range.count: found 1000000 values, expected at most",
+            ),
             ("{range: {from: 0, to: 1, cuont: 3}}", "range.cuont: found the unknown key `cuont`"),
-            ("{range: {from: 0, to: x, count: 3}}", "range.to: found text \"x\", expected a number"),
-            ("{log_range: {from: 0, to: 1, count: 3}}", "log_range.from: found 0, expected a number above 0"),
-            ("{log_range: {from: 2, to: 1, count: 3}}", "log_range.from: found 2 to 1, expected two finite numbers"),
-            ("{random: {from: -1, to: 1, count: 3, log: true}}", "random.from: found -1, expected a number above 0"),
+            (
+                "{range: {from: 0, to: x, count: 3}}",
+                "range.to: found text \"x\", expected a number",
+            ),
+            (
+                "{log_range: {from: 0, to: 1, count: 3}}",
+                "log_range.from: found 0, expected a number above 0",
+            ),
+            (
+                "{log_range: {from: 2, to: 1, count: 3}}",
+                "log_range.from: found 2 to 1, expected two finite numbers",
+            ),
+            (
+                "{random: {from: -1, to: 1, count: 3, log: true}}",
+                "random.from: found -1, expected a number above 0",
+            ),
             ("{random: {to: 1, count: 3}}", "random.from: found no such key"),
             ("[1, 2, 1.0]", "found `1` twice"),
             ("{range: {from: 1, to: 2, count: 9, whole: true}}", "found `1` twice"),

@@ -1,15 +1,19 @@
-//! The approximated real data of policy B (eq. 24): simulated samples corrected by the error model, p_exp = p_sim − e_gp.
+//! The approximated real data of policy B (eq. 24): simulated samples corrected by the error model,
+//! p_exp = p_sim − e_gp.
 
 use crate::base::{Point3, Rows};
 use crate::policies::ErrorModel;
 use crate::tasks::{TaskError, Transitions};
 
-/// Corrects every position of `samples` by the error at the displacements that led to it; at the start of a trajectory all
-/// displacements are zero.
+/// Corrects every position of `samples` by the error at the displacements that led to it; at the
+/// start of a trajectory all displacements are zero.
 ///
 /// # Errors
 /// [`TaskError::NotFinite`] when the error model returns a number that is not finite.
-pub fn correct_samples(samples: &Transitions, error: &dyn ErrorModel) -> Result<Transitions, TaskError> {
+pub fn correct_samples(
+    samples: &Transitions,
+    error: &dyn ErrorModel,
+) -> Result<Transitions, TaskError> {
     let mut corrected = Transitions { from_m: Rows::new(3), to_m: Rows::new(3), ..samples.clone() };
     let home_pulls_m = vec![0.0; samples.pulls_m.width()];
     for range in samples.trajectories() {
@@ -25,9 +29,17 @@ pub fn correct_samples(samples: &Transitions, error: &dyn ErrorModel) -> Result<
     Ok(corrected)
 }
 
-fn corrected_m(error: &dyn ErrorModel, pulls_m: &[f64], p_sim_m: &[f64]) -> Result<Point3, TaskError> {
+fn corrected_m(
+    error: &dyn ErrorModel,
+    pulls_m: &[f64],
+    p_sim_m: &[f64],
+) -> Result<Point3, TaskError> {
     let p_sim_m = [p_sim_m[0], p_sim_m[1], p_sim_m[2]];
     let error_m = error.error_m(pulls_m, &p_sim_m);
     let p_exp_m: Point3 = std::array::from_fn(|axis| p_sim_m[axis] - error_m[axis]);
-    if p_exp_m.iter().all(|value| value.is_finite()) { Ok(p_exp_m) } else { Err(TaskError::NotFinite("error model")) }
+    if p_exp_m.iter().all(|value| value.is_finite()) {
+        Ok(p_exp_m)
+    } else {
+        Err(TaskError::NotFinite("error model"))
+    }
 }

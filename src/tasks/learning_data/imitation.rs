@@ -1,5 +1,5 @@
-//! Data for imitation: a policy goes its own way to a target, and each tick is labelled with the command that has the tip
-//! there (Ross, Gordon & Bagnell 2011).
+//! Data for imitation: a policy goes its own way to a target, and each tick is labelled with the
+//! command that has the tip there (Ross, Gordon & Bagnell 2011).
 
 use rand::RngExt;
 
@@ -16,8 +16,8 @@ pub struct ReachedPose {
     pub pulls_m: Displacements,
 }
 
-/// Drives a robot to `count` random bends within the travel of an exploration, and records what it reaches. Use a robot without
-/// measurement noise.
+/// Drives a robot to `count` random bends within the travel of an exploration, and records what it
+/// reaches. Use a robot without measurement noise.
 ///
 /// # Errors
 /// [`TaskError`] for a setting out of range, or a plant that fails.
@@ -45,8 +45,9 @@ pub fn reached_poses(
     Ok(poses)
 }
 
-/// The ways of a policy from rest at home to each of the poses, `ticks` long: a trajectory each, with the tip before a tick, the
-/// target, and the target's command as the displacement. A way ends early where the policy has no answer.
+/// The ways of a policy from rest at home to each of the poses, `ticks` long: a trajectory each,
+/// with the tip before a tick, the target, and the target's command as the displacement. A way ends
+/// early where the policy has no answer.
 ///
 /// # Errors
 /// [`TaskError::Plant`] for a plant that fails.
@@ -87,7 +88,11 @@ mod tests {
     impl Policy for Idle {
         fn reset(&mut self) {}
 
-        fn act(&mut self, observation: &Observation, _target_m: &Point3) -> Result<Action, PolicyError> {
+        fn act(
+            &mut self,
+            observation: &Observation,
+            _target_m: &Point3,
+        ) -> Result<Action, PolicyError> {
             Ok(Action { pulls_m: vec![0.0; observation.pulls_m.len()], settled: false, branch: "" })
         }
     }
@@ -103,7 +108,11 @@ mod tests {
         for row in 0..15 {
             assert_eq!(samples.pulls_m.row(row), poses[row / 5].pulls_m, "{row}");
             assert_eq!(samples.to_m.row(row), poses[row / 5].tip_m, "{row}");
-            assert!(crate::base::distance_m(&home_m, samples.from_m.row(row).try_into().unwrap()) < 1e-9, "{row}");
+            assert!(
+                crate::base::distance_m(&home_m, samples.from_m.row(row).try_into().unwrap())
+                    < 1e-9,
+                "{row}"
+            );
         }
     }
 }

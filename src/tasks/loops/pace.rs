@@ -29,8 +29,8 @@ pub struct LapTimes {
     pub lap_s: f64,
 }
 
-/// Runs a policy from rest at home: at the first point of the path for the lead-in, then once along it at constant speed.
-/// Errors count in the lap alone.
+/// Runs a policy from rest at home: at the first point of the path for the lead-in, then once along
+/// it at constant speed. Errors count in the lap alone.
 ///
 /// # Errors
 /// [`TaskError::Option`] for a time out of range, [`TaskError::TooFew`] for a path without length.
@@ -48,7 +48,11 @@ pub fn lap(
     let (lead_in_steps, lap_steps) =
         ((lead_in_s / step_s).round() as usize, (lap_s / step_s).round().max(1.0) as usize);
     let [first_m, _, ..] = path_m else {
-        return Err(TaskError::TooFew { what: "points of the path", required: 2, available: path_m.len() });
+        return Err(TaskError::TooFew {
+            what: "points of the path",
+            required: 2,
+            available: path_m.len(),
+        });
     };
     let targets_m = (1..=lap_steps).map(|tick| point_at(path_m, tick as f64 / lap_steps as f64));
     // The way from home is no part of the lap.
@@ -67,7 +71,8 @@ pub fn lap(
 
 /// The point at a share of the length of a path.
 fn point_at(path_m: &[Point3], share: f64) -> Point3 {
-    let lengths_m: Vec<f64> = path_m.windows(2).map(|pair| distance_m(&pair[0], &pair[1])).collect();
+    let lengths_m: Vec<f64> =
+        path_m.windows(2).map(|pair| distance_m(&pair[0], &pair[1])).collect();
     let mut remaining_m = share * lengths_m.iter().sum::<f64>();
     for (pair, length_m) in path_m.windows(2).zip(lengths_m) {
         if remaining_m <= length_m && length_m > 0.0 {
@@ -81,8 +86,12 @@ fn point_at(path_m: &[Point3], share: f64) -> Point3 {
 }
 
 fn rms(steps: &[WatchedStep], error: fn(&WatchedStep) -> f64) -> f64 {
-    let squares: Vec<f64> =
-        steps.iter().map(error).filter(|error| error.is_finite()).map(|error| error * error).collect();
+    let squares: Vec<f64> = steps
+        .iter()
+        .map(error)
+        .filter(|error| error.is_finite())
+        .map(|error| error * error)
+        .collect();
     (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
 }
 

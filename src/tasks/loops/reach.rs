@@ -2,11 +2,16 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::base::{BadOption, Observation, Outcome, Plant, PlantError, Point3, Policy, PolicyError, Seed, distance_m};
+use crate::base::{
+    BadOption, Observation, Outcome, Plant, PlantError, Point3, Policy, PolicyError, Seed,
+    distance_m,
+};
 use crate::tasks::TaskError;
 
 /// Which observation the policy receives.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum LoopMode {
     /// Always the one before the first step.
@@ -34,7 +39,13 @@ pub struct ReachOptions {
 
 impl Default for ReachOptions {
     fn default() -> Self {
-        ReachOptions { max_steps: 150, settle_steps: 3, rest_m: Some(0.002), hold_steps: 0, averaged_samples: 1 }
+        ReachOptions {
+            max_steps: 150,
+            settle_steps: 3,
+            rest_m: Some(0.002),
+            hold_steps: 0,
+            averaged_samples: 1,
+        }
     }
 }
 
@@ -77,11 +88,12 @@ pub(crate) enum TrialError {
     Policy(#[from] PolicyError),
 }
 
-/// Runs a trial. Open loop and load are properties of the observation and the plant, unknown to the policy. The seed
-/// (measurement noise) belongs to the trial and is the same for every policy.
+/// Runs a trial. Open loop and load are properties of the observation and the plant, unknown to the
+/// policy. The seed (measurement noise) belongs to the trial and is the same for every policy.
 ///
 /// # Errors
-/// [`TaskError::Option`] for a setting out of range. A plant or policy that fails is a status, not an error.
+/// [`TaskError::Option`] for a setting out of range. A plant or policy that fails is a status, not
+/// an error.
 pub fn reach(
     plant: &mut dyn Plant,
     policy: &mut dyn Policy,
@@ -96,7 +108,8 @@ pub fn reach(
     let tip_m = trial.measured_m.last().copied().unwrap_or([f64::NAN; 3]);
     // The mean of the last measurements, also of a trial that failed.
     let tail = &trial.measured_m[trial.measured_m.len().saturating_sub(options.averaged_samples)..];
-    let error_m = tail.iter().map(|tip_m| distance_m(tip_m, target_m)).sum::<f64>() / tail.len() as f64;
+    let error_m =
+        tail.iter().map(|tip_m| distance_m(tip_m, target_m)).sum::<f64>() / tail.len() as f64;
     Ok(ReachOutcome {
         tip_m,
         error_m,

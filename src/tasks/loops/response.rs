@@ -5,7 +5,8 @@ use super::watched::{WatchedRobot, WatchedRun, WatchedStep};
 use crate::base::{BadOption, Outcome, Point3, Policy, Seed, distance_m};
 use crate::tasks::TaskError;
 
-/// The response to one target. Lengths in metres, times in seconds; not a number where there is none.
+/// The response to one target. Lengths in metres, times in seconds; not a number where there is
+/// none.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Response {
     /// Distance of the target from home.
@@ -47,7 +48,8 @@ pub struct ResponseLimits {
 /// Runs a policy from rest at home.
 ///
 /// # Errors
-/// [`TaskError::Option`] for a duration below one step. A plant or policy that fails is a status, not an error.
+/// [`TaskError::Option`] for a duration below one step. A plant or policy that fails is a status,
+/// not an error.
 pub fn response(
     robot: &mut WatchedRobot,
     policy: &mut dyn Policy,
@@ -60,31 +62,42 @@ pub fn response(
     let steps = (duration_s / step_s + ROUNDING_S).floor();
     if !(1.0..=1e6).contains(&steps) {
         let found = duration_s.to_string();
-        return Err(BadOption { key: "duration_s", found, expected: "at least one control step" }.into());
+        return Err(
+            BadOption { key: "duration_s", found, expected: "at least one control step" }.into()
+        );
     }
     let targets_m = std::iter::repeat_n(*target_m, steps as usize);
     let run = robot.run(policy, targets_m, mode == LoopMode::Open, seed);
     Ok(summarised(&run, target_m, step_s, max_step_m))
 }
 
-fn summarised(run: &WatchedRun, target_m: &Point3, step_s: f64, max_step_m: Option<f64>) -> Response {
+fn summarised(
+    run: &WatchedRun,
+    target_m: &Point3,
+    step_s: f64,
+    max_step_m: Option<f64>,
+) -> Response {
     let complete = run.status.is_ok();
     let steps = &run.steps;
     let end_s = steps.last().map_or(0.0, |step| step.time_s);
-    let last_second: Vec<&WatchedStep> = steps.iter().filter(|step| step.time_s > end_s - 1.0 + ROUNDING_S).collect();
+    let last_second: Vec<&WatchedStep> =
+        steps.iter().filter(|step| step.time_s > end_s - 1.0 + ROUNDING_S).collect();
     let mean = |error: fn(&WatchedStep) -> f64| {
-        let errors: Vec<f64> = last_second.iter().map(|step| error(step)).filter(|error| error.is_finite()).collect();
+        let errors: Vec<f64> =
+            last_second.iter().map(|step| error(step)).filter(|error| error.is_finite()).collect();
         errors.iter().sum::<f64>() / errors.len() as f64
     };
     let after = |time_s: f64| steps.iter().find(|step| step.time_s >= time_s - ROUNDING_S);
-    let furthest_m =
-        steps.last().map_or(0.0, |step| step.pulls_m.iter().fold(0.0_f64, |largest, pull| largest.max(pull.abs())));
+    let furthest_m = steps.last().map_or(0.0, |step| {
+        step.pulls_m.iter().fold(0.0_f64, |largest, pull| largest.max(pull.abs()))
+    });
     // The farthest tendon decides: all move at once.
     let ticks = |max_step_m: f64| (furthest_m / max_step_m - ROUNDING_S).ceil().max(1.0);
     Response {
         distance_m: distance_m(&run.home_m, target_m),
         limit_s: max_step_m.map_or(f64::NAN, |max_step_m| step_s * ticks(max_step_m)),
-        within_s: WITHIN_M.map(|within_m| if complete { settled_s(steps, within_m) } else { f64::NAN }),
+        within_s: WITHIN_M
+            .map(|within_m| if complete { settled_s(steps, within_m) } else { f64::NAN }),
         error_after_m: AFTER_S.map(|time_s| after(time_s).map_or(f64::NAN, WatchedStep::error_m)),
         error_end_m: mean(WatchedStep::error_m),
         tracked_end_m: mean(WatchedStep::tracked_m),
@@ -107,7 +120,9 @@ fn overshoot_m(run: &WatchedRun, target_m: &Point3) -> f64 {
     let line_m: Point3 = std::array::from_fn(|axis| target_m[axis] - run.home_m[axis]);
     let length_m = distance_m(target_m, &run.home_m);
     let past = |step: &WatchedStep| {
-        (0..3).map(|axis| (step.true_m[axis] - target_m[axis]) * line_m[axis] / length_m).sum::<f64>()
+        (0..3)
+            .map(|axis| (step.true_m[axis] - target_m[axis]) * line_m[axis] / length_m)
+            .sum::<f64>()
     };
     run.steps.iter().map(past).fold(0.0, f64::max)
 }
@@ -130,16 +145,25 @@ mod tests {
 
     #[test]
     fn times_count_from_when_the_error_stays_small() {
-        let response =
-            summarised(&run(&[0.05, 0.099, 0.106, 0.102, 0.0995, 0.0995]), &[0.1, 0.0, 0.0], 0.2, Some(0.003));
+        let response = summarised(
+            &run(&[0.05, 0.099, 0.106, 0.102, 0.0995, 0.0995]),
+            &[0.1, 0.0, 0.0],
+            0.2,
+            Some(0.003),
+        );
         let expected = [0.8, 0.8, 0.8];
-        assert!(response.within_s.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-9), "{response:?}");
         assert!(
-            (response.overshoot_m - 0.006).abs() < 1e-12 && (response.distance_m - 0.1).abs() < 1e-12,
+            response.within_s.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-9),
             "{response:?}"
         );
         assert!(
-            (response.error_after_m[0] - 0.0005).abs() < 1e-12 && response.error_after_m[1].is_nan(),
+            (response.overshoot_m - 0.006).abs() < 1e-12
+                && (response.distance_m - 0.1).abs() < 1e-12,
+            "{response:?}"
+        );
+        assert!(
+            (response.error_after_m[0] - 0.0005).abs() < 1e-12
+                && response.error_after_m[1].is_nan(),
             "{response:?}"
         );
         assert!((response.tendon_travel_m - 0.036).abs() < 1e-12, "{response:?}");
@@ -149,6 +173,9 @@ mod tests {
     #[test]
     fn a_tip_that_leaves_again_was_never_there() {
         let response = summarised(&run(&[0.0999, 0.0999, 0.09]), &[0.1, 0.0, 0.0], 0.2, None);
-        assert!(response.within_s.iter().all(|time_s| time_s.is_nan()) && response.limit_s.is_nan(), "{response:?}");
+        assert!(
+            response.within_s.iter().all(|time_s| time_s.is_nan()) && response.limit_s.is_nan(),
+            "{response:?}"
+        );
     }
 }

@@ -1,4 +1,5 @@
-//! Closed-loop path tracking (section V-D): the target advances to the next point of the path when the policy has settled.
+//! Closed-loop path tracking (section V-D): the target advances to the next point of the path when
+//! the policy has settled.
 
 use serde::{Deserialize, Serialize};
 
@@ -22,7 +23,12 @@ pub struct TrackOptions {
 
 impl Default for TrackOptions {
     fn default() -> Self {
-        TrackOptions { max_steps_per_point: 100, max_steps_first: 150, settle_steps: 1, within_m: None }
+        TrackOptions {
+            max_steps_per_point: 100,
+            max_steps_first: 150,
+            settle_steps: 1,
+            within_m: None,
+        }
     }
 }
 
@@ -60,8 +66,9 @@ pub struct TrackStep {
     pub status: Outcome,
 }
 
-/// Tracks `path_m` from rest at home. The run ends when the policy has settled at the last point, when the steps for it are
-/// used up, or on a failure, which a last step names together with the last measured tip.
+/// Tracks `path_m` from rest at home. The run ends when the policy has settled at the last point,
+/// when the steps for it are used up, or on a failure, which a last step names together with the
+/// last measured tip.
 ///
 /// # Errors
 /// [`TaskError::Option`] for a setting out of range.
@@ -106,7 +113,8 @@ fn follow(
     let mut observation = plant.reset(seed)?;
     for (path_point, target_m) in path_m.iter().enumerate() {
         // The way from home to the first point is longer than from point to point.
-        let budget = if path_point == 0 { options.max_steps_first } else { options.max_steps_per_point };
+        let budget =
+            if path_point == 0 { options.max_steps_first } else { options.max_steps_per_point };
         let mut settled_steps = 0;
         for _ in 0..budget {
             let action = policy.act(&observation, target_m)?;

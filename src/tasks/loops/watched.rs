@@ -1,10 +1,11 @@
-//! A robot that is driven for a fixed time, with the tip as it is measured and as it is without tracking noise.
+//! A robot that is driven for a fixed time, with the tip as it is measured and as it is without
+//! tracking noise.
 
 use super::reach::TrialError;
 use crate::base::{Observation, Outcome, Plant, Point3, Policy, Seed, distance_m};
 
-/// A robot, and the same robot without tracking noise, where there is one: it gets the same commands, and its tip is the
-/// true one.
+/// A robot, and the same robot without tracking noise, where there is one: it gets the same
+/// commands, and its tip is the true one.
 pub struct WatchedRobot {
     /// The robot.
     pub plant: Box<dyn Plant>,
@@ -45,15 +46,18 @@ impl WatchedRun {
     /// Distance travelled by all tendons together, metres, from home on.
     pub(crate) fn tendon_travel_m(&self) -> f64 {
         let home_m = self.steps.first().map(|step| vec![0.0; step.pulls_m.len()]);
-        let pulls_m: Vec<&Vec<f64>> = home_m.iter().chain(self.steps.iter().map(|step| &step.pulls_m)).collect();
-        let travel =
-            |pair: &[&Vec<f64>]| -> f64 { pair[0].iter().zip(pair[1]).map(|(from, to)| (to - from).abs()).sum() };
+        let pulls_m: Vec<&Vec<f64>> =
+            home_m.iter().chain(self.steps.iter().map(|step| &step.pulls_m)).collect();
+        let travel = |pair: &[&Vec<f64>]| -> f64 {
+            pair[0].iter().zip(pair[1]).map(|(from, to)| (to - from).abs()).sum()
+        };
         pulls_m.windows(2).map(travel).sum()
     }
 }
 
 impl WatchedRobot {
-    /// Runs a policy from rest at home for one step for each target. In open loop it sees home alone.
+    /// Runs a policy from rest at home for one step for each target. In open loop it sees home
+    /// alone.
     pub(crate) fn run(
         &mut self,
         policy: &mut dyn Policy,
@@ -92,7 +96,13 @@ impl WatchedRobot {
                 None => measured_m,
             };
             let pulls_m = action.pulls_m;
-            run.steps.push(WatchedStep { time_s: observation.time_s, measured_m, true_m, target_m, pulls_m });
+            run.steps.push(WatchedStep {
+                time_s: observation.time_s,
+                measured_m,
+                true_m,
+                target_m,
+                pulls_m,
+            });
         }
         Ok(())
     }

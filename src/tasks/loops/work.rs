@@ -1,5 +1,5 @@
-//! A robot at work: one trial after another from rest at home towards a target that is drawn, each of the same number of
-//! steps. The model plays the same commands beside it.
+//! A robot at work: one trial after another from rest at home towards a target that is drawn, each
+//! of the same number of steps. The model plays the same commands beside it.
 
 use rand::RngExt;
 
@@ -7,7 +7,8 @@ use super::watched::{WatchedRobot, WatchedStep};
 use crate::base::{Point3, Policy, Seed};
 use crate::policies::ErrorModel;
 
-/// A robot with its model beside it, the policy that commands both, and the targets that it works on.
+/// A robot with its model beside it, the policy that commands both, and the targets that it works
+/// on.
 pub struct Work<'a> {
     /// The robot; in place of the robot without noise stands the model.
     pub robot: WatchedRobot,
@@ -24,8 +25,9 @@ pub struct Work<'a> {
 }
 
 impl Work<'_> {
-    /// The innovation of each step of trial number `index`, metres: the measured tip less what model and error model
-    /// foretell, `p_sim − e` (eq. 20). A step without a measurement has none; a trial that fails on the way ends there.
+    /// The innovation of each step of trial number `index`, metres: the measured tip less what
+    /// model and error model foretell, `p_sim − e` (eq. 20). A step without a measurement has none;
+    /// a trial that fails on the way ends there.
     pub fn innovations_m(&mut self, index: u64) -> Vec<Option<Point3>> {
         let seed = self.seed.index(index);
         let target_m = self.pool_m[seed.child("target").rng().random_range(0..self.pool_m.len())];
@@ -40,7 +42,8 @@ fn innovation_m(step: &WatchedStep, error: &dyn ErrorModel) -> Option<Point3> {
     // In place of the true tip stands that of the model.
     let simulated_m = &step.true_m;
     let error_m = error.error_m(&step.pulls_m, simulated_m);
-    let innovation_m: Point3 = std::array::from_fn(|axis| step.measured_m[axis] - simulated_m[axis] + error_m[axis]);
+    let innovation_m: Point3 =
+        std::array::from_fn(|axis| step.measured_m[axis] - simulated_m[axis] + error_m[axis]);
     innovation_m.iter().all(|value| value.is_finite()).then_some(innovation_m)
 }
 

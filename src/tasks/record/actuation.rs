@@ -1,6 +1,7 @@
-//! Bending a robot with any number of tendons. A point (a, b) of the actuation plane of a segment, in metres, is a bend
-//! towards the segment's first tendon (a > 0) and a quarter of a turn further (b > 0). The two tendons on both sides of the
-//! bend are actuated, "the remaining two tendon lengths" (of the paper's four, section IV-A) follow the shape.
+//! Bending a robot with any number of tendons. A point (a, b) of the actuation plane of a segment,
+//! in metres, is a bend towards the segment's first tendon (a > 0) and a quarter of a turn further
+//! (b > 0). The two tendons on both sides of the bend are actuated, "the remaining two tendon
+//! lengths" (of the paper's four, section IV-A) follow the shape.
 
 use serde::{Deserialize, Serialize};
 
@@ -32,7 +33,9 @@ impl BendMap {
     /// [`PlantError::Refused`] for a segment whose tendons are all on one side.
     pub fn of(plant: &dyn Plant) -> Result<BendMap, PlantError> {
         let layout = plant.tendon_layout();
-        layout.check().map_err(|found| PlantError::Refused(format!("{found}, expected tendons on every side")))?;
+        layout.check().map_err(|found| {
+            PlantError::Refused(format!("{found}, expected tendons on every side"))
+        })?;
         Ok(BendMap::new(&layout))
     }
 
@@ -61,7 +64,8 @@ impl BendMap {
         bend_m.repeat(self.segments.len())
     }
 
-    /// The commands for a bend of every segment, metres. No displacement exceeds the largest component of the bend.
+    /// The commands for a bend of every segment, metres. No displacement exceeds the largest
+    /// component of the bend.
     pub fn commands(&self, bend_m: &[f64]) -> Vec<TendonCommand> {
         let mut commands = vec![TendonCommand::Follow; self.tendons];
         let mut largest_m = 0.0_f64;
@@ -92,8 +96,8 @@ impl BendMap {
         commands
     }
 
-    /// Displacement of a tendon of segment `index` at `angle_deg` from the segment's first: it passes the segments before,
-    /// and their bends take it along.
+    /// Displacement of a tendon of segment `index` at `angle_deg` from the segment's first: it
+    /// passes the segments before, and their bends take it along.
     fn pull_m(&self, bend_m: &[f64], index: usize, angle_deg: f64) -> f64 {
         let along = self.segments[index].first_deg + angle_deg;
         let part = |(number, segment): (usize, &SegmentBend)| {
@@ -104,7 +108,8 @@ impl BendMap {
 }
 
 impl SegmentBend {
-    /// The tendons on both sides of a bend; one where the segment bends in a plane only, and none after it.
+    /// The tendons on both sides of a bend; one where the segment bends in a plane only, and none
+    /// after it.
     fn actuated(&self, [a, b]: [f64; 2]) -> [Option<&(usize, f64)>; 2] {
         let tendons = &self.tendons;
         if let [first, opposite] = tendons.as_slice() {
@@ -113,10 +118,14 @@ impl SegmentBend {
         }
         if self.is_cross() {
             // Every axis has a pair of its own; at zero the first of the pair is pulled.
-            return [Some(&tendons[if a >= 0.0 { 0 } else { 2 }]), Some(&tendons[if b >= 0.0 { 1 } else { 3 }])];
+            return [
+                Some(&tendons[if a >= 0.0 { 0 } else { 2 }]),
+                Some(&tendons[if b >= 0.0 { 1 } else { 3 }]),
+            ];
         }
         let towards_deg = b.atan2(a).to_degrees().rem_euclid(360.0);
-        let last_before = tendons.iter().rposition(|&(_, angle_deg)| angle_deg <= towards_deg).unwrap_or(0);
+        let last_before =
+            tendons.iter().rposition(|&(_, angle_deg)| angle_deg <= towards_deg).unwrap_or(0);
         let mut first_after = (last_before + 1) % tendons.len();
         // Two tendons at one angle: the next that lies further on.
         while tendons[first_after].1 == tendons[last_before].1 && first_after != last_before {
@@ -127,7 +136,9 @@ impl SegmentBend {
 
     /// Four tendons a quarter of a turn apart.
     fn is_cross(&self) -> bool {
-        let quarter = |(index, &(_, angle_deg)): (usize, &(usize, f64))| (angle_deg - 90.0 * index as f64).abs() < 1e-9;
+        let quarter = |(index, &(_, angle_deg)): (usize, &(usize, f64))| {
+            (angle_deg - 90.0 * index as f64).abs() < 1e-9
+        };
         self.tendons.len() == 4 && self.tendons.iter().enumerate().all(quarter)
     }
 }
@@ -143,8 +154,8 @@ fn projected([a, b]: [f64; 2], angle_deg: f64) -> f64 {
     }
 }
 
-/// Drives from one bend to another, in steps of at most `max_step_m` per component. Returns the last observation, or `None`
-/// when the two bends are the same.
+/// Drives from one bend to another, in steps of at most `max_step_m` per component. Returns the
+/// last observation, or `None` when the two bends are the same.
 pub(crate) fn drive_to(
     plant: &mut dyn Plant,
     map: &BendMap,
@@ -167,14 +178,16 @@ pub(crate) fn drive_to(
     Ok(observation)
 }
 
-/// Number of equal steps of at most `max_step_m` per component from one set of displacements to another.
+/// Number of equal steps of at most `max_step_m` per component from one set of displacements to
+/// another.
 pub(crate) fn steps_between(from_m: &[f64], to_m: &[f64], max_step_m: f64) -> usize {
     let largest_m = from_m.iter().zip(to_m).map(|(from, to)| (to - from).abs()).fold(0.0, f64::max);
     // The tolerance keeps a step of exactly the limit a single step.
     (largest_m / max_step_m - 1e-9).ceil().max(0.0) as usize
 }
 
-/// A serpentine over a square of the actuation plane: `rows` values of a, for each of them `columns` values of b.
+/// A serpentine over a square of the actuation plane: `rows` values of a, for each of them
+/// `columns` values of b.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct GridOptions {
@@ -204,14 +217,18 @@ impl GridOptions {
         BadOption::unless_positive("max_step_m", self.max_step_m)?;
         for (key, count) in [("rows", self.rows), ("columns", self.columns)] {
             if count < 2 {
-                return Err(BadOption { key, found: count.to_string(), expected: "a whole number of at least 2" });
+                return Err(BadOption {
+                    key,
+                    found: count.to_string(),
+                    expected: "a whole number of at least 2",
+                });
             }
         }
         Ok(())
     }
 
-    /// The bends in the order of the visits, metres. Every further segment visits the square in another order: column by
-    /// column, and from another corner.
+    /// The bends in the order of the visits, metres. Every further segment visits the square in
+    /// another order: column by column, and from another corner.
     pub(crate) fn bends_m(&self, map: &BendMap) -> Vec<Bend> {
         let count = self.rows * self.columns;
         let segments = map.segments.len();
@@ -226,14 +243,21 @@ impl GridOptions {
         (0..count).map(bend).collect()
     }
 
-    /// The node of a serpentine along the rows, or along the columns. Every other line is visited backwards, so that
-    /// consecutive nodes are neighbours.
+    /// The node of a serpentine along the rows, or along the columns. Every other line is visited
+    /// backwards, so that consecutive nodes are neighbours.
     fn node_m(&self, visit: usize, along_columns: bool) -> [f64; 2] {
-        let at = |index: usize, count: usize| (2.0 * index as f64 / (count - 1) as f64 - 1.0) * self.max_pull_m;
-        let (per_line, lines) = if along_columns { (self.rows, self.columns) } else { (self.columns, self.rows) };
+        let at = |index: usize, count: usize| {
+            (2.0 * index as f64 / (count - 1) as f64 - 1.0) * self.max_pull_m
+        };
+        let (per_line, lines) =
+            if along_columns { (self.rows, self.columns) } else { (self.columns, self.rows) };
         let (line, place) = (visit / per_line, visit % per_line);
         let place = if line % 2 == 0 { place } else { per_line - 1 - place };
-        if along_columns { [at(place, per_line), at(line, lines)] } else { [at(line, lines), at(place, per_line)] }
+        if along_columns {
+            [at(place, per_line), at(line, lines)]
+        } else {
+            [at(line, lines), at(place, per_line)]
+        }
     }
 }
 
@@ -284,9 +308,12 @@ mod tests {
     #[test]
     fn tendons_of_a_further_segment_go_along_with_the_bends_before() {
         let place = |tendon: usize| PlacedTendon { tendon, angle_deg: 120.0 * (tendon % 3) as f64 };
-        let layout = TendonLayout { segments: vec![(0..3).map(place).collect(), (3..6).map(place).collect()] };
+        let layout = TendonLayout {
+            segments: vec![(0..3).map(place).collect(), (3..6).map(place).collect()],
+        };
         let map = BendMap::new(&layout);
-        // The base segment bends towards its first tendon, the further one is straight relative to it.
+        // The base segment bends towards its first tendon, the further one is straight relative to
+        // it.
         let all = pulls(&map, &[0.02, 0.0, 0.0, 0.0]);
         assert_eq!((all[0], all[3]), (Some(0.02), Some(0.02)));
         assert!((all[1].unwrap() + 0.01).abs() < 1e-12, "{all:?}");
@@ -305,10 +332,13 @@ mod tests {
     fn a_grid_visits_every_node_of_every_segment_once() {
         let grid = GridOptions { rows: 3, columns: 5, max_pull_m: 0.03, max_step_m: 0.003 };
         let place = |tendon: usize| PlacedTendon { tendon, angle_deg: 120.0 * (tendon % 3) as f64 };
-        let layout = TendonLayout { segments: vec![(0..3).map(place).collect(), (3..6).map(place).collect()] };
+        let layout = TendonLayout {
+            segments: vec![(0..3).map(place).collect(), (3..6).map(place).collect()],
+        };
         let bends = grid.bends_m(&BendMap::new(&layout));
         for segment in 0..2 {
-            let mut nodes: Vec<String> = bends.iter().map(|bend| format!("{:?}", &bend[2 * segment..][..2])).collect();
+            let mut nodes: Vec<String> =
+                bends.iter().map(|bend| format!("{:?}", &bend[2 * segment..][..2])).collect();
             nodes.sort();
             nodes.dedup();
             assert_eq!(nodes.len(), 15, "segment {segment}");

@@ -1,5 +1,5 @@
-//! Data for learning (section IV-A): "continuous random exploration of the actuators with a maximum travel distance
-//! of 0.003 m each step", and the same commands on another robot (section V-A).
+//! Data for learning (section IV-A): "continuous random exploration of the actuators with a maximum
+//! travel distance of 0.003 m each step", and the same commands on another robot (section V-A).
 
 use rand::RngExt;
 use serde::{Deserialize, Serialize};
@@ -56,7 +56,8 @@ impl ExploreOptions {
         Ok(())
     }
 
-    /// Index of the first transition of each trajectory that begins within the first `count` transitions.
+    /// Index of the first transition of each trajectory that begins within the first `count`
+    /// transitions.
     pub fn starts(&self, count: usize) -> Vec<usize> {
         let begin = |next: &mut usize, index: usize| {
             let start = *next;
@@ -66,17 +67,20 @@ impl ExploreOptions {
         (0..self.trajectories).scan(0, begin).take_while(|start| *start < count).collect()
     }
 
-    /// Number of transitions of trajectory `index`: equal shares, the first trajectories take the remainder.
+    /// Number of transitions of trajectory `index`: equal shares, the first trajectories take the
+    /// remainder.
     fn share(&self, index: usize) -> usize {
         self.points / self.trajectories + usize::from(index < self.points % self.trajectories)
     }
 }
 
-/// Trajectory `index` of an exploration. It depends on the seed and its index alone, so trajectories can be recorded in
-/// parallel on separate plants and joined by [`Transitions::concat`].
+/// Trajectory `index` of an exploration. It depends on the seed and its index alone, so
+/// trajectories can be recorded in parallel on separate plants and joined by
+/// [`Transitions::concat`].
 ///
 /// # Errors
-/// [`TaskError`] for a setting out of range, a plant whose tendons are all on one side, or one that fails.
+/// [`TaskError`] for a setting out of range, a plant whose tendons are all on one side, or one that
+/// fails.
 pub fn explore_trajectory(
     plant: &mut dyn Plant,
     options: &ExploreOptions,
@@ -110,17 +114,23 @@ pub fn explore_trajectory(
 ///
 /// # Errors
 /// As [`explore_trajectory`].
-pub fn explore(plant: &mut dyn Plant, options: &ExploreOptions, seed: Seed) -> Result<Transitions, TaskError> {
+pub fn explore(
+    plant: &mut dyn Plant,
+    options: &ExploreOptions,
+    seed: Seed,
+) -> Result<Transitions, TaskError> {
     options.check()?;
-    let parts: Result<Vec<Transitions>, TaskError> =
-        (0..options.trajectories).map(|index| explore_trajectory(plant, options, seed, index)).collect();
+    let parts: Result<Vec<Transitions>, TaskError> = (0..options.trajectories)
+        .map(|index| explore_trajectory(plant, options, seed, index))
+        .collect();
     Ok(Transitions::concat(&parts?))
 }
 
 /// Replays the commands of trajectory `index` of `samples` on a plant, from rest.
 ///
 /// # Errors
-/// [`TaskError::TooFew`] when there is no such trajectory, [`TaskError::Plant`] when the plant fails.
+/// [`TaskError::TooFew`] when there is no such trajectory, [`TaskError::Plant`] when the plant
+/// fails.
 pub fn replay_trajectory(
     plant: &mut dyn Plant,
     samples: &Transitions,
@@ -144,12 +154,18 @@ pub fn replay_trajectory(
     Ok(replayed)
 }
 
-/// Replays all trajectories of `samples` on a plant: the response of the "real" robot to the same inputs.
+/// Replays all trajectories of `samples` on a plant: the response of the "real" robot to the same
+/// inputs.
 ///
 /// # Errors
 /// As [`replay_trajectory`].
-pub fn replay(plant: &mut dyn Plant, samples: &Transitions, seed: Seed) -> Result<Transitions, TaskError> {
-    let parts: Result<Vec<Transitions>, TaskError> =
-        (0..samples.starts.len()).map(|index| replay_trajectory(plant, samples, seed, index)).collect();
+pub fn replay(
+    plant: &mut dyn Plant,
+    samples: &Transitions,
+    seed: Seed,
+) -> Result<Transitions, TaskError> {
+    let parts: Result<Vec<Transitions>, TaskError> = (0..samples.starts.len())
+        .map(|index| replay_trajectory(plant, samples, seed, index))
+        .collect();
     Ok(Transitions::concat(&parts?))
 }

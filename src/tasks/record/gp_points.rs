@@ -27,9 +27,11 @@ pub enum PointLayout {
     },
 }
 
-/// Source of p_sim in eq. (20), which "could either generated from our learned dynamic neural network or directly
-/// from simulated mathematical model".
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+/// Source of p_sim in eq. (20), which "could either generated from our learned dynamic neural
+/// network or directly from simulated mathematical model".
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum SimulatedBy {
     /// The rod model, the paper's "preferred choice".
@@ -53,7 +55,11 @@ pub struct GpPointsOptions {
 
 impl Default for GpPointsOptions {
     fn default() -> Self {
-        GpPointsOptions { layout: PointLayout::Grid(GridOptions::default()), hold_steps: 0, p_sim: SimulatedBy::Rod }
+        GpPointsOptions {
+            layout: PointLayout::Grid(GridOptions::default()),
+            hold_steps: 0,
+            p_sim: SimulatedBy::Rod,
+        }
     }
 }
 
@@ -107,14 +113,15 @@ impl GpPool {
         points
     }
 
-    /// The points as they would be on a robot that differs from the measured one as `changed`, the response of a changed model
-    /// to the same commands, differs from the recorded model.
+    /// The points as they would be on a robot that differs from the measured one as `changed`, the
+    /// response of a changed model to the same commands, differs from the recorded model.
     pub fn moved(&self, changed: &Transitions) -> GpPoints {
         let mut points = GpPoints::none(self.steps.pulls_m.width());
         for (&step, real_m) in self.kept.iter().zip(self.real_m.iter()) {
             let (from_m, to_m) = (self.steps.to_m.row(step), changed.to_m.row(step));
             // Measurement plus the change that the model predicts keeps gap and noise of the robot.
-            let moved_m: Vec<f64> = (0..3).map(|axis| real_m[axis] + to_m[axis] - from_m[axis]).collect();
+            let moved_m: Vec<f64> =
+                (0..3).map(|axis| real_m[axis] + to_m[axis] - from_m[axis]).collect();
             points.push(&self.steps, step, &moved_m);
         }
         points
@@ -124,7 +131,8 @@ impl GpPool {
 /// The training data of eq. (20): the same commands on model and robot.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GpPoints {
-    /// Displacements (metres) and simulated tip (metres): (L_1 … L_n, p_sim), three columns more than tendons.
+    /// Displacements (metres) and simulated tip (metres): (L_1 … L_n, p_sim), three columns more
+    /// than tendons.
     pub inputs: Rows,
     /// Measured tip p_exp, metres, three columns.
     pub real_m: Rows,
@@ -142,7 +150,8 @@ impl GpPoints {
         let simulated_m = simulated.to_m.row(index);
         self.inputs.push(&[simulated.pulls_m.row(index), simulated_m].concat());
         self.real_m.push(real_m);
-        let error_m: Vec<f64> = simulated_m.iter().zip(real_m).map(|(sim, real)| sim - real).collect();
+        let error_m: Vec<f64> =
+            simulated_m.iter().zip(real_m).map(|(sim, real)| sim - real).collect();
         self.errors_m.push(&error_m);
     }
 
@@ -163,7 +172,8 @@ impl GpPoints {
     }
 }
 
-/// A model's recording of the predefined points: every step with its command, and the indices of the points.
+/// A model's recording of the predefined points: every step with its command, and the indices of
+/// the points.
 struct Visited {
     steps: Transitions,
     kept: Vec<usize>,
@@ -184,7 +194,8 @@ pub fn gp_points(
     let visited = match options.layout {
         PointLayout::Grid(grid) => visit_grid(model, &grid, options.hold_steps, seed)?,
         PointLayout::Walk { points, every, max_step_m, max_pull_m } => {
-            let walk = ExploreOptions { points: points * every, trajectories: 1, max_step_m, max_pull_m };
+            let walk =
+                ExploreOptions { points: points * every, trajectories: 1, max_step_m, max_pull_m };
             let steps = explore_trajectory(model, &walk, seed, 0)?;
             // The middle of each stretch of `every` steps.
             Visited { steps, kept: (0..points).map(|point| point * every + every / 2).collect() }
@@ -205,12 +216,18 @@ pub fn gp_points(
     Ok(GpPool { steps: visited.steps, kept: visited.kept, real_m })
 }
 
-fn visit_grid(model: &mut dyn Plant, grid: &GridOptions, hold_steps: usize, seed: Seed) -> Result<Visited, TaskError> {
+fn visit_grid(
+    model: &mut dyn Plant,
+    grid: &GridOptions,
+    hold_steps: usize,
+    seed: Seed,
+) -> Result<Visited, TaskError> {
     let map = BendMap::of(model)?;
     let tendons = model.tendons();
     let mut model = RetryLostFrames(model);
     let start = model.reset(seed.child("model"))?;
-    let mut recorder = Recorder { plant: &mut model, tip_m: start.tip_m, steps: Transitions::begin(tendons) };
+    let mut recorder =
+        Recorder { plant: &mut model, tip_m: start.tip_m, steps: Transitions::begin(tendons) };
     let mut bend_m = map.straight();
     let mut kept = Vec::with_capacity(grid.rows * grid.columns);
     for point_m in grid.bends_m(&map) {
@@ -247,7 +264,10 @@ impl Plant for Recorder<'_> {
         Ok(observation)
     }
 
-    fn drive(&mut self, commands: &[TendonCommand]) -> Result<Observation, crate::base::PlantError> {
+    fn drive(
+        &mut self,
+        commands: &[TendonCommand],
+    ) -> Result<Observation, crate::base::PlantError> {
         let observation = self.plant.drive(commands)?;
         self.steps.push(&self.tip_m, &observation);
         self.tip_m = observation.tip_m;

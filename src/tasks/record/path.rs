@@ -1,4 +1,5 @@
-//! The path of section V-D: "33 real data points in the workspace" connected "with linear interpolation".
+//! The path of section V-D: "33 real data points in the workspace" connected "with linear
+//! interpolation".
 
 use serde::{Deserialize, Serialize};
 
@@ -7,8 +8,8 @@ use super::retry_lost_frames::RetryLostFrames;
 use crate::base::{BadOption, Plant, Point3, Seed, distance_m};
 use crate::tasks::TaskError;
 
-/// Settings of the path: a smooth closed curve in the actuation plane, r(φ) = radius (1 + petal_share cos(petals φ)),
-/// driven on the real robot, whose tips at equal φ are the way-points.
+/// Settings of the path: a smooth closed curve in the actuation plane, r(φ) = radius (1 +
+/// petal_share cos(petals φ)), driven on the real robot, whose tips at equal φ are the way-points.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct PathOptions {
@@ -51,25 +52,36 @@ impl PathOptions {
     /// # Errors
     /// [`BadOption`] names the first field out of range.
     pub fn check(&self) -> Result<(), BadOption> {
-        for (key, value) in
-            [("radius_m", self.radius_m), ("spacing_m", self.spacing_m), ("max_step_m", self.max_step_m)]
-        {
+        for (key, value) in [
+            ("radius_m", self.radius_m),
+            ("spacing_m", self.spacing_m),
+            ("max_step_m", self.max_step_m),
+        ] {
             BadOption::unless_positive(key, value)?;
         }
         if self.points < 2 {
             let found = self.points.to_string();
-            return Err(BadOption { key: "points", found, expected: "a whole number of at least 2" });
+            return Err(BadOption {
+                key: "points",
+                found,
+                expected: "a whole number of at least 2",
+            });
         }
         if !(0.0..1.0).contains(&self.petal_share) {
             let found = self.petal_share.to_string();
-            return Err(BadOption { key: "petal_share", found, expected: "a number from 0 to below 1" });
+            return Err(BadOption {
+                key: "petal_share",
+                found,
+                expected: "a number from 0 to below 1",
+            });
         }
         Ok(())
     }
 
     fn bend_m(&self, index: usize) -> [f64; 2] {
         let angle = std::f64::consts::TAU * index as f64 / self.points as f64;
-        let radius_m = self.radius_m * (1.0 + self.petal_share * (f64::from(self.petals) * angle).cos());
+        let radius_m =
+            self.radius_m * (1.0 + self.petal_share * (f64::from(self.petals) * angle).cos());
         [radius_m * angle.cos(), radius_m * angle.sin()]
     }
 }
@@ -78,7 +90,11 @@ impl PathOptions {
 ///
 /// # Errors
 /// [`TaskError`] for a setting out of range or a plant that fails.
-pub fn waypoints(robot: &mut dyn Plant, options: &PathOptions, seed: Seed) -> Result<Vec<Point3>, TaskError> {
+pub fn waypoints(
+    robot: &mut dyn Plant,
+    options: &PathOptions,
+    seed: Seed,
+) -> Result<Vec<Point3>, TaskError> {
     options.check()?;
     let map = BendMap::of(robot)?;
     let mut robot = RetryLostFrames(robot);
@@ -86,9 +102,13 @@ pub fn waypoints(robot: &mut dyn Plant, options: &PathOptions, seed: Seed) -> Re
     let mut bend_m = map.straight();
     let mut points = Vec::with_capacity(options.points);
     for index in 0..options.points {
-        if let Some(observation) =
-            drive_to(&mut robot, &map, &mut bend_m, map.everywhere(options.bend_m(index)), options.max_step_m)?
-        {
+        if let Some(observation) = drive_to(
+            &mut robot,
+            &map,
+            &mut bend_m,
+            map.everywhere(options.bend_m(index)),
+            options.max_step_m,
+        )? {
             tip_m = observation.tip_m;
         }
         for _ in 0..options.hold_steps {
@@ -99,8 +119,8 @@ pub fn waypoints(robot: &mut dyn Plant, options: &PathOptions, seed: Seed) -> Re
     Ok(points)
 }
 
-/// Connects way-points by straight lines, each divided into equal pieces of at most `options.spacing_m`. Every way-point
-/// is on the path; a closed path ends at its first point.
+/// Connects way-points by straight lines, each divided into equal pieces of at most
+/// `options.spacing_m`. Every way-point is on the path; a closed path ends at its first point.
 ///
 /// # Errors
 /// [`TaskError`] for a setting out of range.

@@ -10,7 +10,10 @@ use crate::data::recording::PointTrack;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum UnevenSteps {
     /// Steps differ in length; a plant moves in equal steps.
-    #[error("trial {trial}: found a step of {found_s} s, expected {expected_s} s, the step between the first two rows")]
+    #[error(
+        "trial {trial}: found a step of {found_s} s, expected {expected_s} s, the step between the \
+         first two rows"
+    )]
     Uneven {
         /// The trial.
         trial: u64,
@@ -45,7 +48,8 @@ pub fn step_s(commands: &Recording) -> Result<f64, UnevenSteps> {
     first_s.ok_or(UnevenSteps::None)
 }
 
-/// Executes the `rows` of one trial from rest at home. Returns the measurements as a recording of these rows.
+/// Executes the `rows` of one trial from rest at home. Returns the measurements as a recording of
+/// these rows.
 ///
 /// # Errors
 /// [`PlantError`] when the plant stops or refuses; the trial is lost.
@@ -74,8 +78,8 @@ pub(crate) fn measured_rows(
     rows.clone().for_each(|row| trial_commands.push(commands.commands.row(row)));
     // A row without tracking has no orientation; the others keep theirs.
     let has_orientation = seen.iter().any(|seen| seen.tip_quaternion.is_some());
-    let quaternion =
-        has_orientation.then(|| seen.iter().map(|seen| seen.tip_quaternion.unwrap_or([f64::NAN; 4])).collect());
+    let quaternion = has_orientation
+        .then(|| seen.iter().map(|seen| seen.tip_quaternion.unwrap_or([f64::NAN; 4])).collect());
     let valid: Vec<bool> = seen.iter().map(|seen| seen.valid).collect();
     Recording {
         commands: trial_commands,
@@ -93,16 +97,21 @@ pub(crate) fn measured_rows(
     }
 }
 
-/// The tracks of the points with these names; where nothing was `seen`, not a number. Without any orientation there is no
-/// column of it.
+/// The tracks of the points with these names; where nothing was `seen`, not a number. Without any
+/// orientation there is no column of it.
 pub(crate) fn point_tracks(names: &[String], seen: &[Option<&Observation>]) -> Vec<PointTrack> {
     let track = |(index, name): (usize, &String)| {
         let all = || seen.iter().map(|seen| seen.and_then(|seen| seen.points.get(index)));
-        let has_orientation = all().any(|point| point.is_some_and(|point| point.quaternion.is_some()));
-        let orientation = |point: Option<&SeenPoint>| point.and_then(|point| point.quaternion).unwrap_or([f64::NAN; 4]);
+        let has_orientation =
+            all().any(|point| point.is_some_and(|point| point.quaternion.is_some()));
+        let orientation = |point: Option<&SeenPoint>| {
+            point.and_then(|point| point.quaternion).unwrap_or([f64::NAN; 4])
+        };
         PointTrack {
             name: name.clone(),
-            position_m: all().map(|point| point.map_or([f64::NAN; 3], |point| point.position_m)).collect(),
+            position_m: all()
+                .map(|point| point.map_or([f64::NAN; 3], |point| point.position_m))
+                .collect(),
             quaternion: has_orientation.then(|| all().map(orientation).collect()),
         }
     };

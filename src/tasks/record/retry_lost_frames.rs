@@ -1,18 +1,24 @@
-//! Recordings for learning have a tip in every row: a step in which tracking lost the tip is repeated.
+//! Recordings for learning have a tip in every row: a step in which tracking lost the tip is
+//! repeated.
 
 use crate::base::{Observation, Plant, PlantError, Seed, TendonCommand, TendonLayout};
 
-/// Steps for which a command is held once more, 2 s at the usual 0.2 s: markers are hidden briefly. A real robot
-/// without tracking for longer is stopped by its guard.
+/// Steps for which a command is held once more, 2 s at the usual 0.2 s: markers are hidden briefly.
+/// A real robot without tracking for longer is stopped by its guard.
 const MAX_REPEATS: usize = 10;
 
-/// A plant whose every observation is valid. After a lost frame, the same command is held for another step, and the tip at
-/// its end is returned. The number of rows stays the same, so recordings of the same commands on two robots can be compared
-/// row by row, which leaving rows out would break.
+/// A plant whose every observation is valid. After a lost frame, the same command is held for
+/// another step, and the tip at its end is returned. The number of rows stays the same, so
+/// recordings of the same commands on two robots can be compared row by row, which leaving rows out
+/// would break.
 pub(crate) struct RetryLostFrames<'a>(pub(crate) &'a mut dyn Plant);
 
 impl RetryLostFrames<'_> {
-    fn until_valid(&mut self, first: Observation, commands: &[TendonCommand]) -> Result<Observation, PlantError> {
+    fn until_valid(
+        &mut self,
+        first: Observation,
+        commands: &[TendonCommand],
+    ) -> Result<Observation, PlantError> {
         let mut observation = first;
         for _ in 0..MAX_REPEATS {
             if observation.valid {
@@ -20,7 +26,11 @@ impl RetryLostFrames<'_> {
             }
             observation = self.0.drive(commands)?;
         }
-        if observation.valid { Ok(observation) } else { Err(PlantError::Unseen { steps: MAX_REPEATS }) }
+        if observation.valid {
+            Ok(observation)
+        } else {
+            Err(PlantError::Unseen { steps: MAX_REPEATS })
+        }
     }
 }
 

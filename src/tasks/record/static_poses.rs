@@ -1,4 +1,5 @@
-//! Static poses: the tendons move to each pose in even steps, the robot comes to rest, and several measurements are averaged.
+//! Static poses: the tendons move to each pose in even steps, the robot comes to rest, and several
+//! measurements are averaged.
 
 use std::ops::Range;
 
@@ -43,7 +44,8 @@ impl StaticPoseOptions {
     }
 }
 
-/// Home, and bends in eight directions by `reach_m` and by half of it: displacements of the four tendons, metres.
+/// Home, and bends in eight directions by `reach_m` and by half of it: displacements of the four
+/// tendons, metres.
 pub fn star_m(reach_m: f64) -> Vec<Vec<f64>> {
     let mut poses = vec![vec![0.0; 4]];
     for share in [0.5, 1.0] {
@@ -56,8 +58,9 @@ pub fn star_m(reach_m: f64) -> Vec<Vec<f64>> {
     poses
 }
 
-/// The commands for `poses_m` (displacements in metres; home is added as the first pose) under each of the masses, kilograms:
-/// one trial for each mass, one row for each pose, at the time of its last measurement.
+/// The commands for `poses_m` (displacements in metres; home is added as the first pose) under each
+/// of the masses, kilograms: one trial for each mass, one row for each pose, at the time of its
+/// last measurement.
 pub fn plan_static_poses(
     poses_m: &[Vec<f64>],
     weights_kg: &[f64],
@@ -86,8 +89,8 @@ pub fn plan_static_poses(
     planned
 }
 
-/// Records the poses of one trial of [`plan_static_poses`]. Each row is the averaged measurement of a pose at rest under its
-/// own command.
+/// Records the poses of one trial of [`plan_static_poses`]. Each row is the averaged measurement of
+/// a pose at rest under its own command.
 ///
 /// # Errors
 /// [`PlantError`] when the plant stops or refuses; the trial is lost.
@@ -105,15 +108,19 @@ pub fn record_static_poses(
         let move_steps = steps_between(&from_m, to_m, options.max_step_m);
         for step in 1..=move_steps {
             let share = step as f64 / move_steps as f64;
-            let pulls_m: Vec<f64> =
-                from_m.iter().zip(to_m).map(|(from, to)| share * to + (1.0 - share) * from).collect();
+            let pulls_m: Vec<f64> = from_m
+                .iter()
+                .zip(to_m)
+                .map(|(from, to)| share * to + (1.0 - share) * from)
+                .collect();
             plant.step(&pulls_m)?;
         }
         // The same number of steps for every pose, as planned: times must agree.
         for _ in 0..options.rest_steps {
             plant.step(to_m)?;
         }
-        let looks: Vec<Observation> = (0..options.looks).map(|_| plant.step(to_m)).collect::<Result<_, _>>()?;
+        let looks: Vec<Observation> =
+            (0..options.looks).map(|_| plant.step(to_m)).collect::<Result<_, _>>()?;
         from_m = to_m.to_vec();
         observations.push(averaged(looks));
     }
@@ -123,24 +130,42 @@ pub fn record_static_poses(
 /// The last of several observations, with the mean tip and points of the valid ones.
 fn averaged(looks: Vec<Observation>) -> Observation {
     // Only the looks in which the tip was seen are averaged.
-    let valid: Vec<[f64; 3]> = looks.iter().filter(|look| look.valid).map(|look| look.tip_m).collect();
+    let valid: Vec<[f64; 3]> =
+        looks.iter().filter(|look| look.valid).map(|look| look.tip_m).collect();
     let tip_m = mean(&valid);
     let point = |index: usize| {
-        let each = looks.iter().filter_map(|look| look.points.get(index)).map(|point| point.position_m);
-        mean(&each.filter(|position_m| position_m.iter().all(|x| x.is_finite())).collect::<Vec<_>>())
+        let each =
+            looks.iter().filter_map(|look| look.points.get(index)).map(|point| point.position_m);
+        mean(
+            &each.filter(|position_m| position_m.iter().all(|x| x.is_finite())).collect::<Vec<_>>(),
+        )
     };
-    let points_m: Vec<[f64; 3]> = (0..looks.first().map_or(0, |look| look.points.len())).map(point).collect();
+    let points_m: Vec<[f64; 3]> =
+        (0..looks.first().map_or(0, |look| look.points.len())).map(point).collect();
     let last = looks.into_iter().last();
     let turns = last.iter().flat_map(|look| &look.points).map(|point| point.quaternion);
-    let points = turns.zip(points_m).map(|(quaternion, position_m)| SeenPoint { position_m, quaternion }).collect();
+    let points = turns
+        .zip(points_m)
+        .map(|(quaternion, position_m)| SeenPoint { position_m, quaternion })
+        .collect();
     let quaternion = last.as_ref().and_then(|look| look.tip_quaternion);
     let (time_s, pulls_m) = last.map_or((0.0, Vec::new()), |look| (look.time_s, look.pulls_m));
     let valid = !valid.is_empty();
-    Observation { time_s, tip_m, tip_quaternion: quaternion, points, pulls_m, tensions_n: None, valid }
+    Observation {
+        time_s,
+        tip_m,
+        tip_quaternion: quaternion,
+        points,
+        pulls_m,
+        tensions_n: None,
+        valid,
+    }
 }
 
 /// The mean of some positions; not a number where there is none.
 fn mean(positions_m: &[[f64; 3]]) -> [f64; 3] {
     let count = positions_m.len() as f64;
-    std::array::from_fn(|axis| positions_m.iter().map(|position_m| position_m[axis]).sum::<f64>() / count)
+    std::array::from_fn(|axis| {
+        positions_m.iter().map(|position_m| position_m[axis]).sum::<f64>() / count
+    })
 }

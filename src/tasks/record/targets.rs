@@ -1,5 +1,5 @@
-//! Targets of goal reaching (section V-B): "randomly picking 50 target points from another 960 unique points spaced
-//! equally in the real workspace".
+//! Targets of goal reaching (section V-B): "randomly picking 50 target points from another 960
+//! unique points spaced equally in the real workspace".
 
 use rand::seq::SliceRandom;
 use serde::{Deserialize, Serialize};
@@ -17,8 +17,8 @@ pub struct TargetOptions {
     pub pool: usize,
     /// Number of points drawn from the pool.
     pub drawn: usize,
-    /// Source of the candidates: a sweep of the real robot, finer than the pool. Its nodes differ from the points of the
-    /// error model.
+    /// Source of the candidates: a sweep of the real robot, finer than the pool. Its nodes differ
+    /// from the points of the error model.
     pub sweep: GridOptions,
 }
 
@@ -38,23 +38,36 @@ impl TargetOptions {
         self.sweep.check()?;
         BadOption::unless_counted("drawn", self.drawn)?;
         if self.drawn > self.pool {
-            return Err(BadOption { key: "drawn", found: self.drawn.to_string(), expected: "at most `pool`" });
+            return Err(BadOption {
+                key: "drawn",
+                found: self.drawn.to_string(),
+                expected: "at most `pool`",
+            });
         }
         let nodes = self.sweep.rows * self.sweep.columns;
         if self.pool > nodes {
             let found = format!("{} for a sweep of {nodes} nodes", self.pool);
-            return Err(BadOption { key: "pool", found, expected: "at most the nodes of the sweep" });
+            return Err(BadOption {
+                key: "pool",
+                found,
+                expected: "at most the nodes of the sweep",
+            });
         }
         Ok(())
     }
 }
 
-/// The pool: tips of a sweep of the robot, thinned to `options.pool` equally spaced ones. Use the real robot without
-/// measurement noise, so that every target can be reached. The seed is the plant's.
+/// The pool: tips of a sweep of the robot, thinned to `options.pool` equally spaced ones. Use the
+/// real robot without measurement noise, so that every target can be reached. The seed is the
+/// plant's.
 ///
 /// # Errors
 /// [`TaskError`] for a setting out of range, a pool larger than the sweep, or a plant that fails.
-pub fn target_pool(robot: &mut dyn Plant, options: &TargetOptions, seed: Seed) -> Result<Vec<Point3>, TaskError> {
+pub fn target_pool(
+    robot: &mut dyn Plant,
+    options: &TargetOptions,
+    seed: Seed,
+) -> Result<Vec<Point3>, TaskError> {
     options.check()?;
     let map = BendMap::of(robot)?;
     let mut robot = RetryLostFrames(robot);
@@ -62,7 +75,9 @@ pub fn target_pool(robot: &mut dyn Plant, options: &TargetOptions, seed: Seed) -
     let mut bend_m = map.straight();
     let mut candidates = Vec::with_capacity(options.sweep.rows * options.sweep.columns);
     for point_m in options.sweep.bends_m(&map) {
-        if let Some(observation) = drive_to(&mut robot, &map, &mut bend_m, point_m, options.sweep.max_step_m)? {
+        if let Some(observation) =
+            drive_to(&mut robot, &map, &mut bend_m, point_m, options.sweep.max_step_m)?
+        {
             tip_m = observation.tip_m;
         }
         candidates.push(tip_m);
@@ -70,8 +85,9 @@ pub fn target_pool(robot: &mut dyn Plant, options: &TargetOptions, seed: Seed) -
     spread_targets(&candidates, options.pool)
 }
 
-/// `count` of the candidates, as equally spaced as possible: each next one is the farthest from all before it (Gonzalez
-/// 1985), starting with the first; the earlier of equals. O(count × candidates).
+/// `count` of the candidates, as equally spaced as possible: each next one is the farthest from all
+/// before it (Gonzalez 1985), starting with the first; the earlier of equals. O(count ×
+/// candidates).
 ///
 /// # Errors
 /// [`TaskError::TooFew`] when there are fewer than `count` distinct candidates.
@@ -101,14 +117,22 @@ pub fn spread_targets(candidates: &[Point3], count: usize) -> Result<Vec<Point3>
     Ok(chosen)
 }
 
-/// Draws `count` targets with their indices in the pool. The seed is the experiment's: every policy gets the same targets in
-/// the same order, and a smaller draw is the beginning of a larger one.
+/// Draws `count` targets with their indices in the pool. The seed is the experiment's: every policy
+/// gets the same targets in the same order, and a smaller draw is the beginning of a larger one.
 ///
 /// # Errors
 /// [`TaskError::TooFew`] when the pool is smaller.
-pub fn draw_targets(pool: &[Point3], count: usize, seed: Seed) -> Result<Vec<(usize, Point3)>, TaskError> {
+pub fn draw_targets(
+    pool: &[Point3],
+    count: usize,
+    seed: Seed,
+) -> Result<Vec<(usize, Point3)>, TaskError> {
     if count > pool.len() {
-        return Err(TaskError::TooFew { what: "targets in the pool", required: count, available: pool.len() });
+        return Err(TaskError::TooFew {
+            what: "targets in the pool",
+            required: count,
+            available: pool.len(),
+        });
     }
     let mut order: Vec<usize> = (0..pool.len()).collect();
     // A shuffle of all, not a draw of some: smaller draws are beginnings of larger ones.

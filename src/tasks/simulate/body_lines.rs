@@ -11,8 +11,8 @@ use crate::tasks::{SimulationOptions, of_tendons};
 /// Points of the line.
 const LINE_POINTS: usize = 41;
 
-/// Points from base to tip, metres, of the robot that `model` has under the commands of each row of `recording`; none in rows
-/// that could not be solved. `file` is what the recording was read from.
+/// Points from base to tip, metres, of the robot that `model` has under the commands of each row of
+/// `recording`; none in rows that could not be solved. `file` is what the recording was read from.
 ///
 /// # Errors
 /// [`DataError`] for commands that are not those of the model's tendons or drives.
@@ -35,7 +35,8 @@ pub fn body_lines_m(
     let options = SimulationOptions { at_rest, ..SimulationOptions::default() };
     let simulated = simulate_recording(&model, &commands, &options);
     let of_row = |row: usize| {
-        let points: Vec<Point3> = simulated.points.iter().map(|point| point.position_m[row]).collect();
+        let points: Vec<Point3> =
+            simulated.points.iter().map(|point| point.position_m[row]).collect();
         let solved = points.iter().flatten().all(|x| x.is_finite());
         if solved { points } else { Vec::new() }
     };

@@ -6,13 +6,14 @@ use std::path::Path;
 use crate::data::{DataError, Recording};
 use crate::effects::{Model, Starts};
 
-/// Reads commands to simulate and checks that their number of tendons is the model's, and that gravity stays the same where
-/// trials go on from one another. Poses `at_rest` may have any times.
+/// Reads commands to simulate and checks that their number of tendons is the model's, and that
+/// gravity stays the same where trials go on from one another. Poses `at_rest` may have any times.
 ///
 /// # Errors
 /// [`DataError`] for a file that holds no commands of this robot.
 pub fn read_commands(file: &Path, model: &Model, at_rest: bool) -> Result<Recording, DataError> {
-    let mut commands = if at_rest { Recording::read_pose_commands(file) } else { Recording::read_commands(file) }?;
+    let mut commands =
+        if at_rest { Recording::read_pose_commands(file) } else { Recording::read_commands(file) }?;
     let expected = model.robot.tendons.angles_deg.len();
     of_tendons(&mut commands, file, &model.drive_gains(), expected)?;
     commands.check_points(file, &model.tracking.names())?;
@@ -20,20 +21,24 @@ pub fn read_commands(file: &Path, model: &Model, at_rest: bool) -> Result<Record
     Ok(commands)
 }
 
-/// Reads a recording that a calibration fits: of the model's robot, under one gravity where trials go on from one another.
-/// Poses `at_rest` may have any times.
+/// Reads a recording that a calibration fits: of the model's robot, under one gravity where trials
+/// go on from one another. Poses `at_rest` may have any times.
 ///
 /// # Errors
 /// [`DataError`] for a file that holds no such recording.
-pub fn read_to_calibrate(file: &Path, model: &Model, at_rest: bool) -> Result<Recording, DataError> {
+pub fn read_to_calibrate(
+    file: &Path,
+    model: &Model,
+    at_rest: bool,
+) -> Result<Recording, DataError> {
     let measured = read_measured(file, model, at_rest)?;
     check_one_gravity(file, &measured, model)?;
     check_duration(file, &measured, at_rest)?;
     Ok(measured)
 }
 
-/// Reads a recording that a discovery explains: of the model's robot, with plausible loads. Poses `at_rest` may have any
-/// times.
+/// Reads a recording that a discovery explains: of the model's robot, with plausible loads. Poses
+/// `at_rest` may have any times.
 ///
 /// # Errors
 /// [`DataError`] for a file that holds no such recording.
@@ -48,7 +53,8 @@ fn check_duration(file: &Path, measured: &Recording, at_rest: bool) -> Result<()
     if at_rest { Ok(()) } else { measured.check_duration(file) }
 }
 
-/// Reads a recording of the model's robot and checks its number of tendons and that tip and commands are within reach.
+/// Reads a recording of the model's robot and checks its number of tendons and that tip and
+/// commands are within reach.
 fn read_measured(file: &Path, model: &Model, at_rest: bool) -> Result<Recording, DataError> {
     let mut measured = if at_rest { Recording::read_poses(file) } else { Recording::read(file) }?;
     let tendons = model.robot.tendons.angles_deg.len();
@@ -60,8 +66,8 @@ fn read_measured(file: &Path, model: &Model, at_rest: bool) -> Result<Recording,
     Ok(measured)
 }
 
-/// Gives a recording the commands of tendons that its drives give with these `gains`, and checks that it has the robot's number
-/// of tendons.
+/// Gives a recording the commands of tendons that its drives give with these `gains`, and checks
+/// that it has the robot's number of tendons.
 ///
 /// # Errors
 /// [`DataError::Column`] for another number, and as [`Recording::convert_drives`].
@@ -77,17 +83,25 @@ pub fn of_tendons(
         return Ok(());
     }
     let column = commands.actuation.column(found.min(expected));
-    let (found, expected) = (format!("{found} tendons"), format!("{expected}, the number of the robot's tendons"));
+    let (found, expected) =
+        (format!("{found} tendons"), format!("{expected}, the number of the robot's tendons"));
     Err(DataError::Column { file: file.to_owned(), place: "line 1", column, found, expected })
 }
 
-/// Refuses a gravity that changes from trial to trial where trials go on from one another: the robot is the same in all.
+/// Refuses a gravity that changes from trial to trial where trials go on from one another: the
+/// robot is the same in all.
 ///
 /// # Errors
 /// [`DataError::Line`] for the first row with another gravity.
-pub fn check_one_gravity(file: &Path, commands: &Recording, model: &Model) -> Result<(), DataError> {
+pub fn check_one_gravity(
+    file: &Path,
+    commands: &Recording,
+    model: &Model,
+) -> Result<(), DataError> {
     let all = commands.gravity_m_s2.as_deref().unwrap_or_default();
-    let Some(row) = all.iter().position(|gravity_m_s2| *gravity_m_s2 != all[0]) else { return Ok(()) };
+    let Some(row) = all.iter().position(|gravity_m_s2| *gravity_m_s2 != all[0]) else {
+        return Ok(());
+    };
     if model.tracking.starts != Starts::Continue {
         return Ok(());
     }

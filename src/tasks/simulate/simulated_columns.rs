@@ -101,11 +101,17 @@ impl SimulatedColumns {
         };
         let mut columns = Vec::new();
         for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
-            columns.push((format!("contact_force_{name}_n"), numbers(0.0, &|contact| contact.force_n[axis])));
+            columns.push((
+                format!("contact_force_{name}_n"),
+                numbers(0.0, &|contact| contact.force_n[axis]),
+            ));
         }
         columns.push(("contact_s_m".to_owned(), numbers(f64::NAN, &|contact| contact.s_m)));
         for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
-            columns.push((format!("contact_{name}_m"), numbers(f64::NAN, &|contact| contact.place_m[axis])));
+            columns.push((
+                format!("contact_{name}_m"),
+                numbers(f64::NAN, &|contact| contact.place_m[axis]),
+            ));
         }
         columns
     }
@@ -113,7 +119,12 @@ impl SimulatedColumns {
     pub(crate) fn into_recording(self, commands: &Recording) -> Recording {
         let lost = [f64::NAN; 3];
         let numbers = |value: &dyn Fn(&(Observation, SolutionDetail)) -> f64| -> Extra {
-            Extra::Numbers(self.observed.iter().map(|observed| observed.as_ref().map_or(f64::NAN, value)).collect())
+            Extra::Numbers(
+                self.observed
+                    .iter()
+                    .map(|observed| observed.as_ref().map_or(f64::NAN, value))
+                    .collect(),
+            )
         };
         let mut extra: Vec<(String, Extra)> = Vec::new();
         for tendon in 0..self.tendons {
@@ -127,9 +138,14 @@ impl SimulatedColumns {
         extra.push(("solver_status".to_owned(), Extra::Text(self.status.clone())));
         if self.at_rest {
             let branch = |observed: &Option<(Observation, SolutionDetail)>| {
-                observed.as_ref().map_or(String::new(), |(_, detail)| detail.branch.name().to_owned())
+                observed
+                    .as_ref()
+                    .map_or(String::new(), |(_, detail)| detail.branch.name().to_owned())
             };
-            extra.push(("branch".to_owned(), Extra::Text(self.observed.iter().map(branch).collect())));
+            extra.push((
+                "branch".to_owned(),
+                Extra::Text(self.observed.iter().map(branch).collect()),
+            ));
         }
         if self.has_obstacles {
             extra.extend(self.contact_columns());
@@ -138,19 +154,36 @@ impl SimulatedColumns {
             observed.as_ref().is_some_and(|(_, detail)| detail.touches_itself)
         };
         if self.observed.iter().any(touches_itself) {
-            let flag = |observed: &Option<(Observation, SolutionDetail)>| f64::from(u8::from(touches_itself(observed)));
-            extra.push((TOUCHES_ITSELF.to_owned(), Extra::Numbers(self.observed.iter().map(flag).collect())));
+            let flag = |observed: &Option<(Observation, SolutionDetail)>| {
+                f64::from(u8::from(touches_itself(observed)))
+            };
+            extra.push((
+                TOUCHES_ITSELF.to_owned(),
+                Extra::Numbers(self.observed.iter().map(flag).collect()),
+            ));
         }
         // A column of the commands that the simulation computes anew is replaced.
-        let carried = commands.extra.iter().filter(|(name, _)| extra.iter().all(|(added_name, _)| added_name != name));
+        let carried = commands
+            .extra
+            .iter()
+            .filter(|(name, _)| extra.iter().all(|(added_name, _)| added_name != name));
         let extra = carried.cloned().chain(extra.iter().cloned()).collect();
-        let tips = self.observed.iter().map(|observed| observed.as_ref().map_or(lost, |(observed, _)| observed.tip_m));
+        let tips = self
+            .observed
+            .iter()
+            .map(|observed| observed.as_ref().map_or(lost, |(observed, _)| observed.tip_m));
         let orientations = self.observed.iter().map(|observed| {
-            observed.as_ref().and_then(|(observed, _)| observed.tip_quaternion).unwrap_or([f64::NAN; 4])
+            observed
+                .as_ref()
+                .and_then(|(observed, _)| observed.tip_quaternion)
+                .unwrap_or([f64::NAN; 4])
         });
         let valid: Vec<bool> = self.observed.iter().map(Option::is_some).collect();
-        let observed: Vec<Option<&Observation>> =
-            self.observed.iter().map(|observed| observed.as_ref().map(|(observed, _)| observed)).collect();
+        let observed: Vec<Option<&Observation>> = self
+            .observed
+            .iter()
+            .map(|observed| observed.as_ref().map(|(observed, _)| observed))
+            .collect();
         Recording {
             tip_m: Some(tips.collect()),
             tip_quaternion: Some(orientations.collect()),

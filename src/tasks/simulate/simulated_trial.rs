@@ -15,8 +15,8 @@ use crate::rod::{SolveStatus, TipWrench};
 /// How commands are simulated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SimulationOptions {
-    /// Each row is the equilibrium under its own command. Otherwise the robot moves, and a row is its state at the beginning
-    /// of the row's command.
+    /// Each row is the equilibrium under its own command. Otherwise the robot moves, and a row is
+    /// its state at the beginning of the row's command.
     pub at_rest: bool,
     /// Standard deviation of the tracking noise per axis, metres.
     pub noise_m: f64,
@@ -35,7 +35,11 @@ impl Default for SimulationOptions {
 impl SimulationOptions {
     /// Options of the plant that plays the commands.
     pub(super) fn plant(&self) -> SimulatedOptions {
-        SimulatedOptions { noise_m: self.noise_m, travel_m: self.travel_m, ..SimulatedOptions::default() }
+        SimulatedOptions {
+            noise_m: self.noise_m,
+            travel_m: self.travel_m,
+            ..SimulatedOptions::default()
+        }
     }
 }
 
@@ -46,7 +50,11 @@ pub(crate) fn hung_mass(commands: &Recording, first_row: usize) -> Option<Effect
 }
 
 /// The model under the gravity of the trial that begins with this row.
-pub(crate) fn model_of_trial<'a>(model: &'a Model, commands: &Recording, first_row: usize) -> Cow<'a, Model> {
+pub(crate) fn model_of_trial<'a>(
+    model: &'a Model,
+    commands: &Recording,
+    first_row: usize,
+) -> Cow<'a, Model> {
     match &commands.gravity_m_s2 {
         None => Cow::Borrowed(model),
         Some(gravity_m_s2) => {
@@ -99,7 +107,12 @@ impl<'a> SimulatedTrial<'a> {
         self
     }
 
-    fn run(&mut self, at_rest: bool, seed: Seed, columns: &mut SimulatedColumns) -> Result<(), PlantError> {
+    fn run(
+        &mut self,
+        at_rest: bool,
+        seed: Seed,
+        columns: &mut SimulatedColumns,
+    ) -> Result<(), PlantError> {
         let commands = self.commands;
         let mut observation = self.start_or_flutter(at_rest, seed, columns)?;
         for row in self.rows.clone() {
@@ -117,7 +130,8 @@ impl<'a> SimulatedTrial<'a> {
                 }
             }
             if let Some(observation) = &observation {
-                columns.observed[row] = Some((observation.clone(), SolutionDetail::of(self.plant.rod())));
+                columns.observed[row] =
+                    Some((observation.clone(), SolutionDetail::of(self.plant.rod())));
             }
             columns.rates[row] = self.plant.pose_rates();
             if !at_rest && row + 1 < self.rows.end {
@@ -128,8 +142,8 @@ impl<'a> SimulatedTrial<'a> {
         Ok(())
     }
 
-    /// [`SimulatedTrial::start`]; a motion may start from an equilibrium about which oscillations grow, which its first row
-    /// says.
+    /// [`SimulatedTrial::start`]; a motion may start from an equilibrium about which oscillations
+    /// grow, which its first row says.
     fn start_or_flutter(
         &mut self,
         at_rest: bool,
@@ -148,7 +162,8 @@ impl<'a> SimulatedTrial<'a> {
         }
     }
 
-    /// Brings the robot to the state in which the trial starts, and observes it where that is the first row's.
+    /// Brings the robot to the state in which the trial starts, and observes it where that is the
+    /// first row's.
     fn start(&mut self, at_rest: bool, seed: Seed) -> Result<Option<Observation>, PlantError> {
         let commands = self.commands;
         if let Some(previous_row) = self.previous_row {
@@ -176,8 +191,8 @@ impl<'a> SimulatedTrial<'a> {
         }
     }
 
-    /// Applies the row's load to the tip: its force and moment, and the change of the hung mass since the robot was built
-    /// (the inertia of the change is neglected).
+    /// Applies the row's load to the tip: its force and moment, and the change of the hung mass
+    /// since the robot was built (the inertia of the change is neglected).
     fn load(&mut self, row: usize) {
         let commands = self.commands;
         let mut wrench = TipWrench::default();
@@ -185,7 +200,8 @@ impl<'a> SimulatedTrial<'a> {
             wrench.force_n = Vector3::from(loads[row].force_n);
             wrench.moment_nm = Vector3::from(loads[row].moment_nm);
         }
-        let added_kg = commands.known_load_kg.as_ref().map_or(0.0, |load_kg| load_kg[row] - self.hung_kg);
+        let added_kg =
+            commands.known_load_kg.as_ref().map_or(0.0, |load_kg| load_kg[row] - self.hung_kg);
         self.plant.set_extra_tip_load_of(&|rod| TipWrench {
             force_n: wrench.force_n + added_kg * rod.gravity_m_s2,
             moment_nm: wrench.moment_nm,
@@ -199,7 +215,8 @@ impl<'a> SimulatedTrial<'a> {
             (Actuation::Tensions, _) => self.plant.apply_tensions(command, at_rest),
             (Actuation::Lengths, false) => self.plant.step(command),
             (Actuation::Lengths, true) => {
-                let pulls: Vec<TendonCommand> = command.iter().map(|&pull| TendonCommand::Pull(pull)).collect();
+                let pulls: Vec<TendonCommand> =
+                    command.iter().map(|&pull| TendonCommand::Pull(pull)).collect();
                 self.plant.settle(&pulls)
             }
         }

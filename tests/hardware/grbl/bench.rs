@@ -7,7 +7,9 @@ use std::sync::{Arc, Mutex, MutexGuard};
 use spinebench::hardware::clock::Clock;
 use spinebench::hardware::grbl::{Controller, MotionFault, MotionSettings};
 use spinebench::hardware::serial::SerialLine;
-use spinebench::simulators::{ControllerFault, ControllerOptions, PipeEnd, SimulatedController, pipe};
+use spinebench::simulators::{
+    ControllerFault, ControllerOptions, PipeEnd, SimulatedController, pipe,
+};
 
 /// How often the fake controller is looked after, seconds.
 const STEP_S: f64 = 0.005;
@@ -74,7 +76,12 @@ impl Bench {
         let mut fake = SimulatedController::new(Box::new(other), options);
         fake.step(0.0);
         let inside = Mutex::new(Inside { now_s: 0.0, fake, most_queued: 0 });
-        Bench { inside, serial: Mutex::new(Some(serial)), sent: Arc::default(), noise: Arc::default() }
+        Bench {
+            inside,
+            serial: Mutex::new(Some(serial)),
+            sent: Arc::default(),
+            noise: Arc::default(),
+        }
     }
 
     fn inside(&self) -> MutexGuard<'_, Inside> {
@@ -116,7 +123,11 @@ impl Bench {
     }
 
     /// Polls for this long, or until a fault.
-    pub(crate) fn run(&self, controller: &mut Controller, duration_s: f64) -> Result<(), MotionFault> {
+    pub(crate) fn run(
+        &self,
+        controller: &mut Controller,
+        duration_s: f64,
+    ) -> Result<(), MotionFault> {
         self.run_while(controller, duration_s, |_| true)
     }
 
@@ -184,8 +195,14 @@ impl Bench {
 
 /// The lines in a stream of bytes with realtime bytes between them.
 pub(crate) fn lines(sent: &[u8]) -> Vec<String> {
-    let text: Vec<u8> = sent.iter().copied().filter(|byte| !matches!(byte, b'?' | b'!' | b'~' | 0x18)).collect();
-    String::from_utf8(text).unwrap().split('\n').filter(|line| !line.is_empty()).map(str::to_owned).collect()
+    let text: Vec<u8> =
+        sent.iter().copied().filter(|byte| !matches!(byte, b'?' | b'!' | b'~' | 0x18)).collect();
+    String::from_utf8(text)
+        .unwrap()
+        .split('\n')
+        .filter(|line| !line.is_empty())
+        .map(str::to_owned)
+        .collect()
 }
 
 pub(crate) fn near(one: [f64; 4], other: [f64; 4], tolerance_mm: f64) -> bool {

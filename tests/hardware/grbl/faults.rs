@@ -1,4 +1,5 @@
-//! Every fault that can be injected ends in the fault of the driver that names it, and is left by reset and homing.
+//! Every fault that can be injected ends in the fault of the driver that names it, and is left by
+//! reset and homing.
 
 use spinebench::hardware::clock::Clock;
 use spinebench::hardware::grbl::{Controller, Mode, MotionFault, MotionSettings, MoveRefusal};
@@ -84,7 +85,10 @@ fn recovers(bench: &Bench, controller: &mut Controller, found: &MotionFault) {
     }
     assert_eq!(sent[sent.len() - 2..], [b'!', 0x18], "no resume");
     bench.run(controller, 2.0).unwrap();
-    assert_eq!(controller.move_to(TARGET_MM, 600.0, bench.now_s()), Err(MotionFault::Refused(MoveRefusal::NotHomed)));
+    assert_eq!(
+        controller.move_to(TARGET_MM, 600.0, bench.now_s()),
+        Err(MotionFault::Refused(MoveRefusal::NotHomed))
+    );
     bench.home(controller).unwrap();
     bench.go(controller, TARGET_MM, 600.0).unwrap();
     bench.run(controller, 5.0).unwrap();
@@ -94,9 +98,11 @@ fn recovers(bench: &Bench, controller: &mut Controller, found: &MotionFault) {
 
 #[test]
 fn no_answers() {
-    for found in
-        [standing(ControllerFault::Silent), moving(ControllerFault::Silent), on_the_next_move(ControllerFault::Silent)]
-    {
+    for found in [
+        standing(ControllerFault::Silent),
+        moving(ControllerFault::Silent),
+        on_the_next_move(ControllerFault::Silent),
+    ] {
         assert!(matches!(found, MotionFault::Silent { .. }), "{found}");
     }
     let found = in_the_middle_of_homing(ControllerFault::Silent);
@@ -161,7 +167,10 @@ fn unreadable_answers() {
 #[test]
 fn lost_and_doubled_acknowledgements() {
     let found = on_the_next_move(ControllerFault::LostOk);
-    assert!(matches!(&found, MotionFault::Silent { to, .. } if to.starts_with("G1 X12.000")), "{found}");
+    assert!(
+        matches!(&found, MotionFault::Silent { to, .. } if to.starts_with("G1 X12.000")),
+        "{found}"
+    );
     assert_eq!(on_the_next_move(ControllerFault::DoubledOk), MotionFault::StrayOk);
     let found = homing(ControllerFault::LostOk);
     assert!(matches!(found, MotionFault::HomingTimeout { .. }), "{found}");
@@ -191,7 +200,11 @@ fn one_report_of_axes_read_at_different_moments_stops_nothing() {
         bench.run(&mut controller, begun_s).unwrap();
         bench.inject(ControllerFault::TornReport(0.03));
         let apart_mm = |position_mm: [f64; 4]| position_mm[0] - position_mm[3];
-        bench.run_while(&mut controller, 1.0, |controller| apart_mm(controller.state().position_mm) < 0.1).unwrap();
+        bench
+            .run_while(&mut controller, 1.0, |controller| {
+                apart_mm(controller.state().position_mm) < 0.1
+            })
+            .unwrap();
         assert!(apart_mm(controller.state().position_mm) > 0.1);
         bench.run(&mut controller, 6.0).unwrap();
         assert!(near(controller.state().position_mm, [20.0; 4], 0.002));
@@ -206,7 +219,10 @@ fn an_axis_that_dies_in_a_stream_is_noticed_before_it_stands() {
     let mut target_mm = [0.0; 4];
     let found = (0..100).find_map(|_| {
         target_mm = target_mm.map(|value| value + 0.5);
-        bench.go(&mut controller, target_mm, 300.0).and_then(|()| bench.run(&mut controller, 0.2)).err()
+        bench
+            .go(&mut controller, target_mm, 300.0)
+            .and_then(|()| bench.run(&mut controller, 0.2))
+            .err()
     });
     assert!(matches!(found, Some(MotionFault::NotMoving { axis: 1, .. })), "{found:?}");
     assert!(target_mm[0] < 5.0, "{target_mm:?}");
@@ -219,7 +235,10 @@ fn an_axis_that_slips_is_not_noticed_here() {
     bench.inject(ControllerFault::SlippingAxis(0));
     bench.go(&mut controller, TARGET_MM, 600.0).unwrap();
     bench.run(&mut controller, 5.0).unwrap();
-    assert!(near(controller.state().position_mm, TARGET_MM, 0.002) && bench.position_mm()[0].abs() < 0.01);
+    assert!(
+        near(controller.state().position_mm, TARGET_MM, 0.002)
+            && bench.position_mm()[0].abs() < 0.01
+    );
 }
 
 #[test]
@@ -251,7 +270,10 @@ fn alarms() {
 #[test]
 fn errors_that_repeat() {
     let found = on_the_next_move(ControllerFault::StickyError(22));
-    assert!(matches!(&found, MotionFault::Error { code: 22, line } if line.starts_with("G1 ")), "{found}");
+    assert!(
+        matches!(&found, MotionFault::Error { code: 22, line } if line.starts_with("G1 ")),
+        "{found}"
+    );
 }
 
 #[test]
@@ -298,11 +320,18 @@ fn wrong_settings() {
         let MotionFault::WrongSettings(wrong) = &found else { panic!("{found}") };
         assert!(wrong.len() == 1 && wrong[0].number == number, "{found}");
         let text = found.to_string();
-        assert!(text.contains(&format!("${number} (")) && text.contains(value) && text.contains("expected"), "{text}");
+        assert!(
+            text.contains(&format!("${number} ("))
+                && text.contains(value)
+                && text.contains("expected"),
+            "{text}"
+        );
     }
     let bench = Bench::new(ControllerOptions::default());
     bench.inject(ControllerFault::WrongSettings(1, "25".to_owned()));
-    bench.open_with(&MotionSettings { hold_when_idle: false, ..MotionSettings::default() }).unwrap();
+    bench
+        .open_with(&MotionSettings { hold_when_idle: false, ..MotionSettings::default() })
+        .unwrap();
 }
 
 #[test]

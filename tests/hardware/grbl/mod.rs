@@ -1,4 +1,5 @@
-//! Motors: the GRBL driver against the fake controller, and that one against dialogues with a real one.
+//! Motors: the GRBL driver against the fake controller, and that one against dialogues with a real
+//! one.
 
 mod bench;
 mod faults;
@@ -51,7 +52,10 @@ fn homing_ends_where_the_axes_stand() {
     let bench = Bench::new(ControllerOptions::default());
     let mut controller = bench.open();
     let now_s = bench.now_s();
-    assert_eq!(controller.move_to([1.0; 4], 600.0, now_s), Err(MotionFault::Refused(MoveRefusal::NotHomed)));
+    assert_eq!(
+        controller.move_to([1.0; 4], 600.0, now_s),
+        Err(MotionFault::Refused(MoveRefusal::NotHomed))
+    );
     bench.home(&mut controller).unwrap();
     assert!((5.0..7.0).contains(&(bench.now_s() - now_s)), "{}", bench.now_s() - now_s);
     assert_eq!((controller.homed(), controller.state().mode), (true, Mode::Idle));
@@ -79,13 +83,18 @@ fn moves_arrive() {
     let bench = Bench::new(ControllerOptions::default());
     let mut controller = bench.ready();
     bench.go(&mut controller, [10.0, 5.0, 8.0, 6.0], 600.0).unwrap();
-    bench.run_while(&mut controller, 1.0, |controller| controller.state().mode != Mode::Run).unwrap();
+    bench
+        .run_while(&mut controller, 1.0, |controller| controller.state().mode != Mode::Run)
+        .unwrap();
     assert!(controller.state().feed_mm_min > 0.0);
     bench.run(&mut controller, 3.0).unwrap();
     assert_eq!(controller.state().position_mm, [10.0, 5.0, 8.0, 6.0]);
     assert!(near(bench.position_mm(), [10.0, 5.0, 8.0, 6.0], 1e-3));
     let lines = bench.sent_lines();
-    assert_eq!(lines[lines.len() - 2..], ["G21 G90 G94 G54", "G1 X10.000 Y5.000 Z8.000 A6.000 F600.0"]);
+    assert_eq!(
+        lines[lines.len() - 2..],
+        ["G21 G90 G94 G54", "G1 X10.000 Y5.000 Z8.000 A6.000 F600.0"]
+    );
     assert!(!bench.sent().contains(&b'\r'));
 }
 
@@ -118,7 +127,11 @@ fn a_third_move_has_to_wait() {
     let bench = Bench::new(ControllerOptions::default());
     let mut controller = bench.ready();
     bench.go(&mut controller, [10.0; 4], 60.0).unwrap();
-    assert_eq!(controller.move_to([11.0; 4], 60.0, bench.now_s()), Err(MotionFault::Busy), "not acknowledged");
+    assert_eq!(
+        controller.move_to([11.0; 4], 60.0, bench.now_s()),
+        Err(MotionFault::Busy),
+        "not acknowledged"
+    );
     bench.go(&mut controller, [11.0; 4], 60.0).unwrap();
     bench.run(&mut controller, 1.0).unwrap();
     assert_eq!(controller.state().queued, 2);
@@ -129,9 +142,13 @@ fn a_third_move_has_to_wait() {
 #[test]
 fn a_stream_never_has_more_than_two_moves_waiting() {
     for (delay_s, reply_timeout_s) in [([0.01, 0.06], 0.3), ([0.01, 0.5], 0.8)] {
-        let bench = Bench::new(ControllerOptions { delay_s, seed: 5, ..ControllerOptions::default() });
-        let mut controller = bench.ready_with(&MotionSettings { reply_timeout_s, ..MotionSettings::default() });
-        let target_mm = |k: u32| [0.0, 1.0, 2.0, 3.0].map(|phase| 30.0 + 20.0 * (f64::from(k) * 0.05 + phase).sin());
+        let bench =
+            Bench::new(ControllerOptions { delay_s, seed: 5, ..ControllerOptions::default() });
+        let mut controller =
+            bench.ready_with(&MotionSettings { reply_timeout_s, ..MotionSettings::default() });
+        let target_mm = |k: u32| {
+            [0.0, 1.0, 2.0, 3.0].map(|phase| 30.0 + 20.0 * (f64::from(k) * 0.05 + phase).sin())
+        };
         bench.go(&mut controller, target_mm(0), 600.0).unwrap();
         bench.run(&mut controller, 10.0).unwrap();
         let began_s = bench.now_s();
@@ -197,7 +214,10 @@ fn a_position_in_doubt_is_found_by_homing() {
     controller.require_homing();
     bench.run(&mut controller, 4.0).unwrap();
     assert!(!controller.homed() && controller.homing_required(), "whatever it says");
-    assert_eq!(controller.move_to([1.0; 4], 600.0, bench.now_s()), Err(MotionFault::Refused(MoveRefusal::NotHomed)));
+    assert_eq!(
+        controller.move_to([1.0; 4], 600.0, bench.now_s()),
+        Err(MotionFault::Refused(MoveRefusal::NotHomed))
+    );
     bench.home(&mut controller).unwrap();
     assert!(controller.homed() && !controller.homing_required());
 }
@@ -237,11 +257,16 @@ fn every_number_has_its_words() {
     for code in 1..=20 {
         assert!(codes::knows_alarm(code), "alarm {code}");
     }
-    for meaning in (0..=u16::from(u8::MAX)).flat_map(|code| [codes::error(code), codes::alarm(code)]) {
+    for meaning in
+        (0..=u16::from(u8::MAX)).flat_map(|code| [codes::error(code), codes::alarm(code)])
+    {
         assert!(meaning.what.ends_with('.') && meaning.remedy.ends_with('.'), "{meaning}");
     }
     let fault = MotionFault::Alarm { code: 9 }.to_string();
-    assert!(fault.contains("alarm 9") && fault.contains("no switch") && fault.contains("home"), "{fault}");
+    assert!(
+        fault.contains("alarm 9") && fault.contains("no switch") && fault.contains("home"),
+        "{fault}"
+    );
 }
 
 #[test]
@@ -259,7 +284,8 @@ fn settings_are_checked() {
     bad(|settings| settings.travel_m = -0.06, "travel_m");
     bad(|settings| settings.max_speed_mm_min = f64::INFINITY, "max_speed_mm_min");
     bad(|settings| settings.homing_directions = 16, "homing_directions");
-    let read: MotionSettings = serde_yaml::from_str("{travel_m: 0.05, port: /dev/ttyUSB0}").unwrap();
+    let read: MotionSettings =
+        serde_yaml::from_str("{travel_m: 0.05, port: /dev/ttyUSB0}").unwrap();
     assert_eq!((read.travel_m, read.limits_mm(0)), (0.05, (0.0, 50.0)));
     assert!(serde_yaml::from_str::<MotionSettings>("{travel_mm: 50}").is_err());
 }

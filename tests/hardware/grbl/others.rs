@@ -7,7 +7,8 @@ use spinebench::simulators::{ControllerFault, ControllerOptions, robot_settings}
 
 use super::bench::{Bench, near};
 
-/// GRBL itself with a fourth axis: settings that only grblHAL has are missing, others say what they are for.
+/// GRBL itself with a fourth axis: settings that only grblHAL has are missing, others say what they
+/// are for.
 fn plain(report: &str) -> ControllerOptions {
     let mut settings = robot_settings();
     settings.retain(|number, _| *number <= 32 || (100..=133).contains(number));
@@ -23,7 +24,10 @@ fn another_controller_homes_moves_and_holds() {
     for report in ["3", "1"] {
         let bench = Bench::new(plain(report));
         let mut controller = bench.open();
-        assert_eq!((controller.info().version.as_str(), controller.homed()), ("1.1h.20190830:another", false));
+        assert_eq!(
+            (controller.info().version.as_str(), controller.homed()),
+            ("1.1h.20190830:another", false)
+        );
         bench.home(&mut controller).unwrap();
         assert!(controller.homed());
         bench.run(&mut controller, 0.5).unwrap();
@@ -56,7 +60,8 @@ fn another_controller_is_found_out_as_well() {
     ] {
         let bench = Bench::new(plain("3"));
         bench.inject(fault);
-        let found = bench.open_with(&MotionSettings::default()).map(|_| ()).unwrap_err().to_string();
+        let found =
+            bench.open_with(&MotionSettings::default()).map(|_| ()).unwrap_err().to_string();
         assert!(found.contains(words), "{found}");
     }
     let bench = Bench::new(plain("3"));
@@ -73,7 +78,10 @@ fn a_controller_with_another_number_of_axes_is_shown_in_its_own_words() {
     let bench = Bench::new(ControllerOptions::default());
     bench.inject(ControllerFault::ThreeAxes);
     let found = bench.open_with(&MotionSettings::default()).map(|_| ()).unwrap_err();
-    assert!(matches!(&found, MotionFault::Garbled { line, .. } if line.contains("MPos:")), "{found}");
+    assert!(
+        matches!(&found, MotionFault::Garbled { line, .. } if line.contains("MPos:")),
+        "{found}"
+    );
 }
 
 #[test]

@@ -1,5 +1,5 @@
-//! Holds and what comes after them, as grblHAL was measured to do: 100 ms of motion before it slows down, no `~` before it
-//! stands, short moves that end short, lost queries.
+//! Holds and what comes after them, as grblHAL was measured to do: 100 ms of motion before it slows
+//! down, no `~` before it stands, short moves that end short, lost queries.
 
 use spinebench::hardware::clock::Clock;
 use spinebench::hardware::grbl::{Controller, Mode, MotionFault, MotionSettings};
@@ -22,7 +22,11 @@ fn count(bench: &Bench, byte: u8) -> usize {
 }
 
 /// Holds for `held_s`, resumes, and runs until the moves are done.
-fn hold_and_resume(bench: &Bench, controller: &mut Controller, held_s: f64) -> Result<(), MotionFault> {
+fn hold_and_resume(
+    bench: &Bench,
+    controller: &mut Controller,
+    held_s: f64,
+) -> Result<(), MotionFault> {
     controller.hold(bench.now_s());
     bench.run(controller, held_s)?;
     controller.resume(bench.now_s());
@@ -41,7 +45,10 @@ fn a_resume_waits_until_the_axes_stand() {
         controller.resume(bench.now_s());
         assert!(controller.is_resuming());
         assert!(held_s > 0.1 || count(&bench, b'~') == 0, "{held_s}: it decelerates");
-        assert!(controller.move_to([31.0; 4], 600.0, bench.now_s()).is_err(), "not before it moves");
+        assert!(
+            controller.move_to([31.0; 4], 600.0, bench.now_s()).is_err(),
+            "not before it moves"
+        );
         bench.run(&mut controller, 0.6).unwrap();
         assert!(!controller.is_resuming() && controller.state().mode == Mode::Run, "{held_s}");
         bench.run(&mut controller, 4.0).unwrap();
@@ -62,7 +69,11 @@ fn a_move_that_a_hold_ends_short_is_sent_again() {
         bench.go(&mut controller, [33.0, 30.0, 27.0, 31.0], 1125.0).unwrap();
         bench.run(&mut controller, 0.005 * f64::from(k)).unwrap();
         hold_and_resume(&bench, &mut controller, 0.06).unwrap();
-        assert!(near(bench.position_mm(), [33.0, 30.0, 27.0, 31.0], 0.02), "{k}: {:?}", bench.position_mm());
+        assert!(
+            near(bench.position_mm(), [33.0, 30.0, 27.0, 31.0], 0.02),
+            "{k}: {:?}",
+            bench.position_mm()
+        );
         completed += usize::from(bench.sent_lines().len() == before + 2);
         // And goes on from there.
         bench.go(&mut controller, [30.0; 4], 1125.0).unwrap();

@@ -22,7 +22,8 @@ fn serve(serial: TtyLine) -> ServedSimulator {
         let over = Arc::clone(&over);
         move || {
             let clock = WallClock::new();
-            let options = ControllerOptions { delay_s: [0.001, 0.002], ..ControllerOptions::default() };
+            let options =
+                ControllerOptions { delay_s: [0.001, 0.002], ..ControllerOptions::default() };
             let mut fake = SimulatedController::new(Box::new(serial), options);
             while !over.load(Ordering::SeqCst) {
                 fake.step(clock.now_s());
@@ -55,6 +56,7 @@ fn a_serial_line_is_opened_and_noticed_when_it_goes() {
     assert_eq!(controller.info().firmware, "grblHAL");
     controller.poll(clock.now_s()).unwrap();
     served.unplug();
-    let found = std::iter::repeat_with(|| controller.poll(clock.now_s())).find_map(Result::err).unwrap();
+    let found =
+        std::iter::repeat_with(|| controller.poll(clock.now_s())).find_map(Result::err).unwrap();
     assert!(matches!(found, MotionFault::Unplugged { .. }), "{found}");
 }

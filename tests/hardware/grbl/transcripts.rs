@@ -6,7 +6,8 @@ use spinebench::hardware::grbl::parser::{Reply, parse};
 use spinebench::hardware::grbl::{Mode, codes};
 use spinebench::hardware::serial::SerialLine;
 use spinebench::simulators::{
-    ControllerFault, ControllerOptions, PipeEnd, SimulatedController, factory_settings, pipe, robot_settings,
+    ControllerFault, ControllerOptions, PipeEnd, SimulatedController, factory_settings, pipe,
+    robot_settings,
 };
 
 /// Folder of the transcripts: they come with the tests.
@@ -53,12 +54,17 @@ fn every_received_line_is_understood() {
         if path.extension().is_none_or(|extension| extension != "txt") {
             continue;
         }
-        for entry in entries(&std::fs::read_to_string(&path).unwrap()).iter().filter(|entry| !entry.sent) {
-            let reply = parse(&entry.text).unwrap_or_else(|| panic!("{}: {}", path.display(), entry.text));
+        for entry in
+            entries(&std::fs::read_to_string(&path).unwrap()).iter().filter(|entry| !entry.sent)
+        {
+            let reply =
+                parse(&entry.text).unwrap_or_else(|| panic!("{}: {}", path.display(), entry.text));
             match reply {
                 Reply::Error(code) => assert!(codes::knows_error(code), "{code}"),
                 Reply::Alarm(code) => assert!(codes::knows_alarm(code), "{code}"),
-                Reply::Status(status) => assert!(status.position_mm.is_some() && status.mode != Mode::Unknown),
+                Reply::Status(status) => {
+                    assert!(status.position_mm.is_some() && status.mode != Mode::Unknown)
+                }
                 _ => {}
             }
             count += 1;
@@ -107,8 +113,12 @@ fn replay(entries: &[Entry], options: ControllerOptions, fault: Option<Controlle
     let (serial, other) = pipe();
     // A little quicker than the simulator, so that everything is answered before the next line.
     let options = ControllerOptions { delay_s: [0.002, 0.01], ..options };
-    let mut replay =
-        Replay { fake: SimulatedController::new(Box::new(other), options), serial, now_s: 0.9, received: Vec::new() };
+    let mut replay = Replay {
+        fake: SimulatedController::new(Box::new(other), options),
+        serial,
+        now_s: 0.9,
+        received: Vec::new(),
+    };
     replay.fake.step(replay.now_s);
     fault.into_iter().for_each(|fault| replay.fake.inject(fault));
     for entry in entries.iter().filter(|entry| entry.sent) {
@@ -121,7 +131,12 @@ fn replay(entries: &[Entry], options: ControllerOptions, fault: Option<Controlle
 }
 
 /// Replays a transcript; `same` turns the kinds of the simulator into those that are expected.
-fn compare(name: &str, options: ControllerOptions, fault: Option<ControllerFault>, same: impl Fn(&mut Vec<String>)) {
+fn compare(
+    name: &str,
+    options: ControllerOptions,
+    fault: Option<ControllerFault>,
+    same: impl Fn(&mut Vec<String>),
+) {
     let folder = folder();
     let entries = entries(&std::fs::read_to_string(folder.join(name)).unwrap());
     let mut theirs: Vec<String> =
@@ -147,7 +162,11 @@ fn robot() -> ControllerOptions {
 }
 
 fn new() -> ControllerOptions {
-    ControllerOptions { settings: factory_settings(), first_boot: true, ..ControllerOptions::default() }
+    ControllerOptions {
+        settings: factory_settings(),
+        first_boot: true,
+        ..ControllerOptions::default()
+    }
 }
 
 fn as_it_is(_: &mut Vec<String>) {}
@@ -178,7 +197,8 @@ fn the_fake_controller_answers_as_the_real_one() {
 #[test]
 fn a_machine_is_set_up_homed_moved_and_unlocked() {
     compare("transcript_4axis_switches.txt", new(), None, |theirs| {
-        // Here the simulator swallowed the alarm of a reset during a move; in the others it did not.
+        // Here the simulator swallowed the alarm of a reset during a move; in the others it did
+        // not.
         let jogged = place(theirs, "error 15", 0);
         let boot = place(theirs, "boot", jogged);
         theirs.insert(boot, "alarm 3".to_owned());
@@ -203,8 +223,15 @@ fn a_reset_after_a_hold_keeps_the_position() {
 fn limits_and_failed_homing() {
     // The last answers had not come when the transcripts ended.
     compare("transcript_hard_limit.txt", robot(), None, |theirs| theirs.push("ok".to_owned()));
-    compare("transcript_abort_cycle_alarm3.txt", robot(), None, |theirs| theirs.push("Run".to_owned()));
-    compare("transcript_homing_switch_stuck_open.txt", robot(), Some(ControllerFault::SwitchStuckOpen(3)), as_it_is);
+    compare("transcript_abort_cycle_alarm3.txt", robot(), None, |theirs| {
+        theirs.push("Run".to_owned())
+    });
+    compare(
+        "transcript_homing_switch_stuck_open.txt",
+        robot(),
+        Some(ControllerFault::SwitchStuckOpen(3)),
+        as_it_is,
+    );
     compare("transcript_poll_during_homing.txt", robot(), None, |theirs| {
         // The first query was quicker than homing.
         let home = place(theirs, "Home", 0);
@@ -221,7 +248,11 @@ fn the_fake_controller_moves_as_fast_as_the_real_one() {
         Reply::Status(status) => status.position_mm,
         _ => None,
     };
-    let theirs: Vec<_> = entries.iter().filter(|entry| !entry.sent).filter_map(|entry| position(&entry.text)).collect();
+    let theirs: Vec<_> = entries
+        .iter()
+        .filter(|entry| !entry.sent)
+        .filter_map(|entry| position(&entry.text))
+        .collect();
     let ours: Vec<_> = replay(&entries, robot(), None).lines().filter_map(position).collect();
     assert_eq!(theirs.len(), ours.len());
     // The simulator answers up to 0.1 s later, at 10 mm/s.

@@ -22,7 +22,8 @@ pub(crate) struct Ended {
 
 impl Ended {
     fn of(output: &Output) -> Ended {
-        let said = String::from_utf8_lossy(&output.stdout) + String::from_utf8_lossy(&output.stderr);
+        let said =
+            String::from_utf8_lossy(&output.stdout) + String::from_utf8_lossy(&output.stderr);
         Ended { status: output.status.code(), said: said.into_owned() }
     }
 
@@ -52,7 +53,8 @@ impl Bench {
         fs::read_to_string(self.path(name)).unwrap()
     }
 
-    /// A robot on a bench that is imitated. Waiting times are those of a busy computer: none of this is about them.
+    /// A robot on a bench that is imitated. Waiting times are those of a busy computer: none of
+    /// this is about them.
     pub(crate) fn put_rehearsal(&self, name: &str, rehearsal: &str) {
         let text = format!(
             "hardware:
@@ -164,7 +166,10 @@ impl Started {
 
     /// Sends a signal by its name.
     pub(crate) fn signal(&self, name: &str) {
-        let status = Command::new("kill").args([&format!("-{name}"), &self.0.id().to_string()]).status().unwrap();
+        let status = Command::new("kill")
+            .args([&format!("-{name}"), &self.0.id().to_string()])
+            .status()
+            .unwrap();
         assert!(status.success());
     }
 
@@ -220,8 +225,12 @@ impl ServedSimulator<'_> {
 
     /// Waits until the screws stand and have stood for a while; the log.
     pub(crate) fn stands(&self) -> Vec<Entry> {
-        let state =
-            |log: &[Entry]| log.iter().rev().find(|entry| ["moves", "stands"].contains(&entry.what.as_str())).cloned();
+        let state = |log: &[Entry]| {
+            log.iter()
+                .rev()
+                .find(|entry| ["moves", "stands"].contains(&entry.what.as_str()))
+                .cloned()
+        };
         until(|| {
             let before = self.log();
             std::thread::sleep(Duration::from_millis(600));
@@ -249,6 +258,7 @@ fn entry(line: &str) -> Entry {
 /// Where a move that was heard goes, mm.
 pub(crate) fn target_mm(what: &str) -> Option<[f64; 4]> {
     let words = what.strip_prefix("heard G1 ")?;
-    let values: Vec<f64> = words.split(' ').take(4).map(|word| word[1..].parse().unwrap()).collect();
+    let values: Vec<f64> =
+        words.split(' ').take(4).map(|word| word[1..].parse().unwrap()).collect();
     Some([values[0], values[1], values[2], values[3]])
 }

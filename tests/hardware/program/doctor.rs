@@ -32,7 +32,9 @@ fn every_wrong_setting_is_reported() {
     };
     // A frame that is turned.
     changed("turned.yaml", "up_axis: Y", "up_axis: Z");
-    bench.run("doctor --plant turned.yaml").is(1, &["WRONG  tip: ", "from the model's home", "failed checks: 1"]);
+    bench
+        .run("doctor --plant turned.yaml")
+        .is(1, &["WRONG  tip: ", "from the model's home", "failed checks: 1"]);
     // A body of another name, a server that is not there, a port that is not there.
     changed("unnamed.yaml", "tip_body: tip", "tip_body: hand");
     bench.run("doctor --plant unnamed.yaml").is(1, &["error: ", "'hand'"]);
@@ -41,12 +43,15 @@ fn every_wrong_setting_is_reported() {
     bench.put("elsewhere.yaml", &elsewhere);
     bench.run("doctor --plant elsewhere.yaml").is(1, &["error: ", "127.0.0.9"]);
     changed("portless.yaml", "port: /dev/", "port: /dev/no-such-");
-    bench.run("doctor --plant portless.yaml").is(1, &["error: /dev/no-such-", "cannot open the port"]);
+    bench
+        .run("doctor --plant portless.yaml")
+        .is(1, &["error: /dev/no-such-", "cannot open the port"]);
     // Settings of the controller, in the order in which they are found.
     served.wish("set 110 300");
     bench.run("doctor --plant served.yaml").is(
         1,
-        &["error: setting $110 (maximum speed of an axis, mm/min) of the controller: found 300, expected at least 1125"],
+        &["error: setting $110 (maximum speed of an axis, mm/min) of the controller: found 300, \
+           expected at least 1125"],
     );
     served.wish("set 21 0");
     served.wish("set 22 0");
@@ -55,17 +60,21 @@ fn every_wrong_setting_is_reported() {
         1,
         &[
             "error: 4 settings are wrong:",
-            "setting $21 (hard limits) of the controller: found 0, expected a bit mask that includes 1",
+            "setting $21 (hard limits) of the controller: found 0, expected a bit mask that \
+             includes 1",
             "send $22=13  $21=1  $110=1125  $44=15 with a terminal program",
         ],
     );
     // Both devices are named when both are wrong.
     bench.put("both.yaml", &elsewhere);
-    bench.run("doctor --plant both.yaml").is(1, &["error: 4 settings are wrong", "; and ", "127.0.0.9"]);
+    bench
+        .run("doctor --plant both.yaml")
+        .is(1, &["error: 4 settings are wrong", "; and ", "127.0.0.9"]);
     assert_eq!(served.moves(), 0);
 }
 
-/// A controller that alarms while nothing moves: `doctor` names the alarm, `collect` resets and homes.
+/// A controller that alarms while nothing moves: `doctor` names the alarm, `collect` resets and
+/// homes.
 #[test]
 fn an_alarm_at_rest_is_named_and_cleared_by_homing() {
     let bench = Bench::new();
@@ -75,8 +84,11 @@ fn an_alarm_at_rest_is_named_and_cleared_by_homing() {
     for code in [1, 2, 77] {
         served.wish(&format!("alarm {code}"));
         let named = format!("WRONG  controller: alarm {code}: ");
-        bench.run("doctor --plant served.yaml").is(1, &[&named, "resets and homes it", "failed checks: 1"]);
-        let collect = format!("collect --plant served.yaml --commands commands.csv --out rec_{code}.csv");
+        bench
+            .run("doctor --plant served.yaml")
+            .is(1, &[&named, "resets and homes it", "failed checks: 1"]);
+        let collect =
+            format!("collect --plant served.yaml --commands commands.csv --out rec_{code}.csv");
         bench.run(&collect).is(0, &[]);
         assert!(!bench.is_latched());
     }
@@ -85,7 +97,8 @@ fn an_alarm_at_rest_is_named_and_cleared_by_homing() {
     assert!(!after.said.contains("alarm"), "{}", after.said);
 }
 
-/// A switch that somebody holds closed is named with its axis; once it opens, the next motion resets, unlocks and homes.
+/// A switch that somebody holds closed is named with its axis; once it opens, the next motion
+/// resets, unlocks and homes.
 #[test]
 fn a_closed_switch_is_named() {
     let bench = Bench::new();
@@ -95,7 +108,10 @@ fn a_closed_switch_is_named() {
     bench.run("collect --plant served.yaml --commands commands.csv --out first.csv").is(0, &[]);
     served.wish("press Y");
     let doctor = bench.run("doctor --plant served.yaml");
-    doctor.is(1, &["alarm 1: A limit switch was hit", "limit switch closed: Y; ", "failed checks: 2"]);
+    doctor.is(
+        1,
+        &["alarm 1: A limit switch was hit", "limit switch closed: Y; ", "failed checks: 2"],
+    );
     bench.run("collect --plant served.yaml --commands commands.csv --out rec.csv").is(0, &[]);
     assert!(served.homings() == 2 && !bench.is_latched());
     assert!(!bench.run("doctor --plant served.yaml").said.contains("switch"));
@@ -119,7 +135,8 @@ fn a_robot_that_moves_otherwise_than_its_model_fails_the_test_motion() {
     }
 }
 
-/// An alarm whose cause a person has to remove: nothing is sent, and nothing is stored that `arm` would have to clear.
+/// An alarm whose cause a person has to remove: nothing is sent, and nothing is stored that `arm`
+/// would have to clear.
 #[test]
 fn an_alarm_with_a_cause_is_left_to_a_person() {
     let bench = Bench::new();
@@ -127,7 +144,9 @@ fn an_alarm_with_a_cause_is_left_to_a_person() {
     bench.put_commands("commands.csv", 1, 5);
     let mut served = bench.serve("plant.yaml", "served.yaml");
     served.wish("alarm 10");
-    bench.run("doctor --plant served.yaml").is(1, &["alarm 10: The emergency stop is pressed. Release it"]);
+    bench
+        .run("doctor --plant served.yaml")
+        .is(1, &["alarm 10: The emergency stop is pressed. Release it"]);
     bench
         .run("collect --plant served.yaml --commands commands.csv --out rec.csv")
         .is(1, &["alarm 10: The emergency stop is pressed."]);
@@ -142,10 +161,16 @@ fn an_answer_time_without_effect_is_refused() {
     bench.put(
         "plant.yaml",
         &format!(
-            "hardware:\n  name: robot\n  model: {ROOT}/models/nominal.yaml\n  motion:\n    reply_timeout_s: 2\n    late_s: 0.8\n"
+            "hardware:\n  name: robot\n  model: {ROOT}/models/nominal.yaml\n  motion:\n    \
+             reply_timeout_s: 2\n    late_s: 0.8\n"
         ),
     );
-    let words = ["plant.yaml:5", "hardware.motion.reply_timeout_s", "found 2 s", "motion.late_s + safety.hold_stop_s"];
+    let words = [
+        "plant.yaml:5",
+        "hardware.motion.reply_timeout_s",
+        "found 2 s",
+        "motion.late_s + safety.hold_stop_s",
+    ];
     bench.run("doctor --plant plant.yaml").is(2, &words);
 }
 
@@ -153,10 +178,17 @@ fn an_answer_time_without_effect_is_refused() {
 fn hardware_commands_refuse_other_plants() {
     let bench = Bench::new();
     bench.put("plant.yaml", "constant_curvature: {}\n");
-    for command in ["doctor", "arm", "weigh --out out.csv", "align --move", "rehearse --out out.yaml"] {
-        bench.run(&format!("{command} --plant plant.yaml")).is(2, &["error: plant.yaml: expected `hardware`"]);
+    for command in
+        ["doctor", "arm", "weigh --out out.csv", "align --move", "rehearse --out out.yaml"]
+    {
+        bench
+            .run(&format!("{command} --plant plant.yaml"))
+            .is(2, &["error: plant.yaml: expected `hardware`"]);
     }
-    bench.put("bench.yaml", &format!("hardware: {{name: robot, model: {ROOT}/models/nominal.yaml}}\n"));
+    bench.put(
+        "bench.yaml",
+        &format!("hardware: {{name: robot, model: {ROOT}/models/nominal.yaml}}\n"),
+    );
     bench.run("rehearse --plant bench.yaml --out out.yaml").is(2, &["found no `rehearsal`"]);
     assert!(!bench.path("out.yaml").exists() && !bench.path("out.csv").exists());
 }

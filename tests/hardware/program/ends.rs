@@ -30,7 +30,10 @@ fn stands_within_the_last_tick(log: &[Entry]) {
     let screws_mm = log[log.len() - 1].screws_mm;
     for axis in 0..4 {
         let (low, high) = (from[axis].min(to[axis]) - 0.01, from[axis].max(to[axis]) + 0.01);
-        assert!((low..=high).contains(&screws_mm[axis]), "axis {axis}: {screws_mm:?}, sent from {from:?} to {to:?}");
+        assert!(
+            (low..=high).contains(&screws_mm[axis]),
+            "axis {axis}: {screws_mm:?}, sent from {from:?} to {to:?}"
+        );
     }
 }
 
@@ -42,7 +45,10 @@ fn was_held(served: &ServedSimulator) -> Vec<Entry> {
     let last = |what: &str| log.iter().rposition(|entry| entry.what == what);
     let held = last("heard !").expect("no hold was heard");
     assert!(last("heard ^X").expect("no reset was heard") > held);
-    assert!(log[held..].iter().all(|entry| target_mm(&entry.what).is_none()), "a move after the hold");
+    assert!(
+        log[held..].iter().all(|entry| target_mm(&entry.what).is_none()),
+        "a move after the hold"
+    );
     log
 }
 
@@ -62,7 +68,9 @@ fn interrupted_by(signal: &str) {
     let collect = bench.start(COLLECT);
     in_the_second_trial(&bench, &served);
     collect.signal(signal);
-    collect.end().is(1, &["trial 1: robot stopped: the program was interrupted", "1 of 3 trials are kept"]);
+    collect
+        .end()
+        .is(1, &["trial 1: robot stopped: the program was interrupted", "1 of 3 trials are kept"]);
     stands_within_the_last_tick(&was_held(&served));
     assert!(!bench.is_latched(), "an interrupt is no fault");
     goes_on(&bench);
@@ -112,7 +120,9 @@ fn a_pulled_cable_stops_until_somebody_has_looked() {
     let collect = bench.start(COLLECT);
     in_the_second_trial(&bench, &served);
     served.wish("unplug");
-    collect.end().is(1, &["trial 1: robot stopped: serial line to the controller lost", "spinebench arm"]);
+    collect
+        .end()
+        .is(1, &["trial 1: robot stopped: serial line to the controller lost", "spinebench arm"]);
     stands_within_the_last_tick(&served.stands());
     assert!(bench.is_latched());
     drop(served);
@@ -126,7 +136,8 @@ fn a_pulled_cable_stops_until_somebody_has_looked() {
     assert!(log.contains("stopped: ") && log.contains("armed by the operator"), "{log}");
 }
 
-/// Steps may have been lost although the controller says that it is homed: another program homes the robot, however often it is armed.
+/// Steps may have been lost although the controller says that it is homed: another program homes
+/// the robot, however often it is armed.
 #[test]
 fn after_a_stop_the_position_is_found_anew() {
     let bench = bench();
@@ -136,7 +147,9 @@ fn after_a_stop_the_position_is_found_anew() {
     assert_eq!((served.homings(), bench.is_distrusted()), (1, false));
     // The motors and the controller are as they were: only the tip is elsewhere.
     served.wish("jump 0.15");
-    collect.end().is(1, &["trial 1: robot stopped: the measured tip jumped by 150 mm", "spinebench arm"]);
+    collect
+        .end()
+        .is(1, &["trial 1: robot stopped: the measured tip jumped by 150 mm", "spinebench arm"]);
     assert!(bench.is_latched() && bench.is_distrusted());
     served.stands();
     served.wish("repair");
@@ -144,7 +157,9 @@ fn after_a_stop_the_position_is_found_anew() {
     bench.run("arm --plant served.yaml").is(0, &["armed: `robot`", "homed before it moves"]);
     assert!(!bench.is_latched() && bench.is_distrusted(), "arming finds no position");
     // What else it says depends on how busy the computer is.
-    let found = |words: &str| assert!(bench.run("doctor --plant served.yaml").said.contains(words), "no `{words}`");
+    let found = |words: &str| {
+        assert!(bench.run("doctor --plant served.yaml").said.contains(words), "no `{words}`")
+    };
     found("axes: not homed");
     assert!(bench.is_distrusted() && served.homings() == 1, "nothing was moved");
     goes_on(&bench);
@@ -159,6 +174,9 @@ fn after_a_stop_the_position_is_found_anew() {
 fn a_closed_loop_runs_over_the_terminal() {
     let bench = bench();
     let served = bench.serve("plant.yaml", "served.yaml");
-    bench.start_test("program::in_process::reaches_a_target", "served.yaml").end().is(0, &["1 passed"]);
+    bench
+        .start_test("program::in_process::reaches_a_target", "served.yaml")
+        .end()
+        .is(0, &["1 passed"]);
     assert!(served.moves() >= 20, "{}", served.moves());
 }

@@ -1,4 +1,5 @@
-//! Tests that need a robot and are started by others, each in a process of its own: what ends it must not end them.
+//! Tests that need a robot and are started by others, each in a process of its own: what ends it
+//! must not end them.
 
 use super::bench::{PLANT, until};
 use spinebench::base::{Action, Observation, Plant, Point3, Policy, PolicyError, Seed, distance_m};
@@ -13,7 +14,9 @@ pub(crate) const SLOWED: &str = "slowed";
 /// The robot that whoever started this test has named; none if nobody has.
 fn robot() -> Option<Hardware> {
     let file = std::env::var_os(PLANT)?;
-    let PlantSpec::Hardware(options) = read_plant(Path::new(&file)).unwrap() else { panic!("no robot") };
+    let PlantSpec::Hardware(options) = read_plant(Path::new(&file)).unwrap() else {
+        panic!("no robot")
+    };
     Some(Hardware::open(&options, 0.2, Seed(1)).unwrap())
 }
 
@@ -64,7 +67,8 @@ fn reaches_a_target() {
     let target_m = [home_m[0] + 0.03, home_m[1] + 0.02, home_m[2]];
     let options = ReachOptions { max_steps: 40, ..ReachOptions::default() };
     let mut policy = Straight { pulls_m: [0.0; 2] };
-    let outcome = reach(&mut robot, &mut policy, &target_m, LoopMode::Closed, &options, Seed(1)).unwrap();
+    let outcome =
+        reach(&mut robot, &mut policy, &target_m, LoopMode::Closed, &options, Seed(1)).unwrap();
     assert!(outcome.status.is_ok(), "{}", outcome.status);
     let off_m = [0, 1].map(|axis| outcome.tip_m[axis] - target_m[axis]);
     assert!(off_m.iter().all(|off_m| off_m.abs() < 0.004), "{outcome:?}");

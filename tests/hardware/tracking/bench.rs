@@ -4,10 +4,13 @@ use std::sync::Mutex;
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use spinebench::hardware::clock::Clock;
-use spinebench::hardware::tracking::{Mounting, RigidPose, TrackerClient, TrackingFault, TrackingSettings};
+use spinebench::hardware::tracking::{
+    Mounting, RigidPose, TrackerClient, TrackingFault, TrackingSettings,
+};
 use spinebench::simulators::{SimulatedTracker, TrackerFault, TrackerOptions};
 
-/// Time between polls, s. Frames of 100 Hz arrive just at some of them: a frame that waited to be read would seem later.
+/// Time between polls, s. Frames of 100 Hz arrive just at some of them: a frame that waited to be
+/// read would seem later.
 const STEP_S: f64 = 0.002;
 
 /// The tip in the robot's base frame, and the base body in Motive's, over time.
@@ -33,9 +36,11 @@ pub(crate) fn at_rest(_: f64) -> (RigidPose, RigidPose) {
     (pose([0.02, -0.03, 0.19], [0.1, 0.2, 0.0]), pose([1.0, 1.2, -0.5], [0.0, 0.4, 0.0]))
 }
 
-/// Straight on at constant speed, turning at a constant rate about one axis, before a base that does not move.
+/// Straight on at constant speed, turning at a constant rate about one axis, before a base that
+/// does not move.
 pub(crate) fn steady(time_s: f64) -> (RigidPose, RigidPose) {
-    let tip = pose([0.01 + 0.05 * time_s, 0.02 * time_s, 0.2 - 0.03 * time_s], [0.0, 0.4 * time_s, 0.0]);
+    let tip =
+        pose([0.01 + 0.05 * time_s, 0.02 * time_s, 0.2 - 0.03 * time_s], [0.0, 0.4 * time_s, 0.0]);
     (tip, at_rest(0.0).1)
 }
 
@@ -66,7 +71,11 @@ impl Bench {
         Bench::with(options, motion, |_| {})
     }
 
-    pub(crate) fn with(options: TrackerOptions, motion: Motion, change: impl Fn(&mut TrackingSettings)) -> Bench {
+    pub(crate) fn with(
+        options: TrackerOptions,
+        motion: Motion,
+        change: impl Fn(&mut TrackingSettings),
+    ) -> Bench {
         let tracker = SimulatedTracker::new(options).unwrap();
         let mut settings = tracker.settings().unwrap();
         change(&mut settings);
@@ -86,7 +95,8 @@ impl Bench {
         self.tracker.lock().unwrap().clear_faults();
     }
 
-    /// Lets `duration_s` pass in steps of `step_s`, polling after each, and looks at the client each time.
+    /// Lets `duration_s` pass in steps of `step_s`, polling after each, and looks at the client
+    /// each time.
     pub(crate) fn watch(
         &self,
         tracking: &mut TrackerClient,
@@ -107,8 +117,8 @@ impl Bench {
         self.watch(tracking, duration_s, STEP_S, |_, _| {});
     }
 
-    /// Largest distance from the truth of the samples of the next `duration_s`, metres and radians, and the share of
-    /// the time that there was a fresh one.
+    /// Largest distance from the truth of the samples of the next `duration_s`, metres and radians,
+    /// and the share of the time that there was a fresh one.
     pub(crate) fn judge(&self, tracking: &mut TrackerClient, duration_s: f64) -> (f64, f64, f64) {
         let (mut worst, mut count) = ((0.0_f64, 0.0_f64), 0);
         self.watch(tracking, duration_s, STEP_S, |tracking, now_s| {

@@ -20,7 +20,11 @@ fn recovers(bench: &Bench, tracking: &mut TrackerClient, within_s: f64) {
     bench.clear_faults();
     bench.run(tracking, within_s);
     let (m, rad, fresh) = bench.judge(tracking, 0.5);
-    assert!(m < WIRE_M && rad < WIRE_RAD && fresh > 0.99, "{m} m, {rad} rad, {fresh}, {:?}", tracking.status());
+    assert!(
+        m < WIRE_M && rad < WIRE_RAD && fresh > 0.99,
+        "{m} m, {rad} rad, {fresh}, {:?}",
+        tracking.status()
+    );
 }
 
 #[test]
@@ -35,8 +39,13 @@ fn losses_are_counted_and_bridged() {
         });
         let status = tracking.status();
         assert!((status.lost as f64 - expected).abs() < 4.0 * f64::sqrt(expected), "{status:?}");
-        assert!(status.lost + status.received >= 999 && (status.rate_hz.unwrap() - 100.0).abs() < 1e-6);
-        assert!(f64::from(answered) > f64::from(asked) * (1.0 - 2.0 * loss * loss) - 60.0, "{answered} of {asked}");
+        assert!(
+            status.lost + status.received >= 999 && (status.rate_hz.unwrap() - 100.0).abs() < 1e-6
+        );
+        assert!(
+            f64::from(answered) > f64::from(asked) * (1.0 - 2.0 * loss * loss) - 60.0,
+            "{answered} of {asked}"
+        );
         let (m, rad, _) = bench.judge(&mut tracking, 1.0);
         assert!(m < WIRE_M && rad < WIRE_RAD, "{m} {rad}");
     }
@@ -54,7 +63,10 @@ fn old_and_double_frames_are_dropped() {
         last_s = time_s;
     });
     let status = tracking.status();
-    assert!(status.out_of_order >= 190 && status.duplicates >= 95 && status.restarts == 0, "{status:?}");
+    assert!(
+        status.out_of_order >= 190 && status.duplicates >= 95 && status.restarts == 0,
+        "{status:?}"
+    );
     recovers(&bench, &mut tracking, 0.1);
 }
 
@@ -114,7 +126,12 @@ fn a_restart_is_noticed() {
         assert_eq!(tracking.status().restarts, 1);
         // Twenty seconds later all is as it was.
         bench.run(&mut tracking, 20.0);
-        assert_eq!((tracking.status().restarts, tracking.status().lost), (1, 0), "{:?}", tracking.status());
+        assert_eq!(
+            (tracking.status().restarts, tracking.status().lost),
+            (1, 0),
+            "{:?}",
+            tracking.status()
+        );
     }
 }
 

@@ -17,14 +17,24 @@ fn server(version: Version) -> ServerInfo {
         server_version: version,
         protocol_version: version,
         high_res_clock_frequency: 0,
-        connection: natnet::ConnectionInfo { data_port: 1511, multicast: false, multicast_group: [239, 255, 42, 99] },
+        connection: natnet::ConnectionInfo {
+            data_port: 1511,
+            multicast: false,
+            multicast_group: [239, 255, 42, 99],
+        },
     }
 }
 
 fn model() -> ModelDef {
     let body = |name: &str, id| {
         let (name, tail) = (name.to_owned(), vec![0; 4]);
-        natnet::DataSet::RigidBody(natnet::RigidBodyDef { name, id, parent_id: -1, offset: [0.0; 3], tail })
+        natnet::DataSet::RigidBody(natnet::RigidBodyDef {
+            name,
+            id,
+            parent_id: -1,
+            offset: [0.0; 3],
+            tail,
+        })
     };
     ModelDef { datasets: vec![body("base", 1), body("tip", 2)] }
 }
@@ -88,7 +98,8 @@ proptest! {
         }
         is_sane(&stream);
         if truncate {
-            // A list of bodies that ends after its count may be whole; frames and introductions never are.
+            // A list of bodies that ends after its count may be whole; frames and introductions
+            // never are.
             prop_assert!(stream.status().valid == 0);
         }
     }
@@ -123,12 +134,16 @@ fn real_packets_with_any_one_bit_wrong() {
         for bit in 0..packet.len() * 8 {
             let mut broken = packet.clone();
             broken[bit / 8] ^= 1 << (bit % 8);
-            let mut stream = FrameStream::new(&settings, &server(Version::new(3, 0, 0, 0)), Some(&model())).unwrap();
+            let mut stream =
+                FrameStream::new(&settings, &server(Version::new(3, 0, 0, 0)), Some(&model()))
+                    .unwrap();
             stream.process(&broken, SERVER.parse().unwrap(), 0.0);
             is_sane(&stream);
         }
         for length in 0..packet.len() {
-            let mut stream = FrameStream::new(&settings, &server(Version::new(3, 0, 0, 0)), Some(&model())).unwrap();
+            let mut stream =
+                FrameStream::new(&settings, &server(Version::new(3, 0, 0, 0)), Some(&model()))
+                    .unwrap();
             let heard = stream.process(&packet[..length], SERVER.parse().unwrap(), 0.0);
             assert!(!matches!(heard, Received::Frame), "{name} cut to {length} bytes");
         }

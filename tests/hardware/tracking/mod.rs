@@ -1,4 +1,5 @@
-//! Motion capture: the client against the synthetic tracker over real UDP, and against recordings of a real one.
+//! Motion capture: the client against the synthetic tracker over real UDP, and against recordings
+//! of a real one.
 
 mod bench;
 mod capture;
@@ -24,9 +25,15 @@ fn every_version_tracks_in_unicast() {
         let bench = Bench::new(TrackerOptions { version, ..Default::default() }, steady);
         let mut tracking = bench.open().unwrap();
         let (m, rad, fresh) = bench.judge(&mut tracking, 2.0);
-        assert!(m < WIRE_M && rad < WIRE_RAD && fresh > 0.98, "{version}: {m} m, {rad} rad, {fresh}");
+        assert!(
+            m < WIRE_M && rad < WIRE_RAD && fresh > 0.98,
+            "{version}: {m} m, {rad} rad, {fresh}"
+        );
         let status = tracking.status();
-        assert!(status.valid >= 199 && status.lost + status.malformed + status.foreign + status.occluded == 0);
+        assert!(
+            status.valid >= 199
+                && status.lost + status.malformed + status.foreign + status.occluded == 0
+        );
         assert!((status.rate_hz.unwrap() - 100.0).abs() < 1e-6, "{status:?}");
         assert!(status.latency_jitter_s < 0.005, "{status:?}");
     }
@@ -46,14 +53,18 @@ fn every_version_tracks_in_multicast() {
         if tracking.status().received == 0 {
             return println!("skipped: the system does not deliver multicast on loopback");
         }
-        assert!(m < WIRE_M && rad < WIRE_RAD && fresh > 0.98, "{version}: {m} m, {rad} rad, {fresh}");
+        assert!(
+            m < WIRE_M && rad < WIRE_RAD && fresh > 0.98,
+            "{version}: {m} m, {rad} rad, {fresh}"
+        );
     }
 }
 
 #[test]
 fn moving_the_base_moves_nothing() {
     fn carried(time_s: f64) -> (RigidPose, RigidPose) {
-        let base = pose([0.3 * time_s.sin(), 1.0, 0.2 * time_s], [0.5 * time_s, 0.1, -0.3 * time_s]);
+        let base =
+            pose([0.3 * time_s.sin(), 1.0, 0.2 * time_s], [0.5 * time_s, 0.1, -0.3 * time_s]);
         (at_rest(0.0).0, base)
     }
     let mount = |settings: &mut spinebench::hardware::tracking::TrackingSettings| {
@@ -84,7 +95,8 @@ fn resampling_is_exact_for_steady_motion() {
     bench.watch(&mut tracking, 4.0, 0.2, |tracking, now_s| {
         let time_s = now_s - 0.0234;
         let tip = tracking.pose_at(time_s).unwrap();
-        // Polled at 5 Hz, the least delay seen is up to a frame period: the clock may be off by that, not the motion.
+        // Polled at 5 Hz, the least delay seen is up to a frame period: the clock may be off by
+        // that, not the motion.
         let tip_time_s = time_s - clock_error_s(tracking, now_s);
         let (m, rad) = apart(&tip.pose(), &steady(tip_time_s).0);
         assert!(m < WIRE_M && rad < WIRE_RAD, "{m} m, {rad} rad at {time_s} s");
@@ -144,8 +156,10 @@ fn alignment_is_recovered() {
 
 #[test]
 fn alignment_refuses_what_does_not_determine_it() {
-    let line: Vec<[f64; 3]> = (0..9).map(|k| [0.01 * f64::from(k), 0.02 * f64::from(k), 0.2]).collect();
-    let refused = |robot: &[[f64; 3]], seen: &[[f64; 3]]| align(robot, seen).unwrap_err().to_string();
+    let line: Vec<[f64; 3]> =
+        (0..9).map(|k| [0.01 * f64::from(k), 0.02 * f64::from(k), 0.2]).collect();
+    let refused =
+        |robot: &[[f64; 3]], seen: &[[f64; 3]]| align(robot, seen).unwrap_err().to_string();
     assert!(refused(&line, &line).contains("on a line"));
     assert!(refused(&[[0.1; 3]; 5], &[[0.1; 3]; 5]).contains("on a line"));
     assert!(refused(&line[..2], &line[..2]).contains("at least 3"));

@@ -3,7 +3,9 @@
 use std::net::UdpSocket;
 
 use natnet::Version;
-use spinebench::hardware::tracking::{BodyName, StreamVersion, TrackingFault, TrackingSettings, Transport};
+use spinebench::hardware::tracking::{
+    BodyName, StreamVersion, TrackingFault, TrackingSettings, Transport,
+};
 use spinebench::simulators::{TrackerFault, TrackerOptions};
 
 use super::bench::{Bench, at_rest};
@@ -19,7 +21,10 @@ fn no_server() {
     bench.inject(TrackerFault::Silent);
     let fault = bench.open().err().unwrap();
     assert!(matches!(fault, TrackingFault::NoServer { .. }), "{fault}");
-    assert!(fault.to_string().contains("within 2 s") && fault.to_string().contains("start Motive"), "{fault}");
+    assert!(
+        fault.to_string().contains("within 2 s") && fault.to_string().contains("start Motive"),
+        "{fault}"
+    );
 
     // A port that nobody listens on.
     let free = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
@@ -29,11 +34,18 @@ fn no_server() {
 
 #[test]
 fn wrong_bodies() {
-    let missing = refused(TrackerOptions::default(), |settings| settings.tip_body = BodyName::Name("Tip".into()));
-    assert!(missing.contains("no rigid body 'Tip'") && missing.contains("'tip' (id 2)"), "{missing}");
-    let missing = refused(TrackerOptions::default(), |settings| settings.base_body = Some(BodyName::Id(9)));
+    let missing = refused(TrackerOptions::default(), |settings| {
+        settings.tip_body = BodyName::Name("Tip".into())
+    });
+    assert!(
+        missing.contains("no rigid body 'Tip'") && missing.contains("'tip' (id 2)"),
+        "{missing}"
+    );
+    let missing =
+        refused(TrackerOptions::default(), |settings| settings.base_body = Some(BodyName::Id(9)));
     assert!(missing.contains("streaming id 9") && missing.contains("base_body"), "{missing}");
-    let shared = refused(TrackerOptions::default(), |settings| settings.base_body = Some(BodyName::Id(2)));
+    let shared =
+        refused(TrackerOptions::default(), |settings| settings.base_body = Some(BodyName::Id(2)));
     assert!(shared.contains("the same rigid body, streaming id 2"), "{shared}");
     let others = vec![("tip".into(), 8)];
     let double = refused(TrackerOptions { others, ..Default::default() }, |_| {});
@@ -45,7 +57,8 @@ fn wrong_bodies() {
 
 #[test]
 fn wrong_transport_or_version() {
-    let text = refused(TrackerOptions::default(), |settings| settings.transport = Transport::Multicast);
+    let text =
+        refused(TrackerOptions::default(), |settings| settings.transport = Transport::Multicast);
     assert!(text.contains("streams by Unicast") && text.contains("expected Multicast"), "{text}");
     let options = TrackerOptions { transport: Transport::Multicast, ..Default::default() };
     let text = refused(options.clone(), |settings| settings.data_port = 1);
@@ -83,13 +96,14 @@ fn a_unicast_server_is_asked_for_the_version() {
 
 #[test]
 fn settings_are_read_and_checked() {
-    let text = "server: 192.168.1.10\ntransport: multicast\nbase_body: 3\ntip_body: wrist\nversion: '3.1'\nup_axis: Z\n\
-                alignment: {position_m: [0, 0.1, 0]}\n";
+    let text = "server: 192.168.1.10\ntransport: multicast\nbase_body: 3\ntip_body: \
+                wrist\nversion: '3.1'\nup_axis: Z\nalignment: {position_m: [0, 0.1, 0]}\n";
     let settings: TrackingSettings = serde_yaml::from_str(text).unwrap();
     assert_eq!((settings.base_body.clone(), settings.rate_hz), (Some(BodyName::Id(3)), 100.0));
     assert_eq!((settings.version, settings.alignment.quaternion[0]), (StreamVersion::V3_1, 1.0));
     settings.check().unwrap();
-    let again: TrackingSettings = serde_yaml::from_str(&serde_yaml::to_string(&settings).unwrap()).unwrap();
+    let again: TrackingSettings =
+        serde_yaml::from_str(&serde_yaml::to_string(&settings).unwrap()).unwrap();
     assert_eq!(again, settings);
     assert!(serde_yaml::from_str::<TrackingSettings>("servers: 1.2.3.4").is_err());
 

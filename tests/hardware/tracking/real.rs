@@ -40,13 +40,20 @@ fn every_packet_decodes() {
             Message::FrameOfData(frame) => {
                 // Where a marker is occluded, the others still give the body.
                 let occluded = frame.labeled_markers.iter().any(|marker| marker.params & 1 != 0);
-                assert!(frame.rigid_bodies[0].tracking_valid() && occluded == name.contains("occluded"), "{name}");
+                assert!(
+                    frame.rigid_bodies[0].tracking_valid() && occluded == name.contains("occluded"),
+                    "{name}"
+                );
                 assert_eq!(decoded.to_datagram().unwrap(), packet);
             }
-            Message::ModelDef(model) => assert_eq!(model.rigid_bodies().collect::<Vec<_>>(), [("RaceQuad", 2)]),
+            Message::ModelDef(model) => {
+                assert_eq!(model.rigid_bodies().collect::<Vec<_>>(), [("RaceQuad", 2)])
+            }
             Message::ServerInfo(info) => assert_eq!(info.protocol_version, V3_0),
             Message::Other { .. } => {
-                assert!(!name.contains("frame") && !name.contains("def_") || name.contains("request"))
+                assert!(
+                    !name.contains("frame") && !name.contains("def_") || name.contains("request")
+                )
             }
             _ => panic!("{name}"),
         }
@@ -58,7 +65,9 @@ fn recording() -> Vec<Datagram> {
 }
 
 fn parts(recording: &[Datagram]) -> (ServerInfo, ModelDef) {
-    let of = |id: u16| recording.iter().find(|datagram| datagram.payload[..2] == id.to_le_bytes()).unwrap();
+    let of = |id: u16| {
+        recording.iter().find(|datagram| datagram.payload[..2] == id.to_le_bytes()).unwrap()
+    };
     let info = ServerInfo::parse(&of(natnet::NAT_SERVERINFO).payload).unwrap();
     (info, ModelDef::parse(&of(natnet::NAT_MODELDEF).payload, V3_0).unwrap())
 }
@@ -76,21 +85,33 @@ fn a_recording_is_followed() {
         }
     }
     let status = stream.status();
-    assert_eq!((frames, status.received, status.valid, status.lost), (518, 518, 518, 0), "{status:?}");
-    assert_eq!((status.malformed, status.duplicates, status.out_of_order, status.restarts), (0, 0, 0, 0));
+    assert_eq!(
+        (frames, status.received, status.valid, status.lost),
+        (518, 518, 518, 0),
+        "{status:?}"
+    );
+    assert_eq!(
+        (status.malformed, status.duplicates, status.out_of_order, status.restarts),
+        (0, 0, 0, 0)
+    );
     assert!((status.rate_hz.unwrap() - 120.0).abs() < 0.1, "{status:?}");
-    assert!(status.latency_jitter_s < 0.002 && status.camera_latency_s.is_some_and(|s| s < 0.02), "{status:?}");
+    assert!(
+        status.latency_jitter_s < 0.002 && status.camera_latency_s.is_some_and(|s| s < 0.02),
+        "{status:?}"
+    );
     for pair in poses.windows(2) {
         let (m, rad) = apart(&pair[0].pose(), &pair[1].pose());
         assert!(m < 0.02 && rad < 0.1, "{m} m, {rad} rad");
     }
     // Every hundredth of a second of it can be asked for, at the end of what is kept.
     let last_s = poses.last().unwrap().time_s;
-    let asked = (0..300).filter(|k| stream.pose_at(last_s - 0.01 * f64::from(*k)).is_some()).count();
+    let asked =
+        (0..300).filter(|k| stream.pose_at(last_s - 0.01 * f64::from(*k)).is_some()).count();
     assert_eq!(asked, 300);
 }
 
-/// A server that repeats the recording when somebody waits: its answers to their questions, its frames one by one.
+/// A server that repeats the recording when somebody waits: its answers to their questions, its
+/// frames one by one.
 struct Replay {
     socket: UdpSocket,
     recording: Vec<Datagram>,
@@ -117,8 +138,11 @@ impl Clock for OneThread {
                 natnet::NAT_REQUEST_MODELDEF => natnet::NAT_MODELDEF,
                 _ => continue,
             };
-            let answer =
-                replay.recording.iter().find(|datagram| datagram.payload[..2] == wanted.to_le_bytes()).unwrap();
+            let answer = replay
+                .recording
+                .iter()
+                .find(|datagram| datagram.payload[..2] == wanted.to_le_bytes())
+                .unwrap();
             replay.socket.send_to(&answer.payload, from).unwrap();
         }
         let start_s = replay.recording[0].time_s;
@@ -150,7 +174,11 @@ fn a_recording_comes_through_the_sockets() {
         transport: Transport::Unicast,
         ..settings()
     };
-    let clock = OneThread(std::sync::Mutex::new(Replay { socket, recording, next: RefCell::new((0.0, 0, None)) }));
+    let clock = OneThread(std::sync::Mutex::new(Replay {
+        socket,
+        recording,
+        next: RefCell::new((0.0, 0, None)),
+    }));
     let mut tracking = TrackerClient::open(settings, &clock).unwrap();
     assert_eq!(tracking.server(), "Motive 2.1.0.0, NatNet 3.0.0.0");
     let mut count = 0;
@@ -161,6 +189,10 @@ fn a_recording_comes_through_the_sockets() {
         count += u32::from(fresh(&tracking, now_s));
     }
     let status = tracking.status();
-    assert_eq!((status.valid, status.lost, status.malformed, status.foreign), (518, 0, 0, 0), "{status:?}");
+    assert_eq!(
+        (status.valid, status.lost, status.malformed, status.foreign),
+        (518, 0, 0, 0),
+        "{status:?}"
+    );
     assert!(count > 1050, "{count}");
 }

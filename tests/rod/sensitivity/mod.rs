@@ -1,5 +1,5 @@
-//! Derivatives of the tip against finite differences of whole runs: commands, loads, every number of a robot and of every
-//! effect, at rest and in motion.
+//! Derivatives of the tip against finite differences of whole runs: commands, loads, every number
+//! of a robot and of every effect, at rest and in motion.
 
 mod at_rest;
 mod motion;

@@ -1,16 +1,20 @@
-//! Derivatives of tracked points along whole recordings, to numbers of the model and of the points themselves.
+//! Derivatives of tracked points along whole recordings, to numbers of the model and of the points
+//! themselves.
 
 use super::support::{RELATIVE, shipped};
 use spinebench::base::Point3;
 use spinebench::data::recording::{DriveTrack, DriveUnit};
 use spinebench::data::{Actuation, Recording};
-use spinebench::effects::{BodyPoint, Model, ModelParameter, PerTendon, Starts, TendonDrive, Tracking, Variable};
+use spinebench::effects::{
+    BodyPoint, Model, ModelParameter, PerTendon, Starts, TendonDrive, Tracking, Variable,
+};
 use spinebench::tasks::{SimulationOptions, simulate_recording, simulate_with_rates};
 
 fn model() -> Model {
     let mut model = shipped("nominal");
-    let mut put =
-        |name: &str, s_m: f64, offset_m| model.tracking.points.insert(name.to_owned(), BodyPoint { s_m, offset_m });
+    let mut put = |name: &str, s_m: f64, offset_m| {
+        model.tracking.points.insert(name.to_owned(), BodyPoint { s_m, offset_m })
+    };
     put("disk", 0.0823, [0.0, 0.0, 0.003]);
     put("marker", 0.151, [0.02, -0.01, 0.0]);
     put("tip", 0.22, [0.0; 3]);
@@ -20,7 +24,8 @@ fn model() -> Model {
 fn commands() -> Recording {
     let mut commands = Recording::new(Actuation::Lengths, 4);
     for row in 0..10 {
-        let (x, y) = (0.0121 * (0.6 * f64::from(row) + 0.3).sin(), 0.009 * (0.45 * f64::from(row)).cos());
+        let (x, y) =
+            (0.0121 * (0.6 * f64::from(row) + 0.3).sin(), 0.009 * (0.45 * f64::from(row)).cos());
         commands.trial.push(u64::from(row >= 6));
         commands.time_s.push(0.2 * f64::from(row % 6));
         commands.commands.push(&[x, y, -x, -y]);
@@ -30,7 +35,8 @@ fn commands() -> Recording {
 
 /// The same commands through two drives, each of which moves two tendons.
 fn driven(model: &mut Model) -> Recording {
-    let drive = |tendons: [usize; 2]| TendonDrive { tendons: tendons.to_vec(), gains: vec![0.02, -0.02] };
+    let drive =
+        |tendons: [usize; 2]| TendonDrive { tendons: tendons.to_vec(), gains: vec![0.02, -0.02] };
     model.drives.insert("across".to_owned(), drive([2, 4]));
     model.drives.insert("up".to_owned(), drive([1, 3]));
     let mut commands = commands();
@@ -45,7 +51,9 @@ fn driven(model: &mut Model) -> Recording {
 
 /// All positions of the points, row by row.
 fn points_m(recording: &Recording) -> Vec<Point3> {
-    (0..recording.len()).flat_map(|row| recording.points.iter().map(move |point| point.position_m[row])).collect()
+    (0..recording.len())
+        .flat_map(|row| recording.points.iter().map(move |point| point.position_m[row]))
+        .collect()
 }
 
 /// Compares the derivatives of all points with differences of whole recordings.
@@ -57,17 +65,23 @@ fn compare(model: &Model, commands: &Recording, paths: &[&str]) {
         let options = SimulationOptions { at_rest, ..SimulationOptions::default() };
         let found = simulate_with_rates(model, commands, &options, &variables).unwrap();
         assert!(found.left_out.is_empty());
-        assert_eq!(found.recording, simulate_recording(model, commands, &options), "those who follow disturb nothing");
+        assert_eq!(
+            found.recording,
+            simulate_recording(model, commands, &options),
+            "those who follow disturb nothing"
+        );
         let tip = found.recording.point("tip").unwrap();
         assert_eq!(Some(&tip.position_m), found.recording.tip_m.as_ref());
         for (index, parameter) in parameters.iter().enumerate() {
             let rates = found.rates.iter().flat_map(|row| &row[index].points);
             let rates: Vec<Point3> = rates.map(|rate| rate.position_m.into()).collect();
-            let simulated = |model: &Model| -> Result<Vec<Point3>, spinebench::effects::VariationError> {
-                Ok(points_m(&simulate_recording(model, commands, &options)))
-            };
+            let simulated =
+                |model: &Model| -> Result<Vec<Point3>, spinebench::effects::VariationError> {
+                    Ok(points_m(&simulate_recording(model, commands, &options)))
+                };
             let scale = parameter.scale(model).unwrap();
-            let size = |all: &[Point3]| all.iter().flatten().map(|x| x * x).sum::<f64>().sqrt() * scale;
+            let size =
+                |all: &[Point3]| all.iter().flatten().map(|x| x * x).sum::<f64>().sqrt() * scale;
             let off = [1e-2, 1e-3, 1e-4, 1e-5].map(|step| {
                 let differences = parameter.differences(model, step, &simulated).unwrap();
                 (size(&super::support::minus(&rates, &differences)), size(&differences))
@@ -87,18 +101,33 @@ fn a_tip_away_from_the_end_of_the_backbone() {
     model.tracking.tip = Some(tip);
     model.tracking.points.insert("tip".to_owned(), tip);
     let options = SimulationOptions { at_rest: true, ..SimulationOptions::default() };
-    let end = simulate_recording(&Model { tracking: Tracking::default(), ..model.clone() }, &commands, &options);
+    let end = simulate_recording(
+        &Model { tracking: Tracking::default(), ..model.clone() },
+        &commands,
+        &options,
+    );
     let beyond = simulate_recording(&model, &commands, &options);
     let apart = |row: usize| {
-        spinebench::base::distance_m(&end.tip_m.as_ref().unwrap()[row], &beyond.tip_m.as_ref().unwrap()[row])
+        spinebench::base::distance_m(
+            &end.tip_m.as_ref().unwrap()[row],
+            &beyond.tip_m.as_ref().unwrap()[row],
+        )
     };
-    assert!((0..10).all(|row| (apart(row) - 0.0067).abs() < 5e-4), "{:?}", (0..10).map(apart).collect::<Vec<_>>());
-    let paths = ["tracking.tip.offset_m[2]", "tracking.tip.s_m", "robot.backbone.youngs_modulus_pa"];
-    let variables: Vec<Variable> =
-        paths.iter().map(|path| Variable::Parameter(ModelParameter::named(&model, path).unwrap())).collect();
+    assert!(
+        (0..10).all(|row| (apart(row) - 0.0067).abs() < 5e-4),
+        "{:?}",
+        (0..10).map(apart).collect::<Vec<_>>()
+    );
+    let paths =
+        ["tracking.tip.offset_m[2]", "tracking.tip.s_m", "robot.backbone.youngs_modulus_pa"];
+    let variables: Vec<Variable> = paths
+        .iter()
+        .map(|path| Variable::Parameter(ModelParameter::named(&model, path).unwrap()))
+        .collect();
     let found = simulate_with_rates(&model, &commands, &options, &variables).unwrap();
     for row in &found.rates {
-        // The point that stands where the tip does moves with it, but for what moves the tip's place alone.
+        // The point that stands where the tip does moves with it, but for what moves the tip's
+        // place alone.
         assert_eq!(row[2].tip, *row[2].points.last().unwrap());
         assert!(
             row[0].points.iter().all(|rate| rate.position_m.norm() == 0.0)
@@ -122,7 +151,8 @@ fn points_in_rest_and_motion() {
     compare(&model(), &commands(), &paths);
 }
 
-/// Gains of drives, and numbers of single tendons, also where trials start under their first command or go on.
+/// Gains of drives, and numbers of single tendons, also where trials start under their first
+/// command or go on.
 #[test]
 fn gains_of_drives_from_any_start() {
     let mut model = model();

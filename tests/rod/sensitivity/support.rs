@@ -3,8 +3,9 @@
 use spinebench::base::{Point3, Rows};
 use spinebench::effects::{Model, ReplayError, Starts, Trial, replay};
 
-/// Size of the loops on the nominal robot: one at which no Gauss point of the friction tests comes to rest on the edge
-/// between stick and slip, where the derivatives to both sides differ (docs/sensitivities.md).
+/// Size of the loops on the nominal robot: one at which no Gauss point of the friction tests comes
+/// to rest on the edge between stick and slip, where the derivatives to both sides differ
+/// (docs/sensitivities.md).
 pub(crate) const SIZE_M: f64 = 0.0121;
 
 /// What derivatives may be off by: this share of themselves, …
@@ -14,7 +15,8 @@ pub(crate) const ROUGH: f64 = 5e-4;
 /// … and this much for a change of the number by its scale, in lengths of
 /// the robot.
 pub(crate) const ABSOLUTE: f64 = 2.5e-8;
-/// The same for robots whose tendons alone say where they are: a stiffness changes all forces and hardly the shape.
+/// The same for robots whose tendons alone say where they are: a stiffness changes all forces and
+/// hardly the shape.
 pub(crate) const ABSOLUTE_FIXED: f64 = 5e-7;
 
 pub(crate) fn yaml<T: serde::de::DeserializeOwned>(text: &str) -> T {
@@ -22,12 +24,13 @@ pub(crate) fn yaml<T: serde::de::DeserializeOwned>(text: &str) -> T {
         .unwrap_or_else(|error| panic!("{error} in\n{text}"))
 }
 
-/// A shipped model with steps of one length: where they follow from an error estimate, whole runs jump when it changes
-/// its mind, and their differences with them.
+/// A shipped model with steps of one length: where they follow from an error estimate, whole runs
+/// jump when it changes its mind, and their differences with them.
 pub(crate) fn shipped(name: &str) -> Model {
     let mut model = adaptive(name);
     model.robot.resolution.motion_tolerance_m = f64::INFINITY;
-    // One and two steps for the way and the wait of the drives: their number stays when the time of the way changes.
+    // One and two steps for the way and the wait of the drives: their number stays when the time of
+    // the way changes.
     model.robot.resolution.time_step_s = 0.1;
     model
 }
@@ -52,7 +55,10 @@ impl Commands {
         let tendons = model.robot.tendons.angles_deg.len();
         let mut rows = Rows::new(tendons);
         for k in 0..12 {
-            let (x, y) = (size_m * (0.6 * f64::from(k) + 0.3).sin(), 0.75 * size_m * (0.45 * f64::from(k)).cos());
+            let (x, y) = (
+                size_m * (0.6 * f64::from(k) + 0.3).sin(),
+                0.75 * size_m * (0.45 * f64::from(k)).cos(),
+            );
             let angle = |degrees: &f64| degrees.to_radians();
             let pull = |degrees: &f64| x * angle(degrees).cos() + y * angle(degrees).sin();
             rows.push(&model.robot.tendons.angles_deg.iter().map(pull).collect::<Vec<f64>>());

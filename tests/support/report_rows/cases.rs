@@ -55,8 +55,12 @@ fn case(number: u64, group: &str, truth: &str, verdict: &str, answer: &str) -> C
         answer: answer.to_owned(),
         right,
         in_group,
-        imitations: if group == "inside" { ["friction", "friction or creep"][(number % 2) as usize] } else { "" }
-            .to_owned(),
+        imitations: if group == "inside" {
+            ["friction", "friction or creep"][(number % 2) as usize]
+        } else {
+            ""
+        }
+        .to_owned(),
         strength_error: if right && group == "single" { 0.06 * share() } else { f64::NAN },
         intervals: 2,
         covered: u64::from(share() < 0.96) + u64::from(share() < 0.96),

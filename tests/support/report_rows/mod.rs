@@ -8,8 +8,8 @@ use spinebench::base::{Outcome, Point3, Seed, distance_m};
 use spinebench::report::{Published, SweepTable};
 use spinebench::rows::cell::{CellLabel, CellRow};
 use spinebench::rows::experiment::{
-    ClaimRow, GapRow, GapSample, GpCoverage, GpCoverageRow, PeerRow, ReachTrial, ScalingRow, SweepRow, TrackRow,
-    TrackSample, TrialRow, WaypointRow, WorkspaceRow,
+    ClaimRow, GapRow, GapSample, GpCoverage, GpCoverageRow, PeerRow, ReachTrial, ScalingRow,
+    SweepRow, TrackRow, TrackSample, TrialRow, WaypointRow, WorkspaceRow,
 };
 use spinebench::rows::learning_peers::LearningPeerRow;
 use spinebench::rows::population::{RobotClaimRow, RobotRow};
@@ -26,7 +26,14 @@ fn cell(policy: &str, mode: &str, [gp_points, real_points]: [u64; 2]) -> CellLab
     CellLabel { policy: policy.to_owned(), mode: mode.to_owned(), gp_points, real_points }
 }
 
-fn trial(seed: u64, training: &str, policy: &str, mode: &str, sizes: [u64; 2], target: u64) -> TrialRow {
+fn trial(
+    seed: u64,
+    training: &str,
+    policy: &str,
+    mode: &str,
+    sizes: [u64; 2],
+    target: u64,
+) -> TrialRow {
     let name = format!("{seed}{training}{policy}{mode}{sizes:?}{target}");
     let mut rng = Seed(1).child(&name).rng();
     let base = match mode {
@@ -34,11 +41,13 @@ fn trial(seed: u64, training: &str, policy: &str, mode: &str, sizes: [u64; 2], t
         "closed" => 0.014,
         _ => 0.029,
     };
-    let skill = if policy == "c" { 0.75 } else { 1.0 } * if training == "paper" { 1.0 } else { 0.6 };
+    let skill =
+        if policy == "c" { 0.75 } else { 1.0 } * if training == "paper" { 1.0 } else { 0.6 };
     let data = 1.0 + 100.0 / (sizes[0] + sizes[1]) as f64;
     let error_m = (base * skill * data * (1.0 + 0.45 * noise(&mut rng))).abs() + 0.001;
     let settled = !target.is_multiple_of(10);
-    let trial = ReachTrial::new(target, [0.05, 0.0, 0.18], [0.05 + error_m, 0.0, 0.18], Outcome::Ok);
+    let trial =
+        ReachTrial::new(target, [0.05, 0.0, 0.18], [0.05 + error_m, 0.0, 0.18], Outcome::Ok);
     CellRow {
         seed,
         training: training.to_owned(),
@@ -57,7 +66,9 @@ pub(crate) fn table(seeds: u64) -> Vec<TrialRow> {
                     let sizes = if policy == "pi_real" { [0, 10_000] } else { [100, 0] };
                     let runs = !(policy == "c" && mode == "open");
                     let targets = if runs { 0..50 } else { 0..0 };
-                    rows.extend(targets.map(|target| trial(seed, training, policy, mode, sizes, target)));
+                    rows.extend(
+                        targets.map(|target| trial(seed, training, policy, mode, sizes, target)),
+                    );
                 }
             }
         }
@@ -74,7 +85,9 @@ pub(crate) fn data_sizes(seeds: u64) -> Vec<TrialRow> {
         for training in TRAININGS {
             for (policy, sizes) in gp.into_iter().chain(real) {
                 for mode in ["open", "closed"] {
-                    rows.extend((0..50).map(|target| trial(seed, training, policy, mode, sizes, target)));
+                    rows.extend(
+                        (0..50).map(|target| trial(seed, training, policy, mode, sizes, target)),
+                    );
                 }
             }
         }
@@ -92,7 +105,8 @@ fn tip(bend_x: f64, bend_y: f64) -> Point3 {
 pub(crate) fn gaps(samples: u64) -> Vec<GapRow> {
     let mut rng = Seed(2).rng();
     let row = |sample| {
-        let [a, b] = [1.4 * (2.0 * rng.random::<f64>() - 1.0), 1.4 * (2.0 * rng.random::<f64>() - 1.0)];
+        let [a, b] =
+            [1.4 * (2.0 * rng.random::<f64>() - 1.0), 1.4 * (2.0 * rng.random::<f64>() - 1.0)];
         let sim = tip(a, b);
         let real = tip(0.93 * a - 0.06, 0.97 * b);
         let mut real = real.map(|part| part + 0.0005 * noise(&mut rng));
@@ -119,8 +133,10 @@ pub(crate) fn gaps(samples: u64) -> Vec<GapRow> {
 pub(crate) fn waypoints(seed: u64) -> Vec<WaypointRow> {
     let row = |waypoint: u64| {
         let turn = 4.0 * std::f64::consts::PI * waypoint as f64 / 32.0;
-        let [x_m, y_m, z_m] =
-            tip((0.3 + 0.02 * waypoint as f64) * turn.cos(), (0.3 + 0.02 * waypoint as f64) * turn.sin());
+        let [x_m, y_m, z_m] = tip(
+            (0.3 + 0.02 * waypoint as f64) * turn.cos(),
+            (0.3 + 0.02 * waypoint as f64) * turn.sin(),
+        );
         WaypointRow { seed, waypoint, x_m, y_m, z_m }
     };
     (0..33).map(row).collect()
@@ -130,7 +146,9 @@ pub(crate) fn tracks(seeds: u64) -> Vec<TrackRow> {
     let mut rows = Vec::new();
     for seed in 0..seeds {
         for training in TRAININGS {
-            for (policy, seconds, swing) in [("a", 135, 0.4), ("b", 150, 0.4), ("c", 196, 1.6), ("pi_real", 160, 0.5)] {
+            for (policy, seconds, swing) in
+                [("a", 135, 0.4), ("b", 150, 0.4), ("c", 196, 1.6), ("pi_real", 160, 0.5)]
+            {
                 rows.extend(track(seed, training, policy, 5 * seconds, swing));
             }
         }
@@ -160,7 +178,12 @@ fn track(seed: u64, training: &str, policy: &str, steps: u64, swing: f64) -> Vec
             branch: if policy == "c" && (step / 7) % 2 == 1 { "b" } else { "a" }.to_owned(),
             ..TrackSample::new(target, tip, Outcome::Ok)
         };
-        rows.push(TrackRow { seed, training: training.to_owned(), policy: policy.to_owned(), sample });
+        rows.push(TrackRow {
+            seed,
+            training: training.to_owned(),
+            policy: policy.to_owned(),
+            sample,
+        });
     }
     rows
 }
@@ -193,7 +216,8 @@ pub(crate) fn claims() -> Vec<ClaimRow> {
                 high_95: ours + half,
                 unit: unit.to_owned(),
                 seeds: 10,
-                verdict: ["reproduced", "not reproduced", "undecided"][(index + turn) % 3].to_owned(),
+                verdict: ["reproduced", "not reproduced", "undecided"][(index + turn) % 3]
+                    .to_owned(),
             });
         }
     }
@@ -219,8 +243,10 @@ pub(crate) fn sweep(fields: &[(&str, &[&str])], seeds: u64) -> SweepTable {
             })
             .collect();
         for (place, policy) in ["a", "b", "c", "pi_real"].into_iter().enumerate() {
-            for (turn, mode) in
-                ["open", "closed"].into_iter().enumerate().filter(|(_, mode)| policy != "c" || *mode == "closed")
+            for (turn, mode) in ["open", "closed"]
+                .into_iter()
+                .enumerate()
+                .filter(|(_, mode)| policy != "c" || *mode == "closed")
             {
                 for (index, digit) in digits.iter().rev().enumerate() {
                     swept.fields[index].1.push(fields[index].1[*digit].to_owned());
@@ -230,7 +256,11 @@ pub(crate) fn sweep(fields: &[(&str, &[&str])], seeds: u64) -> SweepTable {
                 swept.rows.push(SweepRow {
                     task: "reach".to_owned(),
                     training: "paper".to_owned(),
-                    cell: cell(policy, mode, if policy == "pi_real" { [0, 10_000] } else { [100, 0] }),
+                    cell: cell(
+                        policy,
+                        mode,
+                        if policy == "pi_real" { [0, 10_000] } else { [100, 0] },
+                    ),
                     mean_m,
                     sd_over_seeds_m: if seeds > 1 { 0.001 } else { f64::NAN },
                     low_95_m: if seeds > 1 { mean_m - 0.002 } else { f64::NAN },
@@ -279,7 +309,9 @@ pub(crate) fn robot_claims(seeds: u64) -> Vec<RobotClaimRow> {
     };
     trainings
         .iter()
-        .flat_map(|training| names.into_iter().zip([seeds, seeds / 2]).map(|pair| row(training, pair)))
+        .flat_map(|training| {
+            names.into_iter().zip([seeds, seeds / 2]).map(|pair| row(training, pair))
+        })
         .collect()
 }
 
@@ -299,13 +331,20 @@ pub(crate) fn gp_coverages(seeds: u64) -> Vec<GpCoverageRow> {
     };
     let shares = [0.5, 0.9, 0.99];
     let of_axis = |seed, points, axis| shares.map(|promised| row(seed, points, axis, promised));
-    let of_size = |seed, points| ["x", "y", "z"].into_iter().flat_map(move |axis| of_axis(seed, points, axis));
-    (0..seeds).flat_map(|seed| [25, 100, 400].into_iter().flat_map(move |points| of_size(seed, points))).collect()
+    let of_size = |seed, points| {
+        ["x", "y", "z"].into_iter().flat_map(move |axis| of_axis(seed, points, axis))
+    };
+    (0..seeds)
+        .flat_map(|seed| [25, 100, 400].into_iter().flat_map(move |points| of_size(seed, points)))
+        .collect()
 }
 
 /// Six switching thresholds.
 pub(crate) fn thresholds(seeds: u64) -> SweepTable {
-    sweep(&[("policies.c.switch_threshold_m", &["0.005", "0.01", "0.015", "0.02", "0.025", "0.03"])], seeds)
+    sweep(
+        &[("policies.c.switch_threshold_m", &["0.005", "0.01", "0.015", "0.02", "0.025", "0.03"])],
+        seeds,
+    )
 }
 
 /// A campaign on clusters of growing size.
@@ -324,13 +363,19 @@ pub(crate) fn scaling() -> Vec<ScalingRow> {
         polls: 7,
     };
     let systems = [("ideal cluster", 0.98), ("workers", 0.9)];
-    systems.into_iter().flat_map(|system| [1, 10, 100, 1000].map(|workers| row(system, workers))).collect()
+    systems
+        .into_iter()
+        .flat_map(|system| [1, 10, 100, 1000].map(|workers| row(system, workers)))
+        .collect()
 }
 
-/// Work against precision: simulators on three robots, each at several time steps, and a run that failed.
+/// Work against precision: simulators on three robots, each at several time steps, and a run that
+/// failed.
 pub(crate) fn peers() -> Vec<PeerRow> {
     let mut rows = Vec::new();
-    for (place, peer) in ["spinebench", "till_2019", "till_2019_tuned", "mujoco", "pyelastica"].into_iter().enumerate()
+    for (place, peer) in ["spinebench", "till_2019", "till_2019_tuned", "mujoco", "pyelastica"]
+        .into_iter()
+        .enumerate()
     {
         for robot in ["till", "paper", "paper_tension"] {
             for step in 0..6 {
@@ -383,7 +428,9 @@ fn learning_peers(rounds: u64) -> Vec<LearningPeerRow> {
                     size,
                     peer: peer.to_owned(),
                     round,
-                    cpu_s: cpu_s * 3f64.powi(place as i32) * (1.0 + 0.02 * ((round * size) % 7) as f64 * place as f64),
+                    cpu_s: cpu_s
+                        * 3f64.powi(place as i32)
+                        * (1.0 + 0.02 * ((round * size) % 7) as f64 * place as f64),
                     likelihood: 481.8 - place as f64,
                     evaluations: 60.0,
                     error_m: 0.0002,
@@ -468,8 +515,13 @@ fn repairs(seeds: u64) -> Vec<RepairRow> {
 
 /// Goal reaching before and after these changes.
 fn repair_trials(seeds: u64) -> Vec<RepairTrialRow> {
-    let variants =
-        [("before", 0.003), ("changed", 0.011), ("repaired", 0.004), ("moved_points", 0.0042), ("new_points", 0.0045)];
+    let variants = [
+        ("before", 0.003),
+        ("changed", 0.011),
+        ("repaired", 0.004),
+        ("moved_points", 0.0042),
+        ("new_points", 0.0045),
+    ];
     let mut rows = Vec::new();
     for repair in repairs(seeds) {
         for mode in ["open", "closed"] {
@@ -478,13 +530,19 @@ fn repair_trials(seeds: u64) -> Vec<RepairTrialRow> {
                     variants.into_iter().take(if policy == "integral" { 2 } else { variants.len() })
                 {
                     for target in 0..4 {
-                        let mut rng = Seed(3).child(&format!("{repair:?}{mode}{policy}{variant}{target}")).rng();
+                        let mut rng = Seed(3)
+                            .child(&format!("{repair:?}{mode}{policy}{variant}{target}"))
+                            .rng();
                         rows.push(RepairTrialRow {
                             seed: repair.seed,
                             training: repair.training.clone(),
                             change: repair.change.clone(),
                             variant: variant.to_owned(),
-                            cell: cell(policy, mode, [if policy == "integral" { 0 } else { 100 }, 0]),
+                            cell: cell(
+                                policy,
+                                mode,
+                                [if policy == "integral" { 0 } else { 100 }, 0],
+                            ),
                             target,
                             error_m: base_m * (1.0 + 0.3 * noise(&mut rng)).abs(),
                             steps: 30,

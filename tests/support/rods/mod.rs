@@ -53,7 +53,10 @@ pub fn round_rod(length_m: f64, radius_m: f64, e_pa: f64, g_pa: f64, mass_kg_m: 
 pub fn four_tendons(offset_m: f64, end_m: f64, compliance_m_per_n: f64) -> Vec<Tendon> {
     [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]]
         .iter()
-        .map(|[x, y]| Tendon { compliance_m_per_n, ..Tendon::parallel([x * offset_m, y * offset_m], end_m) })
+        .map(|[x, y]| Tendon {
+            compliance_m_per_n,
+            ..Tendon::parallel([x * offset_m, y * offset_m], end_m)
+        })
         .collect()
 }
 
@@ -65,13 +68,15 @@ pub fn shipped(name: &str) -> RodParams {
 /// A shipped model file.
 pub fn model(name: &str) -> Model {
     let path = format!("{}/models/{name}.yaml", env!("CARGO_MANIFEST_DIR"));
-    spinebench::specs::read_model(std::path::Path::new(&path)).unwrap_or_else(|error| panic!("{error}"))
+    spinebench::specs::read_model(std::path::Path::new(&path))
+        .unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Effects as a model file lists them; nothing for nothing.
 pub fn effects(yaml: &str) -> Vec<EffectSpec> {
     let text = if yaml.is_empty() { "[]" } else { yaml };
-    serde_yaml::with::singleton_map_recursive::deserialize(serde_yaml::Deserializer::from_str(text)).unwrap()
+    serde_yaml::with::singleton_map_recursive::deserialize(serde_yaml::Deserializer::from_str(text))
+        .unwrap()
 }
 
 pub fn vector(row: &HashMap<String, f64>, names: [&str; 3]) -> Vector3<f64> {
@@ -82,7 +87,8 @@ pub fn rotation(row: &HashMap<String, f64>, prefix: &str) -> Matrix3<f64> {
     Matrix3::from_fn(|i, j| row[&format!("{prefix}R{}{}", i + 1, j + 1)])
 }
 
-/// Central differences of `residuals` with steps of `step` in every parameter, as [`fit`] wants them.
+/// Central differences of `residuals` with steps of `step` in every parameter, as [`fit`] wants
+/// them.
 ///
 /// [`fit`]: spinebench::math::optimise::least_squares::fit
 pub fn differences<'a>(
@@ -102,6 +108,8 @@ pub fn differences<'a>(
                 pair.map(|(after, before)| (after - before) / (2.0 * step)),
             ))
         };
-        Some(nalgebra::DMatrix::from_columns(&(0..at.len()).map(column).collect::<Option<Vec<_>>>()?))
+        Some(nalgebra::DMatrix::from_columns(
+            &(0..at.len()).map(column).collect::<Option<Vec<_>>>()?,
+        ))
     }
 }

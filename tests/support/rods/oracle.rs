@@ -1,5 +1,5 @@
-//! An independent judge of static answers: the same rod by shooting, with a local Newton solve for the strains at every
-//! Runge–Kutta stage. It shares no discretisation with the rod that it judges.
+//! An independent judge of static answers: the same rod by shooting, with a local Newton solve for
+//! the strains at every Runge–Kutta stage. It shares no discretisation with the rod that it judges.
 #![allow(dead_code, unreachable_pub, missing_docs)]
 
 use nalgebra::{DMatrix, DVector, Matrix3, Matrix6, Vector3, Vector6};
@@ -9,7 +9,8 @@ use super::random_robot::{Case, bending_n_m2};
 
 /// Runge–Kutta steps along the rod …
 pub const STEPS: f64 = 400.0;
-/// … and where that is not yet a verdict: where the spine saturates between two places, its strain has a kink.
+/// … and where that is not yet a verdict: where the spine saturates between two places, its strain
+/// has a kink.
 pub const FINE_STEPS: f64 = 3200.0;
 /// The same for derivatives, which only have to lead there.
 const ROUGH_STEPS: f64 = 80.0;
@@ -23,7 +24,8 @@ const MOST_HALVINGS: usize = 10;
 pub struct Verdict {
     pub tip_m: Vector3<f64>,
     pub rotation: Matrix3<f64>,
-    /// By how much the tip's moment balance and the taut tendons' lengths stay open, relative to E I/L and L.
+    /// By how much the tip's moment balance and the taut tendons' lengths stay open, relative to E
+    /// I/L and L.
     pub open: f64,
     /// The same before the first correction: what the rod's own answer leaves open.
     pub open_at_start: f64,
@@ -59,8 +61,8 @@ impl Section {
     }
 }
 
-/// Shoots in `steps` steps from the base wrench that the rod's own shape implies; none when the local law cannot be
-/// solved.
+/// Shoots in `steps` steps from the base wrench that the rod's own shape implies; none when the
+/// local law cannot be solved.
 pub fn judge(case: &Case, rod: &Rod, steps: f64) -> Option<Verdict> {
     let tensions = rod.tensions_n().to_vec();
     let length = case.params.length_m();
@@ -113,7 +115,8 @@ pub fn judge(case: &Case, rod: &Rod, steps: f64) -> Option<Verdict> {
         x -= step;
         (r, end) = after?;
     }
-    let slack = (0..case.drives.len()).filter(|i| matches!(case.drives[*i], Drive::Pull(_)) && !taut.contains(i));
+    let slack = (0..case.drives.len())
+        .filter(|i| matches!(case.drives[*i], Drive::Pull(_)) && !taut.contains(i));
     let overstretch_m = slack.map(|i| shooting.overstretch_m(i, &end)).fold(0.0, f64::max);
     Some(Verdict { tip_m: end.p, rotation: end.r, open: r.norm(), open_at_start, overstretch_m })
 }
@@ -146,8 +149,8 @@ fn cuts(case: &Case) -> Vec<f64> {
     cuts
 }
 
-/// Moment about the base of all loads on the shape that the rod found. Its cross-sections lie in pairs at the two Gauss
-/// points of a cell, which tell the cell's length.
+/// Moment about the base of all loads on the shape that the rod found. Its cross-sections lie in
+/// pairs at the two Gauss points of a cell, which tell the cell's length.
 fn base_moment(case: &Case, rod: &Rod) -> Vector3<f64> {
     let (p, g) = (&case.params, case.params.gravity_m_s2);
     let base = p.base_m;
@@ -170,13 +173,16 @@ impl Shooting<'_> {
     fn overstretch_m(&self, i: usize, end: &Section) -> f64 {
         let tendon = &self.case.params.tendons[i];
         let Drive::Pull(pull) = self.case.drives[i] else { return 0.0 };
-        end.lengths[i] + pull + tendon.pretension_m - tendon.end_m - tendon.compliance_m_per_n * self.tensions[i]
+        end.lengths[i] + pull + tendon.pretension_m
+            - tendon.end_m
+            - tendon.compliance_m_per_n * self.tensions[i]
     }
 
     fn integrate(&self, base_moment: Vector3<f64>, steps: f64) -> Option<Section> {
         let p = &self.case.params;
         let weight = |from: f64| -> Vector3<f64> {
-            let lumps: f64 = p.masses.iter().filter(|m| m.position_m > from).map(|m| m.mass_kg).sum();
+            let lumps: f64 =
+                p.masses.iter().filter(|m| m.position_m > from).map(|m| m.mass_kg).sum();
             lumps * p.gravity_m_s2
         };
         let mut at = Section {
@@ -190,7 +196,8 @@ impl Shooting<'_> {
         for piece in self.cuts.windows(2) {
             let middle = 0.5 * (piece[0] + piece[1]);
             let span = p.span_at(middle);
-            at.force += (span.mass_kg_m + span.spread_mass_kg_m) * (piece[1] - piece[0]) * p.gravity_m_s2;
+            at.force +=
+                (span.mass_kg_m + span.spread_mass_kg_m) * (piece[1] - piece[0]) * p.gravity_m_s2;
         }
         let first = p.span_at(0.5 * self.cuts[0]);
         at.force += (first.mass_kg_m + first.spread_mass_kg_m) * self.cuts[0] * p.gravity_m_s2;
@@ -218,7 +225,10 @@ impl Shooting<'_> {
     fn rates(&self, middle: f64, at: &Section, strain: &mut Vector6<f64>) -> Option<Section> {
         let p = &self.case.params;
         self.solve_strain(middle, at, strain)?;
-        let (u, v) = (Vector3::new(strain[0], strain[1], strain[2]), Vector3::new(strain[3], strain[4], strain[5]));
+        let (u, v) = (
+            Vector3::new(strain[0], strain[1], strain[2]),
+            Vector3::new(strain[3], strain[4], strain[5]),
+        );
         let tangent = at.r * v;
         let span = p.span_at(middle);
         let lengths = p.tendons.iter().map(|tendon| {
@@ -234,8 +244,9 @@ impl Shooting<'_> {
         })
     }
 
-    /// Strains at which the rod, its histories and the tendons balance the carried wrench: the least of a convex energy,
-    /// by Newton's method that goes no further along a step than the energy falls.
+    /// Strains at which the rod, its histories and the tendons balance the carried wrench: the
+    /// least of a convex energy, by Newton's method that goes no further along a step than the
+    /// energy falls.
     fn solve_strain(&self, middle: f64, at: &Section, strain: &mut Vector6<f64>) -> Option<()> {
         let length = self.case.params.length_m();
         let (moment, force) = (at.r.tr_mul(&at.moment), at.r.tr_mul(&at.force));
@@ -305,16 +316,24 @@ impl Shooting<'_> {
         tangent[(5, 5)] = span.axial_n;
         let rest = span.rest_curvature_rad_m;
         let mut wrench = tangent * (strain - Vector6::new(rest.x, rest.y, rest.z, 0.0, 0.0, 1.0));
-        let inside = |s: &&spinebench::rod::CompressibleSection| (s.start_m..s.start_m + s.length_m).contains(&middle);
+        let inside = |s: &&spinebench::rod::CompressibleSection| {
+            (s.start_m..s.start_m + s.length_m).contains(&middle)
+        };
         if let Some(section) = p.sections.iter().find(inside) {
-            let (soft, stiff) = (section.compliance_m_per_n / section.length_m + 1.0 / span.axial_n, span.axial_n);
+            let (soft, stiff) =
+                (section.compliance_m_per_n / section.length_m + 1.0 / span.axial_n, span.axial_n);
             let beyond = strain[5] - 1.0 + soft * section.saturation_n;
             let saturated = beyond < 0.0;
-            wrench[5] = if saturated { stiff * beyond - section.saturation_n } else { (strain[5] - 1.0) / soft };
+            wrench[5] = if saturated {
+                stiff * beyond - section.saturation_n
+            } else {
+                (strain[5] - 1.0) / soft
+            };
             tangent[(5, 5)] = if saturated { stiff } else { 1.0 / soft };
         }
         for law in &p.moment_laws {
-            let history = law.settled(&[0.0; 4], [strain[0] - rest.x, strain[1] - rest.y], 0.5 * (k1 + k2));
+            let history =
+                law.settled(&[0.0; 4], [strain[0] - rest.x, strain[1] - rest.y], 0.5 * (k1 + k2));
             for a in 0..2 {
                 wrench[a] += history.moment_nm[a];
                 for b in 0..2 {

@@ -1,4 +1,5 @@
-//! Random robots and commands: every feature of the rod, from harmless to far beyond what a robot could bear.
+//! Random robots and commands: every feature of the rod, from harmless to far beyond what a robot
+//! could bear.
 #![allow(dead_code, unreachable_pub, missing_docs)]
 
 use nalgebra::Vector3;
@@ -130,12 +131,16 @@ fn add_sections(random: &mut impl Rng, params: &mut RodParams) {
         .collect();
 }
 
-/// One to twelve tendons at any angles and distances, that end together or at the ends of up to three segments.
+/// One to twelve tendons at any angles and distances, that end together or at the ends of up to
+/// three segments.
 fn add_tendons(random: &mut impl Rng, params: &mut RodParams) {
-    let (count, segments, length) = (random.random_range(1..13), random.random_range(1..4), params.length_m());
+    let (count, segments, length) =
+        (random.random_range(1..13), random.random_range(1..4), params.length_m());
     let compliance = if chance(random, 0.5) { log(random, 1e-7, 1e-3) * length } else { 0.0 };
-    let pretension_m = if chance(random, 0.2) { random.random_range(-0.002..0.002) * length } else { 0.0 };
-    let mut ends: Vec<f64> = (1..segments).map(|_| random.random_range(0.05..1.0) * length).collect();
+    let pretension_m =
+        if chance(random, 0.2) { random.random_range(-0.002..0.002) * length } else { 0.0 };
+    let mut ends: Vec<f64> =
+        (1..segments).map(|_| random.random_range(0.05..1.0) * length).collect();
     ends.push(length);
     params.tendons = (0..count)
         .map(|k| {
@@ -157,8 +162,16 @@ fn add_memory(random: &mut impl Rng, params: &mut RodParams) {
             log(random, 0.01, 1.0) / length,
             chance(random, 0.5)
         ),
-        1 => format!("hysteresis: {{share: {:e}, range_rad_m: {:e}}}", log(random, 0.01, 1.0), 1.0 / length),
-        2 => format!("creep: {{share: {:e}, time_s: {:e}}}", log(random, 0.01, 0.8), log(random, 0.1, 100.0)),
+        1 => format!(
+            "hysteresis: {{share: {:e}, range_rad_m: {:e}}}",
+            log(random, 0.01, 1.0),
+            1.0 / length
+        ),
+        2 => format!(
+            "creep: {{share: {:e}, time_s: {:e}}}",
+            log(random, 0.01, 0.8),
+            log(random, 0.1, 100.0)
+        ),
         _ => return,
     };
     super::effects(&format!("- {yaml}"))[0].build().modify_rod(params);
@@ -176,7 +189,8 @@ pub fn tip_load(random: &mut impl Rng, params: &RodParams) -> TipWrench {
     load
 }
 
-/// One drive a tendon, by length, by tension or mixed; `angle_rad` says how far they would bend the rod.
+/// One drive a tendon, by length, by tension or mixed; `angle_rad` says how far they would bend the
+/// rod.
 pub fn drives(random: &mut impl Rng, params: &RodParams, angle_rad: f64) -> Vec<Drive> {
     let (stiffness, length) = (bending_n_m2(params), params.length_m());
     let (kind, absolute) = (random.random_range(0..5), chance(random, 0.05));

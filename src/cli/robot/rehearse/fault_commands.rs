@@ -52,7 +52,9 @@ pub(super) fn parse(text: &str) -> Result<Intervention, String> {
         })),
         ["freeze", "tracker"] => tracker(TrackerFault::Frozen),
         ["freeze", "tip"] => tracker(TrackerFault::FrozenTip(2e-5)),
-        ["second", "server"] => tracker(TrackerFault::SameAddress { frames: 77_777, clock_s: 500.0, alone: false }),
+        ["second", "server"] => {
+            tracker(TrackerFault::SameAddress { frames: 77_777, clock_s: 500.0, alone: false })
+        }
         ["lose", "query"] => motors(ControllerFault::LostQuery),
         ["lose", share] => tracker(TrackerFault::Loss(number(share)?.clamp(0.0, 1.0))),
         ["jitter", delay] => tracker(TrackerFault::Jitter(number(delay)?.max(0.0))),
@@ -79,7 +81,9 @@ fn of_motors(words: &[&str]) -> Result<Intervention, String> {
         ["press", name] => motors(ControllerFault::HardLimit(axis(name)?)),
         ["alarm", code] => motors(ControllerFault::SpuriousAlarm(whole(code)?)),
         ["tell", "homed"] => motors(ControllerFault::TellsHomed),
-        ["set", setting, value] => motors(ControllerFault::WrongSettings(whole(setting)?, value.to_owned())),
+        ["set", setting, value] => {
+            motors(ControllerFault::WrongSettings(whole(setting)?, value.to_owned()))
+        }
         _ => Err(HELP.to_owned()),
     }
 }

@@ -18,10 +18,11 @@ use std::io::stdin;
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, channel};
 
-/// Serve simulated motors on a serial port and a simulated tracker on UDP, around a simulated robot.
+/// Serve simulated motors on a serial port and a simulated tracker on UDP, around a simulated
+/// robot.
 ///
-/// Other commands and programs use them through the plant file that this command writes. Lines on standard input inject
-/// faults: `help` lists them. Ends with Ctrl-C or `quit`.
+/// Other commands and programs use them through the plant file that this command writes. Lines on
+/// standard input inject faults: `help` lists them. Ends with Ctrl-C or `quit`.
 #[derive(Args)]
 pub(crate) struct RehearseCommand {
     /// Plant file with `hardware:` and `rehearsal:`.
@@ -50,12 +51,14 @@ impl RehearseCommand {
             refuse!("{file}: hardware: found no `rehearsal`, expected the model to simulate");
         }
         let interrupt = Interrupt::of_process().map_err(CommandError::failed)?;
-        let mut served = ServedSimulator::open(&options, Seed(self.seed)).map_err(CommandError::Failed)?;
+        let mut served =
+            ServedSimulator::open(&options, Seed(self.seed)).map_err(CommandError::Failed)?;
         let mut log = SimulatorLog::open(self.log_file.as_deref())?;
         let plant = served.plant();
-        let text = to_yaml(&PlantSpec::Hardware(Box::new(plant.clone()))).map_err(CommandError::failed)?;
-        // The ports are open before the file exists: input that arrives before the first step is buffered by the
-        // system.
+        let text =
+            to_yaml(&PlantSpec::Hardware(Box::new(plant.clone()))).map_err(CommandError::failed)?;
+        // The ports are open before the file exists: input that arrives before the first step is
+        // buffered by the system.
         write_atomic(&self.out, text.as_bytes()).map_err(CommandError::bad_input)?;
         println!(
             "motors at {}, tracker at {}:{}",

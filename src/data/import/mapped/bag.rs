@@ -19,7 +19,9 @@ pub fn import_bag(file: &Path, map: &ImportMap) -> Result<MappedImport, DataErro
     let bag = Bag::read(file)?;
     let topic = map.commands.topic.as_deref().unwrap_or_default();
     let commands = commands::read(&table(&bag, topic, None)?, &map.commands)?;
-    let Some(tracking) = &map.tracking else { return without_tracking(vec![(file.to_owned(), commands)], None) };
+    let Some(tracking) = &map.tracking else {
+        return without_tracking(vec![(file.to_owned(), commands)], None);
+    };
     let table_of = |body: &BodyMap| table(&bag, topic_of(body, tracking), body.child.as_deref());
     let bodies = tracking::read(tracking, &table_of)?;
     let log = JoinedLog { file: file.to_owned(), commands, tracking_file: file.to_owned(), bodies };
@@ -47,7 +49,9 @@ struct Row {
 
 impl Row {
     fn parts(&mut self, prefix: &str, parts: [&str; 4], numbers: &[f64]) {
-        self.numbers.extend(parts.iter().zip(numbers).map(|(part, number)| (format!("{prefix}.{part}"), *number)));
+        self.numbers.extend(
+            parts.iter().zip(numbers).map(|(part, number)| (format!("{prefix}.{part}"), *number)),
+        );
     }
 
     /// A position, and an orientation beside it.
@@ -102,7 +106,12 @@ static KINDS: [MessageKind; 7] = [
         let names = cdr.list(CdrReader::text)?;
         for field in ["position", "velocity", "effort"] {
             let numbers = cdr.list(CdrReader::f64)?;
-            row.numbers.extend(names.iter().zip(numbers).map(|(name, number)| (format!("{field}[{name}]"), number)));
+            row.numbers.extend(
+                names
+                    .iter()
+                    .zip(numbers)
+                    .map(|(name, number)| (format!("{field}[{name}]"), number)),
+            );
         }
         Some(())
     }),
@@ -110,7 +119,9 @@ static KINDS: [MessageKind; 7] = [
         cdr.list(|cdr| Some((cdr.text()?, cdr.u32()?, cdr.u32()?)))?;
         cdr.u32()?;
         let numbers = cdr.list(CdrReader::f64)?;
-        row.numbers.extend(numbers.into_iter().enumerate().map(|(k, number)| (format!("data[{k}]"), number)));
+        row.numbers.extend(
+            numbers.into_iter().enumerate().map(|(k, number)| (format!("data[{k}]"), number)),
+        );
         Some(())
     }),
 ];
@@ -143,28 +154,44 @@ fn refuse(bag: &Bag, topic: &str, found: String, expected: String) -> DataError 
 /// The table of a topic; of one child frame where `child` is given.
 ///
 /// # Errors
-/// [`DataError::Line`] for a topic that is not there, another kind of message, and a message that cannot be read.
+/// [`DataError::Line`] for a topic that is not there, another kind of message, and a message that
+/// cannot be read.
 fn table(bag: &Bag, topic: &str, child: Option<&str>) -> Result<LogTable, DataError> {
     let Some(bag_topic) = bag.topics.get(topic) else {
         let all: Vec<String> = bag.topics.keys().map(|name| format!("`{name}`")).collect();
-        return Err(refuse(bag, topic, "no such topic".to_owned(), format!("one of {}", all.join(", "))));
+        return Err(refuse(
+            bag,
+            topic,
+            "no such topic".to_owned(),
+            format!("one of {}", all.join(", ")),
+        ));
     };
     let readable = |(name, encoding): &(String, String)| {
         KINDS.iter().find(|kind| kind.name == plain(name)).filter(|_| encoding == "cdr")
     };
     let kinds: Vec<&MessageKind> = bag_topic.kinds.iter().filter_map(readable).collect();
     let [kind] = kinds[..] else {
-        let kinds: Vec<String> =
-            bag_topic.kinds.iter().map(|(name, encoding)| format!("`{name}` in `{encoding}`")).collect();
+        let kinds: Vec<String> = bag_topic
+            .kinds
+            .iter()
+            .map(|(name, encoding)| format!("`{name}` in `{encoding}`"))
+            .collect();
         let all: Vec<&str> = KINDS.iter().map(|kind| kind.name).collect();
         let expected = format!("one of {} in `cdr`", all.join(", "));
-        return Err(refuse(bag, topic, format!("messages of type {}", kinds.join(" and ")), expected));
+        return Err(refuse(
+            bag,
+            topic,
+            format!("messages of type {}", kinds.join(" and ")),
+            expected,
+        ));
     };
     let mut parsed: Vec<(usize, &BagMessage, Row)> = Vec::new();
     for (number, message) in bag_topic.messages.iter().enumerate() {
         let damaged = || {
-            let (found, expected) =
-                (format!("{} bytes in message {}", message.data.len(), number + 1), kind.name.to_owned());
+            let (found, expected) = (
+                format!("{} bytes in message {}", message.data.len(), number + 1),
+                kind.name.to_owned(),
+            );
             refuse(bag, topic, found, expected)
         };
         let rows = rows(kind, message).ok_or_else(damaged)?;
@@ -176,12 +203,22 @@ fn table(bag: &Bag, topic: &str, child: Option<&str>) -> Result<LogTable, DataEr
         parsed.retain(|(_, _, row)| row.child.as_deref() == Some(child));
         if parsed.is_empty() {
             let all: Vec<String> = children.iter().map(|name| format!("`{name}`")).collect();
-            return Err(refuse(bag, topic, format!("no child frame `{child}`"), format!("one of {}", all.join(", "))));
+            return Err(refuse(
+                bag,
+                topic,
+                format!("no child frame `{child}`"),
+                format!("one of {}", all.join(", ")),
+            ));
         }
     } else if let Some(other) = parsed.iter().find(|(_, _, row)| row.child != parsed[0].2.child) {
         let frames = [&parsed[0].2, &other.2].map(|row| row.child.clone().unwrap_or_default());
         let found = format!("the child frames `{}` and `{}`", frames[0], frames[1]);
-        return Err(refuse(bag, topic, found, "one of them as `child` of the body in the map".to_owned()));
+        return Err(refuse(
+            bag,
+            topic,
+            found,
+            "one of them as `child` of the body in the map".to_owned(),
+        ));
     }
     if parsed.is_empty() {
         return Err(refuse(bag, topic, "no messages".to_owned(), "at least one".to_owned()));
@@ -190,7 +227,12 @@ fn table(bag: &Bag, topic: &str, child: Option<&str>) -> Result<LogTable, DataEr
 }
 
 /// The rows as columns; a number that a message lacks is not a number.
-fn columns(bag: &Bag, topic: &str, kind: &MessageKind, parsed: &[(usize, &BagMessage, Row)]) -> LogTable {
+fn columns(
+    bag: &Bag,
+    topic: &str,
+    kind: &MessageKind,
+    parsed: &[(usize, &BagMessage, Row)],
+) -> LogTable {
     let times = |time: fn(&BagMessage) -> u64| {
         LogCells::Nanoseconds(parsed.iter().map(|(_, message, _)| time(message) as i64).collect())
     };
@@ -217,7 +259,9 @@ fn columns(bag: &Bag, topic: &str, kind: &MessageKind, parsed: &[(usize, &BagMes
             cells[index] = *number;
         }
     }
-    let filled = names.iter().filter_map(|&name| Some((name.to_owned(), LogCells::Numbers(numbers.remove(name)?))));
+    let filled = names
+        .iter()
+        .filter_map(|&name| Some((name.to_owned(), LogCells::Numbers(numbers.remove(name)?))));
     columns.extend(filled);
     LogTable {
         file: bag.file.clone(),
@@ -235,7 +279,8 @@ mod tests {
     use super::*;
     use crate::data::mcap::BagTopic;
 
-    /// A message in plain CDR, little-endian: what is aligned is aligned after the first four bytes.
+    /// A message in plain CDR, little-endian: what is aligned is aligned after the first four
+    /// bytes.
     struct Writer(Vec<u8>);
 
     impl Writer {
@@ -289,17 +334,25 @@ mod tests {
     #[test]
     fn joints_are_told_by_their_names_whatever_their_order() {
         let joints = |names: [&str; 2], positions: &[f64]| {
-            let named = names.iter().fold(Writer::new().header(5, 250).u32(2), |writer, name| writer.text(name));
+            let named = names
+                .iter()
+                .fold(Writer::new().header(5, 250).u32(2), |writer, name| writer.text(name));
             named.u32(positions.len() as u32).numbers(positions).u32(0).u32(0)
         };
-        let messages =
-            vec![joints(["a", "bcd"], &[1.0, 2.0]), joints(["bcd", "a"], &[4.0, 3.0]), joints(["a", "x"], &[5.0])];
+        let messages = vec![
+            joints(["a", "bcd"], &[1.0, 2.0]),
+            joints(["bcd", "a"], &[4.0, 3.0]),
+            joints(["a", "x"], &[5.0]),
+        ];
         let bag = bag("/j", "sensor_msgs/msg/JointState", messages);
         let table = table(&bag, "/j", None).unwrap();
         let read = |name| [0, 1, 2].map(|row| number(&table, name, row));
         assert_eq!(read("position[a]"), [Some(1.0), Some(3.0), Some(5.0)]);
         assert_eq!(read("position[bcd]"), [Some(2.0), Some(4.0), None]);
-        assert_eq!((table.own_time(), table.place(2)), ("header.stamp".to_owned(), "topic `/j`, message 3".to_owned()));
+        assert_eq!(
+            (table.own_time(), table.place(2)),
+            ("header.stamp".to_owned(), "topic `/j`, message 3".to_owned())
+        );
         let stamps = commands::stamps(&table, None, "time").unwrap().ns;
         assert_eq!(stamps[0], 5_000_000_250);
     }
@@ -322,7 +375,14 @@ mod tests {
     #[test]
     fn what_cannot_be_read_is_told_with_topic_and_message() {
         let array = |numbers: &[f64]| {
-            Writer::new().u32(1).text("row").u32(2).u32(2).u32(0).u32(numbers.len() as u32).numbers(numbers)
+            Writer::new()
+                .u32(1)
+                .text("row")
+                .u32(2)
+                .u32(2)
+                .u32(0)
+                .u32(numbers.len() as u32)
+                .numbers(numbers)
         };
         let mut cut = array(&[1.0, 2.0]);
         cut.0.truncate(40);
@@ -331,7 +391,9 @@ mod tests {
         let damaged = bag("/c", "std_msgs/Float64MultiArray", vec![array(&[1.0]), cut]);
         let said = table(&damaged, "/c", None).unwrap_err().to_string();
         assert!(
-            said.contains("topic `/c`: found 40 bytes in message 2, expected std_msgs/Float64MultiArray"),
+            said.contains(
+                "topic `/c`: found 40 bytes in message 2, expected std_msgs/Float64MultiArray"
+            ),
             "{said}"
         );
         assert!(table(&whole, "/d", None).unwrap_err().to_string().contains("one of `/c`"));
@@ -339,7 +401,11 @@ mod tests {
         let said = table(&image, "/c", None).unwrap_err().to_string();
         assert!(said.contains("messages of type `sensor_msgs/msg/Image` in `cdr`"), "{said}");
         // A count that the message has no room for.
-        let huge = bag("/c", "std_msgs/Float64MultiArray", vec![Writer::new().u32(0).u32(0).u32(u32::MAX)]);
+        let huge = bag(
+            "/c",
+            "std_msgs/Float64MultiArray",
+            vec![Writer::new().u32(0).u32(0).u32(u32::MAX)],
+        );
         assert!(table(&huge, "/c", None).is_err());
     }
 }

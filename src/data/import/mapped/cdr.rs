@@ -1,5 +1,5 @@
-//! Messages of ROS 2 in CDR (OMG DDS-XTypes, plain CDR): numbers stand at multiples of their size after the first four bytes,
-//! which tell the order of bytes.
+//! Messages of ROS 2 in CDR (OMG DDS-XTypes, plain CDR): numbers stand at multiples of their size
+//! after the first four bytes, which tell the order of bytes.
 
 /// The fields of a message, in order.
 pub(super) struct CdrReader<'a> {
@@ -23,7 +23,8 @@ impl<'a> CdrReader<'a> {
 
     fn number<const N: usize>(&mut self) -> Option<[u8; N]> {
         self.position = self.position.next_multiple_of(N);
-        let mut number: [u8; N] = self.bytes.get(self.position..self.position + N)?.try_into().ok()?;
+        let mut number: [u8; N] =
+            self.bytes.get(self.position..self.position + N)?.try_into().ok()?;
         self.position += N;
         if self.is_big_endian {
             number.reverse();

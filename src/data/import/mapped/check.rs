@@ -2,8 +2,8 @@
 
 use super::iso8601::zone_s;
 use super::map::{
-    BodyMap, ClockMap, CommandsMap, DriveMap, ImportMap, OffsetRange, TendonMeasure, TendonsMap, TextFormat,
-    TimeColumn, TrackingMap, TrialFilesMap,
+    BodyMap, ClockMap, CommandsMap, DriveMap, ImportMap, OffsetRange, TendonMeasure, TendonsMap,
+    TextFormat, TimeColumn, TrackingMap, TrialFilesMap,
 };
 use super::trial_files::{LogFiles, TRIAL};
 use super::units::{CommandKind, CommandUnit, TimeUnit};
@@ -83,15 +83,24 @@ impl ImportMap {
         }
         if trial.is_some() || trial_gap_s.is_some() {
             let key = if trial.is_some() { "trial" } else { "trial_gap_s" };
-            return Err(fault("commands", key, format!("`{key}` and `trial_files`"), "one of the two"));
+            return Err(fault(
+                "commands",
+                key,
+                format!("`{key}` and `trial_files`"),
+                "one of the two",
+            ));
         }
         match (&names.tracking, &self.tracking) {
-            (Some(_), None) => {
-                Err(fault("", "tracking", "no such key", "what stands in the files `trial_files.tracking`"))
-            }
-            (tracking_names, _) => {
-                Ok(SourceKind::Text { files: 1 + usize::from(tracking_names.is_some()), from_folder: false })
-            }
+            (Some(_), None) => Err(fault(
+                "",
+                "tracking",
+                "no such key",
+                "what stands in the files `trial_files.tracking`",
+            )),
+            (tracking_names, _) => Ok(SourceKind::Text {
+                files: 1 + usize::from(tracking_names.is_some()),
+                from_folder: false,
+            }),
         }
     }
 }
@@ -99,16 +108,24 @@ impl ImportMap {
 impl TrialFilesMap {
     fn check(&self) -> Result<(), Fault> {
         const PATH: &str = "trial_files";
-        for (key, name) in [("commands", Some(&self.commands)), ("tracking", self.tracking.as_ref())] {
+        for (key, name) in
+            [("commands", Some(&self.commands)), ("tracking", self.tracking.as_ref())]
+        {
             let Some(name) = name else { continue };
             if name.matches(TRIAL).count() != 1 || name.contains(['/', '\\']) {
-                let expected = "the name of a file without its folder, with {trial} once, such as `run_{trial}.csv`";
+                let expected = "the name of a file without its folder, with {trial} once, such as \
+                                `run_{trial}.csv`";
                 return Err(fault(PATH, key, format!("`{name}`"), expected));
             }
         }
         if self.tracking.as_ref() == Some(&self.commands) {
             let expected = "another name, or no such key where each file holds both";
-            return Err(fault(PATH, "tracking", format!("`{}`, as for the commands", self.commands), expected));
+            return Err(fault(
+                PATH,
+                "tracking",
+                format!("`{}`, as for the commands", self.commands),
+                expected,
+            ));
         }
         Ok(())
     }
@@ -117,12 +134,18 @@ impl TrialFilesMap {
 impl TimeColumn {
     fn check(&self, path: &str) -> Result<(), Fault> {
         match &self.zone {
-            Some(zone) if self.unit != TimeUnit::Iso8601 => {
-                Err(fault(path, "zone", format!("`{zone}`"), "`unit: iso8601` beside it: numbers have no zone"))
-            }
-            Some(zone) if zone_s(zone).is_none() => {
-                Err(fault(path, "zone", format!("`{zone}`"), "`Z`, or hours and minutes ahead of UTC such as `+01:00`"))
-            }
+            Some(zone) if self.unit != TimeUnit::Iso8601 => Err(fault(
+                path,
+                "zone",
+                format!("`{zone}`"),
+                "`unit: iso8601` beside it: numbers have no zone",
+            )),
+            Some(zone) if zone_s(zone).is_none() => Err(fault(
+                path,
+                "zone",
+                format!("`{zone}`"),
+                "`Z`, or hours and minutes ahead of UTC such as `+01:00`",
+            )),
             _ => Ok(()),
         }
     }
@@ -137,7 +160,12 @@ impl TextFormat {
             return Err(fault(path, "decimal", format!("`{}`", self.decimal), "`.` or `,`"));
         }
         if self.decimal == self.delimiter {
-            return Err(fault(path, "decimal", format!("`{}`", self.decimal), "another character than the delimiter"));
+            return Err(fault(
+                path,
+                "decimal",
+                format!("`{}`", self.decimal),
+                "another character than the delimiter",
+            ));
         }
         match &self.comment {
             Some(mark) if mark.trim().is_empty() => {
@@ -149,15 +177,31 @@ impl TextFormat {
 }
 
 /// A file of the command line, or a topic, but not both.
-fn check_source(path: &str, source: SourceKind, file: usize, topics: &[&str], needs_topic: bool) -> Result<(), Fault> {
+fn check_source(
+    path: &str,
+    source: SourceKind,
+    file: usize,
+    topics: &[&str],
+    needs_topic: bool,
+) -> Result<(), Fault> {
     match source {
         SourceKind::Text { files, .. } => {
             if !(1..=files).contains(&file) {
                 let found = format!("{file}, and {files} on the command line");
-                return Err(fault(path, "file", found, "the number of a file on the command line, from 1"));
+                return Err(fault(
+                    path,
+                    "file",
+                    found,
+                    "the number of a file on the command line, from 1",
+                ));
             }
             match topics.first() {
-                Some(topic) => Err(fault(path, "topic", format!("`{topic}`"), "no topic: text files have none")),
+                Some(topic) => Err(fault(
+                    path,
+                    "topic",
+                    format!("`{topic}`"),
+                    "no topic: text files have none",
+                )),
                 None => Ok(()),
             }
         }
@@ -182,13 +226,21 @@ impl CommandsMap {
             None => return Err(fault(PATH, "time", "no such key", "the column of times")),
         }
         if let Some(gap_s) = self.trial_gap_s {
-            BadOption::unless_positive("trial_gap_s", gap_s).map_err(|error| (PATH.to_owned(), error))?;
+            BadOption::unless_positive("trial_gap_s", gap_s)
+                .map_err(|error| (PATH.to_owned(), error))?;
             if self.trial.is_some() {
-                return Err(fault(PATH, "trial_gap_s", format!("{gap_s}"), "`trial` or `trial_gap_s`, not both"));
+                return Err(fault(
+                    PATH,
+                    "trial_gap_s",
+                    format!("{gap_s}"),
+                    "`trial` or `trial_gap_s`, not both",
+                ));
             }
         }
         match (&self.tendons, self.drives.is_empty()) {
-            (None, true) => Err(fault(PATH, "tendons", "no such key", "the columns of tendons, or `drives`")),
+            (None, true) => {
+                Err(fault(PATH, "tendons", "no such key", "the columns of tendons, or `drives`"))
+            }
             (Some(_), false) => Err(fault(PATH, "drives", "tendons and drives", "one of the two")),
             (Some(tendons), true) => tendons.check(),
             (None, false) => self.drives.iter().try_for_each(|(name, drive)| drive.check(name)),
@@ -211,14 +263,25 @@ impl TendonsMap {
         let kind = self.unit.factor().0;
         match &self.scale {
             None if matches!(kind, CommandKind::Angle | CommandKind::Count) => {
-                let expected = "metres of tendon per radian or per count: one number, or one a tendon";
+                let expected =
+                    "metres of tendon per radian or per count: one number, or one a tendon";
                 return Err(fault(PATH, "scale", "no such key", expected));
             }
             Some(scale) if !(scale.len() == 1 || scale.len() == count) => {
-                return Err(fault(PATH, "scale", format!("{} numbers", scale.len()), "one number, or one a tendon"));
+                return Err(fault(
+                    PATH,
+                    "scale",
+                    format!("{} numbers", scale.len()),
+                    "one number, or one a tendon",
+                ));
             }
             Some(scale) if scale.iter().any(|number| !number.is_finite() || *number == 0.0) => {
-                return Err(fault(PATH, "scale", format!("{scale:?}"), "finite numbers other than 0"));
+                return Err(fault(
+                    PATH,
+                    "scale",
+                    format!("{scale:?}"),
+                    "finite numbers other than 0",
+                ));
             }
             _ => {}
         }
@@ -240,22 +303,39 @@ impl DriveMap {
     fn check(&self, name: &str) -> Result<(), Fault> {
         let path = format!("commands.drives.{name}");
         if !is_plain(name) {
-            return Err(fault("commands", "drives", format!("`{name}`"), "names of letters, digits and _"));
+            return Err(fault(
+                "commands",
+                "drives",
+                format!("`{name}`"),
+                "names of letters, digits and _",
+            ));
         }
         match (self.unit.factor().0, self.scale) {
             (CommandKind::Tension, _) => {
-                return Err(fault(&path, "unit", unit_word(self.unit), "a unit of length, of angle, or counts"));
+                return Err(fault(
+                    &path,
+                    "unit",
+                    unit_word(self.unit),
+                    "a unit of length, of angle, or counts",
+                ));
             }
             (CommandKind::Count, None) => {
                 return Err(fault(&path, "scale", "no such key", "radians per count"));
             }
             (_, Some(scale)) if !scale.is_finite() || scale == 0.0 => {
-                return Err(fault(&path, "scale", format!("{scale}"), "a finite number other than 0"));
+                return Err(fault(
+                    &path,
+                    "scale",
+                    format!("{scale}"),
+                    "a finite number other than 0",
+                ));
             }
             _ => {}
         }
         match self.home {
-            Some(home) if !home.is_finite() => Err(fault(&path, "home", format!("{home}"), "a finite number")),
+            Some(home) if !home.is_finite() => {
+                Err(fault(&path, "home", format!("{home}"), "a finite number"))
+            }
             _ => Ok(()),
         }
     }
@@ -275,14 +355,16 @@ impl TrackingMap {
     /// The recording's axes.
     pub(crate) fn to_axes(&self) -> Result<Axes, Fault> {
         Axes::of_hand(&self.axes, self.left_handed).map_err(|_| {
-            let expected = "each axis once, such as `x=+y,y=-x,z=+z`; `left_handed: true` if the tracker's axes are";
+            let expected = "each axis once, such as `x=+y,y=-x,z=+z`; `left_handed: true` if the \
+                            tracker's axes are";
             fault("tracking", "axes", format!("`{}`", self.axes), expected)
         })
     }
 
     /// All bodies with their paths in the map.
     fn bodies(&self) -> impl Iterator<Item = (String, &BodyMap)> {
-        let points = self.points.iter().map(|(name, body)| (format!("tracking.points.{name}"), body));
+        let points =
+            self.points.iter().map(|(name, body)| (format!("tracking.points.{name}"), body));
         let base = self.base.iter().map(|body| ("tracking.base".to_owned(), body));
         std::iter::once(("tracking.tip".to_owned(), &self.tip)).chain(base).chain(points)
     }
@@ -290,7 +372,8 @@ impl TrackingMap {
     fn check_bodies(&self, source: SourceKind) -> Result<(), Fault> {
         const PATH: &str = "tracking";
         for (path, body) in self.bodies() {
-            let topics: Vec<&str> = body.topic.iter().chain(&self.topic).map(String::as_str).collect();
+            let topics: Vec<&str> =
+                body.topic.iter().chain(&self.topic).map(String::as_str).collect();
             check_source(&path, source, self.file_of(source), &topics, true)?;
             if matches!(source, SourceKind::Text { .. }) && body.position.is_none() {
                 return Err(fault(&path, "position", "no such key", "the columns of x, y and z"));
@@ -299,7 +382,8 @@ impl TrackingMap {
                 return Err(fault(&path, "angles", "`orientation` and `angles`", "one of the two"));
             }
             if body.angles.is_some() && self.euler.is_none() {
-                let expected = "what `angles` mean, such as `{order: zyx, rotation: intrinsic, unit: deg}`";
+                let expected =
+                    "what `angles` mean, such as `{order: zyx, rotation: intrinsic, unit: deg}`";
                 return Err(fault(PATH, "euler", "no such key", expected));
             }
         }
@@ -322,7 +406,12 @@ impl TrackingMap {
         self.to_axes()?;
         self.check_bodies(source)?;
         if let Some(name) = self.points.keys().find(|name| !is_plain(name)) {
-            return Err(fault(PATH, "points", format!("`{name}`"), "names of letters, digits and _"));
+            return Err(fault(
+                PATH,
+                "points",
+                format!("`{name}`"),
+                "names of letters, digits and _",
+            ));
         }
         if !(self.max_gap_s.is_finite() && self.max_gap_s >= 0.0) {
             return Err(fault(PATH, "max_gap_s", self.max_gap_s.to_string(), "seconds, 0 or more"));
@@ -343,23 +432,39 @@ impl TrackingMap {
 impl ClockMap {
     fn check(&self) -> Result<(), Fault> {
         match *self {
-            ClockMap::OffsetS(offset_s) if !offset_s.is_finite() => {
-                Err(fault("tracking.clock", "offset_s", offset_s.to_string(), "seconds, a finite number"))
-            }
+            ClockMap::OffsetS(offset_s) if !offset_s.is_finite() => Err(fault(
+                "tracking.clock",
+                "offset_s",
+                offset_s.to_string(),
+                "seconds, a finite number",
+            )),
             ClockMap::Estimate(OffsetRange { from_s, to_s, dead_time_s }) => {
                 let path = "tracking.clock.estimate";
                 for (key, limit_s) in [("from_s", from_s), ("to_s", to_s)] {
                     if let Some(limit_s) = limit_s.filter(|limit_s| !limit_s.is_finite()) {
-                        return Err(fault(path, key, limit_s.to_string(), "seconds, a finite number"));
+                        return Err(fault(
+                            path,
+                            key,
+                            limit_s.to_string(),
+                            "seconds, a finite number",
+                        ));
                     }
                 }
                 if !(dead_time_s.is_finite() && dead_time_s >= 0.0) {
-                    return Err(fault(path, "dead_time_s", dead_time_s.to_string(), "seconds, 0 or more"));
+                    return Err(fault(
+                        path,
+                        "dead_time_s",
+                        dead_time_s.to_string(),
+                        "seconds, 0 or more",
+                    ));
                 }
                 match (from_s, to_s) {
-                    (Some(from_s), Some(to_s)) if from_s >= to_s => {
-                        Err(fault(path, "to_s", format!("{from_s} to {to_s}"), "a limit above `from_s`"))
-                    }
+                    (Some(from_s), Some(to_s)) if from_s >= to_s => Err(fault(
+                        path,
+                        "to_s",
+                        format!("{from_s} to {to_s}"),
+                        "a limit above `from_s`",
+                    )),
                     _ => Ok(()),
                 }
             }

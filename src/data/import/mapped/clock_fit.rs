@@ -1,9 +1,12 @@
-//! The offset between the tracker's clock and that of the commands, from the motion: cross-correlation of the tip with
-//! commands that reach it through a linear response of second order (a least-squares fit at every offset and response), and
-//! its interval by the delete-one-block jackknife (Künsch 1989).
+//! The offset between the tracker's clock and that of the commands, from the motion:
+//! cross-correlation of the tip with commands that reach it through a linear response of second
+//! order (a least-squares fit at every offset and response), and its interval by the
+//! delete-one-block jackknife (Künsch 1989).
 
 use super::step_response::StepResponse;
-use super::tip_motion::{BLOCKS, CommandSteps, MIN_FRAMES, OffsetCandidate, RESOLUTION_S, TipMotion};
+use super::tip_motion::{
+    BLOCKS, CommandSteps, MIN_FRAMES, OffsetCandidate, RESOLUTION_S, TipMotion,
+};
 use crate::base::Point3;
 
 /// An estimated offset.
@@ -17,8 +20,9 @@ pub struct ClockFit {
     pub lag_s: f64,
     /// Share of the tip's squares that the commands explain at this offset.
     pub explained: f64,
-    /// Longest dead time of the drive that the interval covers, seconds. The offset is that of a drive without one; a drive that
-    /// waits makes the tip late as a clock does, and the offset too small by so much.
+    /// Longest dead time of the drive that the interval covers, seconds. The offset is that of a
+    /// drive without one; a drive that waits makes the tip late as a clock does, and the offset too
+    /// small by so much.
     pub dead_time_s: f64,
 }
 
@@ -38,8 +42,9 @@ impl ClockFit {
 
 /// 97.5 % quantile of Student's t with one degree of freedom less than there are blocks.
 const STUDENT_T_975: f64 = 2.262_157;
-/// How much of the fitted lag an offset may be off by: the first motion of the response is gentle, that of a tendon robot's tip
-/// is a jump, and of one with a slow drive gentler still. Of robots that answer otherwise it was 0.36 at most.
+/// How much of the fitted lag an offset may be off by: the first motion of the response is gentle,
+/// that of a tendon robot's tip is a jump, and of one with a slow drive gentler still. Of robots
+/// that answer otherwise it was 0.36 at most.
 const FIRST_MOTION_SHARE: f64 = 0.5;
 /// Most frames that are looked at over all offsets, and around the best ones.
 const MAX_COARSE_FRAMES: usize = 1500;
@@ -66,12 +71,15 @@ const COARSE_RESOLUTION_S: f64 = 2e-3;
 fn peaks(motion: &TipMotion, offsets_s: &[f64]) -> Vec<f64> {
     let response = StepResponse { time_s: 0.25 * motion.step_s, damping: 1.0 };
     let states = motion.states(response);
-    let unexplained_at =
-        |offset_s: &f64| motion.blocks(*offset_s, response, &states, 1).map_or(1.0, |all| all[0].unexplained());
+    let unexplained_at = |offset_s: &f64| {
+        motion.blocks(*offset_s, response, &states, 1).map_or(1.0, |all| all[0].unexplained())
+    };
     let unexplained: Vec<f64> = offsets_s.iter().map(unexplained_at).collect();
     let at = |k: usize| unexplained.get(k).copied().unwrap_or(1.0);
     let is_minimum = |k: &usize| {
-        unexplained[*k] < 1.0 && unexplained[*k] <= at(k + 1) && (*k == 0 || unexplained[*k] < unexplained[*k - 1])
+        unexplained[*k] < 1.0
+            && unexplained[*k] <= at(k + 1)
+            && (*k == 0 || unexplained[*k] < unexplained[*k - 1])
     };
     let mut peaks: Vec<usize> = (0..unexplained.len()).filter(is_minimum).collect();
     peaks.sort_by(|a, b| unexplained[*a].total_cmp(&unexplained[*b]));
@@ -98,50 +106,74 @@ pub(crate) fn estimate(
     let (first_s, last_s) = (frames[0].0, frames[frames.len() - 1].0);
     let middle_s = 0.5 * (commands.time_s[0] + commands.time_s[commands.time_s.len() - 1]);
     // Beyond these the tracking does not meet the commands.
-    let [lowest_s, highest_s] = [commands.time_s[0] - last_s, 2.0 * middle_s - commands.time_s[0] - first_s];
+    let [lowest_s, highest_s] =
+        [commands.time_s[0] - last_s, 2.0 * middle_s - commands.time_s[0] - first_s];
     let low_s = from_s.unwrap_or(middle_s - last_s).clamp(lowest_s, highest_s);
     let high_s = to_s.unwrap_or(middle_s - first_s).clamp(lowest_s, highest_s);
     let motion = TipMotion { commands, frames, step_s };
     let every_s = (0.5 * step_s).max((high_s - low_s) / MAX_OFFSETS as f64).max(1e-3);
     let count = ((high_s - low_s) / every_s).ceil().max(1.0) as usize;
-    let offsets_s: Vec<f64> = (0..=count).map(|k| (low_s + every_s * k as f64).min(high_s)).collect();
+    let offsets_s: Vec<f64> =
+        (0..=count).map(|k| (low_s + every_s * k as f64).min(high_s)).collect();
     let (coarse, fine) = (motion.thinned(MAX_COARSE_FRAMES), motion.thinned(MAX_FINE_FRAMES));
     let refined_near = |offset_s: f64| {
-        let starts = START_RESPONSES.map(|response| OffsetCandidate { offset_s, response, unexplained: 1.0 });
-        let ends = starts.map(|start| coarse.refined(start, [every_s, COARSE_RESOLUTION_S], None, false));
+        let starts = START_RESPONSES.map(|response| OffsetCandidate {
+            offset_s,
+            response,
+            unexplained: 1.0,
+        });
+        let ends =
+            starts.map(|start| coarse.refined(start, [every_s, COARSE_RESOLUTION_S], None, false));
         ends.into_iter().min_by(|a, b| a.unexplained.total_cmp(&b.unexplained))
     };
-    let mut optima: Vec<OffsetCandidate> = peaks(&coarse, &offsets_s).into_iter().filter_map(refined_near).collect();
+    let mut optima: Vec<OffsetCandidate> =
+        peaks(&coarse, &offsets_s).into_iter().filter_map(refined_near).collect();
     optima.sort_by(|a, b| a.unexplained.total_cmp(&b.unexplained));
     let Some(&best) = optima.first().filter(|best| 1.0 - best.unexplained >= MIN_EXPLAINED) else {
         let share = optima.first().map_or(0.0, |best| 100.0 * (1.0 - best.unexplained));
-        let found = format!("a tip whose motion follows the commands to {share:.0} % at the best offset");
+        let found =
+            format!("a tip whose motion follows the commands to {share:.0} % at the best offset");
         return refuse(found, "20 % or more, or `clock.offset_s`");
     };
-    let is_distinct = |other: &&OffsetCandidate| (other.offset_s - best.offset_s).abs() > 2.0 * every_s.max(step_s);
-    if let Some(other) =
-        optima.iter().skip(1).find(is_distinct).filter(|other| other.unexplained <= MAX_RIVAL_RATIO * best.unexplained)
+    let is_distinct = |other: &&OffsetCandidate| {
+        (other.offset_s - best.offset_s).abs() > 2.0 * every_s.max(step_s)
+    };
+    if let Some(other) = optima
+        .iter()
+        .skip(1)
+        .find(is_distinct)
+        .filter(|other| other.unexplained <= MAX_RIVAL_RATIO * best.unexplained)
     {
         let (best_s, other_s) = (best.offset_s, other.offset_s);
-        let found = format!("a motion that repeats: offsets of {best_s:.3} s and {other_s:.3} s fit alike");
-        return refuse(found, "narrower limits `clock.estimate.from_s` and `to_s`, or `clock.offset_s`");
+        let found =
+            format!("a motion that repeats: offsets of {best_s:.3} s and {other_s:.3} s fit alike");
+        return refuse(
+            found,
+            "narrower limits `clock.estimate.from_s` and `to_s`, or `clock.offset_s`",
+        );
     }
     // A lag can make up for an offset where the motion has one frequency.
     let shifted = |shift_s: f64| OffsetCandidate { offset_s: best.offset_s + shift_s, ..best };
-    let shifted_fits =
-        [-step_s, step_s].map(|shift_s| coarse.refined(shifted(shift_s), [every_s, COARSE_RESOLUTION_S], None, true));
-    if let Some(other) = shifted_fits.iter().find(|other| other.unexplained <= MAX_RIVAL_RATIO * best.unexplained) {
+    let shifted_fits = [-step_s, step_s].map(|shift_s| {
+        coarse.refined(shifted(shift_s), [every_s, COARSE_RESOLUTION_S], None, true)
+    });
+    if let Some(other) =
+        shifted_fits.iter().find(|other| other.unexplained <= MAX_RIVAL_RATIO * best.unexplained)
+    {
         let (best_s, other_s) = (best.offset_s, other.offset_s);
-        let found = format!("a motion by which offsets of {best_s:.3} s and {other_s:.3} s fit alike");
+        let found =
+            format!("a motion by which offsets of {best_s:.3} s and {other_s:.3} s fit alike");
         return refuse(found, "commands of several frequencies, or `clock.offset_s`");
     }
     let best = fine.polished(best, None);
-    // Delete-one-block jackknife of B blocks: the variance is (B − 1)/B Σ (offset without a block − their mean)².
+    // Delete-one-block jackknife of B blocks: the variance is (B − 1)/B Σ (offset without a block −
+    // their mean)².
     let offset_without = |block| fine.polished(best, Some(block)).offset_s;
     let left_out_s: Vec<f64> = (0..BLOCKS).map(offset_without).collect();
     let mean_s = left_out_s.iter().sum::<f64>() / BLOCKS as f64;
     let squares: f64 = left_out_s.iter().map(|offset_s| (offset_s - mean_s).powi(2)).sum();
-    let half_width_s = STUDENT_T_975 * (squares * (BLOCKS - 1) as f64 / BLOCKS as f64).sqrt().max(RESOLUTION_S);
+    let half_width_s =
+        STUDENT_T_975 * (squares * (BLOCKS - 1) as f64 / BLOCKS as f64).sqrt().max(RESOLUTION_S);
     let half_width_s = half_width_s + FIRST_MOTION_SHARE * best.response.mean_delay_s();
     Ok(ClockFit {
         offset_s: best.offset_s,
@@ -158,7 +190,8 @@ mod tests {
     use crate::base::Seed;
     use rand_distr::{Distribution, Normal};
 
-    /// Random steps at 5 Hz, and a tip that follows through a lag of 0.08 s, seen at 100 Hz from 2 s before the commands.
+    /// Random steps at 5 Hz, and a tip that follows through a lag of 0.08 s, seen at 100 Hz from 2
+    /// s before the commands.
     fn motion(seed: u64, repeats: bool) -> (CommandSteps, Vec<(f64, Point3)>) {
         let (mut random, step, noise) =
             (Seed(seed).rng(), Normal::new(0.0, 4e-3).unwrap(), Normal::new(0.0, 3e-4).unwrap());
@@ -174,7 +207,10 @@ mod tests {
         let (mut lag, mut frames) = ([0.0; 2], Vec::new());
         for tick in 0..6400_usize {
             let mut seen = || noise.sample(&mut random);
-            frames.push((0.01 * tick as f64, [4.0 * lag[0] + seen(), 3.9 * lag[1] + seen(), 0.2 + seen()]));
+            frames.push((
+                0.01 * tick as f64,
+                [4.0 * lag[0] + seen(), 3.9 * lag[1] + seen(), 0.2 + seen()],
+            ));
             let row = (tick.saturating_sub(200) / 20).min(299);
             for axis in 0..2 {
                 lag[axis] += (rows[row][axis] - lag[axis]) * (1.0 - (-0.01_f64 / 0.08).exp());

@@ -69,7 +69,8 @@ impl schemars::JsonSchema for ColumnName {
 
     fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
         schemars::json_schema!({
-            "description": "A column: its name (of a topic: the path of a field), or its number counted from 1.",
+            "description": "A column: its name (of a topic: the path of a field), or its number \
+                            counted from 1.",
             "anyOf": [{ "type": "string" }, { "type": "integer", "minimum": 1 }],
         })
     }
@@ -139,8 +140,9 @@ impl LogTable {
     pub(crate) fn own_pose(&self) -> (Option<[ColumnName; 3]>, Option<[ColumnName; 4]>) {
         let part = |prefix: &str, axis: &str| ColumnName::Name(format!("{prefix}.{axis}"));
         let topic = self.topic.as_ref();
-        let position =
-            topic.and_then(|topic| topic.position).map(|prefix| ["x", "y", "z"].map(|axis| part(prefix, axis)));
+        let position = topic
+            .and_then(|topic| topic.position)
+            .map(|prefix| ["x", "y", "z"].map(|axis| part(prefix, axis)));
         let orientation = topic.and_then(|topic| topic.orientation);
         (position, orientation.map(|prefix| ["w", "x", "y", "z"].map(|axis| part(prefix, axis))))
     }
@@ -152,12 +154,18 @@ impl LogTable {
     pub(crate) fn column(&self, name: &ColumnName, key: &str) -> Result<usize, DataError> {
         let refuse = |found: String| {
             let expected = format!("the column {name} that `{key}` of the map names");
-            Err(DataError::Line { file: self.file.clone(), place: self.header.clone(), found, expected })
+            Err(DataError::Line {
+                file: self.file.clone(),
+                place: self.header.clone(),
+                found,
+                expected,
+            })
         };
         let listed = || {
             let names = self.columns.iter().take(MAX_LISTED).map(|(name, _)| format!("`{name}`"));
             let more = self.columns.len().saturating_sub(MAX_LISTED);
-            let names: Vec<String> = names.chain((more > 0).then(|| format!("{more} more"))).collect();
+            let names: Vec<String> =
+                names.chain((more > 0).then(|| format!("{more} more"))).collect();
             let hint = if names.len() == 1 { " (is the delimiter another?)" } else { "" };
             format!("{}{hint}", names.join(", "))
         };
@@ -166,7 +174,8 @@ impl LogTable {
             ColumnName::Number(_) => refuse(format!("{} columns", self.columns.len())),
             ColumnName::Name(_) if !self.named => refuse("columns without names".to_owned()),
             ColumnName::Name(name) => {
-                let mut fitting = (0..self.columns.len()).filter(|&column| self.columns[column].0 == *name);
+                let mut fitting =
+                    (0..self.columns.len()).filter(|&column| self.columns[column].0 == *name);
                 match (fitting.next(), fitting.next()) {
                     (Some(column), None) => Ok(column),
                     (Some(_), Some(_)) => refuse("several columns of this name".to_owned()),
@@ -201,7 +210,11 @@ impl LogTable {
         match number {
             Some(number) if number.is_nan() => Ok(None),
             Some(number) if number.is_finite() => Ok(Some(number)),
-            _ => Err(self.wrong(column, row, "a number (its decimal sign is `text.decimal` of the map)")),
+            _ => Err(self.wrong(
+                column,
+                row,
+                "a number (its decimal sign is `text.decimal` of the map)",
+            )),
         }
     }
 
@@ -214,7 +227,12 @@ impl LogTable {
     ///
     /// # Errors
     /// [`DataError::Cell`] when it is no number.
-    pub(crate) fn nanoseconds(&self, column: usize, row: usize, unit: TimeUnit) -> Result<i64, DataError> {
+    pub(crate) fn nanoseconds(
+        &self,
+        column: usize,
+        row: usize,
+        unit: TimeUnit,
+    ) -> Result<i64, DataError> {
         let time = match &self.columns[column].1 {
             LogCells::Nanoseconds(cells) => Some(cells[row]),
             LogCells::Numbers(cells) => unit.nanoseconds(&format!("{:e}", cells[row])),
@@ -222,8 +240,11 @@ impl LogTable {
         };
         time.ok_or_else(|| {
             let is_date = IsoTime::parse(&self.text(column, row)).is_some();
-            let hint =
-                if is_date { "`unit: iso8601` for dates" } else { "its decimal sign is `text.decimal` of the map" };
+            let hint = if is_date {
+                "`unit: iso8601` for dates"
+            } else {
+                "its decimal sign is `text.decimal` of the map"
+            };
             self.wrong(column, row, format!("a time, a number ({hint})"))
         })
     }
@@ -238,7 +259,12 @@ impl LogTable {
     }
 
     /// The error for a cell.
-    pub(crate) fn wrong(&self, column: usize, row: usize, expected: impl Into<String>) -> DataError {
+    pub(crate) fn wrong(
+        &self,
+        column: usize,
+        row: usize,
+        expected: impl Into<String>,
+    ) -> DataError {
         let found = shown(&self.text(column, row));
         let (place, column) = (self.place(row), self.columns[column].0.clone());
         DataError::Cell { file: self.file.clone(), place, column, found, expected: expected.into() }

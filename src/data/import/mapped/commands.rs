@@ -38,13 +38,19 @@ pub(crate) struct Stamps {
 ///
 /// # Errors
 /// [`DataError`] names file, line and column.
-pub(crate) fn stamps(table: &LogTable, time: Option<&TimeColumn>, key: &str) -> Result<Stamps, DataError> {
-    let topic_time = TimeColumn { column: ColumnName::Name(table.own_time()), unit: TimeUnit::Ns, zone: None };
+pub(crate) fn stamps(
+    table: &LogTable,
+    time: Option<&TimeColumn>,
+    key: &str,
+) -> Result<Stamps, DataError> {
+    let topic_time =
+        TimeColumn { column: ColumnName::Name(table.own_time()), unit: TimeUnit::Ns, zone: None };
     let time = time.unwrap_or(&topic_time);
     let column = table.column(&time.column, key)?;
     let rows = 0..table.rows.len();
     if time.unit != TimeUnit::Iso8601 {
-        let ns = rows.map(|row| table.nanoseconds(column, row, time.unit)).collect::<Result<_, _>>()?;
+        let ns =
+            rows.map(|row| table.nanoseconds(column, row, time.unit)).collect::<Result<_, _>>()?;
         return Ok(Stamps { column, ns, is_zoned: None });
     }
     // The check of the map has read the zone.
@@ -63,7 +69,11 @@ pub(crate) fn stamps(table: &LogTable, time: Option<&TimeColumn>, key: &str) -> 
             ));
         }
         let expected = "a date from 1678 to 2261";
-        ns.push(time_of_row.utc_ns(map_zone_s.unwrap_or(0)).ok_or_else(|| table.wrong(column, row, expected))?);
+        ns.push(
+            time_of_row
+                .utc_ns(map_zone_s.unwrap_or(0))
+                .ok_or_else(|| table.wrong(column, row, expected))?,
+        );
     }
     Ok(Stamps { column, ns, is_zoned: all_zoned })
 }
@@ -73,7 +83,8 @@ pub(crate) fn stamps(table: &LogTable, time: Option<&TimeColumn>, key: &str) -> 
 /// # Errors
 /// [`DataError`] names file, line and column.
 pub(crate) fn read(table: &LogTable, map: &CommandsMap) -> Result<TimedCommands, DataError> {
-    let Stamps { column: time, ns: stamps_ns, is_zoned } = stamps(table, map.time.as_ref(), "commands.time.column")?;
+    let Stamps { column: time, ns: stamps_ns, is_zoned } =
+        stamps(table, map.time.as_ref(), "commands.time.column")?;
     let (trial, trial_names) = trials(table, map, &stamps_ns)?;
     let rows = table.rows.len();
     let starts: Vec<usize> = {
@@ -88,11 +99,16 @@ pub(crate) fn read(table: &LogTable, map: &CommandsMap) -> Result<TimedCommands,
     };
     for row in (0..rows).filter(|&row| starts[row] != row) {
         if stamps_ns[row] <= stamps_ns[row - 1] {
-            return Err(table.wrong(time, row, "a later time than in the row before: time increases in a trial"));
+            return Err(table.wrong(
+                time,
+                row,
+                "a later time than in the row before: time increases in a trial",
+            ));
         }
     }
     let mut recording = Recording::new(Actuation::Lengths, 0);
-    recording.time_s = (0..rows).map(|row| (stamps_ns[row] - stamps_ns[starts[row]]) as f64 / NS).collect();
+    recording.time_s =
+        (0..rows).map(|row| (stamps_ns[row] - stamps_ns[starts[row]]) as f64 / NS).collect();
     recording.trial = trial;
     if let Some(tendons) = &map.tendons {
         (recording.actuation, recording.commands) = tendon_rows(table, tendons, &starts)?;
@@ -101,7 +117,8 @@ pub(crate) fn read(table: &LogTable, map: &CommandsMap) -> Result<TimedCommands,
     recording.drives = map.drives.iter().map(drive).collect::<Result<_, _>>()?;
     if let Some(name) = &map.pattern {
         let column = table.column(name, "commands.pattern")?;
-        recording.pattern = Some((0..rows).map(|row| table.text(column, row).into_owned()).collect());
+        recording.pattern =
+            Some((0..rows).map(|row| table.text(column, row).into_owned()).collect());
     }
     if let Some(load) = &map.known_load {
         let column = table.column(&load.column, "commands.known_load.column")?;
@@ -120,7 +137,8 @@ pub(crate) fn read(table: &LogTable, map: &CommandsMap) -> Result<TimedCommands,
 /// Numbers of the trial of each row, and names where the trials have names.
 type TrialRows = (Vec<u64>, Option<Vec<String>>);
 
-/// Trial of each row: numbers of the column, or names in the order of the file, or parts between gaps.
+/// Trial of each row: numbers of the column, or names in the order of the file, or parts between
+/// gaps.
 fn trials(table: &LogTable, map: &CommandsMap, stamps_ns: &[i64]) -> Result<TrialRows, DataError> {
     let Some(name) = &map.trial else {
         let Some(gap_s) = map.trial_gap_s else { return Ok((vec![0; stamps_ns.len()], None)) };
@@ -140,7 +158,11 @@ fn trials(table: &LogTable, map: &CommandsMap, stamps_ns: &[i64]) -> Result<Tria
             continue;
         }
         if label.is_empty() || labels.iter().any(|earlier| *earlier == label) {
-            return Err(table.wrong(column, row, "a new trial: the rows of a trial stand together"));
+            return Err(table.wrong(
+                column,
+                row,
+                "a new trial: the rows of a trial stand together",
+            ));
         }
         labels.push(label.into_owned());
     }
@@ -156,7 +178,8 @@ fn trials(table: &LogTable, map: &CommandsMap, stamps_ns: &[i64]) -> Result<Tria
     Ok(((0..table.rows.len()).map(number_of_row).collect(), names))
 }
 
-/// The numbers that labels of trials are; none where one is a name, or where two are the same number.
+/// The numbers that labels of trials are; none where one is a name, or where two are the same
+/// number.
 pub(crate) fn trial_numbers<'a>(labels: impl Iterator<Item = &'a str>) -> Option<Vec<u64>> {
     let number = |label: &str| -> Option<u64> {
         let number = label.parse::<f64>().ok()?;
@@ -191,34 +214,51 @@ fn numbers(table: &LogTable, name: &ColumnName, key: &str) -> Result<Vec<f64>, D
     (0..table.rows.len()).map(|row| table.finite(column, row)).collect()
 }
 
-fn tendon_rows(table: &LogTable, map: &TendonsMap, starts: &[usize]) -> Result<(Actuation, Rows), DataError> {
+fn tendon_rows(
+    table: &LogTable,
+    map: &TendonsMap,
+    starts: &[usize],
+) -> Result<(Actuation, Rows), DataError> {
     let (kind, factor) = map.unit.factor();
-    let default_zero = if map.measure == TendonMeasure::Length { ZeroAt::FirstRow } else { ZeroAt::Zero };
+    let default_zero =
+        if map.measure == TendonMeasure::Length { ZeroAt::FirstRow } else { ZeroAt::Zero };
     let sign = if map.measure == TendonMeasure::Pulled { 1.0 } else { -1.0 };
     let mut columns = Vec::new();
     for (tendon, name) in map.columns.iter().enumerate() {
         let numbers = numbers(table, name, "commands.tendons.columns")?;
         let home_number = map.home.as_ref().map(|home| home[tendon]);
         let home = Home { zero: map.zero.unwrap_or(default_zero), home_number, starts };
-        let scale = map.scale.as_ref().map_or(1.0, |scale| if scale.len() == 1 { scale[0] } else { scale[tendon] });
+        let scale = map
+            .scale
+            .as_ref()
+            .map_or(1.0, |scale| if scale.len() == 1 { scale[0] } else { scale[tendon] });
         // The difference to home is 0 there, and not −0.
-        let pulled = |row: usize| (numbers[row] - home.at(&numbers, row)) * (sign * factor * scale) + 0.0;
+        let pulled =
+            |row: usize| (numbers[row] - home.at(&numbers, row)) * (sign * factor * scale) + 0.0;
         columns.push((0..numbers.len()).map(pulled).collect::<Vec<f64>>());
     }
     let mut rows = Rows::new(columns.len());
     for row in 0..table.rows.len() {
         rows.push(&columns.iter().map(|column| column[row]).collect::<Vec<f64>>());
     }
-    let actuation = if kind == CommandKind::Tension { Actuation::Tensions } else { Actuation::Lengths };
+    let actuation =
+        if kind == CommandKind::Tension { Actuation::Tensions } else { Actuation::Lengths };
     Ok((actuation, rows))
 }
 
-fn drive_track(table: &LogTable, name: &str, map: &DriveMap, starts: &[usize]) -> Result<DriveTrack, DataError> {
+fn drive_track(
+    table: &LogTable,
+    name: &str,
+    map: &DriveMap,
+    starts: &[usize],
+) -> Result<DriveTrack, DataError> {
     let (kind, factor) = map.unit.factor();
     let numbers = numbers(table, &map.column, &format!("commands.drives.{name}.column"))?;
     let home = Home { zero: map.zero, home_number: map.home, starts };
     let scale = factor * map.scale.unwrap_or(1.0);
-    let displacement = (0..numbers.len()).map(|row| (numbers[row] - home.at(&numbers, row)) * scale + 0.0).collect();
+    let displacement = (0..numbers.len())
+        .map(|row| (numbers[row] - home.at(&numbers, row)) * scale + 0.0)
+        .collect();
     let unit = if kind == CommandKind::Length { DriveUnit::Metres } else { DriveUnit::Radians };
     Ok(DriveTrack { name: name.to_owned(), unit, displacement })
 }

@@ -2,7 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// Sums of a least-squares fit: products of all pairs of a constant, the features and the three coordinates of the tip.
+/// Sums of a least-squares fit: products of all pairs of a constant, the features and the three
+/// coordinates of the tip.
 #[derive(Clone)]
 pub(super) struct FitSums {
     pub(super) width: usize,
@@ -34,10 +35,15 @@ impl FitSums {
     pub(super) fn unexplained(&self) -> f64 {
         let at = |row: usize, column: usize| self.products[row * (row + 1) / 2 + column];
         let features = self.width - AXES;
-        let gram = DMatrix::from_fn(features, features, |row, column| at(row.max(column), row.min(column)));
-        // Tendons that pull against each other give dependent columns; a small ridge takes none of the fit.
+        let gram = DMatrix::from_fn(features, features, |row, column| {
+            at(row.max(column), row.min(column))
+        });
+        // Tendons that pull against each other give dependent columns; a small ridge takes none of
+        // the fit.
         let ridge = 1e-9 * gram.trace() / features as f64 + f64::MIN_POSITIVE;
-        let Some(solver) = (gram + DMatrix::identity(features, features) * ridge).cholesky() else { return 1.0 };
+        let Some(solver) = (gram + DMatrix::identity(features, features) * ridge).cholesky() else {
+            return 1.0;
+        };
         let (mut residual, mut total) = (0.0, 0.0);
         for axis in features..self.width {
             let cross = DVector::from_fn(features, |column, _| at(axis, column));

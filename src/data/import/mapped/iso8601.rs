@@ -14,8 +14,9 @@ const NS: i128 = 1_000_000_000;
 const FRACTION_DIGITS: usize = 9;
 
 impl IsoTime {
-    /// Reads `2024-03-01T10:15:30.123456+01:00`. The date may lack its hyphens and the time its colons; `T` may be a space;
-    /// seconds, their fraction (after `.` or `,`) and the zone (`Z`, `+01`, `+0100`, `+01:00`) may be missing.
+    /// Reads `2024-03-01T10:15:30.123456+01:00`. The date may lack its hyphens and the time its
+    /// colons; `T` may be a space; seconds, their fraction (after `.` or `,`) and the zone (`Z`,
+    /// `+01`, `+0100`, `+01:00`) may be missing.
     pub(crate) fn parse(text: &str) -> Option<IsoTime> {
         let text = text.trim();
         let (date, rest) = text.split_at_checked(text.find(['T', 't', ' '])?)?;
@@ -32,7 +33,8 @@ impl IsoTime {
         if clock.len() < time.len() && (fraction.is_empty() || !has_seconds) {
             return None;
         }
-        let local_ns = (i128::from(86_400 * days + seconds)) * NS + i128::from(fraction_ns(fraction)?);
+        let local_ns =
+            (i128::from(86_400 * days + seconds)) * NS + i128::from(fraction_ns(fraction)?);
         Some(IsoTime { local_ns: i64::try_from(local_ns).ok()?, ahead_s })
     }
 
@@ -41,7 +43,8 @@ impl IsoTime {
         self.ahead_s.is_some()
     }
 
-    /// Nanoseconds since 1970-01-01T00:00Z; `ahead_s` is the zone of a time without one. None out of range.
+    /// Nanoseconds since 1970-01-01T00:00Z; `ahead_s` is the zone of a time without one. None out
+    /// of range.
     pub(crate) fn utc_ns(self, ahead_s: i64) -> Option<i64> {
         self.local_ns.checked_sub(self.ahead_s.unwrap_or(ahead_s).checked_mul(NS as i64)?)
     }
@@ -113,7 +116,8 @@ fn date_days(text: &str) -> Option<i64> {
     Some(year_days + month_days + day - 1 - 719_162)
 }
 
-/// Seconds since midnight of `hh:mm`, `hh:mm:ss`, `hhmm` or `hhmmss`; a second may be a leap second.
+/// Seconds since midnight of `hh:mm`, `hh:mm:ss`, `hhmm` or `hhmmss`; a second may be a leap
+/// second.
 fn clock_s(text: &str) -> Option<i64> {
     let parts = parts(text, ':', 2)?;
     let (hours, minutes, seconds) = match parts[..] {
@@ -129,7 +133,8 @@ fn fraction_ns(digits: &str) -> Option<i64> {
     if !digits.bytes().all(|byte| byte.is_ascii_digit()) {
         return None;
     }
-    let nine_digits: String = digits.chars().chain(std::iter::repeat('0')).take(FRACTION_DIGITS).collect();
+    let nine_digits: String =
+        digits.chars().chain(std::iter::repeat('0')).take(FRACTION_DIGITS).collect();
     nine_digits.parse().ok()
 }
 
@@ -154,8 +159,14 @@ mod tests {
         assert_eq!(utc("2000-02-29t00:00:00z"), Some(951_782_400 * 1_000_000_000));
         assert_eq!(utc("1900-03-01T00:00:00"), Some(-2_203_891_200 * 1_000_000_000));
         let zoned = |text| IsoTime::parse(text).map(IsoTime::is_zoned);
-        assert_eq!((zoned("2024-03-01T10:15:30Z"), zoned("2024-03-01T10:15:30")), (Some(true), Some(false)));
-        assert_eq!(IsoTime::parse("2024-03-01T10:15:30").unwrap().utc_ns(3600), Some(1_709_284_530_000_000_000));
+        assert_eq!(
+            (zoned("2024-03-01T10:15:30Z"), zoned("2024-03-01T10:15:30")),
+            (Some(true), Some(false))
+        );
+        assert_eq!(
+            IsoTime::parse("2024-03-01T10:15:30").unwrap().utc_ns(3600),
+            Some(1_709_284_530_000_000_000)
+        );
     }
 
     #[test]

@@ -10,7 +10,9 @@ use super::tracking::MappedBodies;
 use super::{MappedImport, TrialClock};
 use crate::base::Point3;
 use crate::data::import::motive::{Body, Export};
-use crate::data::import::{ImportOptions, ImportedBodies, Log, TipFrame, check_overlap, import, log, resample};
+use crate::data::import::{
+    ImportOptions, ImportedBodies, Log, TipFrame, check_overlap, import, log, resample,
+};
 use crate::data::recording::Extra;
 use crate::data::{DataError, Recording};
 
@@ -67,9 +69,11 @@ pub(super) fn join(
     }
     let (log, bodies, tracking_file) = one_after_another(placed, max_gap_s, names)?;
     // The check of the map has read the axes.
-    let axes = map.to_axes().map_err(|(_, error)| fault(&tracking_file, error.found, error.expected))?;
+    let axes =
+        map.to_axes().map_err(|(_, error)| fault(&tracking_file, error.found, error.expected))?;
     let frame = if map.frame == FrameChoice::Base { TipFrame::Base } else { TipFrame::Tracking };
-    let options = ImportOptions { axes, frame, max_gap_s, gap_key: "`tracking.max_gap_s` of the map" };
+    let options =
+        ImportOptions { axes, frame, max_gap_s, gap_key: "`tracking.max_gap_s` of the map" };
     let export = Export::of_times(tracking_file, bodies.time_s);
     let points = bodies.points.iter().map(|(name, body)| (name.clone(), body)).collect();
     let parts = ImportedBodies { base: &bodies.base, tip: &bodies.tip, points };
@@ -86,10 +90,20 @@ pub(super) fn join(
 }
 
 /// Time of each command on the clock of the bodies, and the offset where it is estimated.
-fn on_one_clock(log: &JoinedLog, clock: &ClockMap) -> Result<(Vec<f64>, Option<ClockFit>), DataError> {
-    let JoinedLog { file, commands: TimedCommands { recording, stamps_ns, is_zoned }, tracking_file, bodies } = log;
+fn on_one_clock(
+    log: &JoinedLog,
+    clock: &ClockMap,
+) -> Result<(Vec<f64>, Option<ClockFit>), DataError> {
+    let JoinedLog {
+        file,
+        commands: TimedCommands { recording, stamps_ns, is_zoned },
+        tracking_file,
+        bodies,
+    } = log;
     check_one_clock(file, recording, stamps_ns)?;
-    let since = |from_ns: i64| stamps_ns.iter().map(move |stamp| (stamp - from_ns) as f64 / NS).collect::<Vec<f64>>();
+    let since = |from_ns: i64| {
+        stamps_ns.iter().map(move |stamp| (stamp - from_ns) as f64 / NS).collect::<Vec<f64>>()
+    };
     let mut estimate = None;
     let offset_s = match clock {
         ClockMap::Same => {
@@ -100,7 +114,8 @@ fn on_one_clock(log: &JoinedLog, clock: &ClockMap) -> Result<(Vec<f64>, Option<C
         ClockMap::Estimate(range) => {
             // From the first stamp of each clock, so that their different origins take no digits.
             let origin_s = (stamps_ns[0] - bodies.first_ns) as f64 / NS;
-            let [from_s, to_s] = [range.from_s, range.to_s].map(|limit_s| limit_s.map(|s| s - origin_s));
+            let [from_s, to_s] =
+                [range.from_s, range.to_s].map(|limit_s| limit_s.map(|s| s - origin_s));
             let steps = CommandSteps { time_s: since(stamps_ns[0]), rows: command_rows(recording) };
             let fit = clock_fit::estimate(&steps, tips_from_base(bodies), from_s, to_s)
                 .map_err(|(found, expected)| fault(tracking_file, found, &expected))?;
@@ -132,7 +147,8 @@ fn one_after_another(
             bodies.time_s.iter_mut().for_each(|time_s| *time_s += shift_s);
         }
         all_at_s.extend(at_s.iter().map(|time_s| time_s + shift_s));
-        let last_s = all_at_s.last().into_iter().chain(bodies.time_s.last()).copied().fold(end_s, f64::max);
+        let last_s =
+            all_at_s.last().into_iter().chain(bodies.time_s.last()).copied().fold(end_s, f64::max);
         end_s = last_s + max_gap_s + 1.0;
         recordings.push(commands.recording);
         files.push(file);
@@ -158,7 +174,11 @@ fn append(all: &mut MappedBodies, later: MappedBodies) {
 }
 
 /// The recordings as one, with the names of the trials where they have names.
-fn joined_commands(files: &[PathBuf], parts: &[Recording], names: Option<&[String]>) -> Result<Recording, DataError> {
+fn joined_commands(
+    files: &[PathBuf],
+    parts: &[Recording],
+    names: Option<&[String]>,
+) -> Result<Recording, DataError> {
     let extra = parts.first().map(|part| part.extra.clone()).unwrap_or_default();
     let mut joined = Recording::joined(parts).map_err(|error| {
         let text = error.to_string();
@@ -169,7 +189,10 @@ fn joined_commands(files: &[PathBuf], parts: &[Recording], names: Option<&[Strin
         joined.extra = extra;
     }
     if let Some(names) = names {
-        let rows = parts.iter().zip(names).flat_map(|(part, name)| std::iter::repeat_n(name.clone(), part.len()));
+        let rows = parts
+            .iter()
+            .zip(names)
+            .flat_map(|(part, name)| std::iter::repeat_n(name.clone(), part.len()));
         joined.extra.push((TRIAL_NAME.to_owned(), Extra::Text(rows.collect())));
     }
     Ok(joined)
@@ -193,7 +216,9 @@ fn end_to_end(recording: &Recording) -> Vec<f64> {
 
 /// Refuses times that begin again in each trial: no other clock can be joined with them.
 fn check_one_clock(file: &Path, recording: &Recording, stamps_ns: &[i64]) -> Result<(), DataError> {
-    let Some(row) = (1..stamps_ns.len()).find(|&row| stamps_ns[row] <= stamps_ns[row - 1]) else { return Ok(()) };
+    let Some(row) = (1..stamps_ns.len()).find(|&row| stamps_ns[row] <= stamps_ns[row - 1]) else {
+        return Ok(());
+    };
     let found = format!("times that go back where trial {} begins", recording.trial[row]);
     Err(fault(file, found, "one clock for all trials, as the tracking has times of its own"))
 }
@@ -231,7 +256,8 @@ fn tips_from_base(bodies: &MappedBodies) -> Vec<(f64, Point3)> {
         let tip = (*pose)?;
         let base = resample::pose_at(&bodies.time_s, &bodies.base.poses, time_s, MAX_BASE_GAP_S)?;
         let away_m = nalgebra::Vector3::from(tip.position_m) - base.translation.vector;
-        let along_base_m = if bodies.base.has_orientation { base.rotation.inverse() * away_m } else { away_m };
+        let along_base_m =
+            if bodies.base.has_orientation { base.rotation.inverse() * away_m } else { away_m };
         Some((time_s, along_base_m.into()))
     });
     tracked.collect()

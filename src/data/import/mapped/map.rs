@@ -1,4 +1,5 @@
-//! What a map says: which columns of other people's files hold what, in which units, along which axes and on which clock.
+//! What a map says: which columns of other people's files hold what, in which units, along which
+//! axes and on which clock.
 
 use std::collections::BTreeMap;
 
@@ -22,8 +23,8 @@ pub struct ImportMap {
     pub tracking: Option<TrackingMap>,
 }
 
-/// Names of files that hold one trial each. `{trial}` stands for the trial's number or name, `*` for any characters and `?` for
-/// one.
+/// Names of files that hold one trial each. `{trial}` stands for the trial's number or name, `*`
+/// for any characters and `?` for one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TrialFilesMap {
@@ -45,13 +46,20 @@ pub struct TextFormat {
     pub comment: Option<String>,
     /// Lines before the header that are passed over.
     pub skip_lines: usize,
-    /// Whether the first line holds the names of the columns; without, columns are named by their numbers.
+    /// Whether the first line holds the names of the columns; without, columns are named by their
+    /// numbers.
     pub header: bool,
 }
 
 impl Default for TextFormat {
     fn default() -> Self {
-        TextFormat { delimiter: ",".into(), decimal: ".".into(), comment: None, skip_lines: 0, header: true }
+        TextFormat {
+            delimiter: ",".into(),
+            decimal: ".".into(),
+            comment: None,
+            skip_lines: 0,
+            header: true,
+        }
     }
 }
 
@@ -120,8 +128,8 @@ pub struct TendonsMap {
     /// Their unit.
     #[serde(default)]
     pub unit: CommandUnit,
-    /// Metres per radian of a drum or per encoder count, for units of angles and counts; for others a factor. One number, or
-    /// one a tendon.
+    /// Metres per radian of a drum or per encoder count, for units of angles and counts; for others
+    /// a factor. One number, or one a tendon.
     pub scale: Option<Vec<f64>>,
     /// What the numbers mean.
     #[serde(default)]
@@ -151,7 +159,9 @@ pub struct DriveMap {
 }
 
 /// What a tendon's number means.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum TendonMeasure {
     /// Tendon taken out of the robot: more pulls.
@@ -159,12 +169,15 @@ pub enum TendonMeasure {
     Pulled,
     /// Tendon let out: more releases.
     Released,
-    /// Length of tendon that is left in the robot: less pulls. Home is the first row unless `zero` or `home` says otherwise.
+    /// Length of tendon that is left in the robot: less pulls. Home is the first row unless `zero`
+    /// or `home` says otherwise.
     Length,
 }
 
 /// Where home is in a column.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum ZeroAt {
     /// At the number 0.
@@ -191,8 +204,8 @@ pub struct TrackingMap {
     /// Unit of positions.
     #[serde(default)]
     pub unit: LengthUnit,
-    /// The recording's axes (x up, z along the straight robot) in terms of the tracker's, such as `x=+y,y=-x,z=+z` for a
-    /// tracker with y up.
+    /// The recording's axes (x up, z along the straight robot) in terms of the tracker's, such as
+    /// `x=+y,y=-x,z=+z` for a tracker with y up.
     #[serde(default = "same_axes")]
     pub axes: String,
     /// The tracker's axes are left-handed (as those of game engines are).
@@ -217,7 +230,8 @@ pub struct TrackingMap {
     pub frame: FrameChoice,
     /// Column that is 0 where tracking was lost.
     pub valid: Option<ColumnName>,
-    /// Number that stands in a position where tracking was lost. Empty cells and NaN always mean that.
+    /// Number that stands in a position where tracking was lost. Empty cells and NaN always mean
+    /// that.
     pub lost_value: Option<f64>,
     /// Interpolate between tracked rows up to this far apart, s.
     #[serde(default = "bridged")]
@@ -245,14 +259,18 @@ pub struct BodyMap {
     pub child: Option<String>,
     /// Columns of x, y and z; by default those of the topic's kind of message.
     pub position: Option<[ColumnName; 3]>,
-    /// Columns of the unit quaternion; by default those of the topic's kind of message, if it has any.
+    /// Columns of the unit quaternion; by default those of the topic's kind of message, if it has
+    /// any.
     pub orientation: Option<[ColumnName; 4]>,
-    /// Columns of three Euler angles in place of a quaternion, in the order of `tracking.euler.order`.
+    /// Columns of three Euler angles in place of a quaternion, in the order of
+    /// `tracking.euler.order`.
     pub angles: Option<[ColumnName; 3]>,
 }
 
 /// Order of a quaternion's parts.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum QuaternionOrder {
     /// w, x, y, z.
@@ -304,7 +322,9 @@ pub enum EulerRotation {
 }
 
 /// Axes along which the tip is given.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum FrameChoice {
     /// Those of the base body: a rotated tracking frame has no influence.
@@ -331,11 +351,12 @@ pub enum ClockMap {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct OffsetRange {
-    /// Smallest offset, s; by default the one at which the tracking ends when half of the commands are over.
+    /// Smallest offset, s; by default the one at which the tracking ends when half of the commands
+    /// are over.
     pub from_s: Option<f64>,
     /// Largest offset, s; by default the one at which the tracking begins then.
     pub to_s: Option<f64>,
-    /// Longest time for which the drive may wait before it moves, s. Motion does not tell it from an offset; the interval covers
-    /// it.
+    /// Longest time for which the drive may wait before it moves, s. Motion does not tell it from
+    /// an offset; the interval covers it.
     pub dead_time_s: f64,
 }

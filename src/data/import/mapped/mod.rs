@@ -1,5 +1,6 @@
-//! Import by a map: text files of any logger and topics of bags, with columns, units, axes, rates and clocks as the map
-//! says. The rows are those of the commands; poses are interpolated at their times.
+//! Import by a map: text files of any logger and topics of bags, with columns, units, axes, rates
+//! and clocks as the map says. The rows are those of the commands; poses are interpolated at their
+//! times.
 
 mod bag;
 mod cdr;
@@ -26,9 +27,9 @@ pub use check::SourceKind;
 pub use clock_fit::ClockFit;
 pub use columns::ColumnName;
 pub use map::{
-    BodyMap, ClockMap, CommandsMap, DriveMap, EulerMap, EulerOrder, EulerRotation, FrameChoice, ImportMap, LoadColumn,
-    OffsetRange, QuaternionOrder, TendonMeasure, TendonsMap, TextFormat, TimeColumn, TrackingMap, TrialFilesMap,
-    ZeroAt,
+    BodyMap, ClockMap, CommandsMap, DriveMap, EulerMap, EulerOrder, EulerRotation, FrameChoice,
+    ImportMap, LoadColumn, OffsetRange, QuaternionOrder, TendonMeasure, TendonsMap, TextFormat,
+    TimeColumn, TrackingMap, TrialFilesMap, ZeroAt,
 };
 pub use trial_files::LogFiles;
 pub use units::{AngleUnit, CommandUnit, LengthUnit, MassUnit, TimeUnit};
@@ -75,13 +76,18 @@ pub fn import_text(files: &[PathBuf], map: &ImportMap) -> Result<MappedImport, D
         });
         let (commands, bodies) = read_log(file, tracking_file, map)?;
         let tracking_file = tracking_file.map(Path::to_owned);
-        return joined(vec![ReadLog { file: file.clone(), tracking_file, commands, bodies }], map, None);
+        return joined(
+            vec![ReadLog { file: file.clone(), tracking_file, commands, bodies }],
+            map,
+            None,
+        );
     };
     let found_trials = FoundTrials::among(files, names)?;
     let mut logs = Vec::new();
     for trial in &found_trials.trials {
         let tracking_file = trial.tracking.as_ref().unwrap_or(&trial.commands);
-        let (mut commands, bodies) = read_log(&trial.commands, map.tracking.is_some().then_some(tracking_file), map)?;
+        let (mut commands, bodies) =
+            read_log(&trial.commands, map.tracking.is_some().then_some(tracking_file), map)?;
         commands.recording.trial.fill(trial.number);
         let (file, tracking_file) = (trial.commands.clone(), Some(tracking_file.clone()));
         logs.push(ReadLog { file, tracking_file, commands, bodies });
@@ -108,7 +114,9 @@ fn read_log(
     let format = map.commands.text.as_ref().unwrap_or(&map.text);
     let table = delimited::read(file, format)?;
     let commands = commands::read(&table, &map.commands)?;
-    let Some((tracking, tracking_file)) = map.tracking.as_ref().zip(tracking_file) else { return Ok((commands, None)) };
+    let Some((tracking, tracking_file)) = map.tracking.as_ref().zip(tracking_file) else {
+        return Ok((commands, None));
+    };
     let tracking_format = tracking.text.as_ref().unwrap_or(&map.text);
     let tracking_table = if tracking_file == file && tracking_format == format {
         table
@@ -120,10 +128,17 @@ fn read_log(
 }
 
 /// Joins what was read.
-fn joined(logs: Vec<ReadLog>, map: &ImportMap, names: Option<&Vec<String>>) -> Result<MappedImport, DataError> {
+fn joined(
+    logs: Vec<ReadLog>,
+    map: &ImportMap,
+    names: Option<&Vec<String>>,
+) -> Result<MappedImport, DataError> {
     let names = names.map(Vec::as_slice);
     let Some(tracking) = &map.tracking else {
-        return without_tracking(logs.into_iter().map(|log| (log.file, log.commands)).collect(), names);
+        return without_tracking(
+            logs.into_iter().map(|log| (log.file, log.commands)).collect(),
+            names,
+        );
     };
     let log = |ReadLog { file, tracking_file, commands, bodies }: ReadLog| {
         let tracking_file = tracking_file.unwrap_or_else(|| file.clone());

@@ -49,10 +49,14 @@ impl StepResponse {
             (envelope * cosine, envelope * sine / frequency)
         } else {
             let split_rate = rate * discriminant.sqrt();
-            let [slow, fast] = [split_rate - decay, -split_rate - decay].map(|pole| (pole * time_s).exp());
+            let [slow, fast] =
+                [split_rate - decay, -split_rate - decay].map(|pole| (pole * time_s).exp());
             (0.5 * (slow + fast), 0.5 * (slow - fast) / split_rate)
         };
-        Propagated { deviation: [cosine + decay * sine, sine], rate: [-rate * rate * sine, cosine - decay * sine] }
+        Propagated {
+            deviation: [cosine + decay * sine, sine],
+            rate: [-rate * rate * sine, cosine - decay * sine],
+        }
     }
 }
 

@@ -1,4 +1,5 @@
-//! How well commands through a response explain the motion of a tip, at one offset of the clocks and at the best.
+//! How well commands through a response explain the motion of a tip, at one offset of the clocks
+//! and at the best.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -50,7 +51,8 @@ pub(super) struct TipMotion<'a> {
 }
 
 impl TipMotion<'_> {
-    /// Deviation of the response from each command when it comes into force, and its rate, component by component.
+    /// Deviation of the response from each command when it comes into force, and its rate,
+    /// component by component.
     pub(super) fn states(&self, response: StepResponse) -> Vec<Vec<[f64; 2]>> {
         let CommandSteps { time_s, rows } = self.commands;
         let mut states = vec![vec![[0.0; 2]; rows[0].len()]];
@@ -58,14 +60,18 @@ impl TipMotion<'_> {
             let after = response.after(time_s[row] - time_s[row - 1]);
             let follow = |(k, [deviation, rate]): (usize, &[f64; 2])| {
                 let propagated = |[a, b]: [f64; 2]| a * deviation + b * rate;
-                [propagated(after.deviation) + rows[row - 1][k] - rows[row][k], propagated(after.rate)]
+                [
+                    propagated(after.deviation) + rows[row - 1][k] - rows[row][k],
+                    propagated(after.rate),
+                ]
             };
             states.push(states[row - 1].iter().enumerate().map(follow).collect());
         }
         states
     }
 
-    /// Sums of every block at an offset and a response; none where too little of the commands is covered.
+    /// Sums of every block at an offset and a response; none where too little of the commands is
+    /// covered.
     pub(super) fn blocks(
         &self,
         offset_s: f64,
@@ -97,22 +103,32 @@ impl TipMotion<'_> {
                 let [deviation, rate] = states[row][k];
                 *feature = rows[row][k] + of_deviation * deviation + of_rate * rate - centre[k];
             }
-            tip_from_first.iter_mut().enumerate().for_each(|(axis, value)| *value = tip[axis] - first_tip[axis]);
+            tip_from_first
+                .iter_mut()
+                .enumerate()
+                .for_each(|(axis, value)| *value = tip[axis] - first_tip[axis]);
             sums[row * blocks / rows.len()].add(&features_and_tip);
             covered += 1;
         }
         let span_s = self.frames[self.frames.len() - 1].0 - self.frames[0].0;
-        let expected_frames =
-            (end_s - time_s[0]).min(span_s) / span_s.max(f64::MIN_POSITIVE) * self.frames.len() as f64;
-        (covered as f64 >= MIN_COVERED_SHARE * expected_frames && covered >= MIN_FRAMES.min(self.frames.len()))
-            .then_some(sums)
+        let expected_frames = (end_s - time_s[0]).min(span_s) / span_s.max(f64::MIN_POSITIVE)
+            * self.frames.len() as f64;
+        (covered as f64 >= MIN_COVERED_SHARE * expected_frames
+            && covered >= MIN_FRAMES.min(self.frames.len()))
+        .then_some(sums)
     }
 
     /// Share of the squares that stays unexplained at an offset and a response, without one block.
     fn unexplained(&self, offset_s: f64, response: StepResponse, without: Option<usize>) -> f64 {
         let count = if without.is_some() { BLOCKS } else { 1 };
-        let Some(blocks) = self.blocks(offset_s, response, &self.states(response), count) else { return 1.0 };
-        let kept = blocks.iter().enumerate().filter(|(block, _)| Some(*block) != without).map(|(_, sums)| sums);
+        let Some(blocks) = self.blocks(offset_s, response, &self.states(response), count) else {
+            return 1.0;
+        };
+        let kept = blocks
+            .iter()
+            .enumerate()
+            .filter(|(block, _)| Some(*block) != without)
+            .map(|(_, sums)| sums);
         let all = kept.fold(FitSums::new(blocks[0].width), |mut all, sums| {
             all.merge(sums);
             all
@@ -120,9 +136,9 @@ impl TipMotion<'_> {
         all.unexplained()
     }
 
-    /// The offset and response that leave least, near a start, with steps from the first to the second of `reach_s`: a
-    /// search along the coordinates, and along the valley in which an offset and the mean delay of the response make up for
-    /// each other. `is_fixed` keeps the offset.
+    /// The offset and response that leave least, near a start, with steps from the first to the
+    /// second of `reach_s`: a search along the coordinates, and along the valley in which an offset
+    /// and the mean delay of the response make up for each other. `is_fixed` keeps the offset.
     pub(super) fn refined(
         &self,
         start: OffsetCandidate,
@@ -135,7 +151,8 @@ impl TipMotion<'_> {
             response,
             unexplained: self.unexplained(offset_s, response, without),
         };
-        // A pattern search: the best of the neighbours as long as one is better, else half of the step.
+        // A pattern search: the best of the neighbours as long as one is better, else half of the
+        // step.
         let mut best = at(start.offset_s, start.response);
         let ([mut step_s, finest_s], mut factor) = (reach_s, 1.6_f64);
         while step_s > finest_s {
@@ -149,7 +166,8 @@ impl TipMotion<'_> {
                     let response = best.response.scaled(time, damping);
                     (response.mean_delay_s() - delay_s, response)
                 };
-                let mut tries: Vec<(f64, StepResponse)> = shapes.iter().map(|shape| (0.0, along(shape).1)).collect();
+                let mut tries: Vec<(f64, StepResponse)> =
+                    shapes.iter().map(|shape| (0.0, along(shape).1)).collect();
                 if !is_fixed {
                     tries.push((step_s, best.response));
                     tries.extend(valley.iter().map(along));
@@ -170,20 +188,31 @@ impl TipMotion<'_> {
         best
     }
 
-    /// The optimum near a good start: damped Newton steps in the offset (in mean delays) and the logarithms of the response,
-    /// with derivatives by central differences.
-    pub(super) fn polished(&self, start: OffsetCandidate, without: Option<usize>) -> OffsetCandidate {
+    /// The optimum near a good start: damped Newton steps in the offset (in mean delays) and the
+    /// logarithms of the response, with derivatives by central differences.
+    pub(super) fn polished(
+        &self,
+        start: OffsetCandidate,
+        without: Option<usize>,
+    ) -> OffsetCandidate {
         let delay_s = start.response.mean_delay_s();
         let at = |p: &Vector3<f64>| {
-            let (offset_s, response) = (start.offset_s + delay_s * p.x, start.response.scaled(p.y.exp(), p.z.exp()));
-            OffsetCandidate { offset_s, response, unexplained: self.unexplained(offset_s, response, without) }
+            let (offset_s, response) =
+                (start.offset_s + delay_s * p.x, start.response.scaled(p.y.exp(), p.z.exp()));
+            OffsetCandidate {
+                offset_s,
+                response,
+                unexplained: self.unexplained(offset_s, response, without),
+            }
         };
         let (mut place, mut best) = (Vector3::zeros(), at(&Vector3::zeros()));
         for _ in 0..MAX_NEWTON_STEPS {
-            let (gradient, curvature) = derivatives(&|p| at(p).unexplained, &place, best.unexplained);
+            let (gradient, curvature) =
+                derivatives(&|p| at(p).unexplained, &place, best.unexplained);
             let previous_s = best.offset_s;
             let damped = |damping: &f64| {
-                let size = curvature.diagonal().map(|entry| damping * entry.abs().max(f64::MIN_POSITIVE));
+                let size =
+                    curvature.diagonal().map(|entry| damping * entry.abs().max(f64::MIN_POSITIVE));
                 let step = (curvature + Matrix3::from_diagonal(&size)).cholesky()?.solve(&gradient);
                 let tried = at(&(place - step));
                 (tried.unexplained < best.unexplained).then_some((place - step, tried))
@@ -204,22 +233,27 @@ impl TipMotion<'_> {
     }
 }
 
-/// Gradient and matrix of second derivatives of `function`, which is `value` at `place`, by central differences.
+/// Gradient and matrix of second derivatives of `function`, which is `value` at `place`, by central
+/// differences.
 fn derivatives(
     function: &dyn Fn(&Vector3<f64>) -> f64,
     place: &Vector3<f64>,
     value: f64,
 ) -> (Vector3<f64>, Matrix3<f64>) {
     let step = |axis: usize, size: f64| Vector3::ith(axis, size * DIFFERENCE_STEP);
-    let ends: [[f64; 2]; 3] = std::array::from_fn(|axis| [1.0, -1.0].map(|size| function(&(place + step(axis, size)))));
-    let gradient = Vector3::from_fn(|axis, _| (ends[axis][0] - ends[axis][1]) / (2.0 * DIFFERENCE_STEP));
+    let ends: [[f64; 2]; 3] =
+        std::array::from_fn(|axis| [1.0, -1.0].map(|size| function(&(place + step(axis, size)))));
+    let gradient =
+        Vector3::from_fn(|axis, _| (ends[axis][0] - ends[axis][1]) / (2.0 * DIFFERENCE_STEP));
     let mut curvature = Matrix3::zeros();
     for a in 0..3 {
-        curvature[(a, a)] = (ends[a][0] + ends[a][1] - 2.0 * value) / (DIFFERENCE_STEP * DIFFERENCE_STEP);
+        curvature[(a, a)] =
+            (ends[a][0] + ends[a][1] - 2.0 * value) / (DIFFERENCE_STEP * DIFFERENCE_STEP);
         for b in 0..a {
             let both = [1.0, -1.0].map(|size| function(&(place + step(a, size) + step(b, size))));
             let single: f64 = ends[a].iter().chain(&ends[b]).sum();
-            let mixed = (both[0] + both[1] + 2.0 * value - single) / (2.0 * DIFFERENCE_STEP * DIFFERENCE_STEP);
+            let mixed = (both[0] + both[1] + 2.0 * value - single)
+                / (2.0 * DIFFERENCE_STEP * DIFFERENCE_STEP);
             (curvature[(a, b)], curvature[(b, a)]) = (mixed, mixed);
         }
     }

@@ -41,10 +41,14 @@ pub(crate) fn read(
     let track = |body: &BodyMap, path: &str| track(&table_of(body)?, map, body, path);
     let tip = track(&map.tip, "tracking.tip")?;
     let base = map.base.as_ref().map(|body| track(body, "tracking.base")).transpose()?;
-    let points = map.points.iter().map(|(name, body)| Ok((name, track(body, &format!("tracking.points.{name}"))?)));
+    let points = map
+        .points
+        .iter()
+        .map(|(name, body)| Ok((name, track(body, &format!("tracking.points.{name}"))?)));
     let points = points.collect::<Result<Vec<_>, DataError>>()?;
     let all = || std::iter::once(&tip).chain(&base).chain(points.iter().map(|(_, track)| track));
-    let mut times_ns: Vec<i64> = all().flat_map(|track| track.poses.iter().map(|(time, _)| *time)).collect();
+    let mut times_ns: Vec<i64> =
+        all().flat_map(|track| track.poses.iter().map(|(time, _)| *time)).collect();
     times_ns.sort_unstable();
     times_ns.dedup();
     let first_ns = times_ns.first().copied().unwrap_or(0);
@@ -59,9 +63,15 @@ pub(crate) fn read(
     };
     let at_rest = || {
         let metres = map.unit.metres();
-        let pose =
-            Pose { position_m: map.origin.unwrap_or_default().map(|x| x * metres), quaternion: [1.0, 0.0, 0.0, 0.0] };
-        Body { name: "base".to_owned(), has_orientation: false, poses: vec![Some(pose); times_ns.len()] }
+        let pose = Pose {
+            position_m: map.origin.unwrap_or_default().map(|x| x * metres),
+            quaternion: [1.0, 0.0, 0.0, 0.0],
+        };
+        Body {
+            name: "base".to_owned(),
+            has_orientation: false,
+            poses: vec![Some(pose); times_ns.len()],
+        }
     };
     Ok(MappedBodies {
         first_ns,
@@ -88,7 +98,12 @@ enum OrientationColumns {
     Angles([usize; 3], EulerMap),
 }
 
-fn columns(table: &LogTable, map: &TrackingMap, body: &BodyMap, path: &str) -> Result<PoseColumns, DataError> {
+fn columns(
+    table: &LogTable,
+    map: &TrackingMap,
+    body: &BodyMap,
+    path: &str,
+) -> Result<PoseColumns, DataError> {
     let (message_position, message_orientation) = table.own_pose();
     let find = |names: &[ColumnName], key: &str| -> Result<Vec<usize>, DataError> {
         names.iter().map(|name| table.column(name, &format!("{path}.{key}"))).collect()
@@ -110,20 +125,30 @@ fn columns(table: &LogTable, map: &TrackingMap, body: &BodyMap, path: &str) -> R
             Some(OrientationColumns::Angles([indices[0], indices[1], indices[2]], euler))
         }
         _ => {
-            let indices =
-                named_orientation.or(default_orientation).map(|names| find(&names, "orientation")).transpose()?;
-            indices.map(|indices| OrientationColumns::Quaternion([indices[0], indices[1], indices[2], indices[3]]))
+            let indices = named_orientation
+                .or(default_orientation)
+                .map(|names| find(&names, "orientation"))
+                .transpose()?;
+            indices.map(|indices| {
+                OrientationColumns::Quaternion([indices[0], indices[1], indices[2], indices[3]])
+            })
         }
     };
     let valid = map.valid.as_ref().map(|name| table.column(name, "tracking.valid")).transpose()?;
     Ok(PoseColumns { position: [position[0], position[1], position[2]], orientation, valid })
 }
 
-fn track(table: &LogTable, map: &TrackingMap, body: &BodyMap, path: &str) -> Result<Track, DataError> {
+fn track(
+    table: &LogTable,
+    map: &TrackingMap,
+    body: &BodyMap,
+    path: &str,
+) -> Result<Track, DataError> {
     let columns = columns(table, map, body, path)?;
     let rows = 0..table.rows.len();
     let (time, stamps_ns, is_zoned) = if map.time.is_some() || table.is_topic() {
-        let Stamps { column, ns, is_zoned } = stamps(table, map.time.as_ref(), "tracking.time.column")?;
+        let Stamps { column, ns, is_zoned } =
+            stamps(table, map.time.as_ref(), "tracking.time.column")?;
         (Some(column), ns, is_zoned)
     } else {
         // Rows that hold both commands and poses are told by their numbers.
@@ -136,7 +161,9 @@ fn track(table: &LogTable, map: &TrackingMap, body: &BodyMap, path: &str) -> Res
             (Some((last_ns, _)), Some(time)) if *last_ns > stamps_ns[row] => {
                 return Err(table.wrong(time, row, "no earlier time than in the row before"));
             }
-            (Some((last_ns, last_pose)), Some(_)) if *last_ns == stamps_ns[row] => *last_pose = last_pose.or(pose),
+            (Some((last_ns, last_pose)), Some(_)) if *last_ns == stamps_ns[row] => {
+                *last_pose = last_pose.or(pose)
+            }
             _ => poses.push((stamps_ns[row], pose)),
         }
     }
@@ -144,7 +171,12 @@ fn track(table: &LogTable, map: &TrackingMap, body: &BodyMap, path: &str) -> Res
 }
 
 /// The pose in a row; none where tracking was lost.
-fn pose(table: &LogTable, map: &TrackingMap, columns: &PoseColumns, row: usize) -> Result<Option<Pose>, DataError> {
+fn pose(
+    table: &LogTable,
+    map: &TrackingMap,
+    columns: &PoseColumns,
+    row: usize,
+) -> Result<Option<Pose>, DataError> {
     if let Some(valid) = columns.valid
         && table.number(valid, row)?.is_none_or(|flag| flag == 0.0)
     {
@@ -163,16 +195,22 @@ fn pose(table: &LogTable, map: &TrackingMap, columns: &PoseColumns, row: usize) 
 }
 
 /// The quaternion w, x, y, z in a row; none where tracking was lost.
-fn orientation(table: &LogTable, columns: &OrientationColumns, row: usize) -> Result<Option<[f64; 4]>, DataError> {
+fn orientation(
+    table: &LogTable,
+    columns: &OrientationColumns,
+    row: usize,
+) -> Result<Option<[f64; 4]>, DataError> {
     match columns {
         OrientationColumns::Angles(columns, euler) => {
             Ok(numbers(table, columns, row)?.map(|angles| euler.quaternion(angles)))
         }
         OrientationColumns::Quaternion(columns) => {
-            let quaternion = numbers(table, columns, row)?.filter(|parts| parts.iter().any(|part| *part != 0.0));
+            let quaternion =
+                numbers(table, columns, row)?.filter(|parts| parts.iter().any(|part| *part != 0.0));
             let Some(quaternion) = quaternion else { return Ok(None) };
             unit_length(&quaternion).map_err(|length| {
-                let expected = format!("a unit quaternion w, x, y, z (this row's has length {length:.4})");
+                let expected =
+                    format!("a unit quaternion w, x, y, z (this row's has length {length:.4})");
                 table.wrong(columns[0], row, expected)
             })?;
             Ok(Some(quaternion))
@@ -181,7 +219,11 @@ fn orientation(table: &LogTable, columns: &OrientationColumns, row: usize) -> Re
 }
 
 /// The numbers of some columns in a row; none where one is missing.
-fn numbers<const N: usize>(table: &LogTable, columns: &[usize; N], row: usize) -> Result<Option<[f64; N]>, DataError> {
+fn numbers<const N: usize>(
+    table: &LogTable,
+    columns: &[usize; N],
+    row: usize,
+) -> Result<Option<[f64; N]>, DataError> {
     let mut numbers = [0.0; N];
     for (value, &column) in numbers.iter_mut().zip(columns) {
         let Some(number) = table.number(column, row)? else { return Ok(None) };

@@ -1,4 +1,5 @@
-//! Files that hold one trial each: which of those on a command line they are, and which trial each holds.
+//! Files that hold one trial each: which of those on a command line they are, and which trial each
+//! holds.
 
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
@@ -22,7 +23,8 @@ pub struct LogFiles {
 }
 
 impl LogFiles {
-    /// Finds the files: a folder stands for all files in it, `*` and `?` in the last part of a name stand for characters.
+    /// Finds the files: a folder stands for all files in it, `*` and `?` in the last part of a name
+    /// stand for characters.
     ///
     /// # Errors
     /// [`DataError`] for a folder that cannot be read or is empty, and a name that no file has.
@@ -34,7 +36,10 @@ impl LogFiles {
                 logs.files.extend(listed(path, path, &|name| !name.starts_with('.'))?);
                 continue;
             }
-            let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+            let name = path
+                .file_name()
+                .map(|name| name.to_string_lossy().into_owned())
+                .unwrap_or_default();
             if path.exists() || !name.contains(['*', '?']) {
                 logs.files.push(path.clone());
                 continue;
@@ -42,22 +47,36 @@ impl LogFiles {
             let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
             let pattern = FilePattern::parse(&name);
             let fits = |file: &str| pattern.trial(file).is_some();
-            logs.files.extend(listed(path, parent.unwrap_or(Path::new(".")), &fits)?.into_iter().map(|file| {
-                // As it was written: without `./`.
-                if parent.is_none() { file.strip_prefix(".").map(Path::to_owned).unwrap_or(file) } else { file }
-            }));
+            logs.files.extend(
+                listed(path, parent.unwrap_or(Path::new(".")), &fits)?.into_iter().map(|file| {
+                    // As it was written: without `./`.
+                    if parent.is_none() {
+                        file.strip_prefix(".").map(Path::to_owned).unwrap_or(file)
+                    } else {
+                        file
+                    }
+                }),
+            );
         }
         Ok(logs)
     }
 }
 
 /// Files of a folder whose names fit, in natural order.
-fn listed(named: &Path, folder: &Path, fits: &dyn Fn(&str) -> bool) -> Result<Vec<PathBuf>, DataError> {
-    let failed = |error: std::io::Error| DataError::Read { file: named.to_owned(), reason: error.to_string() };
+fn listed(
+    named: &Path,
+    folder: &Path,
+    fits: &dyn Fn(&str) -> bool,
+) -> Result<Vec<PathBuf>, DataError> {
+    let failed = |error: std::io::Error| DataError::Read {
+        file: named.to_owned(),
+        reason: error.to_string(),
+    };
     let mut files = Vec::new();
     for entry in read_dir(folder).map_err(failed)? {
         let path = entry.map_err(failed)?.path();
-        let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        let name =
+            path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
         if path.is_file() && fits(&name) {
             files.push((name, path));
         }
@@ -77,7 +96,9 @@ fn natural(a: &str, b: &str) -> Ordering {
         for character in text.chars() {
             let is_digit = character.is_ascii_digit();
             match parts.last_mut() {
-                Some(part) if part.ends_with(|last: char| last.is_ascii_digit()) == is_digit => part.push(character),
+                Some(part) if part.ends_with(|last: char| last.is_ascii_digit()) == is_digit => {
+                    part.push(character)
+                }
                 _ => parts.push(character.to_string()),
             }
         }
@@ -137,7 +158,9 @@ impl FilePattern {
 fn fits(parts: &[PatternPart], name: &[char], trial: &mut Option<String>) -> bool {
     let Some((part, rest)) = parts.split_first() else { return name.is_empty() };
     match part {
-        PatternPart::Character(character) => name.first() == Some(character) && fits(rest, &name[1..], trial),
+        PatternPart::Character(character) => {
+            name.first() == Some(character) && fits(rest, &name[1..], trial)
+        }
         PatternPart::One => !name.is_empty() && fits(rest, &name[1..], trial),
         PatternPart::Any => (0..=name.len()).any(|length| fits(rest, &name[length..], trial)),
         PatternPart::Trial => (1..=name.len()).any(|length| {
@@ -178,7 +201,8 @@ impl FoundTrials {
     /// Sorts files into trials.
     ///
     /// # Errors
-    /// [`DataError`] when no file fits, when two have the same trial, and when one of the two files of a trial is missing.
+    /// [`DataError`] when no file fits, when two have the same trial, and when one of the two files
+    /// of a trial is missing.
     pub(crate) fn among(files: &[PathBuf], map: &TrialFilesMap) -> Result<FoundTrials, DataError> {
         let patterns: Vec<(&String, FilePattern)> = [Some(&map.commands), map.tracking.as_ref()]
             .into_iter()
@@ -188,27 +212,36 @@ impl FoundTrials {
         let mut of_kind: Vec<BTreeMap<String, PathBuf>> = vec![BTreeMap::new(); patterns.len()];
         let mut passed_over = Vec::new();
         for file in files {
-            let name = file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-            let fitting = patterns
-                .iter()
-                .enumerate()
-                .filter_map(|(kind, (_, pattern))| Some((pattern.literal_length(), kind, pattern.trial(&name)?)));
+            let name = file
+                .file_name()
+                .map(|name| name.to_string_lossy().into_owned())
+                .unwrap_or_default();
+            let fitting = patterns.iter().enumerate().filter_map(|(kind, (_, pattern))| {
+                Some((pattern.literal_length(), kind, pattern.trial(&name)?))
+            });
             let Some((_, kind, trial)) = fitting.max_by_key(|(length, ..)| *length) else {
                 passed_over.push(file.clone());
                 continue;
             };
             if let Some(other) = of_kind[kind].insert(trial.clone(), file.clone()) {
                 let found = format!("trial `{trial}`, as in {}", other.display());
-                return Err(refused(file, found, "one file a trial (`trial_files` of the map)".to_owned()));
+                return Err(refused(
+                    file,
+                    found,
+                    "one file a trial (`trial_files` of the map)".to_owned(),
+                ));
             }
         }
-        let Some((first, tracking)) = of_kind.split_first() else { return Err(none_fits(files, map)) };
+        let Some((first, tracking)) = of_kind.split_first() else {
+            return Err(none_fits(files, map));
+        };
         if first.is_empty() {
             return Err(none_fits(files, map));
         }
         for (trial, file) in tracking.iter().flatten() {
             if !first.contains_key(trial) {
-                let expected = format!("commands beside it, a file `{}`", map.commands.replace(TRIAL, trial));
+                let expected =
+                    format!("commands beside it, a file `{}`", map.commands.replace(TRIAL, trial));
                 return Err(refused(file, format!("tracking of trial `{trial}` alone"), expected));
             }
         }
@@ -217,16 +250,31 @@ impl FoundTrials {
         let numbers = trial_numbers(names.iter().map(|name| name.as_str()));
         let trial = |(place, name): (usize, &&String)| {
             let tracking = match (tracking.first(), patterns.get(1)) {
-                (Some(files), Some((pattern, _))) => Some(files.get(*name).cloned().ok_or_else(|| {
-                    let expected = format!("tracking beside it, a file `{}`", pattern.replace(TRIAL, name));
-                    refused(&first[*name], format!("commands of trial `{name}` alone"), expected)
-                })?),
+                (Some(files), Some((pattern, _))) => {
+                    Some(files.get(*name).cloned().ok_or_else(|| {
+                        let expected = format!(
+                            "tracking beside it, a file `{}`",
+                            pattern.replace(TRIAL, name)
+                        );
+                        refused(
+                            &first[*name],
+                            format!("commands of trial `{name}` alone"),
+                            expected,
+                        )
+                    })?)
+                }
                 _ => None,
             };
             let number = numbers.as_ref().map_or(place as u64, |numbers| numbers[place]);
-            Ok(TrialFiles { number, name: (*name).clone(), commands: first[*name].clone(), tracking })
+            Ok(TrialFiles {
+                number,
+                name: (*name).clone(),
+                commands: first[*name].clone(),
+                tracking,
+            })
         };
-        let mut trials = names.iter().enumerate().map(trial).collect::<Result<Vec<_>, DataError>>()?;
+        let mut trials =
+            names.iter().enumerate().map(trial).collect::<Result<Vec<_>, DataError>>()?;
         trials.sort_by_key(|trial| trial.number);
         Ok(FoundTrials { trials, named: numbers.is_none(), passed_over })
     }
@@ -239,14 +287,22 @@ fn refused(file: &Path, found: String, expected: String) -> DataError {
 fn none_fits(files: &[PathBuf], map: &TrialFilesMap) -> DataError {
     let file = files.first().cloned().unwrap_or_default();
     let found = format!("no name that fits, in {} files", files.len());
-    refused(&file, found, format!("names like `{}` (`trial_files.commands` of the map)", map.commands))
+    refused(
+        &file,
+        found,
+        format!("names like `{}` (`trial_files.commands` of the map)", map.commands),
+    )
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn among(files: &[&str], commands: &str, tracking: Option<&str>) -> Result<FoundTrials, String> {
+    fn among(
+        files: &[&str],
+        commands: &str,
+        tracking: Option<&str>,
+    ) -> Result<FoundTrials, String> {
         let map = TrialFilesMap { commands: commands.into(), tracking: tracking.map(Into::into) };
         let files: Vec<PathBuf> = files.iter().map(PathBuf::from).collect();
         FoundTrials::among(&files, &map).map_err(|error| error.to_string())
@@ -258,23 +314,34 @@ mod tests {
 
     #[test]
     fn numbers_and_names_of_trials_stand_in_the_names_of_files() {
-        let found = among(&["d/run_10_a.csv", "d/run_9_b_c.csv", "d/notes.txt"], "run_{trial}_*.csv", None).unwrap();
-        assert_eq!((told(&found), found.named, found.passed_over.len()), (vec![(9, "9"), (10, "10")], false, 1));
+        let found =
+            among(&["d/run_10_a.csv", "d/run_9_b_c.csv", "d/notes.txt"], "run_{trial}_*.csv", None)
+                .unwrap();
+        assert_eq!(
+            (told(&found), found.named, found.passed_over.len()),
+            (vec![(9, "9"), (10, "10")], false, 1)
+        );
         let found = among(&["fast10.csv", "slow.csv", "fast9.csv"], "{trial}.csv", None).unwrap();
-        assert_eq!((told(&found), found.named), (vec![(0, "fast9"), (1, "fast10"), (2, "slow")], true));
+        assert_eq!(
+            (told(&found), found.named),
+            (vec![(0, "fast9"), (1, "fast10"), (2, "slow")], true)
+        );
         // Two labels of one number are names.
         assert_eq!(told(&among(&["1.csv", "01.csv"], "{trial}.csv", None).unwrap()).len(), 2);
         // The more exact pattern has the file.
-        let found = among(&["3.csv", "3_mocap.csv"], "{trial}.csv", Some("{trial}_mocap.csv")).unwrap();
+        let found =
+            among(&["3.csv", "3_mocap.csv"], "{trial}.csv", Some("{trial}_mocap.csv")).unwrap();
         assert_eq!(found.trials[0].tracking.as_deref(), Some(Path::new("3_mocap.csv")));
     }
 
     #[test]
     fn files_that_do_not_fit_together_are_refused_by_name() {
-        let said = |files: &[&str], commands, tracking| among(files, commands, tracking).unwrap_err();
+        let said =
+            |files: &[&str], commands, tracking| among(files, commands, tracking).unwrap_err();
         let two = Some("t{trial}.csv");
         assert!(
-            said(&["x.csv"], "c{trial}.csv", None).starts_with("x.csv, its name: found no name that fits, in 1 files")
+            said(&["x.csv"], "c{trial}.csv", None)
+                .starts_with("x.csv, its name: found no name that fits, in 1 files")
         );
         assert!(
             said(&["c1a.csv", "c1b.csv"], "c{trial}?.csv", None)

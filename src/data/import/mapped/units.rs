@@ -3,7 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 /// Unit of a length.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum LengthUnit {
     /// Metres.
@@ -33,7 +35,9 @@ impl LengthUnit {
 }
 
 /// Unit of a mass.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum MassUnit {
     /// Kilograms.
@@ -54,7 +58,9 @@ impl MassUnit {
 }
 
 /// Unit of a time.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum TimeUnit {
     /// Seconds.
@@ -82,8 +88,9 @@ impl TimeUnit {
         }
     }
 
-    /// The time written as `text`, a decimal number in this unit with `.`, in whole nanoseconds: stamps since 1970 have more
-    /// digits than a double holds. None for a date, and for what is no number.
+    /// The time written as `text`, a decimal number in this unit with `.`, in whole nanoseconds:
+    /// stamps since 1970 have more digits than a double holds. None for a date, and for what is no
+    /// number.
     pub(crate) fn nanoseconds(self, text: &str) -> Option<i64> {
         let decimals = self.decimals()?;
         let (negative, digits) = match text.as_bytes().first()? {
@@ -99,7 +106,8 @@ impl TimeUnit {
             return (scaled.abs() < 2f64.powi(62)).then_some(scaled.round() as i64);
         }
         let scale = 10i128.pow(decimals as u32);
-        let whole = if whole.is_empty() { 0 } else { whole.parse::<i128>().ok()?.checked_mul(scale)? };
+        let whole =
+            if whole.is_empty() { 0 } else { whole.parse::<i128>().ok()?.checked_mul(scale)? };
         let fraction_ns = format!("0.{fraction}").parse::<f64>().ok()? * scale as f64;
         let magnitude = i64::try_from(whole + fraction_ns.round() as i128).ok()?;
         Some(if negative { -magnitude } else { magnitude })
@@ -107,7 +115,9 @@ impl TimeUnit {
 }
 
 /// Unit of a command.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum CommandUnit {
     /// Metres.

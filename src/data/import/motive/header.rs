@@ -41,7 +41,8 @@ struct HeaderRows<'a> {
     parts: &'a ExportLine<'a>,
 }
 
-/// Whether this is the last row of the header: `Frame,Time (Seconds),…`. A body may be called `Frame` too.
+/// Whether this is the last row of the header: `Frame,Time (Seconds),…`. A body may be called
+/// `Frame` too.
 pub(crate) fn is_last(line: &ExportLine) -> bool {
     let mut cells = (0..line.cells.len()).map(|index| line.cell(index).to_ascii_lowercase());
     cells.clone().any(|cell| cell == "frame") && cells.any(|cell| cell.starts_with("time"))
@@ -56,7 +57,12 @@ pub(crate) fn layout(
 ) -> Result<ExportLayout, DataError> {
     let time = (0..parts.cells.len()).find(|&index| is_time(parts.cell(index)));
     let time = time.ok_or_else(|| {
-        line_error(path, parts.number, "no column `Time (Seconds)`", "`Frame,Time (Seconds),X,Y,Z,…`")
+        line_error(
+            path,
+            parts.number,
+            "no column `Time (Seconds)`",
+            "`Frame,Time (Seconds),X,Y,Z,…`",
+        )
     })?;
     let header_rows = header_rows(path, rows, parts)?;
     let bodies = bodies(path, &header_rows, rotation)?;
@@ -87,30 +93,61 @@ fn header_rows<'a>(
             cell == "frame" || cell.starts_with("time")
         })
         .collect();
-    let labelled =
-        |label: &str| rows.iter().find(|row| leading.iter().any(|&index| row.cell(index).eq_ignore_ascii_case(label)));
+    let labelled = |label: &str| {
+        rows.iter()
+            .find(|row| leading.iter().any(|&index| row.cell(index).eq_ignore_ascii_case(label)))
+    };
     let [first, second, middle @ .., quantities] = rows else {
         let found = format!("{} rows between the first line and this one", rows.len());
-        return Err(line_error(path, parts.number, found, "rows of types, names and `Rotation` or `Position`"));
+        return Err(line_error(
+            path,
+            parts.number,
+            found,
+            "rows of types, names and `Rotation` or `Position`",
+        ));
     };
     let any_label = ["Type", "Name", "ID"].iter().any(|label| labelled(label).is_some());
     if !any_label {
-        return Ok(HeaderRows { kinds: first, names: second, ids: middle.first(), quantities, parts });
+        return Ok(HeaderRows {
+            kinds: first,
+            names: second,
+            ids: middle.first(),
+            quantities,
+            parts,
+        });
     }
     let needed = |label: &str| {
-        labelled(label)
-            .ok_or_else(|| line_error(path, first.number, format!("no row `{label}`"), "rows `Type`, `Name`"))
+        labelled(label).ok_or_else(|| {
+            line_error(path, first.number, format!("no row `{label}`"), "rows `Type`, `Name`")
+        })
     };
-    Ok(HeaderRows { kinds: needed("Type")?, names: needed("Name")?, ids: labelled("ID"), quantities, parts })
+    Ok(HeaderRows {
+        kinds: needed("Type")?,
+        names: needed("Name")?,
+        ids: labelled("ID"),
+        quantities,
+        parts,
+    })
 }
 
-fn bodies(path: &Path, header_rows: &HeaderRows, rotation: Rotation) -> Result<Vec<BodyColumns>, DataError> {
+fn bodies(
+    path: &Path,
+    header_rows: &HeaderRows,
+    rotation: Rotation,
+) -> Result<Vec<BodyColumns>, DataError> {
     let places = |((name, _), columns): &((&str, &str), Vec<usize>)| {
         let find = |quantity, part| place(path, header_rows, name, columns, (quantity, part));
         Ok(BodyColumns {
             name: (*name).to_owned(),
-            position: ["X", "Y", "Z"].iter().map(|part| find("Position", part)).collect::<Result<_, _>>()?,
-            rotation: rotation.parts().iter().map(|part| find("Rotation", part)).collect::<Result<_, _>>()?,
+            position: ["X", "Y", "Z"]
+                .iter()
+                .map(|part| find("Position", part))
+                .collect::<Result<_, _>>()?,
+            rotation: rotation
+                .parts()
+                .iter()
+                .map(|part| find("Rotation", part))
+                .collect::<Result<_, _>>()?,
         })
     };
     of_kind(header_rows, "Rigid Body").iter().map(places).collect()
@@ -120,7 +157,8 @@ fn bodies(path: &Path, header_rows: &HeaderRows, rotation: Rotation) -> Result<V
 fn markers(header_rows: &HeaderRows, rotation: Rotation) -> Vec<BodyColumns> {
     let places = |((name, _), columns): &((&str, &str), Vec<usize>)| {
         let all = |quantity: &str, parts: &[&str]| -> Option<Vec<usize>> {
-            let only_column = |part: &&str| match matching(header_rows, columns, (quantity, part))[..] {
+            let only_column = |part: &&str| match matching(header_rows, columns, (quantity, part))[..]
+            {
                 [index] => Some(index),
                 _ => None,
             };
@@ -138,7 +176,8 @@ fn of_kind<'a>(header_rows: &HeaderRows<'a>, kind: &str) -> Vec<((&'a str, &'a s
     let mut columns: Vec<((&str, &str), Vec<usize>)> = Vec::new();
     let fits = |index: &usize| header_rows.kinds.cell(*index).eq_ignore_ascii_case(kind);
     for index in (0..header_rows.kinds.cells.len()).filter(fits) {
-        let key = (header_rows.names.cell(index), header_rows.ids.map_or("", |ids| ids.cell(index)));
+        let key =
+            (header_rows.names.cell(index), header_rows.ids.map_or("", |ids| ids.cell(index)));
         match columns.iter_mut().find(|(other, _)| *other == key) {
             Some((_, indices)) => indices.push(index),
             None => columns.push((key, vec![index])),
@@ -148,7 +187,11 @@ fn of_kind<'a>(header_rows: &HeaderRows<'a>, kind: &str) -> Vec<((&'a str, &'a s
 }
 
 /// Those of `columns` that hold this part of this quantity.
-fn matching(header_rows: &HeaderRows, columns: &[usize], (quantity, part): (&str, &str)) -> Vec<usize> {
+fn matching(
+    header_rows: &HeaderRows,
+    columns: &[usize],
+    (quantity, part): (&str, &str),
+) -> Vec<usize> {
     let fits = |index: &usize| {
         header_rows.quantities.cell(*index).eq_ignore_ascii_case(quantity)
             && header_rows.parts.cell(*index).eq_ignore_ascii_case(part)
@@ -172,7 +215,11 @@ fn place(
         file: path.to_owned(),
         place: format!("line {}", header_rows.parts.number),
         column: format!("{name} {quantity} {part}"),
-        found: if indices.is_empty() { "no such column".to_owned() } else { format!("{} such columns", indices.len()) },
+        found: if indices.is_empty() {
+            "no such column".to_owned()
+        } else {
+            format!("{} such columns", indices.len())
+        },
         expected: "one for every rigid body".to_owned(),
     })
 }
@@ -182,7 +229,10 @@ fn kinds(line: &ExportLine) -> String {
     let mut kinds: Vec<String> = Vec::new();
     for index in 0..line.cells.len() {
         let kind = format!("`{}`", line.cell(index));
-        if !line.cell(index).is_empty() && !line.cell(index).eq_ignore_ascii_case("Type") && !kinds.contains(&kind) {
+        if !line.cell(index).is_empty()
+            && !line.cell(index).eq_ignore_ascii_case("Type")
+            && !kinds.contains(&kind)
+        {
             kinds.push(kind);
         }
     }

@@ -36,8 +36,13 @@ pub(crate) struct Meta {
     pub(crate) frames: Option<usize>,
 }
 
-const UNITS: [(&str, f64); 5] =
-    [("meters", 1.0), ("centimeters", 1e-2), ("millimeters", 1e-3), ("inches", 0.0254), ("feet", 0.3048)];
+const UNITS: [(&str, f64); 5] = [
+    ("meters", 1.0),
+    ("centimeters", 1e-2),
+    ("millimeters", 1e-3),
+    ("inches", 0.0254),
+    ("feet", 0.3048),
+];
 
 const EXPECTED_FIRST_LINE: &str = "`Format Version,1.2…`: an export by Motive with its header";
 
@@ -46,7 +51,12 @@ pub(crate) fn meta(path: &Path, line: &ExportLine) -> Result<Meta, DataError> {
     let first = line.cell(0);
     if first.starts_with("Format Version;") {
         let found = "cells between semicolons (saved again by a spreadsheet?)";
-        return Err(line_error(path, line.number, found, "Motive's own file: commas between cells, points in numbers"));
+        return Err(line_error(
+            path,
+            line.number,
+            found,
+            "Motive's own file: commas between cells, points in numbers",
+        ));
     }
     if !first.eq_ignore_ascii_case("Format Version") {
         return Err(line_error(path, line.number, shown(&clipped(first)), EXPECTED_FIRST_LINE));
@@ -78,11 +88,17 @@ fn rotation(path: &Path, line: &ExportLine) -> Result<Rotation, DataError> {
     match value(line, KEY).unwrap_or_default() {
         name if name.eq_ignore_ascii_case("Quaternion") => Ok(Rotation::Quaternion),
         "XYZ" => Ok(Rotation::Xyz),
-        name => Err(bad_value(path, KEY, name, "`Quaternion` (or the Euler angles `XYZ`): export it so".to_owned())),
+        name => Err(bad_value(
+            path,
+            KEY,
+            name,
+            "`Quaternion` (or the Euler angles `XYZ`): export it so".to_owned(),
+        )),
     }
 }
 
-/// The cell after a key. Keys are searched one by one, not in pairs: a name with an unquoted comma shifts the pairs.
+/// The cell after a key. Keys are searched one by one, not in pairs: a name with an unquoted comma
+/// shifts the pairs.
 fn value<'a>(line: &'a ExportLine, key: &str) -> Option<&'a str> {
     let place = (0..line.cells.len()).find(|&index| line.cell(index).eq_ignore_ascii_case(key))?;
     Some(line.cell(place + 1))

@@ -1,5 +1,6 @@
-//! The CSV export of OptiTrack's Motive (format versions 1.2x): rigid bodies and single markers over time. Columns are
-//! found by their header, not by position; other assets (bones, markers of a body) are skipped.
+//! The CSV export of OptiTrack's Motive (format versions 1.2x): rigid bodies and single markers
+//! over time. Columns are found by their header, not by position; other assets (bones, markers of a
+//! body) are skipped.
 
 mod header;
 mod meta;
@@ -18,8 +19,8 @@ pub struct Body {
     pub name: String,
     /// Whether its orientation was tracked; a single marker has none.
     pub has_orientation: bool,
-    /// Pose of its pivot for each frame, in the export's frame, unturned without orientation; `None` where it was not
-    /// tracked.
+    /// Pose of its pivot for each frame, in the export's frame, unturned without orientation;
+    /// `None` where it was not tracked.
     pub poses: Vec<Option<Pose>>,
 }
 
@@ -59,7 +60,14 @@ impl Export {
 
     /// Frames at these times, for bodies that come from elsewhere.
     pub(crate) fn of_times(file: PathBuf, time_s: Vec<f64>) -> Export {
-        Export { file, time_s, bodies: Vec::new(), markers: Vec::new(), promised_frames: None, names_line: 1 }
+        Export {
+            file,
+            time_s,
+            bodies: Vec::new(),
+            markers: Vec::new(),
+            promised_frames: None,
+            names_line: 1,
+        }
     }
 
     /// The rigid body with exactly this name, or else the marker.
@@ -72,7 +80,8 @@ impl Export {
         only(kind, &has_name).ok_or_else(|| self.unclear(format!("one called `{name}`")))
     }
 
-    /// The rigid body called `word`, or else the only one whose name begins so, ignoring case; or else such a marker.
+    /// The rigid body called `word`, or else the only one whose name begins so, ignoring case; or
+    /// else such a marker.
     ///
     /// # Errors
     /// As [`Export::body`].

@@ -29,7 +29,8 @@ pub(crate) fn export(path: &Path, bytes: &[u8]) -> Result<Export, DataError> {
     let mut short_line = None;
     for line in lines {
         let line = line?;
-        short_line = (line.cells.len() < frames.layout.width).then_some((line.number, line.cells.len()));
+        short_line =
+            (line.cells.len() < frames.layout.width).then_some((line.number, line.cells.len()));
         frames.push(&line)?;
     }
     // Spreadsheets drop trailing empty cells; a last line without a line end was cut off.
@@ -93,7 +94,10 @@ impl Frames<'_> {
     fn push(&mut self, line: &ExportLine) -> Result<(), DataError> {
         if line.filled() > self.layout.width {
             let found = format!("{} cells", line.filled());
-            let expected = format!("{} as in the header (decimal commas split numbers in two)", self.layout.width);
+            let expected = format!(
+                "{} as in the header (decimal commas split numbers in two)",
+                self.layout.width
+            );
             return Err(line_error(self.path, line.number, found, expected));
         }
         let time_s = self.time(line)?;
@@ -108,7 +112,12 @@ impl Frames<'_> {
         const NAME: &str = "Time (Seconds)";
         let cell = line.cell(self.layout.time);
         let Some(time_s) = number(cell).flatten() else {
-            return Err(self.bad(line, NAME.to_owned(), cell, "seconds, a number with a decimal point".to_owned()));
+            return Err(self.bad(
+                line,
+                NAME.to_owned(),
+                cell,
+                "seconds, a number with a decimal point".to_owned(),
+            ));
         };
         if let Some(before) = self.time_s.last().filter(|before| time_s <= **before) {
             let expected = format!("more than {before} as in the frame before");
@@ -117,8 +126,8 @@ impl Frames<'_> {
         Ok(time_s)
     }
 
-    /// The pose of a body in a frame, unturned for a marker without orientation. Motive leaves the cells of an untracked
-    /// body empty or sets all of them to 0.
+    /// The pose of a body in a frame, unturned for a marker without orientation. Motive leaves the
+    /// cells of an untracked body empty or sets all of them to 0.
     fn pose(&self, line: &ExportLine, columns: &BodyColumns) -> Result<Option<Pose>, DataError> {
         let mut position_m = [0.0; 3];
         let mut rotation = [0.0; 4];
@@ -164,7 +173,12 @@ impl Frames<'_> {
         })
     }
 
-    fn unit(&self, line: &ExportLine, columns: &BodyColumns, rotation: [f64; 4]) -> Result<[f64; 4], DataError> {
+    fn unit(
+        &self,
+        line: &ExportLine,
+        columns: &BodyColumns,
+        rotation: [f64; 4],
+    ) -> Result<[f64; 4], DataError> {
         let length = unit_length(&rotation).map_err(|length| {
             let expected = "a unit quaternion".to_owned();
             let found = format!("{} of length {length:.4}", shown(line.cell(columns.rotation[0])));
@@ -185,7 +199,8 @@ impl Frames<'_> {
             let (found, expected) = ("a header and no frames", "at least one frame");
             return Err(DataError::Empty { file: self.path.to_owned(), found, expected });
         }
-        let (rigid, count) = (self.layout.bodies.len(), self.layout.bodies.len() + self.layout.markers.len());
+        let (rigid, count) =
+            (self.layout.bodies.len(), self.layout.bodies.len() + self.layout.markers.len());
         let all = self.layout.bodies.into_iter().chain(self.layout.markers).enumerate();
         let mut bodies: Vec<Body> = all
             .map(|(index, columns)| {
@@ -215,6 +230,12 @@ fn number(cell: &str) -> Option<Option<f64>> {
 
 /// Quaternion w, x, y, z of intrinsic Euler angles about x, y and z.
 fn from_xyz(angles_deg: [f64; 3]) -> [f64; 4] {
-    let [(sx, cx), (sy, cy), (sz, cz)] = angles_deg.map(|angle_deg| (0.5 * angle_deg.to_radians()).sin_cos());
-    [cx * cy * cz - sx * sy * sz, sx * cy * cz + cx * sy * sz, cx * sy * cz - sx * cy * sz, cx * cy * sz + sx * sy * cz]
+    let [(sx, cx), (sy, cy), (sz, cz)] =
+        angles_deg.map(|angle_deg| (0.5 * angle_deg.to_radians()).sin_cos());
+    [
+        cx * cy * cz - sx * sy * sz,
+        sx * cy * cz + cx * sy * sz,
+        cx * sy * cz - sx * cy * sz,
+        cx * cy * sz + sx * sy * cz,
+    ]
 }

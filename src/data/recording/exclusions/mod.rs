@@ -1,8 +1,9 @@
-//! Rows of a recording that say nothing about the robot: single-frame jumps of the tracker, poses that repeat to the
-//! last bit while the robot moves, and rows after a gap in which commands are missing.
+//! Rows of a recording that say nothing about the robot: single-frame jumps of the tracker, poses
+//! that repeat to the last bit while the robot moves, and rows after a gap in which commands are
+//! missing.
 //!
-//! The rules compare a recording with the tip that a model predicts under the same commands. The model may be wrong by
-//! any effect: only what no robot does counts.
+//! The rules compare a recording with the tip that a model predicts under the same commands. The
+//! model may be wrong by any effect: only what no robot does counts.
 
 mod frozen;
 mod gaps;
@@ -13,7 +14,8 @@ use std::collections::BTreeSet;
 use crate::base::Point3;
 use crate::data::Recording;
 
-/// Above this share of suspicious rows none is excluded: a rule that finds so many has met a robot, not a fault.
+/// Above this share of suspicious rows none is excluded: a rule that finds so many has met a robot,
+/// not a fault.
 const MAX_EXCLUDED_SHARE: f64 = 0.1;
 
 /// A row that is excluded.
@@ -37,28 +39,44 @@ pub struct Exclusions {
 }
 
 impl Exclusions {
-    /// Finds the suspicious rows of `measured`. `predicted_m`: tip of a model in each row, metres; rows without a tip
-    /// are ignored.
+    /// Finds the suspicious rows of `measured`. `predicted_m`: tip of a model in each row, metres;
+    /// rows without a tip are ignored.
     pub fn find(measured: &Recording, predicted_m: &[Point3]) -> Exclusions {
-        measured
-            .tip_m
-            .as_ref()
-            .map_or_else(Exclusions::default, |tips_m| Exclusions::find_at(measured, tips_m, "the tip", predicted_m))
+        measured.tip_m.as_ref().map_or_else(Exclusions::default, |tips_m| {
+            Exclusions::find_at(measured, tips_m, "the tip", predicted_m)
+        })
     }
 
-    /// The same of another tracked place, called `what`, that was measured at `positions_m` in each row.
-    pub fn find_at(measured: &Recording, positions_m: &[Point3], what: &str, predicted_m: &[Point3]) -> Exclusions {
-        let is_seen = |row: usize| measured.is_valid(row) && positions_m[row].iter().all(|x| x.is_finite());
-        let rows = |range: std::ops::Range<usize>| range.filter(|&row| is_seen(row)).collect::<Vec<usize>>();
-        let trials: Vec<Vec<usize>> = measured.trials().into_iter().map(|(_, range)| rows(range)).collect();
+    /// The same of another tracked place, called `what`, that was measured at `positions_m` in each
+    /// row.
+    pub fn find_at(
+        measured: &Recording,
+        positions_m: &[Point3],
+        what: &str,
+        predicted_m: &[Point3],
+    ) -> Exclusions {
+        let is_seen =
+            |row: usize| measured.is_valid(row) && positions_m[row].iter().all(|x| x.is_finite());
+        let rows = |range: std::ops::Range<usize>| {
+            range.filter(|&row| is_seen(row)).collect::<Vec<usize>>()
+        };
+        let trials: Vec<Vec<usize>> =
+            measured.trials().into_iter().map(|(_, range)| rows(range)).collect();
         let all: usize = trials.iter().map(Vec::len).sum();
         let unless_many = |exclusions: Vec<Exclusion>| {
-            if exclusions.len() as f64 > MAX_EXCLUDED_SHARE * all as f64 { Vec::new() } else { exclusions }
+            if exclusions.len() as f64 > MAX_EXCLUDED_SHARE * all as f64 {
+                Vec::new()
+            } else {
+                exclusions
+            }
         };
-        let (frozen, gaps) =
-            (unless_many(frozen::find(measured, positions_m, predicted_m, &trials)), unless_many(gaps::find(measured)));
+        let (frozen, gaps) = (
+            unless_many(frozen::find(measured, positions_m, predicted_m, &trials)),
+            unless_many(gaps::find(measured)),
+        );
         let is_kept = |row: &usize| frozen.iter().chain(&gaps).all(|excluded| excluded.row != *row);
-        let kept: Vec<Vec<usize>> = trials.iter().map(|rows| rows.iter().copied().filter(is_kept).collect()).collect();
+        let kept: Vec<Vec<usize>> =
+            trials.iter().map(|rows| rows.iter().copied().filter(is_kept).collect()).collect();
         let jumps = unless_many(jumps::find(what, positions_m, predicted_m, &kept));
         Exclusions { jumps, frozen, gaps }
     }
@@ -67,7 +85,9 @@ impl Exclusions {
     pub fn extend(&mut self, other: Exclusions) {
         let excluded_rows: BTreeSet<usize> = self.all().map(|excluded| excluded.row).collect();
         let add = |exclusions: &mut Vec<Exclusion>, further: Vec<Exclusion>| {
-            exclusions.extend(further.into_iter().filter(|excluded| !excluded_rows.contains(&excluded.row)));
+            exclusions.extend(
+                further.into_iter().filter(|excluded| !excluded_rows.contains(&excluded.row)),
+            );
             exclusions.sort_by_key(|excluded| excluded.row);
         };
         add(&mut self.jumps, other.jumps);
@@ -95,7 +115,10 @@ impl Exclusions {
     /// What was excluded, and which rows of `measured`: one sentence a kind.
     pub fn sentences(&self, measured: &Recording) -> Vec<String> {
         let kinds = [
-            (&self.jumps, "what is tracked jumps and returns within three rows, as only a tracker does"),
+            (
+                &self.jumps,
+                "what is tracked jumps and returns within three rows, as only a tracker does",
+            ),
             (&self.frozen, "the pose repeats to the last bit while the robot moves"),
             (&self.gaps, "rows and their commands are missing in the second before"),
         ];
@@ -113,11 +136,13 @@ const MAX_NAMED_PLACES: usize = 6;
 
 /// Trials and times of `rows`, neighbouring ones together.
 fn places(rows: &[Exclusion], measured: &Recording) -> String {
-    let runs: Vec<&[Exclusion]> =
-        rows.chunk_by(|a, b| a.row + 1 == b.row && measured.trial[a.row] == measured.trial[b.row]).collect();
+    let runs: Vec<&[Exclusion]> = rows
+        .chunk_by(|a, b| a.row + 1 == b.row && measured.trial[a.row] == measured.trial[b.row])
+        .collect();
     let place = |run: &&[Exclusion]| {
         let (first, last) = (run[0].row, run[run.len() - 1].row);
-        let to = if first == last { String::new() } else { format!(" to {}", measured.time_s[last]) };
+        let to =
+            if first == last { String::new() } else { format!(" to {}", measured.time_s[last]) };
         format!("trial {} at {}{to} s", measured.trial[first], measured.time_s[first])
     };
     let mut named: Vec<String> = runs.iter().take(MAX_NAMED_PLACES).map(place).collect();
@@ -140,8 +165,8 @@ fn dot(a: &Point3, b: &Point3) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// A robot whose tip follows circles, three trials of 60 rows at 5 Hz, measured with noise of 0.5 mm an axis, and the
-/// tip that a model without its sag of 5 mm predicts.
+/// A robot whose tip follows circles, three trials of 60 rows at 5 Hz, measured with noise of 0.5
+/// mm an axis, and the tip that a model without its sag of 5 mm predicts.
 #[cfg(test)]
 fn circles() -> (Recording, Vec<Point3>) {
     use crate::data::Actuation;
@@ -176,9 +201,11 @@ mod tests {
         let (measured, predicted_m) = circles();
         assert!(Exclusions::find(&measured, &predicted_m).is_empty());
         // A model that is late by a row, and one that is too stiff by half.
-        let late: Vec<Point3> = (0..predicted_m.len()).map(|row| predicted_m[row.saturating_sub(1)]).collect();
+        let late: Vec<Point3> =
+            (0..predicted_m.len()).map(|row| predicted_m[row.saturating_sub(1)]).collect();
         assert!(Exclusions::find(&measured, &late).is_empty());
-        let stiff: Vec<Point3> = predicted_m.iter().map(|tip| [0.5 * tip[0], 0.5 * tip[1], tip[2]]).collect();
+        let stiff: Vec<Point3> =
+            predicted_m.iter().map(|tip| [0.5 * tip[0], 0.5 * tip[1], tip[2]]).collect();
         assert!(Exclusions::find(&measured, &stiff).is_empty());
     }
 
@@ -188,11 +215,15 @@ mod tests {
         measured.tip_m.as_mut().unwrap()[70][1] += 0.02;
         let excluded = Exclusions::find(&measured, &predicted_m);
         let without = excluded.without(&measured);
-        assert_eq!((0..measured.len()).filter(|&row| !without.is_valid(row)).collect::<Vec<_>>(), [70]);
+        assert_eq!(
+            (0..measured.len()).filter(|&row| !without.is_valid(row)).collect::<Vec<_>>(),
+            [70]
+        );
         assert_eq!(without.commands, measured.commands);
         let told = &excluded.sentences(&measured)[0];
         assert!(
-            told.starts_with("In 1 of 180 rows what is tracked jumps") && told.contains("(trial 1 at 2 s)"),
+            told.starts_with("In 1 of 180 rows what is tracked jumps")
+                && told.contains("(trial 1 at 2 s)"),
             "{told}"
         );
     }

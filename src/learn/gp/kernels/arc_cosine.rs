@@ -1,11 +1,12 @@
-//! Arc-cosine kernel of order 1, the limit of a wide layer of rectified linear units with a bias: Cho & Saul 2009, eqs 3
-//! and 6.
+//! Arc-cosine kernel of order 1, the limit of a wide layer of rectified linear units with a bias:
+//! Cho & Saul 2009, eqs 3 and 6.
 
 use std::f64::consts::PI;
 
 use super::{DotFormula, DotValue};
 
-/// `k(x, y) = ‖x‖ ‖y‖ (sin θ + (π − θ) cos θ) / π`, θ the angle between x and y, each with a further component 1.
+/// `k(x, y) = ‖x‖ ‖y‖ (sin θ + (π − θ) cos θ) / π`, θ the angle between x and y, each with a
+/// further component 1.
 pub struct ArcCosine;
 
 impl DotFormula for ArcCosine {

@@ -1,9 +1,11 @@
-//! The interface of what a kernel expression is made of: a covariance of one factor, whole rows at a time.
+//! The interface of what a kernel expression is made of: a covariance of one factor, whole rows at
+//! a time.
 
 use super::{Kernel, Lengths};
 use crate::learn::gp::covariance::TrainingPoints;
 
-/// A positive hyper-parameter of a covariance, searched by its logarithm. Ranges are in standardised units.
+/// A positive hyper-parameter of a covariance, searched by its logarithm. Ranges are in
+/// standardised units.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hyperparameter {
     /// Standard symbol or name.
@@ -36,7 +38,13 @@ impl Hyperparameter {
 
     /// A length-scale.
     pub(crate) fn length(name: String) -> Hyperparameter {
-        Hyperparameter { name, start: 1.0, bounds: (1e-2, 1e3), plausible: (0.3, 30.0), is_length: true }
+        Hyperparameter {
+            name,
+            start: 1.0,
+            bounds: (1e-2, 1e3),
+            plausible: (0.3, 30.0),
+            is_length: true,
+        }
     }
 
     /// The noise variance.
@@ -84,10 +92,11 @@ pub trait Component: Send + Sync {
     }
     /// Writes the covariances of the point with the run of training points.
     fn values(&self, parameters: &[f64], row: &PairRow, out: &mut [f64]);
-    /// Writes the derivative of each of them with respect to the logarithm of each hyper-parameter, one row a
-    /// hyper-parameter.
+    /// Writes the derivative of each of them with respect to the logarithm of each hyper-parameter,
+    /// one row a hyper-parameter.
     fn rates(&self, _parameters: &[f64], _row: &PairRow, _out: &mut [Vec<f64>]) {}
-    /// Covariance of a new point with itself, 1 unless stated; `at` holds the inputs that the factor sees.
+    /// Covariance of a new point with itself, 1 unless stated; `at` holds the inputs that the
+    /// factor sees.
     fn variance(&self, _parameters: &[f64], _at: &[f64]) -> f64 {
         1.0
     }
@@ -117,11 +126,18 @@ impl Component for Stationary {
 
     fn hyperparameters(&self, inputs: usize) -> Vec<Hyperparameter> {
         let lengths = match self.0.lengths() {
-            Lengths::PerInput => (1..=inputs).map(|d| Hyperparameter::length(format!("length {d}"))).collect(),
+            Lengths::PerInput => {
+                (1..=inputs).map(|d| Hyperparameter::length(format!("length {d}"))).collect()
+            }
             Lengths::Shared => vec![Hyperparameter::length("length".to_owned())],
         };
         let shape = |shape: &super::ShapeParameter| {
-            Hyperparameter::plain(shape.name, shape.start, shape.bounds, (shape.start / 4.0, shape.start * 4.0))
+            Hyperparameter::plain(
+                shape.name,
+                shape.start,
+                shape.bounds,
+                (shape.start / 4.0, shape.start * 4.0),
+            )
         };
         lengths.into_iter().chain(self.0.shapes().iter().map(shape)).collect()
     }

@@ -1,4 +1,5 @@
-//! The interface of kernels of the scaled dot product `x·y = Σ_d x_d y_d / l_d²`, and what follows from it for all of them.
+//! The interface of kernels of the scaled dot product `x·y = Σ_d x_d y_d / l_d²`, and what follows
+//! from it for all of them.
 
 use super::component::{Component, Hyperparameter, PairRow};
 
@@ -51,7 +52,8 @@ impl<F: DotFormula> Component for F {
 
     fn rates(&self, parameters: &[f64], row: &PairRow, out: &mut [Vec<f64>]) {
         let products = products(parameters, row, out.first().map_or(0, Vec::len));
-        let slopes: Vec<[f64; 3]> = products.into_iter().map(|products| F::at(products).slopes).collect();
+        let slopes: Vec<[f64; 3]> =
+            products.into_iter().map(|products| F::at(products).slopes).collect();
         for (((values, centre), scale), rates) in row.each().zip(parameters).zip(out) {
             let y = centre / scale;
             for ((rate, x), slopes) in rates.iter_mut().zip(values).zip(&slopes) {

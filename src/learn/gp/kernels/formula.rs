@@ -66,7 +66,8 @@ pub trait Formula: Send + Sync {
     }
 }
 
-/// A covariance function as the Gaussian process sees it: whole rows at a time, implemented for every [`Formula`].
+/// A covariance function as the Gaussian process sees it: whole rows at a time, implemented for
+/// every [`Formula`].
 pub trait Kernel: Send + Sync {
     /// Name in specs and tables.
     fn name(&self) -> &'static str;

@@ -1,4 +1,5 @@
-//! Linear kernel: Bayesian linear regression through the origin, Rasmussen & Williams 2006, section 2.1.
+//! Linear kernel: Bayesian linear regression through the origin, Rasmussen & Williams 2006, section
+//! 2.1.
 
 use super::{DotFormula, DotValue};
 

@@ -1,4 +1,5 @@
-//! Matérn kernel of smoothness 1/2 (exponential), continuous but not differentiable: Rasmussen & Williams 2006, eq. 4.18.
+//! Matérn kernel of smoothness 1/2 (exponential), continuous but not differentiable: Rasmussen &
+//! Williams 2006, eq. 4.18.
 
 use super::{At, Formula, Lengths};
 use crate::learn::simd::exp_f64;

@@ -1,8 +1,9 @@
-//! Covariance functions. A kernel is its formula (one file) and its line in a registry. Gram matrices, gradients and the
-//! contract tests apply to all kernels.
+//! Covariance functions. A kernel is its formula (one file) and its line in a registry. Gram
+//! matrices, gradients and the contract tests apply to all kernels.
 //!
-//! Those in `kernels!` are stationary: `k(x, y) = σ_s² c(s)` with the scaled squared distance
-//! `s = Σ_d (x_d − y_d)² / l_d²` and `c(0) = 1`. Those in `factors!` are not, or see no distance; expressions combine both.
+//! Those in `kernels!` are stationary: `k(x, y) = σ_s² c(s)` with the scaled squared distance `s =
+//! Σ_d (x_d − y_d)² / l_d²` and `c(0) = 1`. Those in `factors!` are not, or see no distance;
+//! expressions combine both.
 
 mod component;
 mod dot_product;
@@ -56,7 +57,9 @@ factors! {
 
 /// The stationary kernel registered under `name`; the suffix `_ard` may be omitted.
 pub fn find(name: &str) -> Option<&'static dyn Kernel> {
-    let named = |kernel: &&dyn Kernel| kernel.name() == name || kernel.name().strip_suffix("_ard") == Some(name);
+    let named = |kernel: &&dyn Kernel| {
+        kernel.name() == name || kernel.name().strip_suffix("_ard") == Some(name)
+    };
     KERNELS.iter().copied().find(named)
 }
 

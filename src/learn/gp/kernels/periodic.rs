@@ -1,4 +1,5 @@
-//! Periodic kernel of one period for all its inputs: MacKay 1998; Rasmussen & Williams 2006, eq. 4.31.
+//! Periodic kernel of one period for all its inputs: MacKay 1998; Rasmussen & Williams 2006, eq.
+//! 4.31.
 
 use std::f64::consts::PI;
 
@@ -12,7 +13,9 @@ impl Periodic {
     fn squares(period: f64, row: &PairRow, out: &mut [f64]) {
         out.fill(0.0);
         for (values, centre) in row.each() {
-            out.iter_mut().zip(values).for_each(|(out, x)| *out += (PI * (x - centre) / period).sin().powi(2));
+            out.iter_mut()
+                .zip(values)
+                .for_each(|(out, x)| *out += (PI * (x - centre) / period).sin().powi(2));
         }
     }
 }

@@ -1,5 +1,5 @@
-//! Rational quadratic with a length-scale per input, a mixture of squared exponentials of many length-scales:
-//! Rasmussen & Williams 2006, eq. 4.19. It tends to `se_ard` as α grows.
+//! Rational quadratic with a length-scale per input, a mixture of squared exponentials of many
+//! length-scales: Rasmussen & Williams 2006, eq. 4.19. It tends to `se_ard` as α grows.
 
 use super::{At, Formula, Lengths, ShapeParameter};
 
@@ -9,7 +9,8 @@ pub struct RationalQuadratic;
 impl Formula for RationalQuadratic {
     const NAME: &'static str = "rational_quadratic";
     const LENGTHS: Lengths = Lengths::PerInput;
-    const SHAPES: &'static [ShapeParameter] = &[ShapeParameter { name: "alpha", start: 2.0, bounds: (1e-2, 1e3) }];
+    const SHAPES: &'static [ShapeParameter] =
+        &[ShapeParameter { name: "alpha", start: 2.0, bounds: (1e-2, 1e3) }];
 
     #[inline(always)]
     fn at(s: f64, shape: &[f64]) -> At {

@@ -1,4 +1,5 @@
-//! Squared exponential with a length-scale per input: paper eq. 18; Rasmussen & Williams 2006, eq. 5.1.
+//! Squared exponential with a length-scale per input: paper eq. 18; Rasmussen & Williams 2006, eq.
+//! 5.1.
 
 use super::{At, Formula, Lengths};
 use crate::learn::simd::exp_f64;

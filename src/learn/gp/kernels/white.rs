@@ -1,4 +1,5 @@
-//! White noise: every sample has a part of its own that no other sample shares and no prediction knows.
+//! White noise: every sample has a part of its own that no other sample shares and no prediction
+//! knows.
 
 use super::component::{Component, PairRow};
 

@@ -1,9 +1,10 @@
 //! The gradient of the sparse likelihoods.
 //!
-//! With `P = (Q + Λ)⁻¹` (the weights of the mean function projected out), `α = P y` and `W = α αᵀ − P`, the likelihood
-//! changes by `½ tr(W dQ) + ½ Σ W_ii dΛ_ii`. Because `Q = K_fu K_uu⁻¹ K_uf`, and because Λ (FITC) or the part that the bound
-//! subtracts (SGPR) holds the diagonal of Q as well, all is a sum of `G = W̃ K_fu K_uu⁻¹` against `dK_fu`, of
-//! `−½ K_uu⁻¹ K_uf W̃ K_fu K_uu⁻¹` against `dK_uu`, and of weights against the variances, with `W̃ = W + diag(d)`.
+//! With `P = (Q + Λ)⁻¹` (the weights of the mean function projected out), `α = P y` and `W = α αᵀ −
+//! P`, the likelihood changes by `½ tr(W dQ) + ½ Σ W_ii dΛ_ii`. Because `Q = K_fu K_uu⁻¹ K_uf`, and
+//! because Λ (FITC) or the part that the bound subtracts (SGPR) holds the diagonal of Q as well,
+//! all is a sum of `G = W̃ K_fu K_uu⁻¹` against `dK_fu`, of `−½ K_uu⁻¹ K_uf W̃ K_fu K_uu⁻¹` against
+//! `dK_uu`, and of weights against the variances, with `W̃ = W + diag(d)`.
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
@@ -130,13 +131,20 @@ impl SparseLikelihood<'_> {
                     Approximation::Fitc => 0.0,
                     _ => self.precision.column(high)[low - high] - identity,
                 };
-                inner[j * m + i] += self.weights[i] * self.weights[j] - identity + inverse[j * width + i] + noise;
+                inner[j * m + i] +=
+                    self.weights[i] * self.weights[j] - identity + inverse[j * width + i] + noise;
             }
         }
         inner
     }
 
-    fn sum_rates(&self, crossed: &mut [f64], inner: &[f64], weights: &DiagonalWeights, out: &mut [f64]) {
+    fn sum_rates(
+        &self,
+        crossed: &mut [f64],
+        inner: &[f64],
+        weights: &DiagonalWeights,
+        out: &mut [f64],
+    ) {
         let (n, m) = (self.points.n, self.inducing.n);
         let at = CovarianceAt::new(&self.covariance, &self.theta);
         let (all, inducing) = (at.prepare(self.points), at.prepare(&self.inducing));
@@ -145,7 +153,8 @@ impl SparseLikelihood<'_> {
             let centre = inducing.point(j);
             at.add_row_rates(&all, 0, &centre, &mut crossed[j * n..(j + 1) * n], out);
             // Each pair off the diagonal once, so without the factor ½.
-            let mut column: Vec<f64> = inner[j * m + j..(j + 1) * m].iter().map(|weight| -weight).collect();
+            let mut column: Vec<f64> =
+                inner[j * m + j..(j + 1) * m].iter().map(|weight| -weight).collect();
             column[0] *= 0.5 * (1.0 + JITTER);
             at.add_row_rates(&inducing, j, &centre, &mut column, out);
         }

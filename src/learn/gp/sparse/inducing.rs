@@ -7,9 +7,10 @@ use crate::math::vectorised;
 /// Share of the largest variance below which a sample tells nothing that the chosen ones do not.
 const MIN_VARIANCE_SHARE: f64 = 1e-10;
 
-/// Numbers of at most `count` points: each the one whose value those chosen before leave least certain under the covariance
-/// with these hyper-parameters (Burt, Rasmussen & van der Wilk 2020, section 4.2.2). It is a Cholesky decomposition with pivoting,
-/// which ends early when every point is known: a linear kernel has no more than its rank.
+/// Numbers of at most `count` points: each the one whose value those chosen before leave least
+/// certain under the covariance with these hyper-parameters (Burt, Rasmussen & van der Wilk 2020,
+/// section 4.2.2). It is a Cholesky decomposition with pivoting, which ends early when every point
+/// is known: a linear kernel has no more than its rank.
 pub(crate) fn greedy_conditional_variance(
     covariance: &Covariance,
     theta: &[f64],
@@ -21,7 +22,8 @@ pub(crate) fn greedy_conditional_variance(
     let prepared = at.prepare(points);
     let mut remaining = vec![0.0; n];
     at.diagonal(points, &mut remaining, &mut vec![0.0; n]);
-    let min_variance = MIN_VARIANCE_SHARE * remaining.iter().fold(0.0_f64, |max, variance| max.max(*variance));
+    let min_variance =
+        MIN_VARIANCE_SHARE * remaining.iter().fold(0.0_f64, |max, variance| max.max(*variance));
     let mut factor: Vec<f64> = Vec::with_capacity(n * count.min(n));
     let mut chosen = Vec::with_capacity(count.min(n));
     while chosen.len() < count.min(n) {
@@ -48,8 +50,8 @@ pub(crate) fn greedy_conditional_variance(
     chosen
 }
 
-/// Subtracts from `column` the columns of `factor`, each times its value in row `pivot`; four at once, because the column is
-/// read and written for each.
+/// Subtracts from `column` the columns of `factor`, each times its value in row `pivot`; four at
+/// once, because the column is read and written for each.
 fn subtract_explained(factor: &[f64], pivot: usize, column: &mut [f64]) {
     let n = column.len();
     let (fours, tail) = factor.split_at(factor.len() / (4 * n) * (4 * n));

@@ -1,15 +1,17 @@
 //! Sparse Gaussian processes with inducing points, for more samples than an exact process can take.
 //!
-//! With `m` inducing points u among the N samples f, `K_uu = L Lᵀ`, `V = L⁻¹ K_uf` and `Q = Vᵀ V`, the samples are taken to
-//! have the covariance `Q + Λ` with a diagonal Λ:
+//! With `m` inducing points u among the N samples f, `K_uu = L Lᵀ`, `V = L⁻¹ K_uf` and `Q = Vᵀ V`,
+//! the samples are taken to have the covariance `Q + Λ` with a diagonal Λ:
 //!
-//! - `sgpr`: Λ is the noise; from the log likelihood `½ Σ (k_ii − Q_ii)/Λ_ii` is subtracted, which makes it a lower bound of
-//!   the exact one (Titsias 2009, eq. 9).
-//! - `fitc`: Λ is the noise and `diag(K − Q)` (Snelson & Ghahramani 2006; Quiñonero-Candela & Rasmussen 2005, eq. 24).
+//! - `sgpr`: Λ is the noise; from the log likelihood `½ Σ (k_ii − Q_ii)/Λ_ii` is subtracted, which
+//!   makes it a lower bound of the exact one (Titsias 2009, eq. 9).
+//! - `fitc`: Λ is the noise and `diag(K − Q)` (Snelson & Ghahramani 2006; Quiñonero-Candela &
+//!   Rasmussen 2005, eq. 24).
 //!
-//! Both are linear regressions on the features `φ_i = (V_i, h(x_i))`, whose weights have the prior precision `D`: 1 for each
-//! inducing point and 0 for each basis function h of the mean. So `S = D + Φ Λ⁻¹ Φᵀ` gives likelihood, weights and variances.
-//! Noise that a kernel expression has of its own (`white`) belongs to Λ.
+//! Both are linear regressions on the features `φ_i = (V_i, h(x_i))`, whose weights have the prior
+//! precision `D`: 1 for each inducing point and 0 for each basis function h of the mean. So `S =
+//! D + Φ Λ⁻¹ Φᵀ` gives likelihood, weights and variances. Noise that a kernel expression has of its
+//! own (`white`) belongs to Λ.
 
 mod conditioned;
 mod gradient;
@@ -33,11 +35,12 @@ use super::mean::{MeanBasis, MeanFunction};
 use crate::learn::simd::dot;
 use crate::math::optimise::Objective;
 
-/// Relative growth of the diagonal of `K_uu`: it stays positive definite when length-scales grow during a search.
+/// Relative growth of the diagonal of `K_uu`: it stays positive definite when length-scales grow
+/// during a search.
 const JITTER: f64 = 1e-10;
 
-/// Minus the log marginal likelihood (FITC) or its lower bound (SGPR) of one standardised output as a function of the
-/// logarithmic hyper-parameters.
+/// Minus the log marginal likelihood (FITC) or its lower bound (SGPR) of one standardised output as
+/// a function of the logarithmic hyper-parameters.
 pub(super) struct SparseLikelihood<'a> {
     approximation: Approximation,
     covariance: Covariance,
@@ -135,9 +138,13 @@ impl<'a> SparseLikelihood<'a> {
         for column in self.features[..n * m].chunks_exact(n) {
             self.missing.iter_mut().zip(column).for_each(|(missing, v)| *missing -= v * v);
         }
-        // FITC adds what the inducing points do not explain to the noise; SGPR charges for it in `value`.
+        // FITC adds what the inducing points do not explain to the noise; SGPR charges for it in
+        // `value`.
         if self.approximation == Approximation::Fitc {
-            self.diagonal.iter_mut().zip(&self.missing).for_each(|(diagonal, missing)| *diagonal += missing.max(0.0));
+            self.diagonal
+                .iter_mut()
+                .zip(&self.missing)
+                .for_each(|(diagonal, missing)| *diagonal += missing.max(0.0));
         }
         self.diagonal.iter().all(|diagonal| *diagonal > 0.0)
     }
@@ -146,8 +153,14 @@ impl<'a> SparseLikelihood<'a> {
     fn fill_precision(&mut self) -> bool {
         let (n, m, width) = (self.points.n, self.inducing.n, self.width());
         let roots: Vec<f64> = self.diagonal.iter().map(|diagonal| 1.0 / diagonal.sqrt()).collect();
-        for (weighted, column) in self.weighted.chunks_exact_mut(n).zip(self.features.chunks_exact(n)) {
-            weighted.iter_mut().zip(column).zip(&roots).for_each(|((to, from), root)| *to = from * root);
+        for (weighted, column) in
+            self.weighted.chunks_exact_mut(n).zip(self.features.chunks_exact(n))
+        {
+            weighted
+                .iter_mut()
+                .zip(column)
+                .zip(&roots)
+                .for_each(|((to, from), root)| *to = from * root);
         }
         let weighted = MatRef::from_column_major_slice(&self.weighted, n, width);
         matmul(
@@ -170,13 +183,20 @@ impl<'a> SparseLikelihood<'a> {
     /// Fills the weights of the features and `alpha`.
     fn regress(&mut self) {
         let n = self.points.n;
-        let scaled: Vec<f64> = self.y.iter().zip(&self.diagonal).map(|(y, diagonal)| y / diagonal).collect();
+        let scaled: Vec<f64> =
+            self.y.iter().zip(&self.diagonal).map(|(y, diagonal)| y / diagonal).collect();
         let columns = self.features.chunks_exact(n);
-        self.weights.iter_mut().zip(columns).for_each(|(weight, column)| *weight = dot(column, &scaled));
+        self.weights
+            .iter_mut()
+            .zip(columns)
+            .for_each(|(weight, column)| *weight = dot(column, &scaled));
         self.precision_factor.solve(&mut self.weights, &mut self.memory[1]);
         self.alpha.copy_from_slice(self.y);
         for (weight, column) in self.weights.iter().zip(self.features.chunks_exact(n)) {
-            self.alpha.iter_mut().zip(column).for_each(|(alpha, feature)| *alpha -= weight * feature);
+            self.alpha
+                .iter_mut()
+                .zip(column)
+                .for_each(|(alpha, feature)| *alpha -= weight * feature);
         }
         self.alpha.iter_mut().zip(&self.diagonal).for_each(|(alpha, diagonal)| *alpha /= diagonal);
     }
@@ -194,21 +214,29 @@ impl Objective for SparseLikelihood<'_> {
         self.regress();
         let (n, m) = (self.points.n, self.inducing.n);
         // yᵀ (Q + Λ)⁻¹ y as residuals and weights: no difference of large numbers.
-        let residuals: f64 =
-            self.alpha.iter().zip(&self.diagonal).map(|(alpha, diagonal)| alpha * alpha * diagonal).sum();
+        let residuals: f64 = self
+            .alpha
+            .iter()
+            .zip(&self.diagonal)
+            .map(|(alpha, diagonal)| alpha * alpha * diagonal)
+            .sum();
         let weights: f64 = self.weights[..m].iter().map(|weight| weight * weight).sum();
         let logarithms: f64 = self.diagonal.iter().map(|diagonal| diagonal.ln()).sum();
         // Each weight of the mean that was integrated out takes a degree of freedom.
         let degrees = (n - self.basis.len()) as f64;
         let normalisation = degrees * (2.0 * std::f64::consts::PI).ln();
-        let likelihood =
-            0.5 * (residuals + weights + logarithms + normalisation) + self.precision_factor.half_log_determinant();
+        let likelihood = 0.5 * (residuals + weights + logarithms + normalisation)
+            + self.precision_factor.half_log_determinant();
         if self.approximation == Approximation::Fitc {
             return likelihood;
         }
         // The trace term of the variational bound of SGPR.
-        let trace_term: f64 =
-            self.missing.iter().zip(&self.diagonal).map(|(missing, diagonal)| missing / diagonal).sum();
+        let trace_term: f64 = self
+            .missing
+            .iter()
+            .zip(&self.diagonal)
+            .map(|(missing, diagonal)| missing / diagonal)
+            .sum();
         likelihood + 0.5 * trace_term
     }
 

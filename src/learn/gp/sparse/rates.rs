@@ -7,7 +7,8 @@ use crate::learn::gp::kernels::Kernel;
 use crate::learn::simd::dot;
 use crate::math::vectorised;
 
-/// A covariance function under hyper-parameters. Points are given as [`CovarianceAt::prepare`] returns them.
+/// A covariance function under hyper-parameters. Points are given as [`CovarianceAt::prepare`]
+/// returns them.
 pub(crate) enum CovarianceAt<'a> {
     Stationary(StationaryAt<'a>),
     Composite { composite: &'a Composite, natural: Vec<f64> },
@@ -26,20 +27,30 @@ impl<'a> CovarianceAt<'a> {
             Covariance::Stationary(kernel, layout) => {
                 CovarianceAt::Stationary(StationaryAt { kernel: *kernel, layout: *layout, theta })
             }
-            Covariance::Composite(composite) => CovarianceAt::Composite { composite, natural: natural(theta) },
+            Covariance::Composite(composite) => {
+                CovarianceAt::Composite { composite, natural: natural(theta) }
+            }
         }
     }
 
     /// Points in the units in which their distances count.
     pub(crate) fn prepare(&self, points: &TrainingPoints) -> TrainingPoints {
         match self {
-            CovarianceAt::Stationary(StationaryAt { layout, theta, .. }) => points.scaled(&layout.length_scales(theta)),
+            CovarianceAt::Stationary(StationaryAt { layout, theta, .. }) => {
+                points.scaled(&layout.length_scales(theta))
+            }
             CovarianceAt::Composite { .. } => points.clone(),
         }
     }
 
     /// Writes the covariances of `centre` with the points from number `from` on, without noise.
-    pub(crate) fn row(&self, points: &TrainingPoints, from: usize, centre: &[f64], out: &mut [f64]) {
+    pub(crate) fn row(
+        &self,
+        points: &TrainingPoints,
+        from: usize,
+        centre: &[f64],
+        out: &mut [f64],
+    ) {
         match self {
             CovarianceAt::Stationary(StationaryAt { kernel, layout, theta }) => {
                 let signal = layout.signal_variance(theta);
@@ -53,8 +64,14 @@ impl<'a> CovarianceAt<'a> {
         }
     }
 
-    /// Writes the variance of every point and the noise that the kernel gives it beside. Points count as they are.
-    pub(crate) fn diagonal(&self, points: &TrainingPoints, variances: &mut [f64], noises: &mut [f64]) {
+    /// Writes the variance of every point and the noise that the kernel gives it beside. Points
+    /// count as they are.
+    pub(crate) fn diagonal(
+        &self,
+        points: &TrainingPoints,
+        variances: &mut [f64],
+        noises: &mut [f64],
+    ) {
         match self {
             CovarianceAt::Stationary(StationaryAt { layout, theta, .. }) => {
                 variances.fill(layout.signal_variance(theta));
@@ -64,7 +81,12 @@ impl<'a> CovarianceAt<'a> {
                 for i in 0..points.n {
                     let at = points.point(i);
                     let mut noisy_variance = [0.0];
-                    composite.row(natural, PointRun { points, from: i, self_index: Some(0) }, &at, &mut noisy_variance);
+                    composite.row(
+                        natural,
+                        PointRun { points, from: i, self_index: Some(0) },
+                        &at,
+                        &mut noisy_variance,
+                    );
                     variances[i] = composite.variance(natural, &at);
                     // What only a training point has with itself is the kernel's own noise.
                     noises[i] = noisy_variance[0] - variances[i];
@@ -73,8 +95,9 @@ impl<'a> CovarianceAt<'a> {
         }
     }
 
-    /// Adds to `out` the derivatives of `Σ weight_i k(centre, x_i)` over the points from number `from` on with respect to the
-    /// logarithm of every hyper-parameter. The weights are used as working memory.
+    /// Adds to `out` the derivatives of `Σ weight_i k(centre, x_i)` over the points from number
+    /// `from` on with respect to the logarithm of every hyper-parameter. The weights are used as
+    /// working memory.
     pub(crate) fn add_row_rates(
         &self,
         points: &TrainingPoints,
@@ -84,9 +107,15 @@ impl<'a> CovarianceAt<'a> {
         out: &mut [f64],
     ) {
         match self {
-            CovarianceAt::Stationary(stationary) => stationary.add_row_rates(points, from, centre, weights, out),
+            CovarianceAt::Stationary(stationary) => {
+                stationary.add_row_rates(points, from, centre, weights, out)
+            }
             CovarianceAt::Composite { composite, natural } => {
-                let row = composite.row_rates(natural, PointRun { points, from, self_index: None }, centre);
+                let row = composite.row_rates(
+                    natural,
+                    PointRun { points, from, self_index: None },
+                    centre,
+                );
                 let mut rates = vec![0.0; weights.len()];
                 for (k, out) in out.iter_mut().enumerate().take(composite.len()) {
                     composite.rate(natural, &row, k, &mut rates);
@@ -96,8 +125,8 @@ impl<'a> CovarianceAt<'a> {
         }
     }
 
-    /// Adds to `out` the derivatives of `Σ variance_weight_i k_ii + noise_weight_i w_i` for the variance k and the kernel's own
-    /// noise w of every point. Points count as they are.
+    /// Adds to `out` the derivatives of `Σ variance_weight_i k_ii + noise_weight_i w_i` for the
+    /// variance k and the kernel's own noise w of every point. Points count as they are.
     pub(crate) fn add_diagonal_rates(
         &self,
         points: &TrainingPoints,
@@ -112,15 +141,19 @@ impl<'a> CovarianceAt<'a> {
             CovarianceAt::Composite { composite, natural } => {
                 for i in 0..points.n {
                     let (single, at) = (points.select(&[i]), points.point(i));
-                    let run = |self_index: Option<usize>| PointRun { points: &single, from: 0, self_index };
+                    let run = |self_index: Option<usize>| PointRun {
+                        points: &single,
+                        from: 0,
+                        self_index,
+                    };
                     let of_variance = composite.row_rates(natural, run(None), &at);
                     let with_noise = composite.row_rates(natural, run(Some(0)), &at);
                     for (k, out) in out.iter_mut().enumerate().take(composite.len()) {
                         let (mut variance, mut noisy_variance) = ([0.0], [0.0]);
                         composite.rate(natural, &of_variance, k, &mut variance);
                         composite.rate(natural, &with_noise, k, &mut noisy_variance);
-                        *out +=
-                            variance_weights[i] * variance[0] + noise_weights[i] * (noisy_variance[0] - variance[0]);
+                        *out += variance_weights[i] * variance[0]
+                            + noise_weights[i] * (noisy_variance[0] - variance[0]);
                     }
                 }
             }
@@ -153,7 +186,8 @@ impl StationaryAt<'_> {
             out[0] += signal * dot(weights, &s);
             weights.iter_mut().zip(&slope).for_each(|(weight, slope)| *weight *= slope);
             for d in 0..inputs {
-                out[1 + d.min(lengths - 1)] -= 2.0 * signal * points.weighted_squares(d, from, weights, centre[d]);
+                out[1 + d.min(lengths - 1)] -=
+                    2.0 * signal * points.weighted_squares(d, from, weights, centre[d]);
             }
         });
     }

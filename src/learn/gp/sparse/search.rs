@@ -2,7 +2,9 @@
 
 use super::SparseLikelihood;
 use crate::learn::gp::config::GpConfig;
-use crate::learn::gp::coordinates::{SearchObjective, from_search_coordinates, to_search_coordinates};
+use crate::learn::gp::coordinates::{
+    SearchObjective, from_search_coordinates, to_search_coordinates,
+};
 use crate::learn::gp::covariance::{Covariance, TrainingPoints};
 use crate::learn::gp::likelihood::Likelihood;
 use crate::learn::gp::search::{self, FittedHyperparameters};
@@ -11,12 +13,15 @@ use crate::math::optimise::{Objective, minimise};
 
 /// Rows, evenly spaced, of the exact process from whose hyper-parameters the search starts.
 const START_ROWS: usize = 500;
-/// Times that inducing points are chosen, each time under the hyper-parameters found with those before.
+/// Times that inducing points are chosen, each time under the hyper-parameters found with those
+/// before.
 const ROUNDS: usize = 2;
-/// Expected improvement in nats below which the search ends: small beside the several thousand of such a likelihood.
+/// Expected improvement in nats below which the search ends: small beside the several thousand of
+/// such a likelihood.
 const TOLERANCE: f64 = 0.01;
 
-/// Maximises the likelihood (FITC) or its bound (SGPR) of the standardised output `y`; `None` when no start is usable.
+/// Maximises the likelihood (FITC) or its bound (SGPR) of the standardised output `y`; `None` when
+/// no start is usable.
 pub(crate) fn search(
     config: &GpConfig,
     covariance: &Covariance,
@@ -25,20 +30,31 @@ pub(crate) fn search(
 ) -> Option<FittedHyperparameters> {
     let rows = points.n.min(START_ROWS);
     let (subset, subset_y) = search::evenly_spaced(points, y, rows);
-    let FittedHyperparameters { mut theta, mut evaluations } = search::search(config, covariance, &subset, &subset_y)?;
+    let FittedHyperparameters { mut theta, mut evaluations } =
+        search::search(config, covariance, &subset, &subset_y)?;
     let parameters = covariance.hyperparameters(config.noise_floor);
     let lengths: Vec<bool> = parameters.iter().map(|parameter| parameter.is_length).collect();
     let limits = search::limits(&parameters, &lengths, config.tolerance.max(TOLERANCE));
     for _ in 0..ROUNDS {
         // Fixed during a climb: else the likelihood would jump where a choice changes.
-        let inducing = greedy_conditional_variance(covariance, &theta, points, config.inducing_points);
+        let inducing =
+            greedy_conditional_variance(covariance, &theta, points, config.inducing_points);
         let mut start = Likelihood::new(covariance.clone(), config.mean, &subset, &subset_y);
         start.value(&theta);
-        let likelihood =
-            SparseLikelihood::new(config.approximation, config.mean, covariance.clone(), points, y, &inducing)
-                .with_information(start.information(), points.n as f64 / rows as f64);
-        let minimum =
-            minimise(&mut SearchObjective::new(likelihood), &to_search_coordinates(&lengths, &theta), &limits);
+        let likelihood = SparseLikelihood::new(
+            config.approximation,
+            config.mean,
+            covariance.clone(),
+            points,
+            y,
+            &inducing,
+        )
+        .with_information(start.information(), points.n as f64 / rows as f64);
+        let minimum = minimise(
+            &mut SearchObjective::new(likelihood),
+            &to_search_coordinates(&lengths, &theta),
+            &limits,
+        );
         evaluations += minimum.evaluations;
         if !minimum.value.is_finite() {
             return None;
@@ -49,7 +65,8 @@ pub(crate) fn search(
 }
 
 impl SparseLikelihood<'_> {
-    /// With the Fisher information of an exact process on one sample in `share`, as a first estimate of the curvature.
+    /// With the Fisher information of an exact process on one sample in `share`, as a first
+    /// estimate of the curvature.
     fn with_information(mut self, mut information: Vec<f64>, share: f64) -> Self {
         information.iter_mut().for_each(|value| *value *= share);
         self.information = information;

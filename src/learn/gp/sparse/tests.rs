@@ -53,9 +53,12 @@ fn gradients_are_finite_differences_for_every_kind_kernel_and_mean() {
         let (covariance, theta) = covariance(text);
         for kind in KINDS {
             for mean in MEANS {
-                let mut likelihood = SparseLikelihood::new(kind, mean, covariance.clone(), &points, &y, &inducing);
+                let mut likelihood =
+                    SparseLikelihood::new(kind, mean, covariance.clone(), &points, &y, &inducing);
                 assert!(likelihood.value(&theta).is_finite());
-                for (k, [found, expected]) in both_gradients(&mut likelihood, &theta).into_iter().enumerate() {
+                for (k, [found, expected]) in
+                    both_gradients(&mut likelihood, &theta).into_iter().enumerate()
+                {
                     let apart = (found - expected).abs() / (1.0 + expected.abs());
                     assert!(apart < 1e-5, "{text} {kind:?} {mean:?} {k}: {found} {expected}");
                 }
@@ -73,9 +76,13 @@ fn with_every_sample_as_inducing_point_the_likelihood_is_the_exact_one() {
         for mean in MEANS {
             let exact = Likelihood::new(covariance.clone(), mean, &points, &y).value(&theta);
             for kind in KINDS {
-                let mut sparse = SparseLikelihood::new(kind, mean, covariance.clone(), &points, &y, &all);
+                let mut sparse =
+                    SparseLikelihood::new(kind, mean, covariance.clone(), &points, &y, &all);
                 let found = sparse.value(&theta);
-                assert!((found - exact).abs() < 1e-6 * exact.abs(), "{text} {kind:?} {mean:?}: {found} {exact}");
+                assert!(
+                    (found - exact).abs() < 1e-6 * exact.abs(),
+                    "{text} {kind:?} {mean:?}: {found} {exact}"
+                );
             }
         }
     }
@@ -112,9 +119,22 @@ fn inducing_points_end_at_the_rank_of_the_kernel_and_are_distinct() {
     assert_eq!(chosen.len(), 60);
 }
 
-fn config(approximation: Approximation, mean: MeanFunction, kernel: &str, inducing_points: usize) -> GpConfig {
+fn config(
+    approximation: Approximation,
+    mean: MeanFunction,
+    kernel: &str,
+    inducing_points: usize,
+) -> GpConfig {
     let kernel = KernelExpression::parse(kernel).unwrap();
-    GpConfig { kernel, approximation, mean, inducing_points, starts: 2, folds: 7, ..GpConfig::default() }
+    GpConfig {
+        kernel,
+        approximation,
+        mean,
+        inducing_points,
+        starts: 2,
+        folds: 7,
+        ..GpConfig::default()
+    }
 }
 
 #[test]
@@ -135,7 +155,8 @@ fn predictions_with_every_sample_as_inducing_point_are_the_exact_ones() {
             };
             let exact = of(Approximation::Exact);
             for kind in KINDS {
-                let apart = exact.iter().zip(of(kind)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                let apart =
+                    exact.iter().zip(of(kind)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
                 assert!(apart < 1e-6, "{text} {kind:?} {mean:?}: {apart}");
             }
         }
@@ -152,12 +173,15 @@ fn held_out_samples_are_predicted_as_if_they_had_not_been_there() {
     let (few, few_y) = (points.select(&others), others.iter().map(|&i| y[i]).collect::<Vec<f64>>());
     for kind in KINDS {
         for mean in MEANS {
-            let mut all = SparseLikelihood::new(kind, mean, covariance.clone(), &points, &y, &inducing);
-            let mut without = SparseLikelihood::new(kind, mean, covariance.clone(), &few, &few_y, &inducing);
+            let mut all =
+                SparseLikelihood::new(kind, mean, covariance.clone(), &points, &y, &inducing);
+            let mut without =
+                SparseLikelihood::new(kind, mean, covariance.clone(), &few, &few_y, &inducing);
             assert!(all.value(&theta).is_finite() && without.value(&theta).is_finite());
             let errors = all.held_out_errors(&fold);
             for (error, &i) in errors.iter().zip(&fold) {
-                let features = (0..all.width()).map(|j| all.features[j * 48 + i] * without.weights[j]);
+                let features =
+                    (0..all.width()).map(|j| all.features[j * 48 + i] * without.weights[j]);
                 let expected = y[i] - features.sum::<f64>();
                 assert!((error - expected).abs() < 1e-9, "{kind:?} {mean:?}: {error} {expected}");
             }
@@ -169,13 +193,17 @@ fn held_out_samples_are_predicted_as_if_they_had_not_been_there() {
 fn a_fit_with_few_inducing_points_is_near_the_exact_one_and_comes_back_from_its_stored_form() {
     let (inputs, outputs) = table(300);
     let queries = table(340).0.select(&(300..340).collect::<Vec<usize>>());
-    let exact = Gp::fit(&inputs, &outputs, &config(Approximation::Exact, MeanFunction::Zero, "se_ard", 2)).unwrap();
+    let exact =
+        Gp::fit(&inputs, &outputs, &config(Approximation::Exact, MeanFunction::Zero, "se_ard", 2))
+            .unwrap();
     let wanted = exact.predict_rows(&queries).unwrap();
     for kind in KINDS {
-        let gp = Gp::fit(&inputs, &outputs, &config(kind, MeanFunction::Zero, "se_ard", 60)).unwrap();
+        let gp =
+            Gp::fit(&inputs, &outputs, &config(kind, MeanFunction::Zero, "se_ard", 60)).unwrap();
         assert_eq!(gp.points(), 300);
         let found = gp.predict_rows(&queries).unwrap();
-        let apart = wanted.mean.values().iter().zip(found.mean.values()).map(|(a, b)| (a - b).abs());
+        let apart =
+            wanted.mean.values().iter().zip(found.mean.values()).map(|(a, b)| (a - b).abs());
         assert!(apart.fold(0.0, f64::max) < 0.05, "{kind:?}");
         let text = serde_json::to_string(&gp).unwrap();
         let back: Gp = serde_json::from_str(&text).unwrap();
@@ -183,7 +211,10 @@ fn a_fit_with_few_inducing_points_is_near_the_exact_one_and_comes_back_from_its_
         assert_eq!(serde_json::to_string(&back).unwrap(), text);
         let (bound, of_exact) = (gp.log_marginal_likelihood(), exact.log_marginal_likelihood());
         if kind == Approximation::Sgpr {
-            assert!(bound.iter().zip(&of_exact).all(|(a, b)| *a < b + 1e-3 && *a > b - 5.0), "{bound:?} {of_exact:?}");
+            assert!(
+                bound.iter().zip(&of_exact).all(|(a, b)| *a < b + 1e-3 && *a > b - 5.0),
+                "{bound:?} {of_exact:?}"
+            );
         }
     }
 }

@@ -22,7 +22,14 @@ fn unit(kind: NetworkKind, sums: &[f64], value: f64, memory: f64) -> (f64, f64) 
 }
 
 /// Plain recurrences, one sample at a time.
-fn loss_by_definition(w: &Weights<f64>, x: &[f64], y: &[f64], starts: &[u32], window: usize, loss: Loss) -> f64 {
+fn loss_by_definition(
+    w: &Weights<f64>,
+    x: &[f64],
+    y: &[f64],
+    starts: &[u32],
+    window: usize,
+    loss: Loss,
+) -> f64 {
     let Sizes { kind, inputs, hidden, outputs } = w.sizes;
     let (units, ports, stride) = (w.sizes.units(), w.sizes.ports(), w.sizes.row_len());
     let [from_inputs, from_state, bias] = w.hidden();
@@ -33,20 +40,24 @@ fn loss_by_definition(w: &Weights<f64>, x: &[f64], y: &[f64], starts: &[u32], wi
             let row = start as usize + t;
             let sum_of = |column: usize| {
                 bias[column]
-                    + (0..inputs).map(|i| from_inputs[i * stride + column] * x[row * inputs + i]).sum::<f64>()
+                    + (0..inputs)
+                        .map(|i| from_inputs[i * stride + column] * x[row * inputs + i])
+                        .sum::<f64>()
                     + (0..hidden).map(|k| from_state[k * stride + column] * state[k].0).sum::<f64>()
             };
             state = (0..hidden)
                 .map(|u| {
-                    let sums: Vec<f64> =
-                        (0..kind.weighted_sums().len()).map(|block| sum_of(block * units + u)).collect();
+                    let sums: Vec<f64> = (0..kind.weighted_sums().len())
+                        .map(|block| sum_of(block * units + u))
+                        .collect();
                     unit(kind, &sums, state[u].0, state[u].1)
                 })
                 .collect();
             if loss == Loss::EveryRow || t + 1 == window {
                 for o in 0..outputs {
                     let weight = |r: usize| w.output()[r * ports + o];
-                    let out = weight(hidden) + (0..hidden).map(|k| weight(k) * state[k].0).sum::<f64>();
+                    let out =
+                        weight(hidden) + (0..hidden).map(|k| weight(k) * state[k].0).sum::<f64>();
                     sum += (out - y[row * outputs + o]).powi(2);
                     count += 1.0;
                 }
@@ -83,7 +94,11 @@ fn check(sizes: Sizes, window: usize, windows: usize, loss: Loss) {
         let below = loss_by_definition(&weights, &x, &y, &starts, window, loss);
         weights.values[k] = saved;
         let expected = (above - below) / (2.0 * e);
-        assert!((gradient.values[k] - expected).abs() < 1e-9, "{k}: {} {expected}", gradient.values[k]);
+        assert!(
+            (gradient.values[k] - expected).abs() < 1e-9,
+            "{k}: {} {expected}",
+            gradient.values[k]
+        );
         used += usize::from(expected != 0.0);
     }
     assert!(used > sizes.hidden * sizes.inputs);
@@ -101,8 +116,11 @@ fn gradient_is_the_finite_difference() {
 #[test]
 fn gradients_are_those_of_a_peer() {
     let wave = |scale: f64, angle: f64| scale * angle.sin();
-    let x: Vec<f64> = (0..15).map(|at| wave(1.0, 1.7 * f64::from(at / 3) + 0.6 * f64::from(at % 3))).collect();
-    let y: Vec<f64> = (0..10).map(|at| wave(1.0, 0.9 * f64::from(at / 2) + 1.2 * f64::from(at % 2) + 0.3)).collect();
+    let x: Vec<f64> =
+        (0..15).map(|at| wave(1.0, 1.7 * f64::from(at / 3) + 0.6 * f64::from(at % 3))).collect();
+    let y: Vec<f64> = (0..10)
+        .map(|at| wave(1.0, 0.9 * f64::from(at / 2) + 1.2 * f64::from(at % 2) + 0.3))
+        .collect();
     let text = std::fs::read_to_string("tests/reference/networks/gradients.csv").unwrap();
     let rows: Vec<Vec<&str>> = text.lines().skip(1).map(|line| line.split(',').collect()).collect();
     let mut compared = 0;
@@ -117,13 +135,16 @@ fn gradients_are_those_of_a_peer() {
             "output_bias" => sizes.hidden_len() + 4 * ports + row,
             other => panic!("{other}"),
         };
-        let own = |row: &&Vec<&str>| serde_json::to_string(&kind).unwrap().trim_matches('"') == row[0];
-        let (loss, gradients): (Vec<_>, Vec<_>) = rows.iter().filter(own).partition(|row| row[1] == "loss");
+        let own =
+            |row: &&Vec<&str>| serde_json::to_string(&kind).unwrap().trim_matches('"') == row[0];
+        let (loss, gradients): (Vec<_>, Vec<_>) =
+            rows.iter().filter(own).partition(|row| row[1] == "loss");
         let mut weights = Weights::<f64>::zeros(sizes);
         let kinds: Vec<(usize, f64)> = gradients
             .iter()
             .map(|row| {
-                let [block, r, c]: [usize; 3] = std::array::from_fn(|k| row[2 + k].parse().unwrap());
+                let [block, r, c]: [usize; 3] =
+                    std::array::from_fn(|k| row[2 + k].parse().unwrap());
                 let [b, u, v] = [block, r, c].map(|number| number as f64);
                 weights.values[place(row[1], block, r, c)] = match row[1] {
                     "inputs" => wave(0.5, 1.0 + b + 1.7 * u + 0.9 * v),
@@ -141,7 +162,11 @@ fn gradients_are_those_of_a_peer() {
         let value = batch.loss_and_gradient(&weights, &mut gradient);
         assert!((value - loss[0][5].parse::<f64>().unwrap()).abs() < 1e-13, "{kind:?}: {value}");
         for (at, expected) in kinds {
-            assert!((gradient.values[at] - expected).abs() < 1e-13, "{kind:?}: {} {expected}", gradient.values[at]);
+            assert!(
+                (gradient.values[at] - expected).abs() < 1e-13,
+                "{kind:?}: {} {expected}",
+                gradient.values[at]
+            );
             compared += 1;
         }
     }

@@ -10,7 +10,11 @@ impl HiddenUnit for Elman {
 
     #[inline(always)]
     fn forward<T: Real>(sums: &[T; MAX_SUMS], _: T, _: T) -> Forward<T> {
-        Forward { value: sums[0].tanh_fast(), memory: T::default(), saved: [T::default(); MAX_SAVED] }
+        Forward {
+            value: sums[0].tanh_fast(),
+            memory: T::default(),
+            saved: [T::default(); MAX_SAVED],
+        }
     }
 
     #[inline(always)]

@@ -1,8 +1,8 @@
-//! Gated recurrent units, in the form of PyTorch's `nn.GRU` (Cho et al. 2014, with the reset gate on the product with the
-//! recurrent weights):
+//! Gated recurrent units, in the form of PyTorch's `nn.GRU` (Cho et al. 2014, with the reset gate
+//! on the product with the recurrent weights):
 //!
-//! `r = σ(W_r x + U_r h + b_r)`, `z = σ(W_z x + U_z h + b_z)`, `n = tanh(W_n x + b_n + r ⊙ (U_n h + c_n))`,
-//! `h' = (1 − z) ⊙ n + z ⊙ h`.
+//! `r = σ(W_r x + U_r h + b_r)`, `z = σ(W_z x + U_z h + b_z)`, `n = tanh(W_n x + b_n + r ⊙ (U_n h +
+//! c_n))`, `h' = (1 − z) ⊙ n + z ⊙ h`.
 
 use super::{Backward, Forward, HiddenUnit, MAX_SUMS, Past, WeightedSum, sigmoid};
 use crate::learn::simd::Real;
@@ -23,7 +23,11 @@ impl HiddenUnit for Gru {
         let candidate = reset.fma(from_state, sums[2]).tanh_fast();
         // (1 − z) n + z h as n + z (h − n): one product less.
         let value = update.fma(value_before - candidate, candidate);
-        Forward { value, memory: T::default(), saved: [reset, update, candidate, from_state, T::default()] }
+        Forward {
+            value,
+            memory: T::default(),
+            saved: [reset, update, candidate, from_state, T::default()],
+        }
     }
 
     #[inline(always)]

@@ -1,6 +1,8 @@
-//! Long short-term memory (Hochreiter & Schmidhuber 1997, with the forget gate of Gers, Schmidhuber & Cummins 2000):
+//! Long short-term memory (Hochreiter & Schmidhuber 1997, with the forget gate of Gers, Schmidhuber
+//! & Cummins 2000):
 //!
-//! `i, f, o = σ(W x + U h + b)`, `g = tanh(W_g x + U_g h + b_g)`, `c' = f ⊙ c + i ⊙ g`, `h' = o ⊙ tanh(c')`.
+//! `i, f, o = σ(W x + U h + b)`, `g = tanh(W_g x + U_g h + b_g)`, `c' = f ⊙ c + i ⊙ g`, `h' = o ⊙
+//! tanh(c')`.
 
 use super::{Backward, Forward, HiddenUnit, MAX_SUMS, Past, WeightedSum, sigmoid};
 use crate::learn::simd::Real;

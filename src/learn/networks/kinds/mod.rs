@@ -1,5 +1,6 @@
-//! The kinds of networks. A kind is the formulas of one hidden unit (one file) and its line in the registry; products with
-//! weights, back-propagation through time, training, storage and use are common to all.
+//! The kinds of networks. A kind is the formulas of one hidden unit (one file) and its line in the
+//! registry; products with weights, back-propagation through time, training, storage and use are
+//! common to all.
 
 use serde::{Deserialize, Serialize};
 
@@ -131,7 +132,8 @@ kinds! {
     elman::Elman,
     /// Gated recurrent units (Cho et al. 2014).
     gru::Gru,
-    /// Long short-term memory (Hochreiter & Schmidhuber 1997, with the forget gate of Gers et al. 2000).
+    /// Long short-term memory (Hochreiter & Schmidhuber 1997, with the forget gate of Gers et al.
+    /// 2000).
     lstm::Lstm,
     /// Units without memory, on the last rows of inputs.
     feed_forward::FeedForward,

@@ -30,7 +30,9 @@ const GOALS: [(&str, u64, Goal); 7] = [
 pub(super) fn markdown(tasks: &[TaskRows]) -> String {
     let mut text = String::from("| To reach | Wanted | Found | |\n| --- | ---: | ---: | --- |\n");
     for (kind, size, goal) in GOALS {
-        let Some(task) = tasks.iter().find(|task| task.task == kind && task.size == size) else { continue };
+        let Some(task) = tasks.iter().find(|task| task.task == kind && task.size == size) else {
+            continue;
+        };
         let [what, wanted, measured, word] = goal.cells(task);
         let _ = writeln!(text, "| {}: {what} | {wanted} | {measured} | {word} |", title(task));
     }
@@ -45,7 +47,8 @@ impl Goal {
             Goal::OverBest(wanted) => ("the fastest other", task.ratio_of_best(), wanted),
             Goal::Within(limit_s) => {
                 let (measured, limit) = (task.cpu_s(OURS), format!("≤ {} µs", 1e6 * limit_s));
-                let verdict = goal_verdict(measured.map(Averaged::inverse), 1.0 / limit_s).to_owned();
+                let verdict =
+                    goal_verdict(measured.map(Averaged::inverse), 1.0 / limit_s).to_owned();
                 let measured = measured.map_or("–".to_owned(), |measured| time(measured.mean));
                 return ["ours".to_owned(), limit, measured, verdict];
             }
@@ -73,7 +76,8 @@ mod tests {
 
     #[test]
     fn a_figure_is_reached_when_its_whole_interval_is() {
-        let measured = |low, high| Some(Averaged { mean: 0.5 * (low + high), interval: Some([low, high]) });
+        let measured =
+            |low, high| Some(Averaged { mean: 0.5 * (low + high), interval: Some([low, high]) });
         assert_eq!(goal_verdict(measured(5.0, 6.0), 5.0), "reached");
         assert_eq!(goal_verdict(measured(4.0, 6.0), 5.0), "undecided");
         assert_eq!(goal_verdict(measured(4.0, 4.9), 5.0), "**not reached**");

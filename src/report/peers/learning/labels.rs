@@ -31,5 +31,9 @@ pub(super) fn title(task: &TaskRows) -> String {
 
 /// 1000 as 1,000.
 fn grouped(number: u64) -> String {
-    if number < 1000 { number.to_string() } else { format!("{},{:03}", number / 1000, number % 1000) }
+    if number < 1000 {
+        number.to_string()
+    } else {
+        format!("{},{:03}", number / 1000, number % 1000)
+    }
 }

@@ -1,4 +1,5 @@
-//! Learning beside other packages: ratios of times with their intervals, and times over the number of samples.
+//! Learning beside other packages: ratios of times with their intervals, and times over the number
+//! of samples.
 
 mod goals;
 mod labels;
@@ -43,7 +44,10 @@ const CURVES_PITCH: f64 = (PAGE_WIDTH - 14.0) / CURVES.len() as f64;
 
 fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     let tasks = TaskRows::all(&published.learning_peers);
-    FIGURE.needs("learning.csv with a time of ours", !tasks.iter().any(|task| task.cpu_s(OURS).is_some()))?;
+    FIGURE.needs(
+        "learning.csv with a time of ours",
+        !tasks.iter().any(|task| task.cpu_s(OURS).is_some()),
+    )?;
     let peers = PACKAGES.sorted(published.learning_peers.iter().map(|row| row.peer.as_str()));
     FIGURE.files(vec![text("learning.md", table::markdown(&tasks, &peers))], &draw(&tasks, &peers))
 }
@@ -56,14 +60,18 @@ fn wanted(task: &TaskRows) -> bool {
 fn draw(tasks: &[TaskRows], peers: &[&str]) -> Canvas {
     let shown: Vec<TaskRows> = tasks.iter().copied().filter(wanted).collect();
     let high = TASK_HEIGHT * shown.len().max(1) as f64;
-    let keys: Vec<(LegendEntry, &str)> =
-        peers.iter().map(|peer| (LegendEntry::Plain(PACKAGES.look(peer)), PACKAGES.label(peer))).collect();
+    let keys: Vec<(LegendEntry, &str)> = peers
+        .iter()
+        .map(|peer| (LegendEntry::Plain(PACKAGES.look(peer)), PACKAGES.label(peer)))
+        .collect();
     let mut canvas = Canvas::new(PAGE_WIDTH, high + CURVES_HEIGHT + 190.0);
     let below = legend(&mut canvas, [LEFT_MARGIN, 18.0], PAGE_WIDTH - 12.0, &keys);
     ratio_panel(&mut canvas, &shown, peers, [NAMES_WIDTH, below + 34.0], high);
     let top = below + 34.0 + high + 76.0;
-    let sizes =
-        tasks.iter().filter(|task| CURVES.iter().any(|curves| curves.task == task.task)).map(|task| task.size as f64);
+    let sizes = tasks
+        .iter()
+        .filter(|task| CURVES.iter().any(|curves| curves.task == task.task))
+        .map(|task| task.size as f64);
     let x = Axis::decades("samples N", sizes);
     for (index, curves) in CURVES.iter().enumerate() {
         let corner = [LEFT_MARGIN + CURVES_PITCH * index as f64, top];
@@ -73,12 +81,21 @@ fn draw(tasks: &[TaskRows], peers: &[&str]) -> Canvas {
 }
 
 /// Ratios with intervals, a line of marks for each task, the packages one below the other.
-fn ratio_panel(canvas: &mut Canvas, tasks: &[TaskRows], peers: &[&str], corner: [f64; 2], high: f64) {
+fn ratio_panel(
+    canvas: &mut Canvas,
+    tasks: &[TaskRows],
+    peers: &[&str],
+    corner: [f64; 2],
+    high: f64,
+) {
     let others: Vec<&str> = peers.iter().copied().filter(|peer| *peer != OURS).collect();
-    let ratios = |task: &TaskRows| others.iter().filter_map(|peer| task.ratio(peer)).collect::<Vec<_>>();
+    let ratios =
+        |task: &TaskRows| others.iter().filter_map(|peer| task.ratio(peer)).collect::<Vec<_>>();
     let names: Vec<String> = tasks.iter().rev().map(title).collect();
-    let values =
-        tasks.iter().flat_map(ratios).flat_map(|ratio| ratio.interval.into_iter().flatten().chain([ratio.mean]));
+    let values = tasks
+        .iter()
+        .flat_map(ratios)
+        .flat_map(|ratio| ratio.interval.into_iter().flatten().chain([ratio.mean]));
     let panel = canvas.panel(Panel {
         corner,
         size: [PAGE_WIDTH - 18.0 - corner[0], high],
@@ -104,25 +121,42 @@ fn ratio_panel(canvas: &mut Canvas, tasks: &[TaskRows], peers: &[&str], corner: 
                     canvas.line(&[[x, y - 2.0], [x, y + 2.0]], 1.1, colour, &[]);
                 }
             }
-            canvas.marker(panel.at(ratio.mean.log10(), y), PACKAGES.look(peer).marker, 0.85 * MARKER, colour, false);
+            canvas.marker(
+                panel.at(ratio.mean.log10(), y),
+                PACKAGES.look(peer).marker,
+                0.85 * MARKER,
+                colour,
+                false,
+            );
         }
     }
 }
 
 impl TaskCurves {
     /// Draws the times over the number of samples.
-    fn draw(&self, canvas: &mut Canvas, tasks: &[TaskRows], peers: &[&str], corner: [f64; 2], x: &Axis) {
+    fn draw(
+        &self,
+        canvas: &mut Canvas,
+        tasks: &[TaskRows],
+        peers: &[&str],
+        corner: [f64; 2],
+        x: &Axis,
+    ) {
         let of_task: Vec<&TaskRows> = tasks.iter().filter(|task| task.task == self.task).collect();
         let line = |peer: &str| -> Vec<[f64; 2]> {
-            let point = |task: &&TaskRows| Some([task.size as f64, self.units_per_s * task.cpu_s(peer)?.mean]);
+            let point = |task: &&TaskRows| {
+                Some([task.size as f64, self.units_per_s * task.cpu_s(peer)?.mean])
+            };
             of_task.iter().filter_map(point).collect()
         };
         let times = peers.iter().flat_map(|peer| line(peer)).map(|[_, time]| time);
         let size = [CURVES_PITCH - LEFT_MARGIN - 8.0, CURVES_HEIGHT];
         let y = Axis::decades("", times);
-        let panel = canvas.panel(Panel { corner, size, x: x.clone(), y, title: self.title.to_owned() });
+        let panel =
+            canvas.panel(Panel { corner, size, x: x.clone(), y, title: self.title.to_owned() });
         for peer in peers.iter().rev() {
-            let points: Vec<[f64; 2]> = line(peer).into_iter().map(|point| point.map(f64::log10)).collect();
+            let points: Vec<[f64; 2]> =
+                line(peer).into_iter().map(|point| point.map(f64::log10)).collect();
             panel.marked(canvas, &points, PACKAGES.look(peer), [0.8 * LINE, 0.85 * MARKER]);
         }
         if of_task.is_empty() {

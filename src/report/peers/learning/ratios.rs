@@ -24,7 +24,10 @@ impl Averaged {
 
     /// One over it.
     pub(super) fn inverse(self) -> Averaged {
-        Averaged { mean: 1.0 / self.mean, interval: self.interval.map(|[low, high]| [1.0 / high, 1.0 / low]) }
+        Averaged {
+            mean: 1.0 / self.mean,
+            interval: self.interval.map(|[low, high]| [1.0 / high, 1.0 / low]),
+        }
     }
 }
 
@@ -72,7 +75,8 @@ impl<'a> TaskRows<'a> {
     /// Processor time of the fastest other package of each round over ours.
     pub(super) fn ratio_of_best(self) -> Option<Averaged> {
         let others = |round| {
-            let other_rows = self.rows.iter().filter(move |row| row.peer != OURS && row.round == round);
+            let other_rows =
+                self.rows.iter().filter(move |row| row.peer != OURS && row.round == round);
             other_rows
                 .filter(|row| row.task == self.task && row.size == self.size && row.cpu_s > 0.0)
                 .map(|row| row.cpu_s)
@@ -85,7 +89,8 @@ impl<'a> TaskRows<'a> {
     }
 
     fn ratio_of(self, time_s: impl Fn(u64) -> Option<f64>) -> Option<Averaged> {
-        let ratios: Vec<f64> = self.of(OURS).filter_map(|ours| Some(time_s(ours.round)? / ours.cpu_s)).collect();
+        let ratios: Vec<f64> =
+            self.of(OURS).filter_map(|ours| Some(time_s(ours.round)? / ours.cpu_s)).collect();
         Averaged::of(&ratios)
     }
 
@@ -104,8 +109,8 @@ impl<'a> TaskRows<'a> {
             "evaluation" => Some(n.powi(3)),
             // A triangle times a vector for each of three outputs and 10,000 queries.
             "predict_many" => Some(3.0 * 1e4 * n * n),
-            // Forward, and twice as much backward: 30 units with 7 inputs, 30 states and a constant, and 3 outputs; a window of ten
-            // from every row that has nine after it.
+            // Forward, and twice as much backward: 30 units with 7 inputs, 30 states and a
+            // constant, and 3 outputs; a window of ten from every row that has nine after it.
             "epoch" => Some(6.0 * (30.0 * 38.0 + 3.0 * 31.0) * 10.0 * (n - 9.0)),
             _ => None,
         }
@@ -132,10 +137,13 @@ mod tests {
 
     #[test]
     fn ratios_pair_the_times_of_a_round_and_leave_failures_out() {
-        let times = [("spinebench", [1.0, 2.0, 4.0]), ("a", [2.0, 8.0, 8.0]), ("b", [3.0, f64::NAN, 4.0])];
+        let times =
+            [("spinebench", [1.0, 2.0, 4.0]), ("a", [2.0, 8.0, 8.0]), ("b", [3.0, f64::NAN, 4.0])];
         let rows: Vec<LearningPeerRow> = times
             .iter()
-            .flat_map(|(peer, cpu_s)| cpu_s.iter().zip(1..).map(|(&cpu_s, round)| row(peer, round, cpu_s)))
+            .flat_map(|(peer, cpu_s)| {
+                cpu_s.iter().zip(1..).map(|(&cpu_s, round)| row(peer, round, cpu_s))
+            })
             .collect();
         let task = TaskRows::all(&rows)[0];
         let a = task.ratio("a").unwrap();

@@ -4,7 +4,8 @@ use crate::runner::execute::progress::Style;
 use crate::runner::graph::stage::{Handle, Stage, StageInputs, StageKind};
 use std::sync::Arc;
 
-const KIND: StageKind = StageKind { name: "add", module: "spinebench::runner::jobs::data::path", cost_ms: 1 };
+const KIND: StageKind =
+    StageKind { name: "add", module: "spinebench::runner::jobs::data::path", cost_ms: 1 };
 
 /// A number with a count of how often its stage ran.
 #[derive(serde::Serialize)]
@@ -46,7 +47,8 @@ fn add<I: StageInputs>(
 }
 
 fn run(graph: &Graph, store: &Store, wanted: usize, threads: usize) -> Outcomes {
-    execute(graph, store, &[wanted], &RunOptions::new(threads, &Progress::new(Style::Quiet))).unwrap()
+    execute(graph, store, &[wanted], &RunOptions::new(threads, &Progress::new(Style::Quiet)))
+        .unwrap()
 }
 
 #[test]
@@ -80,8 +82,12 @@ fn a_failure_reaches_only_the_stages_that_need_it() {
     let bad = add(&mut graph, "bad", (), |_, ()| Err("diverged".into()));
     let after = add(&mut graph, "after", bad, |_, bad| Ok(*bad));
     let good = add(&mut graph, "good", (), |_, ()| Ok(3));
-    let done = execute(&graph, &store, &[1, 2], &RunOptions::new(2, &Progress::new(Style::Quiet))).unwrap();
-    assert_eq!(done.get(after).unwrap_err(), Failure { stage: "add".into(), status: "diverged".into() });
+    let done = execute(&graph, &store, &[1, 2], &RunOptions::new(2, &Progress::new(Style::Quiet)))
+        .unwrap();
+    assert_eq!(
+        done.get(after).unwrap_err(),
+        Failure { stage: "add".into(), status: "diverged".into() }
+    );
     assert_eq!(*done.get(good).unwrap(), 3);
     assert_eq!(plan(&graph, &store, &[1, 2]), [Need::Compute, Need::Compute, Need::Cached]);
 }
@@ -109,7 +115,11 @@ fn runs_that_share_a_store_share_the_work() {
         runs.into_iter().map(|run| run.join().unwrap()).unzip()
     });
     assert_eq!(results, [6765; 3]);
-    assert_eq!((counts.iter().sum::<usize>(), count.load(Ordering::Relaxed)), (20, 20), "{counts:?}");
+    assert_eq!(
+        (counts.iter().sum::<usize>(), count.load(Ordering::Relaxed)),
+        (20, 20),
+        "{counts:?}"
+    );
 }
 
 #[test]
@@ -156,7 +166,8 @@ fn known_failures_are_not_tried_again_and_a_panic_keeps_its_message() {
     let store = Store::at(folder.path());
     let mut graph = Graph::default();
     let bad = add(&mut graph, "bad", (), |_, ()| panic!("seven is not eight"));
-    let done = execute(&graph, &store, &[0], &RunOptions::new(1, &Progress::new(Style::Quiet))).unwrap();
+    let done =
+        execute(&graph, &store, &[0], &RunOptions::new(1, &Progress::new(Style::Quiet))).unwrap();
     assert_eq!(done.get(bad).unwrap_err().status, "panicked: seven is not eight");
 
     let failure = Failure { stage: "add".into(), status: "lost".into() };
@@ -183,7 +194,13 @@ fn workers_share_what_is_missing_and_a_damaged_input_is_computed_again() {
             scope.spawn(move || {
                 let graph = ladder(count).0;
                 let share = WorkerShare { worker, workers: 3, missing };
-                execute_share(&graph, &store, share, &RunOptions::new(1, &Progress::new(Style::Quiet))).unwrap()
+                execute_share(
+                    &graph,
+                    &store,
+                    share,
+                    &RunOptions::new(1, &Progress::new(Style::Quiet)),
+                )
+                .unwrap()
             })
         };
         let workers: Vec<_> = (0..3).map(work).collect();

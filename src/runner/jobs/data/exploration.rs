@@ -10,7 +10,8 @@ pub(crate) const EXPLORE: Stage<ExploreParams, (), Transitions> = Stage {
     kind: StageKind { name: "collect_sim", module: module_path!(), cost_ms: 14_000 },
     job: |params, ()| {
         let mut plant = params.model.build(&[], params.step_s)?;
-        tasks::explore(plant.as_mut(), &params.options, Seed(params.seed)).map_err(|error| error.to_string())
+        tasks::explore(plant.as_mut(), &params.options, Seed(params.seed))
+            .map_err(|error| error.to_string())
     },
 };
 
@@ -19,7 +20,8 @@ pub(crate) const REPLAY: Stage<ReplayParams, Handle<Transitions>, Transitions> =
     kind: StageKind { name: "collect_real", module: module_path!(), cost_ms: 20_000 },
     job: |params, explored| {
         let mut plant = params.plant.build(&[], params.step_s)?;
-        tasks::replay(plant.as_mut(), explored, Seed(params.seed)).map_err(|error| error.to_string())
+        tasks::replay(plant.as_mut(), explored, Seed(params.seed))
+            .map_err(|error| error.to_string())
     },
 };
 

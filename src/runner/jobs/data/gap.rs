@@ -6,19 +6,24 @@ use crate::runner::graph::stage::{Handle, Stage, StageKind};
 use crate::tasks::Transitions;
 
 /// A number of samples spread over the exploration.
-pub(crate) const GAP: Stage<usize, (Handle<Transitions>, Handle<Transitions>), Vec<GapSample>> = Stage {
-    kind: StageKind { name: "gap", module: module_path!(), cost_ms: 20 },
-    job: |&rows, (model, robot)| {
-        let rows = rows.min(model.len());
-        Ok((0..rows).map(|row| gap_sample(model, robot, row * model.len() / rows)).collect())
-    },
-};
+pub(crate) const GAP: Stage<usize, (Handle<Transitions>, Handle<Transitions>), Vec<GapSample>> =
+    Stage {
+        kind: StageKind { name: "gap", module: module_path!(), cost_ms: 20 },
+        job: |&rows, (model, robot)| {
+            let rows = rows.min(model.len());
+            Ok((0..rows).map(|row| gap_sample(model, robot, row * model.len() / rows)).collect())
+        },
+    };
 
 fn gap_sample(model: &Transitions, robot: &Transitions, sample: usize) -> GapSample {
-    let (pulls, sim, real) = (model.pulls_m.row(sample), model.to_m.row(sample), robot.to_m.row(sample));
+    let (pulls, sim, real) =
+        (model.pulls_m.row(sample), model.to_m.row(sample), robot.to_m.row(sample));
     let tendon = |index: usize| pulls.get(index).copied().unwrap_or(f64::NAN);
-    let further_tendons: Vec<String> =
-        pulls.iter().skip(4).map(|&pull_m| round_significant(pull_m, SIGNIFICANT_DIGITS).to_string()).collect();
+    let further_tendons: Vec<String> = pulls
+        .iter()
+        .skip(4)
+        .map(|&pull_m| round_significant(pull_m, SIGNIFICANT_DIGITS).to_string())
+        .collect();
     GapSample {
         sample: sample as u64,
         tendon_1_m: tendon(0),

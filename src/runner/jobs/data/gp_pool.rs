@@ -9,8 +9,10 @@ use crate::tasks::{self, GpPointsOptions, GpPool};
 pub(crate) const GP_POOL: Stage<PoolParams, (), GpPool> = Stage {
     kind: StageKind { name: "gp_pool", module: module_path!(), cost_ms: 4000 },
     job: |params, ()| {
-        let (mut model, mut robot) = (params.model.build(&[], params.step_s)?, params.plant.build(&[], params.step_s)?);
-        let pool = tasks::gp_points(model.as_mut(), robot.as_mut(), &params.options, Seed(params.seed));
+        let (mut model, mut robot) =
+            (params.model.build(&[], params.step_s)?, params.plant.build(&[], params.step_s)?);
+        let pool =
+            tasks::gp_points(model.as_mut(), robot.as_mut(), &params.options, Seed(params.seed));
         pool.map_err(|error| error.to_string())
     },
 };

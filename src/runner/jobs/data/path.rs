@@ -10,14 +10,17 @@ pub(crate) const WAYPOINTS: Stage<WaypointParams, (), Vec<Point3>> = Stage {
     kind: StageKind { name: "waypoints", module: module_path!(), cost_ms: 100 },
     job: |params, ()| {
         let mut robot = params.robot.build(&[], params.step_s)?;
-        tasks::waypoints(robot.as_mut(), &params.options, Seed(0)).map_err(|error| error.to_string())
+        tasks::waypoints(robot.as_mut(), &params.options, Seed(0))
+            .map_err(|error| error.to_string())
     },
 };
 
 /// The path through them.
 pub(crate) const PATH: Stage<PathOptions, Handle<Vec<Point3>>, Vec<Point3>> = Stage {
     kind: StageKind { name: "path", module: module_path!(), cost_ms: 1 },
-    job: |options, waypoints| tasks::interpolate(waypoints, options).map_err(|error| error.to_string()),
+    job: |options, waypoints| {
+        tasks::interpolate(waypoints, options).map_err(|error| error.to_string())
+    },
 };
 
 /// Parameters of [`WAYPOINTS`].

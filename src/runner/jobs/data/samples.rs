@@ -9,7 +9,8 @@ use std::sync::Arc;
 /// The commands of a recording as the forward network plays them.
 pub(crate) fn simulated(network: &Trained, samples: &Transitions) -> Result<Transitions, String> {
     let network = Arc::new(network.network.clone());
-    let mut model = NetworkForward::new(network, samples.pulls_m.width()).map_err(|error| error.to_string())?;
+    let mut model =
+        NetworkForward::new(network, samples.pulls_m.width()).map_err(|error| error.to_string())?;
     tasks::rollout(samples, &mut model).map_err(|error| error.to_string())
 }
 

@@ -13,14 +13,17 @@ pub(crate) const TARGET_POOL: Stage<TargetPoolParams, (), Vec<Point3>> = Stage {
     kind: StageKind { name: "target_pool", module: module_path!(), cost_ms: 4000 },
     job: |params, ()| {
         let mut robot = params.robot.build(&[], params.step_s)?;
-        tasks::target_pool(robot.as_mut(), &params.options, Seed(0)).map_err(|error| error.to_string())
+        tasks::target_pool(robot.as_mut(), &params.options, Seed(0))
+            .map_err(|error| error.to_string())
     },
 };
 
 /// The targets that are drawn: their number and the seed.
 pub(crate) const TARGETS: Stage<(usize, u64), Handle<Vec<Point3>>, Targets> = Stage {
     kind: StageKind { name: "targets", module: module_path!(), cost_ms: 1 },
-    job: |&(drawn, seed), pool| tasks::draw_targets(pool, drawn, Seed(seed)).map_err(|error| error.to_string()),
+    job: |&(drawn, seed), pool| {
+        tasks::draw_targets(pool, drawn, Seed(seed)).map_err(|error| error.to_string())
+    },
 };
 
 /// Parameters of [`TARGET_POOL`].

@@ -10,7 +10,12 @@ use crate::tasks::ExploreOptions;
 pub(crate) const COMMANDS: Stage<CommandParams, (), Commands> = Stage {
     kind: StageKind { name: "blind_commands", module: module_path!(), cost_ms: 300 },
     job: |params, ()| {
-        let commands = benchmark::explore_commands(&params.model, &params.explore, params.step_s, Seed(params.seed));
+        let commands = benchmark::explore_commands(
+            &params.model,
+            &params.explore,
+            params.step_s,
+            Seed(params.seed),
+        );
         commands.map_err(|error| error.to_string())
     },
 };
@@ -19,11 +24,13 @@ pub(crate) const COMMANDS: Stage<CommandParams, (), Commands> = Stage {
 pub(crate) const SPAN: Stage<SpanParams, Handle<Commands>, CatalogueSpan> = Stage {
     kind: StageKind { name: "blind_span", module: module_path!(), cost_ms: 15_000 },
     job: |params, commands| {
-        CatalogueSpan::new(&params.model, commands, &params.priors, params.noise_m).map_err(|error| error.to_string())
+        CatalogueSpan::new(&params.model, commands, &params.priors, params.noise_m)
+            .map_err(|error| error.to_string())
     },
 };
 
-/// Handles of the commands and, where the oracle judges the case, of what the catalogue can imitate.
+/// Handles of the commands and, where the oracle judges the case, of what the catalogue can
+/// imitate.
 type TruthInputs = (Handle<Commands>, Option<Handle<CatalogueSpan>>);
 /// Handles of what is hidden and of the commands.
 type RecordingInputs = (Handle<Truth>, Handle<Commands>);
@@ -31,14 +38,17 @@ type RecordingInputs = (Handle<Truth>, Handle<Commands>);
 /// What is hidden: the sealed label.
 pub(crate) const TRUTH: Stage<CaseDesign, TruthInputs, Truth> = Stage {
     kind: StageKind { name: "blind_truth", module: module_path!(), cost_ms: 3_000 },
-    job: |robot, (commands, span)| benchmark::draw(robot, commands, span).map_err(|error| error.to_string()),
+    job: |robot, (commands, span)| {
+        benchmark::draw(robot, commands, span).map_err(|error| error.to_string())
+    },
 };
 
 /// The recording: of the robot and of the correlation of its noise.
 pub(crate) const RECORDING: Stage<(CaseDesign, f64), RecordingInputs, PublicCase> = Stage {
     kind: StageKind { name: "blind_recording", module: module_path!(), cost_ms: 500 },
     job: |(robot, correlation), (truth, commands)| {
-        benchmark::measure_case(robot, truth, commands, *correlation).map_err(|error| error.to_string())
+        benchmark::measure_case(robot, truth, commands, *correlation)
+            .map_err(|error| error.to_string())
     },
 };
 

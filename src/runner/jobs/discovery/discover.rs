@@ -24,7 +24,8 @@ pub(crate) const DISCOVER: Stage<(Model, Options), Handle<PublicCase>, CaseAnswe
 pub(crate) const DISCOVER_RECORDED: Stage<RecordedParams, (), CaseAnswer> = Stage {
     kind: StageKind { name: "discover_recorded", module: module_path!(), cost_ms: 20_000 },
     job: |params, ()| {
-        let read = |file: &RecordedFile| Recording::read(&file.0).map_err(|error| error.to_string());
+        let read =
+            |file: &RecordedFile| Recording::read(&file.0).map_err(|error| error.to_string());
         let baseline = params.baseline.as_ref().map(read).transpose()?;
         answer(&params.model, &read(&params.measured)?, baseline.as_ref(), &params.options)
     },
@@ -39,7 +40,8 @@ pub(crate) struct RecordedParams {
     pub(crate) baseline: Option<RecordedFile>,
 }
 
-/// A file that enters the key of a stage by its content, wherever it lies. One that cannot be read fails the stage.
+/// A file that enters the key of a stage by its content, wherever it lies. One that cannot be read
+/// fails the stage.
 pub(crate) struct RecordedFile(pub(crate) PathBuf);
 
 impl Serialize for RecordedFile {
@@ -54,6 +56,11 @@ fn answer(
     baseline: Option<&Recording>,
     options: &Options,
 ) -> Result<CaseAnswer, String> {
-    let discovery = discover(model, measured, baseline, options).map_err(|error| error.to_string())?;
-    Ok(CaseAnswer::new(&discovery.findings, discovery.alternatives.stiffness_only_m, discovery.alternatives.gp_m))
+    let discovery =
+        discover(model, measured, baseline, options).map_err(|error| error.to_string())?;
+    Ok(CaseAnswer::new(
+        &discovery.findings,
+        discovery.alternatives.stiffness_only_m,
+        discovery.alternatives.gp_m,
+    ))
 }

@@ -21,8 +21,10 @@ pub(crate) const GP: Stage<GpParams, GpInputs, Gp> = Stage {
 };
 
 /// How well the process fits: a stage of its own, so that publishing holds no process in memory.
-pub(crate) const GP_SCORE: Stage<(), Handle<Gp>, GpScore> =
-    Stage { kind: StageKind { name: "gp_score", module: module_path!(), cost_ms: 50 }, job: |(), gp| Ok(score(gp)) };
+pub(crate) const GP_SCORE: Stage<(), Handle<Gp>, GpScore> = Stage {
+    kind: StageKind { name: "gp_score", module: module_path!(), cost_ms: 50 },
+    job: |(), gp| Ok(score(gp)),
+};
 
 /// Parameters of [`GP`].
 #[derive(serde::Serialize)]

@@ -1,4 +1,5 @@
-//! How often the intervals of the Gaussian process hold what they promise, on predefined points that it has not seen.
+//! How often the intervals of the Gaussian process hold what they promise, on predefined points
+//! that it has not seen.
 
 use super::gaussian_process::GpParams;
 use crate::learn::gp::Gp;
@@ -9,7 +10,8 @@ use crate::runner::graph::stage::{Handle, Stage, StageKind};
 use crate::runner::jobs::data::samples::points;
 use crate::tasks::GpPool;
 
-/// Handles of the predefined points, of the forward network where p_sim comes from it, and of the process.
+/// Handles of the predefined points, of the forward network where p_sim comes from it, and of the
+/// process.
 pub(crate) type CoverageInputs = (Handle<GpPool>, Option<Handle<Trained>>, Handle<Gp>);
 
 /// By axis and promised share.
@@ -29,11 +31,13 @@ pub(crate) const GP_COVERAGE: Stage<CoverageParams, CoverageInputs, Vec<GpCovera
             let deviations: Vec<f64> = (0..unseen_indices.len())
                 .map(|row| {
                     let error_m = unseen.errors_m.row(row)[axis] - predicted.mean.row(row)[axis];
-                    error_m.abs() / (predicted.variance.row(row)[axis] + noise_m[axis].powi(2)).sqrt()
+                    error_m.abs()
+                        / (predicted.variance.row(row)[axis] + noise_m[axis].powi(2)).sqrt()
                 })
                 .collect();
             for &promised in &params.shares {
-                // A normal error lies within ± this many standard deviations in the promised share of cases.
+                // A normal error lies within ± this many standard deviations in the promised share
+                // of cases.
                 let quantile = normal_quantile(0.5 + 0.5 * promised);
                 let covered = deviations.iter().filter(|deviation| **deviation <= quantile).count();
                 rows.push(GpCoverage {

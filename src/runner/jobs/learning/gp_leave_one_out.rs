@@ -22,12 +22,16 @@ fn rows(gp: &Gp, shares: &[f64]) -> Vec<GpLeftOut> {
             .zip(left_out.mean.iter())
             .map(|(row, mean)| (row[axis] - mean[axis]).abs())
             .collect();
-        let log_probability = left_out.log_probability.iter().map(|row| row[axis]).sum::<f64>() / count;
+        let log_probability =
+            left_out.log_probability.iter().map(|row| row[axis]).sum::<f64>() / count;
         for &promised in shares {
-            // A normal error lies within ± this many standard deviations in the promised share of cases.
+            // A normal error lies within ± this many standard deviations in the promised share of
+            // cases.
             let quantile = normal_quantile(0.5 + 0.5 * promised);
-            let inside = |(error_m, variance): (&f64, &[f64])| *error_m <= quantile * variance[axis].sqrt();
-            let covered = errors_m.iter().zip(left_out.variance.iter()).filter(|pair| inside(*pair)).count();
+            let inside =
+                |(error_m, variance): (&f64, &[f64])| *error_m <= quantile * variance[axis].sqrt();
+            let covered =
+                errors_m.iter().zip(left_out.variance.iter()).filter(|pair| inside(*pair)).count();
             rows.push(GpLeftOut {
                 points: gp.points() as u64,
                 kernel: gp.config().kernel.name().to_owned(),

@@ -8,14 +8,23 @@ use crate::runner::jobs::data::samples::joined;
 use crate::tasks::Transitions;
 
 /// The training of a network on the exploration, or on what the robot did under the same commands.
-pub(crate) fn train(network: &NetworkDescription) -> Stage<NetworkParams, Handle<Transitions>, Trained> {
+pub(crate) fn train(
+    network: &NetworkDescription,
+) -> Stage<NetworkParams, Handle<Transitions>, Trained> {
     Stage {
         kind: StageKind { name: network.stage, module: module_path!(), cost_ms: 1000 },
         job: |params, samples| {
             let limited = params.points.map(|points| samples.first(points));
             let samples = limited.as_ref().unwrap_or(samples);
-            let (inputs, outputs) = (columns(samples, params.inputs), columns(samples, params.outputs));
-            let trained = Network::train(&inputs, &outputs, &samples.starts, &params.config, Seed(params.seed));
+            let (inputs, outputs) =
+                (columns(samples, params.inputs), columns(samples, params.outputs));
+            let trained = Network::train(
+                &inputs,
+                &outputs,
+                &samples.starts,
+                &params.config,
+                Seed(params.seed),
+            );
             trained.map_err(|error| error.to_string())
         },
     }

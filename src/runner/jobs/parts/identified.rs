@@ -1,5 +1,5 @@
-//! A robot of a spec beside the digest of all that it is: stages are filed under the digest, so that a model need not be
-//! written out for each of a hundred thousand of them.
+//! A robot of a spec beside the digest of all that it is: stages are filed under the digest, so
+//! that a model need not be written out for each of a hundred thousand of them.
 
 use crate::base::Plant;
 use crate::effects::EffectSpec;
@@ -18,13 +18,14 @@ pub(crate) struct Identified {
 }
 
 impl Identified {
-    /// Digests a robot; of one that replays a recording the content, wherever the file lies, and of a `hardware` plant the
-    /// code that drives it.
+    /// Digests a robot; of one that replays a recording the content, wherever the file lies, and of
+    /// a `hardware` plant the code that drives it.
     ///
     /// # Errors
     /// [`Failure`] for a robot that cannot be written as JSON.
     pub(crate) fn new(spec: PlantSpec) -> Result<Identified, Failure> {
-        let failed = |error: serde_json::Error| Failure { stage: "plant".into(), status: error.to_string() };
+        let failed =
+            |error: serde_json::Error| Failure { stage: "plant".into(), status: error.to_string() };
         let mut bytes = serde_json::to_vec(&spec).map_err(failed)?;
         bytes.extend(spec.identity());
         if spec.drives_hardware() {
@@ -52,8 +53,16 @@ impl Identified {
     ///
     /// # Errors
     /// What is out of range or not as it should be, in words.
-    pub(crate) fn build(&self, effects: &[EffectSpec], step_s: f64) -> Result<Box<dyn Plant>, String> {
-        if effects.is_empty() { self.spec.build(step_s) } else { self.spec.with_effects(effects).build(step_s) }
+    pub(crate) fn build(
+        &self,
+        effects: &[EffectSpec],
+        step_s: f64,
+    ) -> Result<Box<dyn Plant>, String> {
+        if effects.is_empty() {
+            self.spec.build(step_s)
+        } else {
+            self.spec.with_effects(effects).build(step_s)
+        }
     }
 }
 

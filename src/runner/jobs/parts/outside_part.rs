@@ -1,4 +1,5 @@
-//! A policy from outside beside the digest of all that it is: its options and the content of its file, wherever that lies.
+//! A policy from outside beside the digest of all that it is: its options and the content of its
+//! file, wherever that lies.
 
 use crate::base::Policy;
 use crate::policies::{OutsidePolicies, OutsidePolicy, PolicyOptions};
@@ -22,25 +23,39 @@ impl OutsidePart {
     ///
     /// # Errors
     /// [`Failure`] for a file that cannot be read.
-    pub(crate) fn all(policies: &OutsidePolicies) -> Result<BTreeMap<String, OutsidePart>, Failure> {
-        policies.iter().map(|(name, policy)| Ok((name.clone(), OutsidePart::read(policy)?))).collect()
+    pub(crate) fn all(
+        policies: &OutsidePolicies,
+    ) -> Result<BTreeMap<String, OutsidePart>, Failure> {
+        policies
+            .iter()
+            .map(|(name, policy)| Ok((name.clone(), OutsidePart::read(policy)?)))
+            .collect()
     }
 
     fn read(policy: &OutsidePolicy) -> Result<OutsidePart, Failure> {
         let failed = |status: String| Failure { stage: "policy".into(), status };
         let file = policy.file();
-        let content = std::fs::read(file).map_err(|error| failed(format!("{}: {error}", file.display())))?;
+        let content =
+            std::fs::read(file).map_err(|error| failed(format!("{}: {error}", file.display())))?;
         let nameless = policy.clone().with_file(PathBuf::new());
         let mut bytes = serde_json::to_vec(&nameless).map_err(|error| failed(error.to_string()))?;
         bytes.extend(&content);
-        Ok(OutsidePart { policy: policy.clone(), content: Arc::new(content), digest: Digest::of(&bytes) })
+        Ok(OutsidePart {
+            policy: policy.clone(),
+            content: Arc::new(content),
+            digest: Digest::of(&bytes),
+        })
     }
 
     /// The policy for a robot with so many tendons.
     ///
     /// # Errors
     /// What is not as it should be, in words.
-    pub(crate) fn build(&self, tendons: usize, options: &PolicyOptions) -> Result<Box<dyn Policy>, String> {
+    pub(crate) fn build(
+        &self,
+        tendons: usize,
+        options: &PolicyOptions,
+    ) -> Result<Box<dyn Policy>, String> {
         self.policy.build(&self.content, tendons, options)
     }
 }

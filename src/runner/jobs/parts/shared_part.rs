@@ -1,5 +1,5 @@
-//! A part of a spec that many stages read: shared by their jobs, and in the stages' keys as one digest, so that a sweep of
-//! many points neither copies nor writes out a robot for every stage.
+//! A part of a spec that many stages read: shared by their jobs, and in the stages' keys as one
+//! digest, so that a sweep of many points neither copies nor writes out a robot for every stage.
 
 use crate::runner::graph::digest::Digest;
 use crate::runner::graph::failure::Failure;
@@ -16,7 +16,8 @@ impl<T: Serialize> SharedPart<T> {
     /// # Errors
     /// [`Failure`] for a part that cannot be written as JSON.
     pub(crate) fn new(value: T) -> Result<SharedPart<T>, Failure> {
-        let failed = |error: serde_json::Error| Failure { stage: "spec".into(), status: error.to_string() };
+        let failed =
+            |error: serde_json::Error| Failure { stage: "spec".into(), status: error.to_string() };
         let json = serde_json::to_vec(&value).map_err(failed)?;
         Ok(SharedPart(Arc::new((value, Digest::of(&json)))))
     }

@@ -7,7 +7,8 @@ use crate::effects::{EffectSpec, Model};
 use crate::runner::graph::stage::{Handle, Stage, StageKind};
 use crate::tasks::Transitions;
 
-/// Handles of the recording before the change, of that after the alarm, and of what the model lacked before.
+/// Handles of the recording before the change, of that after the alarm, and of what the model
+/// lacked before.
 type DiagnoseInputs = (Handle<Transitions>, Handle<Transitions>, Handle<Diagnosis>);
 
 /// What the model lacks of the robot as it was built.
@@ -19,7 +20,9 @@ pub(crate) const IDENTIFY: Stage<DiagnoseParams, Handle<Transitions>, Diagnosis>
 /// What has changed since.
 pub(crate) const DIAGNOSE: Stage<DiagnoseParams, DiagnoseInputs, Diagnosis> = Stage {
     kind: StageKind { name: "diagnose", module: module_path!(), cost_ms: 15_000 },
-    job: |params, (built, changed, identified)| Ok(params.answer(&identified.effects, changed, Some(built))),
+    job: |params, (built, changed, identified)| {
+        Ok(params.answer(&identified.effects, changed, Some(built)))
+    },
 };
 
 /// Parameters of [`IDENTIFY`] and [`DIAGNOSE`].
@@ -31,9 +34,14 @@ pub(crate) struct DiagnoseParams {
 }
 
 impl DiagnoseParams {
-    /// The answer for the model with the `identified` effects. Data that allow none are an answer, too: a lab then has no
-    /// line to add.
-    fn answer(&self, identified: &[EffectSpec], measured: &Transitions, baseline: Option<&Transitions>) -> Diagnosis {
+    /// The answer for the model with the `identified` effects. Data that allow none are an answer,
+    /// too: a lab then has no line to add.
+    fn answer(
+        &self,
+        identified: &[EffectSpec],
+        measured: &Transitions,
+        baseline: Option<&Transitions>,
+    ) -> Diagnosis {
         let mut model = self.model.clone();
         model.effects.extend(identified.iter().cloned());
         let baseline = baseline.map(|baseline| recording(baseline, self.step_s));
@@ -42,7 +50,13 @@ impl DiagnoseParams {
         match discover(&model, &measured, baseline.as_ref(), &self.options) {
             Ok(discovery) => Diagnosis {
                 verdict: discovery.findings.verdict.name().to_owned(),
-                effects: discovery.model.effects.iter().skip(model.effects.len()).cloned().collect(),
+                effects: discovery
+                    .model
+                    .effects
+                    .iter()
+                    .skip(model.effects.len())
+                    .cloned()
+                    .collect(),
                 samples,
                 gap_m: [discovery.findings.gap.before_m, discovery.findings.gap.after_m],
                 noise_floor_m: discovery.findings.noise_floor_m,
@@ -52,7 +66,8 @@ impl DiagnoseParams {
     }
 }
 
-/// Transitions as a recording: a row holds the tip at its time and the command from then on; the last command is held.
+/// Transitions as a recording: a row holds the tip at its time and the command from then on; the
+/// last command is held.
 fn recording(samples: &Transitions, step_s: f64) -> Recording {
     let mut recording = Recording::new(Actuation::Lengths, samples.pulls_m.width());
     let mut tips_m = Vec::with_capacity(samples.len() + samples.starts.len());
@@ -61,8 +76,11 @@ fn recording(samples: &Transitions, step_s: f64) -> Recording {
             recording.trial.push(number as u64);
             recording.time_s.push(row as f64 * step_s);
             recording.commands.push(samples.pulls_m.row((range.start + row).min(range.end - 1)));
-            let tip_m =
-                if row == 0 { samples.from_m.row(range.start) } else { samples.to_m.row(range.start + row - 1) };
+            let tip_m = if row == 0 {
+                samples.from_m.row(range.start)
+            } else {
+                samples.to_m.row(range.start + row - 1)
+            };
             tips_m.push([tip_m[0], tip_m[1], tip_m[2]]);
         }
     }

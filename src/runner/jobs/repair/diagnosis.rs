@@ -1,4 +1,5 @@
-//! What was found out about a changed robot. A file of its own: what reads a diagnosis need not depend on how it is made.
+//! What was found out about a changed robot. A file of its own: what reads a diagnosis need not
+//! depend on how it is made.
 
 use crate::effects::EffectSpec;
 use serde::{Deserialize, Serialize};
@@ -21,6 +22,12 @@ pub(crate) struct Diagnosis {
 impl Diagnosis {
     /// The answer of a recording of so many rows that adds nothing to the model.
     pub(crate) fn nothing(verdict: String, samples: u64) -> Diagnosis {
-        Diagnosis { verdict, effects: Vec::new(), samples, gap_m: [f64::NAN; 2], noise_floor_m: f64::NAN }
+        Diagnosis {
+            verdict,
+            effects: Vec::new(),
+            samples,
+            gap_m: [f64::NAN; 2],
+            noise_floor_m: f64::NAN,
+        }
     }
 }

@@ -1,4 +1,5 @@
-//! The error model after a change that was named: points from before it, and the rows that were recorded after it.
+//! The error model after a change that was named: points from before it, and the rows that were
+//! recorded after it.
 
 use super::diagnosis::Diagnosis;
 use crate::base::Seed;
@@ -12,8 +13,9 @@ use crate::tasks::{self, GpPool, Transitions};
 /// Handles of the predefined points, of the recording of the changed robot, and of the diagnosis.
 type ChangedGpInputs = (Handle<GpPool>, Handle<Transitions>, Handle<Diagnosis>);
 
-/// The process of eq. (20) about the repaired model, for networks that were trained on with it. Where the diagnosis is right,
-/// the model as it was lacked of the robot before the change what the repaired one lacks after it.
+/// The process of eq. (20) about the repaired model, for networks that were trained on with it.
+/// Where the diagnosis is right, the model as it was lacked of the robot before the change what the
+/// repaired one lacks after it.
 pub(crate) const GP_REPAIRED: Stage<GpRepairedParams, ChangedGpInputs, Gp> = Stage {
     kind: StageKind { name: "gp_repaired", module: module_path!(), cost_ms: 500 },
     job: |params, (pool, changed, diagnosis)| {
@@ -24,8 +26,8 @@ pub(crate) const GP_REPAIRED: Stage<GpRepairedParams, ChangedGpInputs, Gp> = Sta
     },
 };
 
-/// The process about the model as it was, for networks that stay as they are: each real point is moved by what the named
-/// lines do at its command, in the model.
+/// The process about the model as it was, for networks that stay as they are: each real point is
+/// moved by what the named lines do at its command, in the model.
 pub(crate) const GP_MOVED: Stage<GpRepairedParams, ChangedGpInputs, Gp> = Stage {
     kind: StageKind { name: "gp_moved", module: module_path!(), cost_ms: 2000 },
     job: |params, (pool, changed, diagnosis)| {

@@ -11,6 +11,7 @@ pub(crate) const EXPLORE_REPAIRED: Stage<ExploreParams, Handle<Diagnosis>, Trans
     kind: StageKind { name: "collect_repaired", module: module_path!(), cost_ms: 14_000 },
     job: |params, diagnosis| {
         let mut plant = params.model.build(&diagnosis.effects, params.step_s)?;
-        tasks::explore(plant.as_mut(), &params.options, Seed(params.seed)).map_err(|error| error.to_string())
+        tasks::explore(plant.as_mut(), &params.options, Seed(params.seed))
+            .map_err(|error| error.to_string())
     },
 };

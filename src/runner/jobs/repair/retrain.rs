@@ -1,4 +1,5 @@
-//! Networks that are trained on from where they are, on data of a repaired model or of a new error model.
+//! Networks that are trained on from where they are, on data of a repaired model or of a new error
+//! model.
 
 use crate::base::Seed;
 use crate::learn::gp::Gp;
@@ -18,13 +19,20 @@ pub(crate) const RETRAIN: Stage<(String, NetworkParams), RetrainInputs, Trained>
         let generated = gp.map(|gp| generated(samples, gp)).transpose()?;
         let samples = generated.as_ref().unwrap_or(samples);
         let (inputs, outputs) = (columns(samples, params.inputs), columns(samples, params.outputs));
-        let trained = present.network.retrain(&inputs, &outputs, &samples.starts, &params.config, Seed(params.seed));
+        let trained = present.network.retrain(
+            &inputs,
+            &outputs,
+            &samples.starts,
+            &params.config,
+            Seed(params.seed),
+        );
         trained.map_err(|error| error.to_string())
     },
 };
 
 /// The exploration as the robot would have done it (eq. 24).
 fn generated(samples: &Transitions, gp: &Gp) -> Result<Transitions, String> {
-    let error = GpError::new(gp.clone(), samples.pulls_m.width()).map_err(|error| error.to_string())?;
+    let error =
+        GpError::new(gp.clone(), samples.pulls_m.width()).map_err(|error| error.to_string())?;
     tasks::correct_samples(samples, &error).map_err(|error| error.to_string())
 }

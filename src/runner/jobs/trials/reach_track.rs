@@ -18,33 +18,48 @@ use std::sync::Arc;
 pub(crate) type PartHandles = (Vec<Handle<Trained>>, Option<Handle<Gp>>);
 
 /// Goal reaching.
-pub(crate) const REACH: Stage<ReachParams, (PartHandles, Handle<Targets>), Vec<ReachTrial>> = Stage {
-    kind: StageKind { name: "reach", module: module_path!(), cost_ms: 1000 },
-    job: |params, (parts, targets)| {
-        let condition = &params.condition;
-        let (mut policy, mut plant) = (condition.policy(parts)?, condition.plant()?);
-        let mut trials = Vec::with_capacity(targets.len());
-        // The seed of a trial depends on its target's number, never on the policy.
-        for (draw, (_, target_m)) in targets.iter().enumerate() {
-            let seed = Seed(condition.seed).index(draw as u64);
-            let (feedback, options) = (condition.feedback, &params.options);
-            let outcome = tasks::reach(plant.as_mut(), policy.as_mut(), target_m, feedback, options, seed);
-            trials.push(measured(draw, target_m, outcome.map_err(|error| error.to_string())?));
-        }
-        Ok(trials)
-    },
-};
+pub(crate) const REACH: Stage<ReachParams, (PartHandles, Handle<Targets>), Vec<ReachTrial>> =
+    Stage {
+        kind: StageKind { name: "reach", module: module_path!(), cost_ms: 1000 },
+        job: |params, (parts, targets)| {
+            let condition = &params.condition;
+            let (mut policy, mut plant) = (condition.policy(parts)?, condition.plant()?);
+            let mut trials = Vec::with_capacity(targets.len());
+            // The seed of a trial depends on its target's number, never on the policy.
+            for (draw, (_, target_m)) in targets.iter().enumerate() {
+                let seed = Seed(condition.seed).index(draw as u64);
+                let (feedback, options) = (condition.feedback, &params.options);
+                let outcome = tasks::reach(
+                    plant.as_mut(),
+                    policy.as_mut(),
+                    target_m,
+                    feedback,
+                    options,
+                    seed,
+                );
+                trials.push(measured(draw, target_m, outcome.map_err(|error| error.to_string())?));
+            }
+            Ok(trials)
+        },
+    };
 
 /// Path tracking.
-pub(crate) const TRACK: Stage<TrackParams, (PartHandles, Handle<Vec<Point3>>), Vec<TrackSample>> = Stage {
-    kind: StageKind { name: "track", module: module_path!(), cost_ms: 1000 },
-    job: |params, (parts, path)| {
-        let condition = &params.condition;
-        let (mut policy, mut plant) = (condition.policy(parts)?, condition.plant()?);
-        let steps = tasks::track(plant.as_mut(), policy.as_mut(), path, &params.options, Seed(condition.seed));
-        Ok(steps.map_err(|error| error.to_string())?.into_iter().map(track_sample).collect())
-    },
-};
+pub(crate) const TRACK: Stage<TrackParams, (PartHandles, Handle<Vec<Point3>>), Vec<TrackSample>> =
+    Stage {
+        kind: StageKind { name: "track", module: module_path!(), cost_ms: 1000 },
+        job: |params, (parts, path)| {
+            let condition = &params.condition;
+            let (mut policy, mut plant) = (condition.policy(parts)?, condition.plant()?);
+            let steps = tasks::track(
+                plant.as_mut(),
+                policy.as_mut(),
+                path,
+                &params.options,
+                Seed(condition.seed),
+            );
+            Ok(steps.map_err(|error| error.to_string())?.into_iter().map(track_sample).collect())
+        },
+    };
 
 /// Parameters of [`REACH`].
 #[derive(serde::Serialize)]
@@ -92,7 +107,8 @@ impl Condition {
         if let Some(outside) = &self.outside {
             return outside.build(self.plant.tendons(), &self.options);
         }
-        let entry = policies::find(&self.policy).ok_or_else(|| format!("unknown policy {}", self.policy))?;
+        let entry = policies::find(&self.policy)
+            .ok_or_else(|| format!("unknown policy {}", self.policy))?;
         let mut parts = PolicyParts::default();
         for (network, trained) in entry.networks().zip(networks) {
             let trained = Arc::new(trained.network.clone());
@@ -100,12 +116,15 @@ impl Condition {
         }
         if let Some(gp) = error {
             let tendons = gp.inputs().saturating_sub(3);
-            parts = parts.with_error(Arc::new(GpError::new(gp.clone(), tendons).map_err(|error| error.to_string())?));
+            parts = parts.with_error(Arc::new(
+                GpError::new(gp.clone(), tendons).map_err(|error| error.to_string())?,
+            ));
         }
         if let Some(model) = &self.model {
             parts = parts.with_layout(model.spec().tendon_layout());
             if entry.model == ModelAccess::AtRest {
-                let tip = tasks::tip_model(model.spec()).ok_or("a model without equations has no tip at rest")?;
+                let tip = tasks::tip_model(model.spec())
+                    .ok_or("a model without equations has no tip at rest")?;
                 parts = parts.with_tip_model(tip);
             }
         }

@@ -9,40 +9,53 @@ use crate::runner::jobs::parts::identified::Identified;
 use crate::tasks::{self, Lap, LapTimes, Response, ResponseLimits, WatchedRobot};
 
 /// Responses to the targets.
-pub(crate) const RESPONSE: Stage<ResponseParams, (PartHandles, Handle<Targets>), Vec<ResponseTrial>> =
-    Stage {
-        kind: StageKind { name: "response", module: module_path!(), cost_ms: 3000 },
-        job: |params, (parts, targets)| {
-            let condition = &params.condition;
-            let (mut policy, mut robot) = (condition.policy(parts)?, params.robot()?);
-            let max_step_m = condition.options.limits.max_step_m;
-            let limits = ResponseLimits { duration_s: params.duration_s, max_step_m };
-            let mut trials = Vec::with_capacity(targets.len());
-            // The seed of a trial depends on its target's number, never on the policy.
-            for (draw, (_, target_m)) in targets.iter().enumerate() {
-                let seed = Seed(condition.seed).index(draw as u64);
-                let response = tasks::response(&mut robot, policy.as_mut(), target_m, condition.feedback, limits, seed);
-                trials.push(response_trial(draw, response.map_err(|error| error.to_string())?));
-            }
-            Ok(trials)
-        },
-    };
-
-/// A lap at each speed.
-pub(crate) const PACE: Stage<PaceParams, (PartHandles, Handle<Vec<Point3>>), Vec<PaceLap>> = Stage {
-    kind: StageKind { name: "pace", module: module_path!(), cost_ms: 2000 },
-    job: |params, (parts, path)| {
-        let condition = &params.trial.condition;
-        let (mut policy, mut robot) = (condition.policy(parts)?, params.trial.robot()?);
-        let lap = |&speed: &f64| {
-            let times = LapTimes { lead_in_s: params.trial.duration_s, lap_s: params.lap_s / speed };
-            let seed = Seed(condition.seed);
-            let lap = tasks::lap(&mut robot, policy.as_mut(), path, condition.feedback, times, seed);
-            Ok(pace_lap(speed, times.lap_s, lap.map_err(|error| error.to_string())?))
-        };
-        params.speeds.iter().map(lap).collect()
+pub(crate) const RESPONSE: Stage<
+    ResponseParams,
+    (PartHandles, Handle<Targets>),
+    Vec<ResponseTrial>,
+> = Stage {
+    kind: StageKind { name: "response", module: module_path!(), cost_ms: 3000 },
+    job: |params, (parts, targets)| {
+        let condition = &params.condition;
+        let (mut policy, mut robot) = (condition.policy(parts)?, params.robot()?);
+        let max_step_m = condition.options.limits.max_step_m;
+        let limits = ResponseLimits { duration_s: params.duration_s, max_step_m };
+        let mut trials = Vec::with_capacity(targets.len());
+        // The seed of a trial depends on its target's number, never on the policy.
+        for (draw, (_, target_m)) in targets.iter().enumerate() {
+            let seed = Seed(condition.seed).index(draw as u64);
+            let response = tasks::response(
+                &mut robot,
+                policy.as_mut(),
+                target_m,
+                condition.feedback,
+                limits,
+                seed,
+            );
+            trials.push(response_trial(draw, response.map_err(|error| error.to_string())?));
+        }
+        Ok(trials)
     },
 };
+
+/// A lap at each speed.
+pub(crate) const PACE: Stage<PaceParams, (PartHandles, Handle<Vec<Point3>>), Vec<PaceLap>> =
+    Stage {
+        kind: StageKind { name: "pace", module: module_path!(), cost_ms: 2000 },
+        job: |params, (parts, path)| {
+            let condition = &params.trial.condition;
+            let (mut policy, mut robot) = (condition.policy(parts)?, params.trial.robot()?);
+            let lap = |&speed: &f64| {
+                let times =
+                    LapTimes { lead_in_s: params.trial.duration_s, lap_s: params.lap_s / speed };
+                let seed = Seed(condition.seed);
+                let lap =
+                    tasks::lap(&mut robot, policy.as_mut(), path, condition.feedback, times, seed);
+                Ok(pace_lap(speed, times.lap_s, lap.map_err(|error| error.to_string())?))
+            };
+            params.speeds.iter().map(lap).collect()
+        },
+    };
 
 /// Parameters of [`RESPONSE`].
 #[derive(serde::Serialize)]
@@ -65,8 +78,12 @@ pub(crate) struct PaceParams {
 
 impl ResponseParams {
     fn robot(&self) -> Result<WatchedRobot, String> {
-        let build = |quiet: &Identified| quiet.build(&self.condition.effects, self.condition.step_s);
-        Ok(WatchedRobot { plant: self.condition.plant()?, quiet: self.quiet.as_ref().map(build).transpose()? })
+        let build =
+            |quiet: &Identified| quiet.build(&self.condition.effects, self.condition.step_s);
+        Ok(WatchedRobot {
+            plant: self.condition.plant()?,
+            quiet: self.quiet.as_ref().map(build).transpose()?,
+        })
     }
 }
 
