@@ -1,5 +1,5 @@
-//! Calculations on recordings and specs: simulate, calibrate, discover, run. Arguments are files;
-//! results are JSON and CSV, which `spinebench/_calculations.py` makes objects of.
+//! Calculations on recordings and specs: simulate, calibrate, discover, run. Results are JSON, columns
+//! and CSV, which `spinebench/_calculations.py` makes objects of.
 
 use std::collections::BTreeMap;
 use std::fmt::Display;
@@ -23,6 +23,7 @@ use spinebench::tasks::{
 use crate::calls::{claim_global_threads, long};
 use crate::errors::Fault;
 use crate::model::PyModel;
+use crate::recordings::{NamedRecording, PyColumn, PyRecording, columns};
 
 /// An error about a file, with its name.
 fn about(file: &Path, error: impl Display) -> Fault {
@@ -33,23 +34,24 @@ fn json<T: serde::Serialize>(value: &T) -> Result<String, Fault> {
     serde_json::to_string(value).map_err(|error| Fault::Run(error.to_string()))
 }
 
-/// Plays commands on a model; returns the recording as CSV.
+/// Plays commands on a model; returns the columns of the recording.
 #[pyfunction]
 pub(crate) fn _simulate(
     py: Python<'_>,
     model: &PyModel,
-    commands: PathBuf,
+    commands: PyRecording,
     at_rest: bool,
     noise_m: f64,
     seed: u64,
-) -> PyResult<Vec<u8>> {
+) -> PyResult<Vec<PyColumn>> {
     if !(noise_m.is_finite() && noise_m >= 0.0) {
         let expected = "a finite number of at least 0, in metres";
         return Err(Fault::argument("noise_m", noise_m.to_string(), expected).into());
     }
     let model = model.clone();
     long(py, move |stop| {
-        let read = read_commands(&commands, &model.0, at_rest)?;
+        let commands = commands.named()?;
+        let read = read_commands(commands.source(), &model.0, at_rest)?;
         let options = SimulationOptions {
             at_rest,
             noise_m,
@@ -57,7 +59,7 @@ pub(crate) fn _simulate(
             ..SimulationOptions::default()
         };
         let simulated = stop.within(|| simulate_recording(&model.0, &read, &options));
-        Ok(simulated.to_bytes(Path::new("simulated.csv"))?)
+        columns(&simulated)
     })
 }
 
@@ -118,15 +120,16 @@ impl CalibrationArguments {
 pub(crate) fn _calibrate(
     py: Python<'_>,
     model: &PyModel,
-    measured: PathBuf,
+    measured: PyRecording,
     arguments: CalibrationArguments,
 ) -> PyResult<(PyModel, String, Vec<u8>)> {
     let (model, options) = (model.clone(), arguments.options()?);
     long(py, move |stop| {
-        let read = read_to_calibrate(&measured, &model.0, options.at_rest)?;
+        let measured = measured.named()?;
+        let read = read_to_calibrate(measured.source(), &model.0, options.at_rest)?;
         let found = stop
             .within(|| calibrate(&model.0, &read, &options))
-            .map_err(|error| about(&measured, error))?;
+            .map_err(|error| about(measured.source().name(), error))?;
         let sightings = tables::to_csv(Path::new("sightings.csv"), &found.sightings)?;
         Ok((PyModel(found.model.into()), json(&found.findings)?, sightings))
     })
@@ -146,8 +149,8 @@ fn written(answer: &Discovery) -> Result<WrittenDiscovery, Fault> {
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct DiscoverArguments {
-    measured: Vec<PathBuf>,
-    baseline: Option<PathBuf>,
+    measured: Vec<PyRecording>,
+    baseline: Option<PyRecording>,
     options: Option<PathBuf>,
     leave_out: Vec<String>,
     at_rest: bool,
@@ -155,8 +158,7 @@ pub(crate) struct DiscoverArguments {
 }
 
 /// Finds what a model lacks. While the answer is ambiguous, `record` gets it with the commands of
-/// its proposals as CSV and returns the file of a new recording, or None. Returns the answer of
-/// each round.
+/// its proposals and returns a new recording, or None. Returns the answer of each round.
 #[pyfunction]
 pub(crate) fn _discover(
     py: Python<'_>,
@@ -172,10 +174,15 @@ pub(crate) fn _discover(
             options.as_deref().map_or_else(|| Ok(Options::default()), read_options)?;
         settings.left_out.extend(leave_out);
         settings.at_rest |= at_rest;
-        let read = |file: &PathBuf| read_to_explain(file, &model.0, settings.at_rest);
+        let read = |recording: &NamedRecording| {
+            read_to_explain(recording.source(), &model.0, settings.at_rest)
+        };
+        let named = measured.into_iter().map(PyRecording::named);
+        let measured: Vec<NamedRecording> = named.collect::<Result<_, Fault>>()?;
         let parts: Vec<Recording> = measured.iter().map(read).collect::<Result<_, _>>()?;
-        let whole =
-            Recording::joined(&parts).map_err(|error| about(&measured[error.index], &error))?;
+        let whole = Recording::joined(&parts)
+            .map_err(|error| about(measured[error.index].source().name(), &error))?;
+        let baseline = baseline.map(PyRecording::named).transpose()?;
         let baseline = baseline.as_ref().map(read).transpose()?;
         let stop = stop.clone();
         // A search that nobody waits for ends at its next step.
@@ -187,13 +194,13 @@ pub(crate) fn _discover(
         let ask = |round: &Round| -> Result<Option<Recording>, PyErr> {
             let Some(record) = &record else { return Ok(None) };
             let proposals = round.answer.next_experiments.iter();
-            let commands: Vec<Vec<u8>> = proposals
-                .map(|next| Ok(next.commands.to_bytes(Path::new("commands.csv"))?))
-                .collect::<Result<_, Fault>>()?;
+            let commands: Vec<Vec<PyColumn>> =
+                proposals.map(|next| columns(&next.commands)).collect::<Result<_, Fault>>()?;
             let answer = written(round.answer)?;
-            let file: Option<PathBuf> =
+            let recorded: Option<PyRecording> =
                 Python::attach(|py| record.bind(py).call1((answer, commands))?.extract())?;
-            Ok(file.as_ref().map(read).transpose().map_err(Fault::from)?)
+            let recorded = recorded.map(PyRecording::named).transpose()?;
+            Ok(recorded.as_ref().map(read).transpose().map_err(Fault::from)?)
         };
         let question =
             Question { model: &model.0, baseline: baseline.as_ref(), options: &settings };
@@ -204,7 +211,9 @@ pub(crate) fn _discover(
             }
             Err(RoundsError::Record(exception)) => Ok(Err(exception)),
             Err(RoundsError::Mismatch(error)) => Err(Fault::words(error)),
-            Err(RoundsError::Discovery { error, .. }) => Err(about(&measured[0], error)),
+            Err(RoundsError::Discovery { error, .. }) => {
+                Err(about(measured[0].source().name(), error))
+            }
         }
     })?
 }

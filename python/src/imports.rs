@@ -1,6 +1,6 @@
 //! Imports of other people's files and exports for viewers; `spinebench/_bags.py` gives them names.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use pyo3::prelude::*;
 use spinebench::data::findings::ResidualRow;
@@ -15,20 +15,21 @@ use spinebench::tasks::body_lines_m;
 use crate::calls::long;
 use crate::errors::Fault;
 use crate::model::PyModel;
+use crate::recordings::{PyColumn, PyRecording, columns};
 
 /// Trial with files of its own, offset, interval, lag and explained share.
 type Clock = (Option<u64>, f64, (f64, f64), f64, f64);
 
-/// The recording as CSV, the clocks, and the files that were passed over.
-type ToldImport = (Vec<u8>, Vec<Clock>, Vec<PathBuf>);
+/// The columns of the recording, the clocks, and the files that were passed over.
+type ToldImport = (Vec<PyColumn>, Vec<Clock>, Vec<PathBuf>);
 
 fn told(found: MappedImport) -> Result<ToldImport, Fault> {
     let parts = |TrialClock { trial, fit }: &TrialClock| {
         let ClockFit { offset_s, interval_95_s: [low_s, high_s], lag_s, explained, .. } = *fit;
         (*trial, offset_s, (low_s, high_s), lag_s, explained)
     };
-    let csv = found.recording.to_bytes(Path::new("recording.csv"))?;
-    Ok((csv, found.clocks.iter().map(parts).collect(), found.passed_over))
+    let columns = columns(&found.recording)?;
+    Ok((columns, found.clocks.iter().map(parts).collect(), found.passed_over))
 }
 
 /// Imports text files by the map in a file.
@@ -58,7 +59,7 @@ pub(crate) fn _import_mcap(py: Python<'_>, bag: PathBuf, map: PathBuf) -> PyResu
 #[pyfunction]
 pub(crate) fn _export_mcap(
     py: Python<'_>,
-    recording: PathBuf,
+    recording: PyRecording,
     out: PathBuf,
     model: Option<PyRef<'_, PyModel>>,
     residuals: Option<PathBuf>,
@@ -66,14 +67,15 @@ pub(crate) fn _export_mcap(
 ) -> PyResult<()> {
     let model = model.map(|model| model.clone());
     long(py, move |stop| {
-        let read =
-            if at_rest { Recording::read_poses(&recording)? } else { Recording::read(&recording)? };
+        let recording = recording.named()?;
+        let source = recording.source();
+        let read = if at_rest { Recording::read_poses(source)? } else { Recording::read(source)? };
         let residuals = residuals
             .map(|file| tables::read_csv::<ResidualRow>(&file))
             .transpose()?
             .unwrap_or_default();
         let shape_m = match &model {
-            Some(model) => stop.within(|| body_lines_m(&recording, &read, &model.0, at_rest))?,
+            Some(model) => stop.within(|| body_lines_m(source.name(), &read, &model.0, at_rest))?,
             None => Vec::new(),
         };
         let shown = Shown { recording: &read, at_rest, shape_m: &shape_m, residuals: &residuals };

@@ -11,6 +11,7 @@ mod learn;
 mod model;
 mod plants;
 mod policies;
+mod recordings;
 mod rod;
 mod rods;
 

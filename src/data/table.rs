@@ -14,18 +14,30 @@ use super::error::shown;
 
 /// The cells of one column. CSV files yield text, Parquet files also numbers; both are written.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Cells {
+pub enum Cells {
+    /// Whole numbers.
     Integers(Vec<i64>),
     /// For numbers that need the whole unsigned range (seeds).
     Unsigned(Vec<u64>),
     /// Not a number where the cell was empty.
     Numbers(Vec<f64>),
+    /// True and false.
     Flags(Vec<bool>),
     /// Empty where the cell was empty.
     Text(Vec<String>),
 }
 
 impl Cells {
+    pub(super) fn len(&self) -> usize {
+        match self {
+            Cells::Integers(cells) => cells.len(),
+            Cells::Unsigned(cells) => cells.len(),
+            Cells::Numbers(cells) => cells.len(),
+            Cells::Flags(cells) => cells.len(),
+            Cells::Text(cells) => cells.len(),
+        }
+    }
+
     /// The cell as it would be shown in a message.
     pub(crate) fn show(&self, row: usize) -> String {
         match self {
@@ -59,13 +71,12 @@ impl Cells {
 /// Magic bytes of a Parquet file; all other files are read as CSV.
 pub(super) const PARQUET: &[u8] = b"PAR1";
 
-/// Whether rows of the file at `path` have line numbers (CSV), for messages.
+/// Whether rows of the file at `path` have line numbers (CSV), for messages. Columns in memory have none.
 pub(crate) fn has_lines(path: &Path) -> bool {
     let mut first = Vec::new();
-    // A file that was removed since is treated as text.
-    let _ =
+    let read =
         File::open(path).and_then(|file| file.take(PARQUET.len() as u64).read_to_end(&mut first));
-    first != PARQUET
+    read.is_ok() && first != PARQUET
 }
 
 /// Where row number `row` (from 0) stands, in words.

@@ -26,6 +26,7 @@ fn measured(csv: &str, measure: &str) -> Vec<f64> {
 }
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "a list of cases")]
 fn shares_are_counted_from_the_cases() {
     let all = cases(2);
     let files = render(all.clone());

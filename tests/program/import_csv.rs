@@ -281,6 +281,7 @@ fn rows_that_hold_both_are_taken_as_they_stand() {
 }
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "a list of cases")]
 fn faults_of_maps_and_files_are_told_with_their_place() {
     let bench = Bench(tempfile::tempdir().unwrap());
     let good = "{commands: {time: {column: t}, tendons: {columns: [a, b]}}, tracking: {time: \

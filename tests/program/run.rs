@@ -152,6 +152,7 @@ fn nothing_is_computed_twice_and_damage_is_noticed() {
 }
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "one story")]
 fn repetitions_run_apart_are_gathered_into_what_they_are_together() {
     let folder = tempfile::tempdir().unwrap();
     let part = |seeds: &str, first: &str, out: &str| {

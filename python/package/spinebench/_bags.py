@@ -13,7 +13,7 @@ from typing import Any
 import pandas as pd
 
 from . import _spinebench as _core
-from ._calculations import PathLike, Recording, _file_of, _frame
+from ._calculations import PathLike, Recording, _Columns, _recorded, _source
 from ._spinebench import Model
 
 _Clock = tuple[int | None, float, tuple[float, float], float, float]
@@ -58,14 +58,14 @@ def _map_file(given: Map, folder: str) -> Path:
     return file
 
 
-def _imported(told: tuple[bytes, list[_Clock], list[Path]]) -> ImportedRecording:
-    csv, fits, passed_over = told
+def _imported(told: tuple[_Columns, list[_Clock], list[Path]]) -> ImportedRecording:
+    columns, fits, passed_over = told
     by_trial = {
         trial: ClockFit(offset_s, interval_95_s, lag_s, explained)
         for trial, offset_s, interval_95_s, lag_s, explained in fits
     }
     clocks = {trial: fit for trial, fit in by_trial.items() if trial is not None}
-    return ImportedRecording(_frame(csv), by_trial.get(None), clocks, passed_over)
+    return ImportedRecording(_recorded(columns), by_trial.get(None), clocks, passed_over)
 
 
 def import_csv(files: PathLike | Sequence[PathLike], map: Map) -> ImportedRecording:
@@ -95,7 +95,7 @@ def export_mcap(
 ) -> None:
     """Write a recording as MCAP, which Foxglove opens: poses, commands, with a model the robot as a line, with the table
     `residuals` of a discovery what the models leave."""
-    with tempfile.TemporaryDirectory() as folder, _file_of(recording, "recording") as file:
+    with tempfile.TemporaryDirectory() as folder:
         table = residuals
         if isinstance(table, pd.DataFrame):
             place = Path(folder) / "residuals.csv"
@@ -105,4 +105,4 @@ def export_mcap(
                 table[name] = table[name].astype(str).str.lower()
             table.to_csv(place, index=False)
             table = place
-        _core._export_mcap(file, Path(out), model, None if table is None else Path(table), static)
+        _core._export_mcap(_source(recording, "recording"), Path(out), model, None if table is None else Path(table), static)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import contextlib
 import io
 import json
+import math
 import os
-import tempfile
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -29,16 +28,30 @@ def _frame(csv: bytes) -> pd.DataFrame:
     return pd.read_csv(io.BytesIO(csv)) if csv.strip() else pd.DataFrame()
 
 
-@contextlib.contextmanager
-def _file_of(recording: Recording, name: str) -> Iterator[Path]:
-    """The file of a recording; a frame is written to a temporary one."""
+_Columns = list[tuple[str, list[Any]]]
+"""Columns by name."""
+
+
+def _recorded(columns: _Columns) -> pd.DataFrame:
+    """The frame of a recording's columns."""
+    return pd.DataFrame(dict(columns))
+
+
+def _source(recording: Recording, name: str) -> Path | tuple[str, _Columns]:
+    """What a recording is read from: a file, or what messages call it with the columns of a frame."""
     if not isinstance(recording, pd.DataFrame):
-        yield Path(recording)
-        return
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / f"{name}.csv"
-        recording.to_csv(file, index=False)
-        yield file
+        return Path(recording)
+    return name, [(str(column), _cells(cells)) for column, cells in recording.items()]
+
+
+def _cells(column: pd.Series[Any]) -> list[Any]:
+    """Flags, whole numbers, numbers (NaN for an empty cell) or text (empty for an empty cell)."""
+    types = pd.api.types
+    if types.is_bool_dtype(column) or (types.is_integer_dtype(column) and not column.hasnans):
+        return column.tolist()
+    if types.is_numeric_dtype(column):
+        return column.to_numpy(dtype="float64", na_value=math.nan).tolist()
+    return ["" if pd.isna(cell) else str(cell) for cell in column]
 
 
 def simulate(
@@ -55,8 +68,7 @@ def simulate(
     tracking noise, metres. Returns a recording: tip (m), tip quaternion (w, x, y, z), tensions (N), and `solver_status`.
     Ctrl-C ends the call at once and the simulation at its next row.
     """
-    with _file_of(commands, "commands") as file:
-        return _frame(_core._simulate(model, file, static, noise_m, seed))
+    return _recorded(_core._simulate(model, _source(commands, "commands"), static, noise_m, seed))
 
 
 @dataclass(frozen=True)
@@ -119,8 +131,7 @@ def calibrate(
         "likelihood": likelihood,
         "validate": validate,
     }
-    with _file_of(measured, "measured") as file:
-        fitted, findings_json, sightings = _core._calibrate(model, file, arguments)
+    fitted, findings_json, sightings = _core._calibrate(model, _source(measured, "measured"), arguments)
     findings = json.loads(findings_json)
     names = CalibratedNumber.__dataclass_fields__
     numbers = [CalibratedNumber(**{name: number[name] for name in names}) for number in findings["numbers"]]
@@ -203,10 +214,10 @@ def _answer(written: tuple[Model, str, bytes, bytes]) -> Discovery:
     )
 
 
-def _proposals(answer: Discovery, commands: list[bytes]) -> list[Proposal]:
+def _proposals(answer: Discovery, commands: list[_Columns]) -> list[Proposal]:
     return [
-        Proposal(one["name"], one["what"], one["minutes"], one["separation"], _frame(csv))
-        for one, csv in zip(answer.findings["proposals"], commands, strict=True)
+        Proposal(one["name"], one["what"], one["minutes"], one["separation"], _recorded(columns))
+        for one, columns in zip(answer.findings["proposals"], commands, strict=True)
     ]
 
 
@@ -262,22 +273,21 @@ def _rounds(
     parts: Sequence[Recording] = [measured] if one else list(measured)  # type: ignore[list-item, arg-type]
     if not parts:
         raise InputError("measured: found none, expected at least one recording")
-    with contextlib.ExitStack() as stack:
 
-        def recorded(written: tuple[Model, str, bytes, bytes], commands: list[bytes]) -> Path | None:
-            answer = _answer(written)
-            new = None if record is None else record(answer, _proposals(answer, commands))
-            return None if new is None else stack.enter_context(_file_of(new, "recorded"))
+    def recorded(written: tuple[Model, str, bytes, bytes], commands: list[_Columns]) -> Any:
+        answer = _answer(written)
+        new = None if record is None else record(answer, _proposals(answer, commands))
+        return None if new is None else _source(new, "recorded")
 
-        arguments = {
-            "measured": [stack.enter_context(_file_of(part, f"measured_{number}")) for number, part in enumerate(parts)],
-            "baseline": None if baseline is None else stack.enter_context(_file_of(baseline, "baseline")),
-            "options": None if options is None else Path(options),
-            "leave_out": list(leave_out),
-            "at_rest": static,
-            "max_rounds": max_rounds,
-        }
-        answers = _core._discover(model, arguments, recorded)
+    arguments = {
+        "measured": [_source(part, "measured" if one else f"measured_{number}") for number, part in enumerate(parts)],
+        "baseline": None if baseline is None else _source(baseline, "baseline"),
+        "options": None if options is None else Path(options),
+        "leave_out": list(leave_out),
+        "at_rest": static,
+        "max_rounds": max_rounds,
+    }
+    answers = _core._discover(model, arguments, recorded)
     return [_answer(written) for written in answers]
 
 

@@ -15,9 +15,8 @@ mod shift;
 mod write;
 
 use std::ops::Range;
-use std::path::Path;
 
-use super::DataError;
+use super::{DataError, Source};
 use crate::base::{Point3, Rows};
 use read::Expected;
 
@@ -161,8 +160,8 @@ impl Recording {
     ///
     /// # Errors
     /// [`DataError`] names file, line, column, what was found and what was expected.
-    pub fn read(path: &Path) -> Result<Recording, DataError> {
-        read::recording(path, &Expected { measured: true, in_time: true })
+    pub fn read<'a>(source: impl Into<Source<'a>>) -> Result<Recording, DataError> {
+        read::recording(source.into(), &Expected { measured: true, in_time: true })
     }
 
     /// Reads a recording of poses at rest: as [`Recording::read`], with any times, also repeated or
@@ -170,16 +169,16 @@ impl Recording {
     ///
     /// # Errors
     /// As [`Recording::read`].
-    pub fn read_poses(path: &Path) -> Result<Recording, DataError> {
-        read::recording(path, &Expected { measured: true, in_time: false })
+    pub fn read_poses<'a>(source: impl Into<Source<'a>>) -> Result<Recording, DataError> {
+        read::recording(source.into(), &Expected { measured: true, in_time: false })
     }
 
     /// Reads the commands of poses at rest: as [`Recording::read_commands`], with any times.
     ///
     /// # Errors
     /// As [`Recording::read`].
-    pub fn read_pose_commands(path: &Path) -> Result<Recording, DataError> {
-        read::recording(path, &Expected { measured: false, in_time: false })
+    pub fn read_pose_commands<'a>(source: impl Into<Source<'a>>) -> Result<Recording, DataError> {
+        read::recording(source.into(), &Expected { measured: false, in_time: false })
     }
 
     /// Reads commands: a recording whose measured columns may be missing (and are kept when they
@@ -187,8 +186,8 @@ impl Recording {
     ///
     /// # Errors
     /// As [`Recording::read`].
-    pub fn read_commands(path: &Path) -> Result<Recording, DataError> {
-        read::recording(path, &Expected { measured: false, in_time: true })
+    pub fn read_commands<'a>(source: impl Into<Source<'a>>) -> Result<Recording, DataError> {
+        read::recording(source.into(), &Expected { measured: false, in_time: true })
     }
 
     /// Number of rows.

@@ -1,13 +1,11 @@
 //! Reading and checking a recording.
 
-use std::path::Path;
-
 use super::optional::{self, ColumnGroup};
 use super::{Actuation, DriveTrack, Extra, Pose, RecordedWrench, Recording};
 use super::{drives, points};
 use crate::base::Rows;
-use crate::data::DataError;
 use crate::data::table::{Cells, Table};
+use crate::data::{DataError, Source};
 
 pub(super) const TIP: [&str; 3] = ["tip_x_m", "tip_y_m", "tip_z_m"];
 pub(super) const TIP_Q: [&str; 4] = ["tip_qw", "tip_qx", "tip_qy", "tip_qz"];
@@ -28,12 +26,12 @@ pub(super) struct Expected {
     pub(super) in_time: bool,
 }
 
-/// Reads and checks a file.
-pub(super) fn recording(path: &Path, expected: &Expected) -> Result<Recording, DataError> {
-    let table = Table::read(path)?;
+/// Reads and checks a file, or columns in memory.
+pub(super) fn recording(source: Source, expected: &Expected) -> Result<Recording, DataError> {
+    let table = source.table()?;
     if table.rows == 0 {
         let (found, expected) = ("no rows", "at least one row");
-        return Err(DataError::Empty { file: path.to_owned(), found, expected });
+        return Err(DataError::Empty { file: table.file, found, expected });
     }
     let trial = trials(&table)?;
     let time_s = times(&table, &trial, expected.in_time)?;

@@ -30,21 +30,22 @@ impl Recording {
     /// [`DataError::Write`] for another ending than `.csv` and `.parquet`, when columns differ in
     /// length, or when the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), DataError> {
-        write_atomic(path, &self.to_bytes(path)?)
-    }
-
-    /// The bytes that [`Recording::write`] writes to a file of this name.
-    ///
-    /// # Errors
-    /// Those of [`Recording::write`], but for the writing itself.
-    pub fn to_bytes(&self, path: &Path) -> Result<Vec<u8>, DataError> {
         Recording::check_name(path)?;
         let refused = |reason| DataError::Write { file: path.to_owned(), reason };
         let parquet =
             path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("parquet"));
-        let columns = columns(self).map_err(refused)?;
+        let columns = self.columns().map_err(refused)?;
         let bytes = if parquet { parquet_bytes(columns) } else { csv_bytes(columns) };
-        bytes.map_err(refused)
+        write_atomic(path, &bytes.map_err(refused)?)
+    }
+
+    /// The columns in the order of the format, then the carried ones; each of the recording's
+    /// length.
+    ///
+    /// # Errors
+    /// In words, the column that has another length.
+    pub fn columns(&self) -> Result<Vec<(String, Cells)>, String> {
+        columns(self)
     }
 }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use crate::data::{DataError, Recording};
+use crate::data::{DataError, Recording, Source};
 use crate::effects::{Model, Starts};
 
 /// Reads commands to simulate and checks that their number of tendons is the model's, and that
@@ -11,9 +11,18 @@ use crate::effects::{Model, Starts};
 ///
 /// # Errors
 /// [`DataError`] for a file that holds no commands of this robot.
-pub fn read_commands(file: &Path, model: &Model, at_rest: bool) -> Result<Recording, DataError> {
-    let mut commands =
-        if at_rest { Recording::read_pose_commands(file) } else { Recording::read_commands(file) }?;
+pub fn read_commands<'a>(
+    source: impl Into<Source<'a>>,
+    model: &Model,
+    at_rest: bool,
+) -> Result<Recording, DataError> {
+    let source = source.into();
+    let file = source.name();
+    let mut commands = if at_rest {
+        Recording::read_pose_commands(source)
+    } else {
+        Recording::read_commands(source)
+    }?;
     let expected = model.robot.tendons.angles_deg.len();
     of_tendons(&mut commands, file, &model.drive_gains(), expected)?;
     commands.check_points(file, &model.tracking.names())?;
@@ -26,12 +35,14 @@ pub fn read_commands(file: &Path, model: &Model, at_rest: bool) -> Result<Record
 ///
 /// # Errors
 /// [`DataError`] for a file that holds no such recording.
-pub fn read_to_calibrate(
-    file: &Path,
+pub fn read_to_calibrate<'a>(
+    source: impl Into<Source<'a>>,
     model: &Model,
     at_rest: bool,
 ) -> Result<Recording, DataError> {
-    let measured = read_measured(file, model, at_rest)?;
+    let source = source.into();
+    let file = source.name();
+    let measured = read_measured(source, model, at_rest)?;
     check_one_gravity(file, &measured, model)?;
     check_duration(file, &measured, at_rest)?;
     Ok(measured)
@@ -42,8 +53,14 @@ pub fn read_to_calibrate(
 ///
 /// # Errors
 /// [`DataError`] for a file that holds no such recording.
-pub fn read_to_explain(file: &Path, model: &Model, at_rest: bool) -> Result<Recording, DataError> {
-    let measured = read_measured(file, model, at_rest)?;
+pub fn read_to_explain<'a>(
+    source: impl Into<Source<'a>>,
+    model: &Model,
+    at_rest: bool,
+) -> Result<Recording, DataError> {
+    let source = source.into();
+    let file = source.name();
+    let measured = read_measured(source, model, at_rest)?;
     check_duration(file, &measured, at_rest)?;
     measured.check_loads(file)?;
     Ok(measured)
@@ -55,8 +72,10 @@ fn check_duration(file: &Path, measured: &Recording, at_rest: bool) -> Result<()
 
 /// Reads a recording of the model's robot and checks its number of tendons and that tip and
 /// commands are within reach.
-fn read_measured(file: &Path, model: &Model, at_rest: bool) -> Result<Recording, DataError> {
-    let mut measured = if at_rest { Recording::read_poses(file) } else { Recording::read(file) }?;
+fn read_measured(source: Source, model: &Model, at_rest: bool) -> Result<Recording, DataError> {
+    let file = source.name();
+    let mut measured =
+        if at_rest { Recording::read_poses(source) } else { Recording::read(source) }?;
     let tendons = model.robot.tendons.angles_deg.len();
     of_tendons(&mut measured, file, &model.drive_gains(), tendons)?;
     measured.check_points(file, &model.tracking.names())?;

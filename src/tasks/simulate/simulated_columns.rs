@@ -116,8 +116,8 @@ impl SimulatedColumns {
         columns
     }
 
-    pub(crate) fn into_recording(self, commands: &Recording) -> Recording {
-        let lost = [f64::NAN; 3];
+    /// Tensions, and how each row was solved.
+    fn computed_columns(&self) -> Vec<(String, Extra)> {
         let numbers = |value: &dyn Fn(&(Observation, SolutionDetail)) -> f64| -> Extra {
             Extra::Numbers(
                 self.observed
@@ -162,6 +162,12 @@ impl SimulatedColumns {
                 Extra::Numbers(self.observed.iter().map(flag).collect()),
             ));
         }
+        extra
+    }
+
+    pub(crate) fn into_recording(self, commands: &Recording) -> Recording {
+        let lost = [f64::NAN; 3];
+        let extra = self.computed_columns();
         // A column of the commands that the simulation computes anew is replaced.
         let carried = commands
             .extra

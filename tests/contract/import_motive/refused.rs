@@ -61,6 +61,7 @@ fn bodies_are_found_by_name_and_listed_when_they_are_not() {
 }
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "a list of cases")]
 fn a_broken_export_is_refused_by_line_and_column() {
     let good = export(&PLAIN, &[]);
     let line = |number: usize| good.lines().nth(number - 1).unwrap().to_owned();

@@ -86,6 +86,34 @@ fn peaks(motion: &TipMotion, offsets_s: &[f64]) -> Vec<f64> {
     peaks.into_iter().take(MAX_PEAKS).map(|k| offsets_s[k]).collect()
 }
 
+/// Half of the 95 % interval of the `best` offset, seconds.
+fn jackknife_half_width_s(fine: &TipMotion, best: OffsetCandidate) -> f64 {
+    // Delete-one-block jackknife of B blocks: the variance is (B − 1)/B Σ (offset without a block −
+    // their mean)².
+    let offset_without = |block| fine.polished(best, Some(block)).offset_s;
+    let left_out_s: Vec<f64> = (0..BLOCKS).map(offset_without).collect();
+    let mean_s = left_out_s.iter().sum::<f64>() / BLOCKS as f64;
+    let squares: f64 = left_out_s.iter().map(|offset_s| (offset_s - mean_s).powi(2)).sum();
+    let statistical_s =
+        STUDENT_T_975 * (squares * (BLOCKS - 1) as f64 / BLOCKS as f64).sqrt().max(RESOLUTION_S);
+    statistical_s + FIRST_MOTION_SHARE * best.response.mean_delay_s()
+}
+
+/// An offset one step away that fits alike. A lag can make up for an offset where the motion has one
+/// frequency.
+fn rival_by_lag_s(
+    coarse: &TipMotion,
+    best: OffsetCandidate,
+    [every_s, step_s]: [f64; 2],
+) -> Option<f64> {
+    let shifted = |shift_s: f64| OffsetCandidate { offset_s: best.offset_s + shift_s, ..best };
+    let fits = [-step_s, step_s].map(|shift_s| {
+        coarse.refined(shifted(shift_s), [every_s, COARSE_RESOLUTION_S], None, true)
+    });
+    let rival = fits.iter().find(|fit| fit.unexplained <= MAX_RIVAL_RATIO * best.unexplained);
+    rival.map(|fit| fit.offset_s)
+}
+
 /// Estimates the offset between `from_s` and `to_s`.
 ///
 /// # Errors
@@ -152,29 +180,14 @@ pub(crate) fn estimate(
             "narrower limits `clock.estimate.from_s` and `to_s`, or `clock.offset_s`",
         );
     }
-    // A lag can make up for an offset where the motion has one frequency.
-    let shifted = |shift_s: f64| OffsetCandidate { offset_s: best.offset_s + shift_s, ..best };
-    let shifted_fits = [-step_s, step_s].map(|shift_s| {
-        coarse.refined(shifted(shift_s), [every_s, COARSE_RESOLUTION_S], None, true)
-    });
-    if let Some(other) =
-        shifted_fits.iter().find(|other| other.unexplained <= MAX_RIVAL_RATIO * best.unexplained)
-    {
-        let (best_s, other_s) = (best.offset_s, other.offset_s);
+    if let Some(other_s) = rival_by_lag_s(&coarse, best, [every_s, step_s]) {
+        let best_s = best.offset_s;
         let found =
             format!("a motion by which offsets of {best_s:.3} s and {other_s:.3} s fit alike");
         return refuse(found, "commands of several frequencies, or `clock.offset_s`");
     }
     let best = fine.polished(best, None);
-    // Delete-one-block jackknife of B blocks: the variance is (B − 1)/B Σ (offset without a block −
-    // their mean)².
-    let offset_without = |block| fine.polished(best, Some(block)).offset_s;
-    let left_out_s: Vec<f64> = (0..BLOCKS).map(offset_without).collect();
-    let mean_s = left_out_s.iter().sum::<f64>() / BLOCKS as f64;
-    let squares: f64 = left_out_s.iter().map(|offset_s| (offset_s - mean_s).powi(2)).sum();
-    let half_width_s =
-        STUDENT_T_975 * (squares * (BLOCKS - 1) as f64 / BLOCKS as f64).sqrt().max(RESOLUTION_S);
-    let half_width_s = half_width_s + FIRST_MOTION_SHARE * best.response.mean_delay_s();
+    let half_width_s = jackknife_half_width_s(&fine, best);
     Ok(ClockFit {
         offset_s: best.offset_s,
         interval_95_s: [best.offset_s - half_width_s, best.offset_s + half_width_s],

@@ -209,29 +209,7 @@ impl FoundTrials {
             .flatten()
             .map(|text| (text, FilePattern::parse(text)))
             .collect();
-        let mut of_kind: Vec<BTreeMap<String, PathBuf>> = vec![BTreeMap::new(); patterns.len()];
-        let mut passed_over = Vec::new();
-        for file in files {
-            let name = file
-                .file_name()
-                .map(|name| name.to_string_lossy().into_owned())
-                .unwrap_or_default();
-            let fitting = patterns.iter().enumerate().filter_map(|(kind, (_, pattern))| {
-                Some((pattern.literal_length(), kind, pattern.trial(&name)?))
-            });
-            let Some((_, kind, trial)) = fitting.max_by_key(|(length, ..)| *length) else {
-                passed_over.push(file.clone());
-                continue;
-            };
-            if let Some(other) = of_kind[kind].insert(trial.clone(), file.clone()) {
-                let found = format!("trial `{trial}`, as in {}", other.display());
-                return Err(refused(
-                    file,
-                    found,
-                    "one file a trial (`trial_files` of the map)".to_owned(),
-                ));
-            }
-        }
+        let SortedFiles { of_kind, passed_over } = sorted(files, &patterns)?;
         let Some((first, tracking)) = of_kind.split_first() else {
             return Err(none_fits(files, map));
         };
@@ -278,6 +256,42 @@ impl FoundTrials {
         trials.sort_by_key(|trial| trial.number);
         Ok(FoundTrials { trials, named: numbers.is_none(), passed_over })
     }
+}
+
+/// Files by the pattern that they fit.
+struct SortedFiles {
+    /// For each pattern the files by trial.
+    of_kind: Vec<BTreeMap<String, PathBuf>>,
+    passed_over: Vec<PathBuf>,
+}
+
+/// Gives each file to the pattern with the longest literal text of those that it fits.
+fn sorted(
+    files: &[PathBuf],
+    patterns: &[(&String, FilePattern)],
+) -> Result<SortedFiles, DataError> {
+    let mut of_kind: Vec<BTreeMap<String, PathBuf>> = vec![BTreeMap::new(); patterns.len()];
+    let mut passed_over = Vec::new();
+    for file in files {
+        let name =
+            file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        let fitting = patterns.iter().enumerate().filter_map(|(kind, (_, pattern))| {
+            Some((pattern.literal_length(), kind, pattern.trial(&name)?))
+        });
+        let Some((_, kind, trial)) = fitting.max_by_key(|(length, ..)| *length) else {
+            passed_over.push(file.clone());
+            continue;
+        };
+        if let Some(other) = of_kind[kind].insert(trial.clone(), file.clone()) {
+            let found = format!("trial `{trial}`, as in {}", other.display());
+            return Err(refused(
+                file,
+                found,
+                "one file a trial (`trial_files` of the map)".to_owned(),
+            ));
+        }
+    }
+    Ok(SortedFiles { of_kind, passed_over })
 }
 
 fn refused(file: &Path, found: String, expected: String) -> DataError {

@@ -1,0 +1,77 @@
+//! What a recording is read from: a file, or columns in memory.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use super::DataError;
+use super::table::{Cells, Table};
+
+/// Named columns in memory, as a file of the format has them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Columns(Table);
+
+impl Columns {
+    /// Columns that messages call `name`.
+    ///
+    /// # Errors
+    /// [`DataError::Column`] when a name occurs twice or columns differ in length.
+    pub fn new(name: &str, columns: Vec<(String, Cells)>) -> Result<Columns, DataError> {
+        let rows = columns.first().map_or(0, |(_, cells)| cells.len());
+        let table = Table { file: PathBuf::from(name), lines: false, rows, columns };
+        let mut names = BTreeSet::new();
+        for (column, cells) in &table.columns {
+            if !names.insert(column) {
+                return Err(table.header_error(column, "it twice".to_owned(), "each column once"));
+            }
+            if cells.len() != rows {
+                let expected = format!("{rows}, as in the first column");
+                return Err(table.header_error(column, format!("{} rows", cells.len()), &expected));
+            }
+        }
+        Ok(Columns(table))
+    }
+}
+
+/// What a recording is read from.
+#[derive(Clone, Copy, Debug)]
+pub enum Source<'a> {
+    /// A CSV or Parquet file.
+    File(&'a Path),
+    /// Columns in memory.
+    Columns(&'a Columns),
+}
+
+impl<'a> Source<'a> {
+    /// The file, or what stands for it in messages.
+    pub fn name(self) -> &'a Path {
+        match self {
+            Source::File(path) => path,
+            Source::Columns(columns) => &columns.0.file,
+        }
+    }
+
+    pub(super) fn table(self) -> Result<Table, DataError> {
+        match self {
+            Source::File(path) => Table::read(path),
+            Source::Columns(columns) => Ok(columns.0.clone()),
+        }
+    }
+}
+
+impl<'a> From<&'a Path> for Source<'a> {
+    fn from(path: &'a Path) -> Source<'a> {
+        Source::File(path)
+    }
+}
+
+impl<'a> From<&'a PathBuf> for Source<'a> {
+    fn from(path: &'a PathBuf) -> Source<'a> {
+        Source::File(path)
+    }
+}
+
+impl<'a> From<&'a Columns> for Source<'a> {
+    fn from(columns: &'a Columns) -> Source<'a> {
+        Source::Columns(columns)
+    }
+}
