@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use pyo3::prelude::*;
-use spinebench::data::{Cells, Columns, Recording, Source};
+use spinebench::data::{Cells, Recording, RecordingColumns, RecordingSource};
 
 use crate::errors::Fault;
 
@@ -29,7 +29,7 @@ pub(crate) enum PyRecording {
 /// A recording to be read.
 pub(crate) enum NamedRecording {
     File(PathBuf),
-    Columns(Columns),
+    Columns(RecordingColumns),
 }
 
 impl PyRecording {
@@ -46,15 +46,15 @@ impl PyRecording {
             PyCells::Text(cells) => Cells::Text(cells),
         };
         let columns = columns.into_iter().map(|(column, each)| (column, cells(each))).collect();
-        Ok(NamedRecording::Columns(Columns::new(&name, columns)?))
+        Ok(NamedRecording::Columns(RecordingColumns::new(&name, columns)?))
     }
 }
 
 impl NamedRecording {
-    pub(crate) fn source(&self) -> Source<'_> {
+    pub(crate) fn source(&self) -> RecordingSource<'_> {
         match self {
-            NamedRecording::File(file) => Source::from(file),
-            NamedRecording::Columns(columns) => Source::from(columns),
+            NamedRecording::File(file) => RecordingSource::from(file),
+            NamedRecording::Columns(columns) => RecordingSource::from(columns),
         }
     }
 }

@@ -71,12 +71,14 @@ impl Cells {
 /// Magic bytes of a Parquet file; all other files are read as CSV.
 pub(super) const PARQUET: &[u8] = b"PAR1";
 
-/// Whether rows of the file at `path` have line numbers (CSV), for messages. Columns in memory have none.
+/// Whether rows of the file at `path` have line numbers (CSV), for messages. Columns in memory have
+/// none: their name is that of no file and has no ending.
 pub(crate) fn has_lines(path: &Path) -> bool {
     let mut first = Vec::new();
     let read =
         File::open(path).and_then(|file| file.take(PARQUET.len() as u64).read_to_end(&mut first));
-    read.is_ok() && first != PARQUET
+    // A file that was removed since is treated as text.
+    first != PARQUET && (read.is_ok() || path.extension().is_some())
 }
 
 /// Where row number `row` (from 0) stands, in words.

@@ -16,7 +16,7 @@ mod write;
 
 use std::ops::Range;
 
-use super::{DataError, Source};
+use super::{DataError, RecordingSource};
 use crate::base::{Point3, Rows};
 use read::Expected;
 
@@ -160,7 +160,7 @@ impl Recording {
     ///
     /// # Errors
     /// [`DataError`] names file, line, column, what was found and what was expected.
-    pub fn read<'a>(source: impl Into<Source<'a>>) -> Result<Recording, DataError> {
+    pub fn read<'a>(source: impl Into<RecordingSource<'a>>) -> Result<Recording, DataError> {
         read::recording(source.into(), &Expected { measured: true, in_time: true })
     }
 
@@ -169,7 +169,7 @@ impl Recording {
     ///
     /// # Errors
     /// As [`Recording::read`].
-    pub fn read_poses<'a>(source: impl Into<Source<'a>>) -> Result<Recording, DataError> {
+    pub fn read_poses<'a>(source: impl Into<RecordingSource<'a>>) -> Result<Recording, DataError> {
         read::recording(source.into(), &Expected { measured: true, in_time: false })
     }
 
@@ -177,7 +177,9 @@ impl Recording {
     ///
     /// # Errors
     /// As [`Recording::read`].
-    pub fn read_pose_commands<'a>(source: impl Into<Source<'a>>) -> Result<Recording, DataError> {
+    pub fn read_pose_commands<'a>(
+        source: impl Into<RecordingSource<'a>>,
+    ) -> Result<Recording, DataError> {
         read::recording(source.into(), &Expected { measured: false, in_time: false })
     }
 
@@ -186,7 +188,9 @@ impl Recording {
     ///
     /// # Errors
     /// As [`Recording::read`].
-    pub fn read_commands<'a>(source: impl Into<Source<'a>>) -> Result<Recording, DataError> {
+    pub fn read_commands<'a>(
+        source: impl Into<RecordingSource<'a>>,
+    ) -> Result<Recording, DataError> {
         read::recording(source.into(), &Expected { measured: false, in_time: true })
     }
 

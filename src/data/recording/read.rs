@@ -5,7 +5,7 @@ use super::{Actuation, DriveTrack, Extra, Pose, RecordedWrench, Recording};
 use super::{drives, points};
 use crate::base::Rows;
 use crate::data::table::{Cells, Table};
-use crate::data::{DataError, Source};
+use crate::data::{DataError, RecordingSource};
 
 pub(super) const TIP: [&str; 3] = ["tip_x_m", "tip_y_m", "tip_z_m"];
 pub(super) const TIP_Q: [&str; 4] = ["tip_qw", "tip_qx", "tip_qy", "tip_qz"];
@@ -27,7 +27,10 @@ pub(super) struct Expected {
 }
 
 /// Reads and checks a file, or columns in memory.
-pub(super) fn recording(source: Source, expected: &Expected) -> Result<Recording, DataError> {
+pub(super) fn recording(
+    source: RecordingSource,
+    expected: &Expected,
+) -> Result<Recording, DataError> {
     let table = source.table()?;
     if table.rows == 0 {
         let (found, expected) = ("no rows", "at least one row");

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use crate::data::{DataError, Recording, Source};
+use crate::data::{DataError, Recording, RecordingSource};
 use crate::effects::{Model, Starts};
 
 /// Reads commands to simulate and checks that their number of tendons is the model's, and that
@@ -12,7 +12,7 @@ use crate::effects::{Model, Starts};
 /// # Errors
 /// [`DataError`] for a file that holds no commands of this robot.
 pub fn read_commands<'a>(
-    source: impl Into<Source<'a>>,
+    source: impl Into<RecordingSource<'a>>,
     model: &Model,
     at_rest: bool,
 ) -> Result<Recording, DataError> {
@@ -36,7 +36,7 @@ pub fn read_commands<'a>(
 /// # Errors
 /// [`DataError`] for a file that holds no such recording.
 pub fn read_to_calibrate<'a>(
-    source: impl Into<Source<'a>>,
+    source: impl Into<RecordingSource<'a>>,
     model: &Model,
     at_rest: bool,
 ) -> Result<Recording, DataError> {
@@ -54,7 +54,7 @@ pub fn read_to_calibrate<'a>(
 /// # Errors
 /// [`DataError`] for a file that holds no such recording.
 pub fn read_to_explain<'a>(
-    source: impl Into<Source<'a>>,
+    source: impl Into<RecordingSource<'a>>,
     model: &Model,
     at_rest: bool,
 ) -> Result<Recording, DataError> {
@@ -72,7 +72,11 @@ fn check_duration(file: &Path, measured: &Recording, at_rest: bool) -> Result<()
 
 /// Reads a recording of the model's robot and checks its number of tendons and that tip and
 /// commands are within reach.
-fn read_measured(source: Source, model: &Model, at_rest: bool) -> Result<Recording, DataError> {
+fn read_measured(
+    source: RecordingSource,
+    model: &Model,
+    at_rest: bool,
+) -> Result<Recording, DataError> {
     let file = source.name();
     let mut measured =
         if at_rest { Recording::read_poses(source) } else { Recording::read(source) }?;

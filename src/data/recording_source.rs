@@ -8,14 +8,14 @@ use super::table::{Cells, Table};
 
 /// Named columns in memory, as a file of the format has them.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Columns(Table);
+pub struct RecordingColumns(Table);
 
-impl Columns {
+impl RecordingColumns {
     /// Columns that messages call `name`.
     ///
     /// # Errors
     /// [`DataError::Column`] when a name occurs twice or columns differ in length.
-    pub fn new(name: &str, columns: Vec<(String, Cells)>) -> Result<Columns, DataError> {
+    pub fn new(name: &str, columns: Vec<(String, Cells)>) -> Result<RecordingColumns, DataError> {
         let rows = columns.first().map_or(0, |(_, cells)| cells.len());
         let table = Table { file: PathBuf::from(name), lines: false, rows, columns };
         let mut names = BTreeSet::new();
@@ -28,50 +28,50 @@ impl Columns {
                 return Err(table.header_error(column, format!("{} rows", cells.len()), &expected));
             }
         }
-        Ok(Columns(table))
+        Ok(RecordingColumns(table))
     }
 }
 
 /// What a recording is read from.
 #[derive(Clone, Copy, Debug)]
-pub enum Source<'a> {
+pub enum RecordingSource<'a> {
     /// A CSV or Parquet file.
     File(&'a Path),
     /// Columns in memory.
-    Columns(&'a Columns),
+    Columns(&'a RecordingColumns),
 }
 
-impl<'a> Source<'a> {
+impl<'a> RecordingSource<'a> {
     /// The file, or what stands for it in messages.
     pub fn name(self) -> &'a Path {
         match self {
-            Source::File(path) => path,
-            Source::Columns(columns) => &columns.0.file,
+            RecordingSource::File(path) => path,
+            RecordingSource::Columns(columns) => &columns.0.file,
         }
     }
 
     pub(super) fn table(self) -> Result<Table, DataError> {
         match self {
-            Source::File(path) => Table::read(path),
-            Source::Columns(columns) => Ok(columns.0.clone()),
+            RecordingSource::File(path) => Table::read(path),
+            RecordingSource::Columns(columns) => Ok(columns.0.clone()),
         }
     }
 }
 
-impl<'a> From<&'a Path> for Source<'a> {
-    fn from(path: &'a Path) -> Source<'a> {
-        Source::File(path)
+impl<'a> From<&'a Path> for RecordingSource<'a> {
+    fn from(path: &'a Path) -> RecordingSource<'a> {
+        RecordingSource::File(path)
     }
 }
 
-impl<'a> From<&'a PathBuf> for Source<'a> {
-    fn from(path: &'a PathBuf) -> Source<'a> {
-        Source::File(path)
+impl<'a> From<&'a PathBuf> for RecordingSource<'a> {
+    fn from(path: &'a PathBuf) -> RecordingSource<'a> {
+        RecordingSource::File(path)
     }
 }
 
-impl<'a> From<&'a Columns> for Source<'a> {
-    fn from(columns: &'a Columns) -> Source<'a> {
-        Source::Columns(columns)
+impl<'a> From<&'a RecordingColumns> for RecordingSource<'a> {
+    fn from(columns: &'a RecordingColumns) -> RecordingSource<'a> {
+        RecordingSource::Columns(columns)
     }
 }
