@@ -17,8 +17,8 @@ BLIND_LOOK := $(if $(filter 10,$(SEEDS)),,$(call share,0,4) $(call share,1,23) $
   $(call share,4,2) $(call share,5,23))
 PEERS_VENV := target/peers-venv
 PYTHON_VENV := target/python-venv
-# Where there is Python, its package is compiled and looked at beside the program.
-PACKAGES := $(if $(shell command -v python3),--workspace)
+# Where there is Python (3.10 or later), its package is compiled and looked at beside the program.
+PACKAGES := $(if $(shell python3 -c 'import sys; assert sys.version_info >= (3, 10)' 2>/dev/null && echo yes),--workspace)
 SPINEBENCH := cargo run --release --quiet --
 
 help: ## this list
