@@ -23,7 +23,7 @@ pub enum TrainingData {
     /// The exploration on the model, moved by the error model (eq. 24).
     Generated,
     /// The policy's own ways on robots that differ from the model at random
-    /// ([`super::DaggerOptions`]).
+    /// ([`crate::policies::DaggerOptions`]).
     Randomised,
 }
 
