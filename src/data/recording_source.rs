@@ -1,5 +1,6 @@
 //! What a recording is read from: a file, or columns in memory.
 
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -50,10 +51,10 @@ impl<'a> RecordingSource<'a> {
         }
     }
 
-    pub(super) fn table(self) -> Result<Table, DataError> {
+    pub(super) fn table(self) -> Result<Cow<'a, Table>, DataError> {
         match self {
-            RecordingSource::File(path) => Table::read(path),
-            RecordingSource::Columns(columns) => Ok(columns.0.clone()),
+            RecordingSource::File(path) => Table::read(path).map(Cow::Owned),
+            RecordingSource::Columns(columns) => Ok(Cow::Borrowed(&columns.0)),
         }
     }
 }

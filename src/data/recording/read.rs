@@ -31,28 +31,28 @@ pub(super) fn recording(
     source: RecordingSource,
     expected: &Expected,
 ) -> Result<Recording, DataError> {
-    let table = source.table()?;
+    let table: &Table = &*source.table()?;
     if table.rows == 0 {
         let (found, expected) = ("no rows", "at least one row");
-        return Err(DataError::Empty { file: table.file, found, expected });
+        return Err(DataError::Empty { file: table.file.clone(), found, expected });
     }
-    let trial = trials(&table)?;
-    let time_s = times(&table, &trial, expected.in_time)?;
-    let drives = drives::read(&table)?;
-    let (actuation, commands) = commands(&table, &drives)?;
-    let valid = optional::flags(&table, "valid")?;
-    let points = points::read(&table)?;
+    let trial = trials(table)?;
+    let time_s = times(table, &trial, expected.in_time)?;
+    let drives = drives::read(table)?;
+    let (actuation, commands) = commands(table, &drives)?;
+    let valid = optional::flags(table, "valid")?;
+    let points = points::read(table)?;
     // Where tracking was lost, measured cells may be empty; beside other points also where the tip
     // alone was not seen.
     let unseen = (!points.is_empty()).then(|| vec![false; table.rows]);
     let measured = |names: &[&'static str], required| ColumnGroup {
-        table: &table,
+        table,
         names: names.to_vec(),
         required,
         lost: unseen.as_deref().or(valid.as_deref()),
     };
     let applied = |names: &[&'static str]| ColumnGroup {
-        table: &table,
+        table,
         names: names.to_vec(),
         required: false,
         lost: None,
@@ -68,11 +68,11 @@ pub(super) fn recording(
     });
     let load: Vec<&'static str> = FORCE.into_iter().chain(MOMENT).collect();
     let tip_load = applied(&load).read::<6>()?.map(|rows| rows.into_iter().map(tip_load).collect());
-    let known_load_kg = optional::masses(&table, "known_load_kg")?;
+    let known_load_kg = optional::masses(table, "known_load_kg")?;
     let gravity_m_s2 = applied(&GRAVITY).read::<3>()?;
-    same_in_trial(&table, &trial, gravity_m_s2.as_deref())?;
-    let pattern = optional::labels(&table, "pattern");
-    let extra = extra(&table, actuation, commands.width());
+    same_in_trial(table, &trial, gravity_m_s2.as_deref())?;
+    let pattern = optional::labels(table, "pattern");
+    let extra = extra(table, actuation, commands.width());
     Ok(Recording {
         actuation,
         trial,

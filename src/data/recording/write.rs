@@ -45,78 +45,73 @@ impl Recording {
     /// # Errors
     /// In words, the column that has another length.
     pub fn columns(&self) -> Result<Vec<(String, Cells)>, String> {
-        columns(self)
-    }
-}
-
-/// The columns in the order of the format, then the carried ones; each of the recording's length.
-fn columns(recording: &Recording) -> Result<Vec<(String, Cells)>, String> {
-    let rows = recording.len();
-    let mut columns: Vec<(String, Cells)> = Vec::new();
-    columns.push(("trial".to_owned(), Cells::Unsigned(recording.trial.clone())));
-    columns.push(("time_s".to_owned(), Cells::Numbers(recording.time_s.clone())));
-    check("time_s", recording.time_s.len(), rows)?;
-    for drive in &recording.drives {
-        check(&drive.name, drive.displacement.len(), rows)?;
-        columns.push((drive.column(), Cells::Numbers(drive.displacement.clone())));
-    }
-    if recording.drives.is_empty() {
-        check("commands", recording.commands.len(), rows)?;
-        for tendon in 0..recording.tendons() {
-            let cells = recording.commands.iter().map(|row| row[tendon]).collect();
-            columns.push((recording.actuation.column(tendon), Cells::Numbers(cells)));
+        let rows = self.len();
+        let mut columns: Vec<(String, Cells)> = Vec::new();
+        columns.push(("trial".to_owned(), Cells::Unsigned(self.trial.clone())));
+        columns.push(("time_s".to_owned(), Cells::Numbers(self.time_s.clone())));
+        check("time_s", self.time_s.len(), rows)?;
+        for drive in &self.drives {
+            check(&drive.name, drive.displacement.len(), rows)?;
+            columns.push((drive.column(), Cells::Numbers(drive.displacement.clone())));
         }
-    }
-    group(&mut columns, &TIP, recording.tip_m.as_deref(), |tip| *tip, rows)?;
-    group(&mut columns, &TIP_Q, recording.tip_quaternion.as_deref(), |turn| *turn, rows)?;
-    group(&mut columns, &BASE, recording.base.as_deref(), |pose| pose.position_m, rows)?;
-    group(&mut columns, &BASE_Q, recording.base.as_deref(), |pose| pose.quaternion, rows)?;
-    group(
-        &mut columns,
-        &["known_load_kg"],
-        recording.known_load_kg.as_deref(),
-        |&mass_kg| [mass_kg],
-        rows,
-    )?;
-    if let Some(valid) = &recording.valid {
-        check("valid", valid.len(), rows)?;
-        let cells = valid.iter().map(|&valid| i64::from(valid)).collect();
-        columns.push(("valid".to_owned(), Cells::Integers(cells)));
-    }
-    group(&mut columns, &FORCE, recording.tip_load.as_deref(), |load| load.force_n, rows)?;
-    group(&mut columns, &MOMENT, recording.tip_load.as_deref(), |load| load.moment_nm, rows)?;
-    group(&mut columns, &GRAVITY, recording.gravity_m_s2.as_deref(), |values| *values, rows)?;
-    for point in &recording.points {
-        let (position, turn) = (point.position_columns(), point.quaternion_columns());
+        if self.drives.is_empty() {
+            check("commands", self.commands.len(), rows)?;
+            for tendon in 0..self.tendons() {
+                let cells = self.commands.iter().map(|row| row[tendon]).collect();
+                columns.push((self.actuation.column(tendon), Cells::Numbers(cells)));
+            }
+        }
+        group(&mut columns, &TIP, self.tip_m.as_deref(), |tip| *tip, rows)?;
+        group(&mut columns, &TIP_Q, self.tip_quaternion.as_deref(), |turn| *turn, rows)?;
+        group(&mut columns, &BASE, self.base.as_deref(), |pose| pose.position_m, rows)?;
+        group(&mut columns, &BASE_Q, self.base.as_deref(), |pose| pose.quaternion, rows)?;
         group(
             &mut columns,
-            &position.each_ref().map(String::as_str),
-            Some(&point.position_m),
-            |values| *values,
+            &["known_load_kg"],
+            self.known_load_kg.as_deref(),
+            |&mass_kg| [mass_kg],
             rows,
         )?;
-        group(
-            &mut columns,
-            &turn.each_ref().map(String::as_str),
-            point.quaternion.as_deref(),
-            |values| *values,
-            rows,
-        )?;
+        if let Some(valid) = &self.valid {
+            check("valid", valid.len(), rows)?;
+            let cells = valid.iter().map(|&valid| i64::from(valid)).collect();
+            columns.push(("valid".to_owned(), Cells::Integers(cells)));
+        }
+        group(&mut columns, &FORCE, self.tip_load.as_deref(), |load| load.force_n, rows)?;
+        group(&mut columns, &MOMENT, self.tip_load.as_deref(), |load| load.moment_nm, rows)?;
+        group(&mut columns, &GRAVITY, self.gravity_m_s2.as_deref(), |values| *values, rows)?;
+        for point in &self.points {
+            let (position, turn) = (point.position_columns(), point.quaternion_columns());
+            group(
+                &mut columns,
+                &position.each_ref().map(String::as_str),
+                Some(&point.position_m),
+                |values| *values,
+                rows,
+            )?;
+            group(
+                &mut columns,
+                &turn.each_ref().map(String::as_str),
+                point.quaternion.as_deref(),
+                |values| *values,
+                rows,
+            )?;
+        }
+        if let Some(labels) = &self.pattern {
+            check("pattern", labels.len(), rows)?;
+            columns.push(("pattern".to_owned(), Cells::Text(labels.clone())));
+        }
+        for (name, cells) in &self.extra {
+            check(name, cells.len(), rows)?;
+            let cells = match cells {
+                Extra::Integers(cells) => Cells::Integers(cells.clone()),
+                Extra::Numbers(cells) => Cells::Numbers(cells.clone()),
+                Extra::Text(cells) => Cells::Text(cells.clone()),
+            };
+            columns.push((name.clone(), cells));
+        }
+        Ok(columns)
     }
-    if let Some(labels) = &recording.pattern {
-        check("pattern", labels.len(), rows)?;
-        columns.push(("pattern".to_owned(), Cells::Text(labels.clone())));
-    }
-    for (name, cells) in &recording.extra {
-        check(name, cells.len(), rows)?;
-        let cells = match cells {
-            Extra::Integers(cells) => Cells::Integers(cells.clone()),
-            Extra::Numbers(cells) => Cells::Numbers(cells.clone()),
-            Extra::Text(cells) => Cells::Text(cells.clone()),
-        };
-        columns.push((name.clone(), cells));
-    }
-    Ok(columns)
 }
 
 /// Adds the parts of a group of columns, if the recording has it.

@@ -101,13 +101,9 @@ fn jackknife_half_width_s(fine: &TipMotion, best: OffsetCandidate) -> f64 {
 
 /// An offset one step away that fits alike. A lag can make up for an offset where the motion has one
 /// frequency.
-fn rival_by_lag_s(
-    coarse: &TipMotion,
-    best: OffsetCandidate,
-    [every_s, step_s]: [f64; 2],
-) -> Option<f64> {
+fn rival_by_lag_s(coarse: &TipMotion, best: OffsetCandidate, every_s: f64) -> Option<f64> {
     let shifted = |shift_s: f64| OffsetCandidate { offset_s: best.offset_s + shift_s, ..best };
-    let fits = [-step_s, step_s].map(|shift_s| {
+    let fits = [-coarse.step_s, coarse.step_s].map(|shift_s| {
         coarse.refined(shifted(shift_s), [every_s, COARSE_RESOLUTION_S], None, true)
     });
     let rival = fits.iter().find(|fit| fit.unexplained <= MAX_RIVAL_RATIO * best.unexplained);
@@ -180,7 +176,7 @@ pub(crate) fn estimate(
             "narrower limits `clock.estimate.from_s` and `to_s`, or `clock.offset_s`",
         );
     }
-    if let Some(other_s) = rival_by_lag_s(&coarse, best, [every_s, step_s]) {
+    if let Some(other_s) = rival_by_lag_s(&coarse, best, every_s) {
         let best_s = best.offset_s;
         let found =
             format!("a motion by which offsets of {best_s:.3} s and {other_s:.3} s fit alike");
