@@ -140,15 +140,7 @@ impl Tendons {
         for (index, point) in self.profile.iter().enumerate() {
             let path = format!("tendons.profile[{index}]");
             let further = point.s_m.is_finite() && point.s_m > before;
-            at(
-                &path,
-                refuse(
-                    further,
-                    "s_m",
-                    &point.s_m,
-                    "a place further from the base than the one before",
-                ),
-            )?;
+            further_out(&path, point.s_m, further)?;
             at(
                 &path,
                 refuse(point.radius_m.is_finite(), "radius_m", &point.radius_m, "a finite number"),
@@ -171,15 +163,7 @@ impl Tendons {
             for (index, point) in points.iter().enumerate() {
                 let path = format!("tendons.paths[{tendon}][{index}]");
                 let further = point.s_m >= 0.0 && point.s_m.is_finite() && point.s_m > before;
-                at(
-                    &path,
-                    refuse(
-                        further,
-                        "s_m",
-                        &point.s_m,
-                        "a place further from the base than the one before",
-                    ),
-                )?;
+                further_out(&path, point.s_m, further)?;
                 at(&path, BadOption::unless_finite("x_m", point.x_m))?;
                 at(&path, BadOption::unless_finite("y_m", point.y_m))?;
                 before = point.s_m;
@@ -302,4 +286,9 @@ fn exact_sin_cos_deg(angle: f64) -> (f64, f64) {
         270.0 => (-1.0, 0.0),
         other => other.to_radians().sin_cos(),
     }
+}
+
+/// Refuses a place `s_m` along a tendon that does not lie `further` out than the one before.
+fn further_out(path: &str, s_m: f64, further: bool) -> Checked {
+    at(path, refuse(further, "s_m", &s_m, "a place further from the base than the one before"))
 }
