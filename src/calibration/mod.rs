@@ -22,6 +22,7 @@ use validate::{residuals, validation};
 use compare::blocks::{Blocks, SightingSplit};
 use compare::comparison::Comparison;
 use compare::noise::{Misfit, NoiseEstimate};
+use compare::way_back::way_back_differs;
 use fit::intervals::{Uncertain, uncertainty};
 use fit::optimum::{CalibrationProblem, Optimum};
 use numbers::number::FitNumber;
@@ -108,7 +109,7 @@ pub fn calibrate(
     let comparison = if held.is_empty() { whole.clone() } else { whole.only(&kept) };
     let blocks = all_blocks.only(&kept);
     let chosen = if selects {
-        select::select(model, &comparison, &blocks, &stages(model, options)?)?
+        select::select(model, &comparison, &blocks, &stages(model, options, &comparison)?)?
     } else {
         Selection {
             model: model.clone(),
@@ -118,6 +119,9 @@ pub fn calibrate(
         }
     };
     let Selection { model, numbers, start, stages } = chosen;
+    // What was selected may remember.
+    let comparison = comparison.with_model(&model);
+    let whole = whole.with_model(&model);
     if 3 * comparison.sightings.len() <= numbers.len() {
         let (required, available) = (numbers.len() / 3 + 1, comparison.sightings.len());
         return Err(CalibrationError::TooFew { what: "tracked positions", required, available });
@@ -160,17 +164,13 @@ pub fn calibrate(
 fn stages(
     model: &Model,
     options: &CalibrationOptions,
+    comparison: &Comparison,
 ) -> Result<Vec<NumberGroup>, CalibrationError> {
     if options.fit == [AUTO] {
-        return Ok(auto::stages(model, options.at_rest));
+        return Ok(auto::stages(model, options.at_rest, way_back_differs(comparison)));
     }
     entry::numbers(model, &options.fit)?;
-    let stage = |entry: &String| NumberGroup {
-        name: entry.clone(),
-        entries: vec![entry.clone()],
-        prepare: |_| {},
-    };
-    Ok(options.fit.iter().map(stage).collect())
+    Ok(options.fit.iter().map(|entry| NumberGroup::new(entry, &[entry])).collect())
 }
 
 /// The fit; with Student's t where that is asked for, or where least squares leaves outliers.

@@ -12,7 +12,7 @@ use super::numbers::number::FitNumber;
 use super::validate::validation::without;
 use crate::base::distance_m;
 use crate::data::calibration::FitStage;
-use crate::effects::Model;
+use crate::effects::{EffectSpec, Model};
 
 /// Positions on which groups are compared at most.
 const SOME: usize = 500;
@@ -31,6 +31,28 @@ pub(super) struct NumberGroup {
     pub(super) entries: Vec<String>,
     /// Writes keys into the model that the entries name, and that leave its meaning unchanged.
     pub(super) prepare: fn(&mut Model),
+    /// An effect that the numbers belong to, where the model has none of its name.
+    pub(super) effect: Option<EffectSpec>,
+}
+
+impl NumberGroup {
+    /// Numbers that the model has.
+    pub(super) fn new(name: &str, entries: &[&str]) -> NumberGroup {
+        let entries = entries.iter().map(|entry| (*entry).to_owned()).collect();
+        NumberGroup { name: name.to_owned(), entries, prepare: |_| {}, effect: None }
+    }
+
+    /// The model with the keys that the entries name.
+    fn prepared(&self, model: &Model) -> Model {
+        let mut model = model.clone();
+        (self.prepare)(&mut model);
+        let missing = |effect: &&EffectSpec| {
+            model.effects.iter().all(|other| other.card().name != effect.card().name)
+        };
+        let effect = self.effect.iter().find(missing).cloned();
+        model.effects.extend(effect);
+        model
+    }
 }
 
 /// What was selected.
@@ -62,11 +84,9 @@ pub(super) fn select(
     blocks: &Blocks,
     stages: &[NumberGroup],
 ) -> Result<Selection, CalibrationError> {
-    let count = comparison.sightings.len();
-    // Rows of a motion cannot be thinned: each depends on those before.
-    let wanted = if comparison.independent { count.min(SOME) } else { count };
-    let kept: Vec<usize> = (0..wanted).map(|k| k * count / wanted).collect();
-    let (some, blocks) = (comparison.only(&kept), blocks.only(&kept));
+    let wanted = if comparison.at_rest { SOME } else { comparison.sightings.len() };
+    let (some, kept) = comparison.thinned(wanted);
+    let blocks = blocks.only(&kept);
     let given_m = rms_m(&some, &some.positions(model));
     let mut best = SelectionStep {
         model: model.clone(),
@@ -130,8 +150,8 @@ fn added(
     comparison: &Comparison,
     blocks: &Blocks,
 ) -> Result<Option<SelectionStep>, CalibrationError> {
-    let mut model = before.model.clone();
-    (stage.prepare)(&mut model);
+    let model = stage.prepared(&before.model);
+    let comparison = &comparison.clone().with_model(&model);
     let named = stage
         .entries
         .iter()

@@ -38,9 +38,11 @@ pub(crate) struct Comparison<'a> {
     /// Names of the tracked points.
     pub(crate) markers: Vec<String>,
     /// Whether rows do not depend on those before them.
-    pub(crate) independent: bool,
+    independent: bool,
     /// Whether trials go on from one another.
     continues: bool,
+    /// The rows that a robot with memory visits, where these are not all.
+    path: Option<Vec<usize>>,
     pub(crate) parts: Vec<Part>,
 }
 
@@ -81,30 +83,44 @@ impl<'a> Comparison<'a> {
             return Err(CalibrationError::NothingTracked);
         }
         let markers = tracks.into_iter().map(|(name, _)| name).collect();
-        // Histories and friction make a pose depend on those before it.
-        let independent = at_rest
-            && model.rod(&[]).moment_laws.is_empty()
-            && !model.effects.iter().any(|effect| effect.build().has_memory_at_rest());
-        let continues = model.tracking.starts == Starts::Continue;
-        let mut comparison = Comparison {
+        let comparison = Comparison {
             recording,
             at_rest,
             sightings,
             markers,
-            independent,
-            continues,
+            independent: true,
+            continues: model.tracking.starts == Starts::Continue,
+            path: None,
             parts: Vec::new(),
         };
-        comparison.parts = comparison.divided();
-        Ok(comparison)
+        Ok(comparison.with_model(model))
+    }
+
+    /// The same with a model that may have more or less memory.
+    pub(crate) fn with_model(self, model: &Model) -> Comparison<'a> {
+        // Histories and friction make a pose depend on those before it.
+        let independent = self.at_rest
+            && model.rod(&[]).moment_laws.is_empty()
+            && !model.effects.iter().any(|effect| effect.build().has_memory_at_rest());
+        Comparison { independent, ..self }.divided()
     }
 
     /// Only some of the sightings, by index.
     pub(crate) fn only(&self, kept: &[usize]) -> Comparison<'a> {
         let sightings = kept.iter().map(|&index| self.sightings[index]).collect();
-        let mut comparison = Comparison { sightings, parts: Vec::new(), ..self.clone() };
-        comparison.parts = comparison.divided();
-        comparison
+        Comparison { sightings, ..self.clone() }.divided()
+    }
+
+    /// Evenly chosen sightings, at most so many, and their indices. A robot at rest visits no other
+    /// rows: a memory that does not depend on the rate goes much the same way through fewer poses.
+    /// A motion goes through all rows.
+    pub(crate) fn thinned(&self, wanted: usize) -> (Comparison<'a>, Vec<usize>) {
+        let count = self.sightings.len();
+        let wanted = count.min(wanted);
+        let kept: Vec<usize> = (0..wanted).map(|k| k * count / wanted).collect();
+        let rows = || kept.iter().map(|&index| self.sightings[index].row).collect();
+        let path = self.at_rest.then(rows);
+        (Comparison { path, ..self.clone() }.only(&kept), kept)
     }
 
     /// Number of compared rows.
@@ -116,7 +132,12 @@ impl<'a> Comparison<'a> {
 
     /// Rows that are simulated together: poses at rest of a robot without memory in short parts,
     /// other trials up to the last compared row.
-    fn divided(&self) -> Vec<Part> {
+    fn divided(mut self) -> Self {
+        self.parts = self.parts_of_trials();
+        self
+    }
+
+    fn parts_of_trials(&self) -> Vec<Part> {
         let mut trials = self.recording.trials();
         if self.continues && !self.independent {
             // Without a new start the whole recording is one motion.
@@ -134,7 +155,10 @@ impl<'a> Comparison<'a> {
             let Some(&(_, last)) = seen.last() else { continue };
             if !self.independent {
                 // A motion needs all commands before a compared row, and none after the last.
-                let rows: Vec<usize> = (trial.start..last + 1).collect();
+                let on_path = |row: &usize| {
+                    self.path.as_ref().is_none_or(|path| path.binary_search(row).is_ok())
+                };
+                let rows: Vec<usize> = (trial.start..last + 1).filter(on_path).collect();
                 parts.push(self.part(&rows, &seen));
                 continue;
             }

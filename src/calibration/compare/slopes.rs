@@ -10,9 +10,8 @@ use crate::effects::{Model, ModelParameter, Variable, VariationError};
 use crate::rod::PoseRates;
 use crate::tasks::{RecordingWithRates, simulate_with_rates};
 
-/// Fewer parts than this have their numbers shared out, so many at a time.
-const FEW_PARTS: usize = 8;
-const NUMBERS_TOGETHER: usize = 10;
+/// The numbers of a single part are shared out: every share repeats the motion of the model itself.
+const SHARES: usize = 2;
 /// Relative change of a number for differences of whole trials.
 const TRIAL_STEP: f64 = 1e-3;
 impl Comparison<'_> {
@@ -27,10 +26,9 @@ impl Comparison<'_> {
     ) -> Option<(Positions, DMatrix<f64>)> {
         let variables: Vec<&ModelParameter> =
             numbers.iter().flat_map(|number| &number.members).collect();
-        // Few long parts leave threads idle: their numbers are shared out, each share after the
-        // same motion.
-        let share =
-            if self.parts.len() < FEW_PARTS { NUMBERS_TOGETHER } else { variables.len().max(1) };
+        // A single part would leave all threads but one idle.
+        let shares = if self.parts.len() == 1 { SHARES } else { 1 };
+        let share = variables.len().div_ceil(shares).max(1);
         let jobs: Vec<(&Part, &[&ModelParameter])> = self
             .parts
             .iter()

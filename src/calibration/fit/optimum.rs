@@ -19,9 +19,13 @@ const POINT_ACCURACY_M: f64 = 1e-8;
 /// Largest damping: then a step is a hundred-thousandth of the undamped one.
 const MAX_DAMPING: f64 = 1e5;
 /// Improvement of the sum of squares below which a fit has converged, in variances of one
-/// coordinate: a thirtieth of a standard error, or, for a start of another fit, a tenth.
-pub(crate) const CONVERGED: f64 = 1e-3;
-pub(crate) const ROUGHLY_CONVERGED: f64 = 1e-2;
+/// coordinate: a tenth of a standard error, or, for a start of another fit, one.
+pub(crate) const CONVERGED: f64 = 1e-2;
+pub(crate) const ROUGHLY_CONVERGED: f64 = 1.0;
+/// A step that gains this share of what the linear model expects leaves a good derivative behind …
+const SECANT_GAIN: f64 = 0.1;
+/// … for so many steps.
+const MAX_SECANTS: usize = 6;
 /// Largest share of rows that the model may leave without a solution.
 const MAX_FAILED_SHARE: f64 = 0.2;
 /// Largest share of the solved rows that a step may lose.
@@ -45,6 +49,16 @@ pub(crate) struct Optimum {
     pub(crate) variance_m2: f64,
     /// Whether no more improvement was possible within the iterations.
     pub(crate) converged: bool,
+}
+
+/// A step that lowers the weighted sum of squares.
+struct AcceptedStep {
+    /// Coordinates that it leads to.
+    x: Vec<f64>,
+    /// What the model says there.
+    positions: Positions,
+    /// By how much it lowers the sum, m².
+    gain: f64,
 }
 
 /// What is fitted to what.
@@ -80,24 +94,44 @@ impl CalibrationProblem<'_> {
             return Err(self.not_simulated(&here.positions));
         }
         let mut damping = 1e-3;
+        let mut secants = 0;
         for _ in 0..iterations {
             // Ask the linear model first: it costs no simulation.
-            if self.expected_gain(&here) < converged * here.variance_m2 {
+            let expected = self.expected_gain(&here);
+            let step = (expected >= converged * here.variance_m2)
+                .then(|| self.improved(&here, &mut damping))
+                .flatten();
+            let is_small =
+                step.as_ref().is_none_or(|step| step.gain < converged * here.variance_m2);
+            if secants == 0 && step.is_none() {
                 here.converged = true;
                 break;
             }
-            let Some((x, gain)) = self.improved(&here, &mut damping) else {
-                here.converged = true;
-                break;
-            };
-            let variance_m2 = here.variance_m2;
-            // Weights and variance are taken anew, which is the reweighting of robust fits.
-            let Some(next) = self.evaluated(&x) else { break };
-            here = next;
-            if gain < converged * variance_m2 {
-                here.converged = true;
-                break;
+            let x = step.as_ref().map_or_else(|| here.x.clone(), |step| step.x.clone());
+            // A derivative costs as much as many steps; a secant of the last step renews it for
+            // nothing while the steps gain what the linear model expects.
+            let as_expected = |step: &&AcceptedStep| step.gain > SECANT_GAIN * expected;
+            match step.as_ref().filter(as_expected) {
+                Some(step) if !is_small && secants < MAX_SECANTS => {
+                    secants += 1;
+                    here = self.with_secant(&here, step);
+                }
+                _ => {
+                    // Weights and variance are taken anew, which is the reweighting of robust fits.
+                    let Some(next) = self.evaluated(&x) else { break };
+                    here = next;
+                    if secants == 0 && is_small {
+                        here.converged = true;
+                        break;
+                    }
+                    secants = 0;
+                }
             }
+        }
+        if secants > 0
+            && let Some(exact) = self.evaluated(&here.x)
+        {
+            here = exact;
         }
         Ok(here)
     }
@@ -105,20 +139,34 @@ impl CalibrationProblem<'_> {
     /// Positions, derivative and weights at `x`; `None` when the model cannot be evaluated.
     pub(crate) fn evaluated(&self, x: &[f64]) -> Option<Optimum> {
         let (positions, slopes) = self.comparison.with_slopes(&self.at(x)?, self.numbers, x)?;
+        // Slopes below the solver's accuracy are rounding and would look like information.
+        let slopes = unseen_left_out(slopes, OBSERVABLE_CHANGE, POINT_ACCURACY_M);
+        Some(self.weighted(x.to_vec(), positions, slopes))
+    }
+
+    fn weighted(&self, x: Vec<f64>, positions: Positions, slopes: DMatrix<f64>) -> Optimum {
         let residual_m = self.residual_m(&positions);
         let (weights, variance_m2) =
             weights(self.likelihood, &residual_m, &positions, self.numbers.len());
-        // Slopes below the solver's accuracy are rounding and would look like information.
-        let slopes = unseen_left_out(slopes, OBSERVABLE_CHANGE, POINT_ACCURACY_M);
-        Some(Optimum {
-            x: x.to_vec(),
-            positions,
-            slopes,
-            residual_m,
-            weights,
-            variance_m2,
-            converged: false,
-        })
+        Optimum { x, positions, slopes, residual_m, weights, variance_m2, converged: false }
+    }
+
+    /// Where a step has led, with the derivative that agrees with the step and is else the former
+    /// one (Broyden 1965), in Marquardt's scaling.
+    fn with_secant(&self, here: &Optimum, step: &AcceptedStep) -> Optimum {
+        let (normal, _) = self.normal(here);
+        let change = DVector::from_fn(here.x.len(), |k, _| step.x[k] - here.x[k]);
+        let scaled = DVector::from_fn(here.x.len(), |k, _| normal[(k, k)] * change[k]);
+        let mut missed = self.residual_m(&step.positions) - &here.residual_m;
+        missed.gemv(-1.0, &here.slopes, &change, 1.0);
+        for (index, (before, after)) in here.positions.iter().zip(&step.positions).enumerate() {
+            if before.is_none() || after.is_none() {
+                missed.rows_mut(3 * index, 3).fill(0.0);
+            }
+        }
+        let mut slopes = here.slopes.clone();
+        slopes.ger(1.0 / change.dot(&scaled), &missed, &scaled, 1.0);
+        self.weighted(step.x.clone(), step.positions.clone(), slopes)
     }
 
     /// Simulated minus measured; zero where there is no solution.
@@ -144,8 +192,8 @@ impl CalibrationProblem<'_> {
         }
     }
 
-    /// A step that lowers the weighted sum of squares, and by how much; `None` when there is none.
-    fn improved(&self, here: &Optimum, damping: &mut f64) -> Option<(Vec<f64>, f64)> {
+    /// A step that lowers the weighted sum of squares; `None` when there is none.
+    fn improved(&self, here: &Optimum, damping: &mut f64) -> Option<AcceptedStep> {
         let (normal, gradient) = self.normal(here);
         let free = self.free(here, &gradient);
         if free.is_empty() {
@@ -155,14 +203,14 @@ impl CalibrationProblem<'_> {
             let x = self.damped_step(here, (&normal, &gradient), &free, damping)?;
             let positions = self.comparison.positions(&self.at(&x)?);
             let gain = self.gain(here, &x, &positions).filter(|&gain| gain >= 0.0)?;
-            Some((x, gain))
+            Some(AcceptedStep { x, positions, gain })
         });
         if accepted.is_none() {
             // A later step starts afresh: the largest damping would leave it nowhere to go.
             *damping = 1e-3;
         }
         // Bounds may undo the whole step.
-        accepted.filter(|(x, _)| *x != here.x)
+        accepted.filter(|step| step.x != here.x)
     }
 
     /// Half the second derivative and half the gradient of the weighted sum of squares, priors

@@ -4,7 +4,6 @@ use rand::RngExt;
 
 use super::optimum::{CONVERGED, CalibrationProblem, Optimum, ROUGHLY_CONVERGED};
 use crate::base::Seed;
-use crate::calibration::compare::comparison::Comparison;
 use crate::calibration::error::CalibrationError;
 
 /// Sightings of the fit that begins that to all rows.
@@ -42,13 +41,13 @@ pub(crate) fn best(
     }
 }
 
-/// A start for the fit to all rows from a fit to some of them, where rows are independent and many.
+/// A start for the fit to all rows from a fit to some of them, where rows are poses and many.
 fn coarse(problem: &CalibrationProblem, start: &[f64]) -> Vec<f64> {
     let wanted = SOME.max(8 * problem.numbers.len());
-    if !problem.comparison.independent || problem.comparison.sightings.len() < 3 * wanted {
+    if !problem.comparison.at_rest || problem.comparison.sightings.len() < 3 * wanted {
         return start.to_vec();
     }
-    let comparison = problem.comparison.only(&evenly(problem.comparison, wanted));
+    let (comparison, _) = problem.comparison.thinned(wanted);
     let part = CalibrationProblem { comparison: &comparison, ..*problem };
     part.fit(start, MAX_STEPS, ROUGHLY_CONVERGED)
         .map_or_else(|_| start.to_vec(), |optimum| optimum.x)
@@ -56,8 +55,8 @@ fn coarse(problem: &CalibrationProblem, start: &[f64]) -> Vec<f64> {
 
 /// Where a cheap fit from another start came clearly lower than `first`.
 fn rival(problem: &CalibrationProblem, first: &Optimum) -> Option<Vec<f64>> {
-    let few = evenly(problem.comparison, FEW.max(2 * problem.numbers.len()));
-    let comparison = problem.comparison.only(&few);
+    let few = FEW.max(2 * problem.numbers.len());
+    let (comparison, _) = problem.comparison.thinned(few);
     let cheap = CalibrationProblem { comparison: &comparison, ..*problem };
     // The same few rows and steps for both: only then their errors compare.
     let reached = cheap.fit(&first.x, CHEAP_STEPS, ROUGHLY_CONVERGED).ok()?.rms_m().powi(2);
@@ -76,11 +75,4 @@ fn rival(problem: &CalibrationProblem, first: &Optimum) -> Option<Vec<f64>> {
         .min_by(|a, b| a.0.total_cmp(&b.0))
         .filter(|(square_m2, _)| *square_m2 < BETTER * reached);
     winner.map(|(_, start)| start)
-}
-
-/// Evenly chosen sightings.
-fn evenly(comparison: &Comparison, wanted: usize) -> Vec<usize> {
-    let count = comparison.sightings.len();
-    let wanted = count.min(wanted);
-    (0..wanted).map(|k| k * count / wanted).collect()
 }

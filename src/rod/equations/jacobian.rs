@@ -5,8 +5,8 @@
 //! (δp_k − δp) × f_k, and its components in the body with the orientation, δ(Rᵀ M) = Rᵀ (δM − δθ ×
 //! M). Inertia is the Gram matrix of the displacements, M = Σ m_k δp_kᵀ δp_k.
 //!
-//! What a change of shape does to the friction of tendons is left out: the iteration contracts
-//! without it.
+//! Of the friction of tendons, what a change of shape does to the mobilised share under a prescribed
+//! tension is left out: the iteration contracts without it.
 
 use nalgebra::{DMatrix, Vector3};
 
@@ -18,6 +18,7 @@ use super::world_vectors::{VectorDerivative, padded};
 use crate::math::{matrix3, rotation, vectorised};
 use crate::rod::discretisation::cell::COMPONENTS;
 use crate::rod::discretisation::grid::Grid;
+use crate::rod::params::tendon::Tendon;
 
 /// Buffers for the derivative of one rod's equations.
 #[derive(Clone, Debug)]
@@ -35,6 +36,9 @@ pub(crate) struct Derivative {
     /// Σ δf and Σ p × δf + δm of the distal follower loads; `None` without any.
     follower: Option<[VectorDerivative; 2]>,
     wrench_rows: [Vec<f64>; COMPONENTS],
+    /// For each tendon, then each Gauss point: derivative of the angle by which the path has turned
+    /// there; empty without friction.
+    turns: Vec<Vec<f64>>,
     border: Vec<f64>,
     /// Room for a field over the Gauss points.
     field: Vec<f64>,
@@ -44,12 +48,15 @@ impl Derivative {
     pub(crate) fn new(system: &RodEquations) -> Derivative {
         let n = system.grid.unknowns;
         let zero = VectorDerivative::zeros(n);
+        let has_friction = system.params.tendons.iter().any(Tendon::has_friction);
+        let paths = if has_friction { system.guides.len() } else { 0 };
         let follows = system.constant_loads.points.iter().any(|(_, load)| load.follows);
         Derivative {
             variation: ShapeVariation::new(&system.grid),
             stiffness: vec![0.0; system.size() * system.size()],
             rates: RateMatrices::new(system),
             follower: follows.then(|| [zero.clone(), zero.clone()]),
+            turns: vec![vec![0.0; padded(n)]; paths],
             beyond: zero.clone(),
             moment: zero,
             wrench_rows: std::array::from_fn(|_| vec![0.0; padded(n)]),
@@ -80,6 +87,7 @@ impl Derivative {
     ) {
         // All below needs δp and δθ of every Gauss point and cell end.
         self.variation.update(&system.grid, &workspace.shape);
+        self.update_turns(system, unknowns, workspace);
         self.stiffness.fill(0.0);
         self.beyond.fill_zero();
         self.follower.iter_mut().flatten().for_each(VectorDerivative::fill_zero);
@@ -225,6 +233,7 @@ impl Derivative {
         }
         self.add_followers(g, workspace);
         self.add_material(system, g, unknowns, workspace);
+        self.add_tendon_friction(system, g, unknowns, workspace);
         self.project_rows(system, g, workspace);
     }
 
@@ -277,6 +286,49 @@ impl Derivative {
                 for (slot, basis) in rows[columns.clone()].iter_mut().zip(&node.basis) {
                     *slot += value * basis;
                 }
+            }
+        }
+    }
+
+    /// The angles by which the paths of tendons with mobilised friction turn.
+    fn update_turns(&mut self, system: &RodEquations, unknowns: &[f64], workspace: &Workspace) {
+        if self.turns.is_empty() {
+            return;
+        }
+        let points = system.grid.nodes.len();
+        for (i, rows) in self.turns.chunks_mut(points).enumerate() {
+            if system.friction_rate(i, workspace) != 0.0
+                && unknowns[system.grid.unknowns + i] != 0.0
+            {
+                rows.iter_mut().for_each(|row| row.fill(0.0));
+                system.turn_derivative(i, workspace, &self.variation, rows);
+            }
+        }
+    }
+
+    /// Adds the change of the tensions at Gauss point `g` with the angle by which the paths turn.
+    #[inline(always)]
+    fn add_tendon_friction(
+        &mut self,
+        system: &RodEquations,
+        g: usize,
+        unknowns: &[f64],
+        workspace: &Workspace,
+    ) {
+        let points = system.grid.nodes.len();
+        let count = if self.turns.is_empty() { 0 } else { system.params.tendons.len() };
+        for i in 0..count {
+            // τ(s) = τ(0) exp(−μ σ Θ).
+            let by_turn_n = unknowns[system.grid.unknowns + i]
+                * workspace.tension_shares[g * count + i]
+                * system.friction_rate(i, workspace);
+            if by_turn_n == 0.0 {
+                continue;
+            }
+            let pull = system.tendon_wrench(g, i, workspace);
+            for (rows, pull) in self.wrench_rows.iter_mut().zip(pull) {
+                let turn = &self.turns[i * points + g];
+                rows.iter_mut().zip(turn).for_each(|(slot, turn)| *slot += by_turn_n * pull * turn);
             }
         }
     }

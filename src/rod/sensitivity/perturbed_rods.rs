@@ -222,12 +222,8 @@ impl PerturbedRods {
                 .take()
                 .filter(|old| old.serves(followed.motion.rate, taut, followers.len()));
             let corrected = reused.and_then(|mut reused| {
-                let corrected = reused.correct(
-                    followers,
-                    &all_constraints,
-                    &mut solution,
-                    OLD_FACTORS_TOLERANCE,
-                )?;
+                let corrected =
+                    reused.correct(followers, &all_constraints, &mut solution, WITH_OLD_FACTORS)?;
                 *leader_derivative = Some(reused);
                 Some(corrected)
             });
@@ -239,12 +235,7 @@ impl PerturbedRods {
                     solution.contraction = None;
                     let fresh =
                         leader_derivative.insert(followed.linearise(&solution, &constraints));
-                    fresh.correct(
-                        followers,
-                        &all_constraints,
-                        &mut solution,
-                        FRESH_FACTORS_TOLERANCE,
-                    )?
+                    fresh.correct(followers, &all_constraints, &mut solution, WITH_FRESH_FACTORS)?
                 }
             };
             for (follower, unknowns) in followers.iter_mut().zip(corrected) {
@@ -264,13 +255,23 @@ impl PerturbedRods {
     }
 }
 
-/// Allowed remainder as a share of the first correction: with a derivative at this solution, whose
-/// contraction hardly changes between solves, and with an older one.
-const FRESH_FACTORS_TOLERANCE: f64 = 1e-5;
-const OLD_FACTORS_TOLERANCE: f64 = 1e-7;
+/// When corrections end.
+#[derive(Clone, Copy)]
+struct CorrectionLimits {
+    /// Allowed remainder as a share of the first correction.
+    tolerance: f64,
+    max_corrections: usize,
+}
+
+/// With a derivative at this solution, whose contraction hardly changes between solves. Where a
+/// cross-section is about to slip, follower and leader may be on different sides: then a correction
+/// leaves up to a third.
+const WITH_FRESH_FACTORS: CorrectionLimits =
+    CorrectionLimits { tolerance: 1e-5, max_corrections: 30 };
+/// With an older one.
+const WITH_OLD_FACTORS: CorrectionLimits = CorrectionLimits { tolerance: 1e-7, max_corrections: 8 };
 /// Non-decreasing corrections below this, in lengths of the rod, are rounding.
 const ROUNDING_LENGTHS: f64 = 1e-13;
-const MAX_CORRECTIONS: usize = 8;
 /// Cost of a new derivative in corrections of one rod.
 const DERIVATIVE_COST: usize = 8;
 
@@ -287,12 +288,12 @@ impl LeaderDerivative {
         rods: &mut [Rod],
         constraints: &[Vec<TendonConstraint>],
         solution: &mut LeaderSolution,
-        tolerance: f64,
+        limits: CorrectionLimits,
     ) -> Option<Vec<Vec<f64>>> {
         self.corrections = 1;
         let each = rods.iter_mut().zip(constraints).map(|(rod, constraints)| {
             let (unknowns, corrections) =
-                rod.corrected(&self.factors, tolerance, solution, constraints)?;
+                rod.corrected(&self.factors, limits, solution, constraints)?;
             self.corrections = self.corrections.max(corrections);
             Some(unknowns)
         });
@@ -335,13 +336,13 @@ impl Rod {
     }
 
     /// This follower's unknowns at the leader's `solution` and the number of corrections, until at
-    /// most `tolerance` of the first correction remains. The contraction is measured on the first
+    /// most the allowed share of the first correction remains. The contraction is measured on the first
     /// follower with a nonzero correction; it is nearly zero at the derivative's own solution,
     /// except for drag and rotary inertia, which the derivative omits.
     fn corrected(
         &mut self,
         factors: &LU<f64, Dyn, Dyn>,
-        tolerance: f64,
+        limits: CorrectionLimits,
         solution: &mut LeaderSolution,
         constraints: &[TendonConstraint],
     ) -> Option<(Vec<f64>, usize)> {
@@ -352,7 +353,7 @@ impl Rod {
         let conditions =
             SolveConditions { taut, ..state.conditions(motion, constraints, &loads, at_rest) };
         let (mut first_m, mut last_m) = (0.0, f64::NAN);
-        for count in 1..=MAX_CORRECTIONS {
+        for count in 1..=limits.max_corrections {
             // Chord iteration: the factors stay those of the leader or of an earlier solution.
             system.evaluate(&unknowns, &conditions, &mut solver.workspace);
             // The leader's own residual is subtracted: only the difference of both rods is sought.
@@ -378,7 +379,7 @@ impl Rod {
             let contraction =
                 if count == 1 { solution.contraction.unwrap_or(1.0) } else { size_m / last_m };
             // A linear iteration leaves about its contraction times the last correction.
-            if contraction * size_m < tolerance * first_m {
+            if contraction * size_m < limits.tolerance * first_m {
                 return Some((unknowns, count));
             }
             last_m = size_m;

@@ -4,6 +4,7 @@
 use crate::rod::discretisation::levels::MAX_REFINEMENTS;
 use crate::rod::equations::boundary_conditions::TendonConstraint;
 use crate::rod::equations::shape::distance_m;
+use crate::rod::params::tendon::Tendon;
 use crate::rod::solver::status::SolveStatus;
 use crate::rod::state::rod::Rod;
 use crate::rod::statics::judgement::Stability;
@@ -16,7 +17,7 @@ const MAX_ITERATIONS: usize = 40;
 /// differ.
 const SAME_EQUILIBRIUM_LENGTHS: f64 = 1e-3;
 /// Tolerance factor where the wrench has kinks that no polynomial resolves: at the yield fronts of
-/// history-dependent moments and at contacts.
+/// history-dependent moments, at contacts, and where a tendon with friction turns the other way.
 const KINK_TOLERANCE: f64 = 100.0;
 
 impl Rod {
@@ -31,8 +32,10 @@ impl Rod {
         if !stability.is_equilibrium() {
             return stability;
         }
-        let smooth =
-            self.system.params.moment_laws.is_empty() && self.solver.workspace.touches.is_empty();
+        let params = &self.system.params;
+        let smooth = params.moment_laws.is_empty()
+            && !params.tendons.iter().any(Tendon::has_friction)
+            && self.solver.workspace.touches.is_empty();
         let share = if smooth { 1.0 } else { KINK_TOLERANCE };
         let tolerance_m = share * self.grid_level.base.static_tolerance_m;
         let mut estimate = self.estimate();

@@ -1,0 +1,79 @@
+//! Whether a recording shows memory: at equal commands the way back lies elsewhere than the way out.
+
+use super::comparison::Comparison;
+use crate::base::{Point3, distance_m};
+use crate::math::distribution::normal_above;
+use crate::math::summary::rank_correlation;
+
+/// Rows this near in time are no return.
+const MIN_ROWS_APART: usize = 5;
+/// Cosine between two motions beyond which they go the same way, or back.
+const SAME_WAY: f64 = 0.5;
+/// Chance of a difference where there is none, and fewest pairs of rows that show one.
+const CHANCE: f64 = 1e-3;
+const MIN_PAIRS: usize = 20;
+
+/// A compared row: command, motion of the command up to it, and first tracked point.
+struct Visit<'a> {
+    row: usize,
+    command: &'a [f64],
+    motion: Vec<f64>,
+    at_m: Point3,
+}
+
+/// Whether points are farther apart where rows of like commands were reached from opposite sides
+/// than where they were reached from the same side (rank-sum test, Mann & Whitney 1947).
+pub(crate) fn way_back_differs(comparison: &Comparison) -> bool {
+    let visits = visits(comparison);
+    let (mut is_return, mut apart_m) = (Vec::new(), Vec::new());
+    for visit in &visits {
+        // The other visit at the most similar command.
+        let others = visits.iter().filter(|other| other.row.abs_diff(visit.row) > MIN_ROWS_APART);
+        let nearest = others
+            .map(|other| (distance(other.command, visit.command), other))
+            .min_by(|a, b| a.0.total_cmp(&b.0));
+        let Some((away, other)) = nearest.filter(|(away, _)| *away <= length(&visit.motion)) else {
+            continue;
+        };
+        let cosine = product(&visit.motion, &other.motion)
+            / (length(&visit.motion) * length(&other.motion)).max(f64::MIN_POSITIVE);
+        if cosine.abs() > SAME_WAY && away.is_finite() {
+            is_return.push(f64::from(u8::from(cosine < 0.0)));
+            apart_m.push(distance_m(&visit.at_m, &other.at_m));
+        }
+    }
+    let returns: f64 = is_return.iter().sum();
+    if returns < MIN_PAIRS as f64 || (is_return.len() as f64 - returns) < MIN_PAIRS as f64 {
+        return false;
+    }
+    // With one variable of two values the rank correlation is the rank-sum statistic.
+    let deviations = rank_correlation(&is_return, &apart_m) * (is_return.len() as f64 - 1.0).sqrt();
+    normal_above(deviations) < CHANCE
+}
+
+fn visits<'a>(comparison: &Comparison<'a>) -> Vec<Visit<'a>> {
+    let recording = comparison.recording;
+    let seen = comparison.sightings.iter().filter(|sighting| {
+        let row = sighting.row;
+        sighting.marker == 0 && row > 0 && recording.trial[row - 1] == recording.trial[row]
+    });
+    seen.map(|sighting| {
+        let (before, command) =
+            (recording.commands.row(sighting.row - 1), recording.commands.row(sighting.row));
+        let motion = command.iter().zip(before).map(|(to, from)| to - from).collect();
+        Visit { row: sighting.row, command, motion, at_m: sighting.at_m }
+    })
+    .collect()
+}
+
+fn product(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+fn length(a: &[f64]) -> f64 {
+    product(a, a).sqrt()
+}
+
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum::<f64>().sqrt()
+}
