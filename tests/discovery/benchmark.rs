@@ -5,8 +5,8 @@ use spinebench::base::Seed;
 use spinebench::benchmark::{
     AnsweredEffect, BaselineAnswer, BaselineAnswers, CaseAnswer, CaseAnswers, CaseBatch,
     CaseDesign, CaseGroup, CaseSetting, CatalogueSpan, Commands, DISTURBANCES, Imitated,
-    OracleOptions, Prior, Truth, TruthOptions, draw, drawn_catalogue, explore_commands,
-    measure_case, score,
+    InjectedEffect, OracleOptions, Prior, Truth, TruthOptions, draw, drawn_catalogue,
+    explore_commands, measure_case, score,
 };
 use spinebench::data::findings::Verdict;
 use spinebench::effects::{CATALOGUE, Model};

@@ -14,7 +14,7 @@ use crate::learn::gp::{Gp, GpConfig};
 
 /// Strengths of a ridge that are tried.
 const RIDGES: [f64; 8] = [MIN_RIDGE, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10.0];
-/// Strengths that a sparse fit tries; more would shrink what it keeps.
+/// Strengths that a sparse fit of effects tries; more would shrink what it keeps.
 const SPARSE_RIDGES: [f64; 3] = [MIN_RIDGE, 1e-4, 1e-2];
 /// Thresholds that a sparse fit tries: from this share of the residual to all of it, …
 const MIN_THRESHOLD: f64 = 0.01;
@@ -55,9 +55,9 @@ impl FeatureLibrary {
     /// Polynomials of degree two, sines and cosines of commands and simulated tip, standardised,
     /// for each axis.
     pub(crate) fn polynomials(problem: &LinearProblem) -> FeatureLibrary {
-        let scale = Scale::of(&problem.training.inputs);
+        let moments = InputMoments::of(&problem.training.inputs);
         let of = |rows: &LinearRows| {
-            let terms: Vec<Vec<f64>> = rows.inputs.iter().map(|row| scale.terms(row)).collect();
+            let terms: Vec<Vec<f64>> = rows.inputs.iter().map(|row| moments.terms(row)).collect();
             let count = terms.first().map_or(0, Vec::len);
             DMatrix::from_fn(3 * terms.len(), 3 * count, |row, column| {
                 let is_axis = row % 3 == column % 3;
@@ -74,9 +74,12 @@ impl FeatureLibrary {
     }
 
     /// Sparse regression: of the fits that foretell left-out trials as well as the best does, the
-    /// one with the fewest groups.
+    /// one with the fewest groups; the best itself of a library that names nothing, if no groups
+    /// do not foretell them as well.
     pub(crate) fn sparse(&self, problem: &LinearProblem) -> BaselineAnswer {
         let regression = &GroupedRegression::new(problem, &self.training, self.groups.clone());
+        let names_nothing = self.effects.is_empty();
+        let ridges: &[f64] = if names_nothing { &RIDGES } else { &SPARSE_RIDGES };
         let thresholds_m: Vec<f64> = (0..THRESHOLDS)
             .map(|k| MIN_THRESHOLD.powf(k as f64 / (THRESHOLDS - 1) as f64))
             .map(|share| share * regression.residual_rms_m())
@@ -89,7 +92,7 @@ impl FeatureLibrary {
                 };
                 thresholds_m.iter().map(fit).collect::<Vec<_>>()
             };
-            let sparse = SPARSE_RIDGES.into_iter().flat_map(with);
+            let sparse = ridges.iter().copied().flat_map(with);
             std::iter::once(regression.null(equations)).chain(sparse).collect()
         };
         let errors = regression.left_out_m2(&fits);
@@ -104,7 +107,9 @@ impl FeatureLibrary {
             .filter(|&fit| within_one_error(&errors[fit], &errors[best]))
             .min_by(|&a, &b| (groups(a).cmp(&groups(b))).then(total(a).total_cmp(&total(b))));
         let chosen = chosen.unwrap_or(0);
-        self.answer(problem, regression, &fitted[chosen], groups(chosen) > 0)
+        let detects = groups(chosen) > 0;
+        let chosen = if names_nothing { best } else { chosen };
+        self.answer(problem, regression, &fitted[chosen], detects)
     }
 
     /// All groups at once with the ridge that foretells left-out trials best.
@@ -153,19 +158,19 @@ fn least(errors: &[Vec<f64>]) -> usize {
 }
 
 /// Mean and standard deviation of each input.
-struct Scale {
+struct InputMoments {
     moments: Vec<[f64; 2]>,
 }
 
-impl Scale {
-    fn of(inputs: &Rows) -> Scale {
+impl InputMoments {
+    fn of(inputs: &Rows) -> InputMoments {
         let count = inputs.len().max(1) as f64;
         let moments = (0..inputs.width()).map(|k| {
             let mean = inputs.iter().map(|row| row[k]).sum::<f64>() / count;
             let square = inputs.iter().map(|row| (row[k] - mean).powi(2)).sum::<f64>() / count;
             [mean, square.sqrt()]
         });
-        Scale { moments: moments.collect() }
+        InputMoments { moments: moments.collect() }
     }
 
     /// The terms of the library at one sample. Inputs that never change have none.

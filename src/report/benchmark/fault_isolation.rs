@@ -161,7 +161,7 @@ fn shown(score: &MethodScore) -> String {
 /// Width of the figure: that of one column, so that it can be read on a phone.
 const WIDTH: f64 = 400.0;
 const LEFT: f64 = 126.0;
-const RIGHT: f64 = 96.0;
+const RIGHT: f64 = 106.0;
 const TOP: f64 = 24.0;
 /// Height of a method's row, and of what stands between two panels.
 const ROW: f64 = 17.0;
@@ -176,7 +176,7 @@ pub(crate) fn draw(scores: &[MethodScore]) -> Canvas {
         (SINGLES, "probability given to the hidden effect (%): more is better"),
     ];
     let high = ROW * METHODS.len() as f64;
-    let mut canvas = Canvas::new(WIDTH, TOP + (high + BETWEEN) * panels.len() as f64);
+    let mut canvas = Canvas::new(WIDTH, TOP + (high + BETWEEN) * panels.len() as f64 - 16.0);
     for (index, (measure, title)) in panels.into_iter().enumerate() {
         let top = TOP + (high + BETWEEN) * index as f64;
         canvas.text(Text::new(title, [10.0, top - 9.0], TEXT, TextAlign::Left).bold());

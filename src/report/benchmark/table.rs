@@ -67,6 +67,6 @@ pub(crate) fn interval(row: &SummaryRow) -> String {
 /// A share in percent: one decimal near the ends, where it matters.
 pub(crate) fn percent(share: f64) -> String {
     let value = 100.0 * share;
-    let near_end = (value > 0.0 && value < 9.95) || (value > 90.05 && value < 100.0);
+    let near_end = (value > 0.0 && value < 9.95) || (value > 90.05 && value < 99.95);
     crate::report::drawing::signed(value, usize::from(near_end))
 }
