@@ -5,7 +5,7 @@ use spinebench::base::Seed;
 use spinebench::benchmark::{
     AnsweredEffect, BaselineAnswer, BaselineAnswers, CaseAnswer, CaseAnswers, CaseBatch,
     CaseDesign, CaseGroup, CaseSetting, CatalogueSpan, Commands, DISTURBANCES, Imitated,
-    InjectedEffect, OracleOptions, Prior, Truth, TruthOptions, draw, drawn_catalogue,
+    InjectedEffect, OracleOptions, Prior, ScoredCase, Truth, TruthOptions, draw, drawn_catalogue,
     explore_commands, measure_case, score,
 };
 use spinebench::data::findings::Verdict;
@@ -256,6 +256,12 @@ fn baselines(probabilities: &[(&str, f64)]) -> BaselineAnswers {
     BaselineAnswers { sparse: answer.clone(), ridge: answer, library, gp_detects: true }
 }
 
+/// The score of an answer beside methods that name nothing.
+fn scored_case(setting: CaseSetting, truth: &Truth, discover: &CaseAnswer) -> ScoredCase {
+    let answers = CaseAnswers { discover, baselines: &baselines(&[]) };
+    score(setting, &model(), truth, answers)
+}
+
 #[test]
 fn answers_are_scored_by_name_tendon_size_and_interval() {
     let commands = walk(36, 8);
@@ -267,11 +273,7 @@ fn answers_are_scored_by_name_tendon_size_and_interval() {
     let [tendon, scale] = truth.hidden[0].values[..] else { panic!("{truth:?}") };
     let single = batch("single");
     let setting = CaseSetting { number: 7, batch: &single, correlation: 0.0 };
-    let scored_case = |answer: &CaseAnswer| {
-        let answers = CaseAnswers { discover: answer, baselines: &baselines(&[]) };
-        score(setting, &model(), &truth, answers)
-    };
-    let scored = |answer: &CaseAnswer| scored_case(answer).row;
+    let scored = |answer: &CaseAnswer| scored_case(setting, &truth, answer).row;
     let near = 1.0 + 1.1 * (scale - 1.0);
     let ends = [scale.min(near) - 1e-3, scale.max(near) + 1e-3];
     let good = answer(
@@ -285,7 +287,7 @@ fn answers_are_scored_by_name_tendon_size_and_interval() {
         (2, 1, 7),
         "an interval [0, 0] holds no tendon"
     );
-    let intervals = scored_case(&good).intervals;
+    let intervals = scored_case(setting, &truth, &good).intervals;
     let told: Vec<(&str, f64, bool)> =
         intervals.iter().map(|i| (i.parameter.as_str(), i.truth, i.covered)).collect();
     assert_eq!(told, [("tendon", tendon, false), ("scale", scale, true)]);
@@ -327,9 +329,7 @@ fn answers_are_scored_by_name_tendon_size_and_interval() {
             Truth { imitations: vec!["creep".to_owned(), "delay".to_owned()], ..truth.clone() };
         let batch = batch(group);
         let setting = CaseSetting { number: 0, batch: &batch, correlation: 0.0 };
-        let baselines = baselines(&[]);
-        let answers = CaseAnswers { discover: &answer(verdict, &[]), baselines: &baselines };
-        let row = score(setting, &model(), &truth, answers).row;
+        let row = scored_case(setting, &truth, &answer(verdict, &[])).row;
         assert_eq!((row.right, row.in_group), (right, in_group), "{group} {verdict:?}");
         assert_eq!(row.imitations, "creep or delay");
     }
