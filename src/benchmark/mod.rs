@@ -6,8 +6,9 @@
 //!
 //! Order: options and commands, `injection` (effects and disturbances), `truth`, `oracle` (what the
 //! catalogue can imitate), `drawing` (of a case), `public_case`, `recorded` (cases of others),
-//! `scores`.
+//! `baselines` (methods of comparison), `scores`.
 
+mod baselines;
 mod commands;
 mod drawing;
 mod error;
@@ -19,6 +20,7 @@ mod recorded;
 mod scores;
 mod truth;
 
+pub use baselines::{BaselineAnswer, BaselineAnswers, baseline_answers};
 pub use commands::{Commands, explore_commands};
 pub use drawing::population::{DrawnEffect, Population};
 pub use drawing::scale_to_shift::{ScaledStrength, scale_to_shift};
@@ -30,5 +32,5 @@ pub use options::{CaseBatch, CaseGroup, OracleOptions, Prior, TruthOptions};
 pub use oracle::{CatalogueSpan, Imitated};
 pub use public_case::{PublicCase, add_noise, measure_case};
 pub use recorded::{RecordedCase, RecordedCases};
-pub use scores::{AnsweredEffect, CaseAnswer, CaseSetting, ScoredCase, failed, score};
+pub use scores::{AnsweredEffect, CaseAnswer, CaseAnswers, CaseSetting, ScoredCase, failed, score};
 pub use truth::Truth;

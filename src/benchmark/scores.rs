@@ -5,11 +5,14 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::injection::injected_effects::{InjectedEffect, null_value, size};
+use super::baselines::BaselineAnswers;
+use super::injection::injected_effects::{
+    InjectedEffect, card, effect_label, null_value, size, tendon_parameter,
+};
 use super::options::{CaseBatch, CaseGroup};
 use super::truth::Truth;
 use crate::data::findings::{CaseRow, Findings, FoundEffect, IntervalRow, OR, Verdict};
-use crate::effects::{Model, Parameter, Seek};
+use crate::effects::{Model, Parameter};
 use crate::math::summary::quantile;
 
 /// Answer to a recording.
@@ -40,6 +43,8 @@ pub struct AnsweredEffect {
     pub values: BTreeMap<String, f64>,
     /// 95 % intervals.
     pub intervals: BTreeMap<String, [f64; 2]>,
+    /// Posterior probability, as `discover` reports it.
+    pub confidence: f64,
 }
 
 impl CaseAnswer {
@@ -66,6 +71,14 @@ impl CaseAnswer {
         names.sort_unstable();
         names
     }
+
+    /// Probability of each effect: its confidence, over their sum where that is more than one (the
+    /// effects of a set are each sure). Nothing where no effect is named.
+    fn probabilities(&self) -> BTreeMap<String, f64> {
+        let sum: f64 = self.effects.iter().map(|effect| effect.confidence).sum();
+        let probability = |effect: &AnsweredEffect| effect.confidence / sum.max(1.0);
+        self.effects.iter().map(|effect| (effect.label(), probability(effect))).collect()
+    }
 }
 
 impl AnsweredEffect {
@@ -91,7 +104,17 @@ impl AnsweredEffect {
                 value => intervals.extend(ends(value).map(|ends| (name.clone(), ends))),
             }
         }
-        AnsweredEffect { name: effect.name.clone(), values, intervals }
+        let (name, confidence) = (effect.name.clone(), effect.confidence);
+        AnsweredEffect { name, values, intervals, confidence }
+    }
+
+    /// Its name, with its tendon if it acts on one.
+    fn label(&self) -> String {
+        let card = card(&self.name);
+        let tendon = card.and_then(|card| {
+            self.values.get(card.parameters[tendon_parameter(card)?].name).copied()
+        });
+        effect_label(&self.name, tendon)
     }
 }
 
@@ -115,12 +138,21 @@ pub struct ScoredCase {
     pub intervals: Vec<IntervalRow>,
 }
 
+/// Answers to one recording.
+#[derive(Clone, Copy, Debug)]
+pub struct CaseAnswers<'a> {
+    /// That of `discover`.
+    pub discover: &'a CaseAnswer,
+    /// Those of the methods of comparison.
+    pub baselines: &'a BaselineAnswers,
+}
+
 /// Scores an answered case.
 pub fn score(
     setting: CaseSetting,
     model: &Model,
     truth: &Truth,
-    answer: &CaseAnswer,
+    CaseAnswers { discover: answer, baselines }: CaseAnswers,
 ) -> ScoredCase {
     let mut row = row(setting, Some(truth));
     let mut intervals = Vec::new();
@@ -145,6 +177,8 @@ pub fn score(
     row.stiffness_only_m = answer.stiffness_only_m;
     row.gp_m = answer.gp_m;
     row.floor_m = answer.floor_m;
+    row.isolation = isolation(truth, &answer.probabilities());
+    add_baselines(&mut row, truth, baselines);
     ScoredCase { row, intervals }
 }
 
@@ -176,7 +210,46 @@ fn row(CaseSetting { number, batch, correlation }: CaseSetting, truth: Option<&T
         stiffness_only_m: f64::NAN,
         gp_m: f64::NAN,
         floor_m: f64::NAN,
+        isolation: f64::NAN,
+        sparse_answer: String::new(),
+        sparse_isolation: f64::NAN,
+        sparse_m: f64::NAN,
+        ridge_detects: false,
+        ridge_isolation: f64::NAN,
+        ridge_m: f64::NAN,
+        library_detects: false,
+        library_m: f64::NAN,
+        gp_detects: false,
     }
+}
+
+/// What the methods of comparison say.
+fn add_baselines(row: &mut CaseRow, truth: &Truth, answers: &BaselineAnswers) {
+    let BaselineAnswers { sparse, ridge, library, gp_detects } = answers;
+    let names: Vec<&str> = sparse.probabilities.keys().map(String::as_str).collect();
+    row.sparse_answer = names.join(" + ");
+    row.sparse_isolation = isolation(truth, &sparse.probabilities);
+    row.sparse_m = sparse.left_m;
+    row.ridge_detects = ridge.detects;
+    row.ridge_isolation = isolation(truth, &ridge.probabilities);
+    row.ridge_m = ridge.left_m;
+    row.library_detects = library.detects;
+    row.library_m = library.left_m;
+    row.gp_detects = *gp_detects;
+}
+
+/// Probability given to what is hidden: one minus the total variation distance between the
+/// probabilities of effects and equal ones of the hidden effects. For one hidden effect that is its
+/// probability. Not a number where nothing of the catalogue is hidden, or it is not on offer.
+fn isolation(truth: &Truth, probabilities: &BTreeMap<String, f64>) -> f64 {
+    let is_on_offer = |hidden: &InjectedEffect| !truth.left_out.contains(&hidden.name);
+    if truth.unknown.is_some() || truth.hidden.is_empty() || !truth.hidden.iter().all(is_on_offer) {
+        return f64::NAN;
+    }
+    let equal = 1.0 / truth.hidden.len() as f64;
+    let given =
+        |hidden: &InjectedEffect| probabilities.get(&hidden.label()).map_or(0.0, |p| p.min(equal));
+    truth.hidden.iter().map(given).sum()
 }
 
 /// Whether the answer is right, and whether it contains the truth.
@@ -214,8 +287,7 @@ fn answered_effect<'a>(
 ) -> Option<&'a AnsweredEffect> {
     let card = hidden.card()?;
     let is_answer = |answered: &&AnsweredEffect| {
-        let tendon = card.parameters.iter().position(|parameter| parameter.seek == Seek::Tendon);
-        let same_tendon = tendon.is_none_or(|index| {
+        let same_tendon = tendon_parameter(card).is_none_or(|index| {
             answered
                 .values
                 .get(card.parameters[index].name)

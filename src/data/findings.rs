@@ -283,6 +283,11 @@ pub struct PlaceRow {
     pub floor_m: f64,
 }
 
+/// A number that older tables do not have.
+fn missing() -> f64 {
+    f64::NAN
+}
+
 /// Separator of sets of effects in one cell.
 pub const OR: &str = " or ";
 
@@ -336,6 +341,39 @@ table_rows! {
         pub gp_m: f64,
         /// Noise floor that was estimated, metres.
         pub floor_m: f64,
+        /// Probability that the answer gives to the hidden effects (1 − total variation distance
+        /// from equal probabilities of them); empty where they are not in the catalogue.
+        #[serde(default = "missing")]
+        pub isolation: f64,
+        /// Effects that sparse regression on the responses to the catalogue keeps, joined by ` + `;
+        /// empty where it keeps none.
+        #[serde(default)]
+        pub sparse_answer: String,
+        /// Probability that it gives to the hidden effects.
+        #[serde(default = "missing")]
+        pub sparse_isolation: f64,
+        /// Held-out rms tip error with it, metres; empty in older tables.
+        #[serde(default = "missing")]
+        pub sparse_m: f64,
+        /// Whether all effects at once, with a ridge, foretell unseen trials.
+        #[serde(default)]
+        pub ridge_detects: bool,
+        /// Probability that they give to the hidden effects.
+        #[serde(default = "missing")]
+        pub ridge_isolation: f64,
+        /// Held-out rms tip error with them, metres; empty in older tables.
+        #[serde(default = "missing")]
+        pub ridge_m: f64,
+        /// Whether sparse regression on polynomials and trigonometric functions foretells unseen
+        /// trials.
+        #[serde(default)]
+        pub library_detects: bool,
+        /// Held-out rms tip error with it, metres; empty in older tables.
+        #[serde(default = "missing")]
+        pub library_m: f64,
+        /// Whether the Gaussian process foretells unseen trials.
+        #[serde(default)]
+        pub gp_detects: bool,
     }
 
     "intervals.csv", key [case, effect, parameter]:

@@ -7,6 +7,7 @@
 //! that imports only those before it. `stages` calls them in this order and collects their
 //! evidence; `answer/verdict.rs` decides the verdict from it and `answer/findings.rs` makes the
 //! findings. `rounds` asks again with the recording that an ambiguous answer proposes.
+//! `linear_problem` gives what methods of comparison need.
 //!
 //! Every candidate is fitted with the full physics. Parameters that a laboratory would recalibrate
 //! are nuisance parameters of every candidate. Candidates pay for their parameters. Held-out trials
@@ -16,6 +17,7 @@ mod answer;
 mod error;
 mod fit;
 mod goodness_of_fit;
+mod linear_problem;
 mod mistakes;
 mod next_experiment;
 mod noise_floor;
@@ -38,6 +40,7 @@ use steps::step;
 pub use answer::Discovery;
 pub use answer::alternatives::Alternatives;
 pub use error::DiscoveryError;
+pub use linear_problem::{LinearProblem, LinearRows, linear_problem};
 pub use next_experiment::t_optimality::NextExperiment;
 pub use options::{Options, Uncertainty};
 pub use rounds::{Question, Round, Rounds, RoundsError, discover_until_named};

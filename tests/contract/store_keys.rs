@@ -46,7 +46,7 @@ fn telling_files_change_the_keys_of_exactly_these_stages() {
         .map(|stage| stage.name)
         .filter(|name| *name != "bench")
         .collect();
-    assert_eq!(all.len(), 38);
+    assert_eq!(all.len(), 40);
     let only = |names: &[&'static str]| names.iter().copied().collect::<BTreeSet<_>>();
     // How results lie in the store.
     assert_eq!(&stages_of("runner/graph/codec.rs") - &only(&["bench"]), all);
@@ -70,7 +70,14 @@ fn telling_files_change_the_keys_of_exactly_these_stages() {
     }
     assert_eq!(
         stages_of("discovery/fit/gauss_newton.rs"),
-        only(&["discover", "discover_recorded", "identify", "diagnose"])
+        only(&[
+            "discover",
+            "discover_recorded",
+            "baselines",
+            "baselines_recorded",
+            "identify",
+            "diagnose"
+        ])
     );
     assert!(stages_of("policies/paper/c.rs").is_superset(&only(&["reach", "track"])));
     assert!(stages_of("policies/paper/c.rs").is_disjoint(&only(&[

@@ -3,9 +3,10 @@
 
 use spinebench::base::Seed;
 use spinebench::benchmark::{
-    AnsweredEffect, CaseAnswer, CaseBatch, CaseDesign, CaseGroup, CaseSetting, CatalogueSpan,
-    Commands, DISTURBANCES, Imitated, OracleOptions, Prior, Truth, TruthOptions, draw,
-    drawn_catalogue, explore_commands, measure_case, score,
+    AnsweredEffect, BaselineAnswer, BaselineAnswers, CaseAnswer, CaseAnswers, CaseBatch,
+    CaseDesign, CaseGroup, CaseSetting, CatalogueSpan, Commands, DISTURBANCES, Imitated,
+    InjectedEffect, OracleOptions, Prior, ScoredCase, Truth, TruthOptions, draw, drawn_catalogue,
+    explore_commands, measure_case, score,
 };
 use spinebench::data::findings::Verdict;
 use spinebench::effects::{CATALOGUE, Model};
@@ -233,6 +234,7 @@ fn answer(verdict: Verdict, effects: &[Told]) -> CaseAnswer {
             .iter()
             .map(|(name, _, ends)| ((*name).to_owned(), *ends))
             .collect::<BTreeMap<_, _>>(),
+        confidence: 1.0,
     };
     let effects = effects.iter().map(one).collect();
     CaseAnswer {
@@ -246,6 +248,20 @@ fn answer(verdict: Verdict, effects: &[Told]) -> CaseAnswer {
     }
 }
 
+/// Methods of comparison that give these probabilities.
+fn baselines(probabilities: &[(&str, f64)]) -> BaselineAnswers {
+    let named = probabilities.iter().map(|(name, share)| ((*name).to_owned(), *share));
+    let answer = BaselineAnswer { detects: true, probabilities: named.collect(), left_m: 1e-3 };
+    let library = BaselineAnswer { probabilities: BTreeMap::new(), ..answer.clone() };
+    BaselineAnswers { sparse: answer.clone(), ridge: answer, library, gp_detects: true }
+}
+
+/// The score of an answer beside methods that name nothing.
+fn scored_case(setting: CaseSetting, truth: &Truth, discover: &CaseAnswer) -> ScoredCase {
+    let answers = CaseAnswers { discover, baselines: &baselines(&[]) };
+    score(setting, &model(), truth, answers)
+}
+
 #[test]
 fn answers_are_scored_by_name_tendon_size_and_interval() {
     let commands = walk(36, 8);
@@ -257,7 +273,7 @@ fn answers_are_scored_by_name_tendon_size_and_interval() {
     let [tendon, scale] = truth.hidden[0].values[..] else { panic!("{truth:?}") };
     let single = batch("single");
     let setting = CaseSetting { number: 7, batch: &single, correlation: 0.0 };
-    let scored = |answer: &CaseAnswer| score(setting, &model(), &truth, answer).row;
+    let scored = |answer: &CaseAnswer| scored_case(setting, &truth, answer).row;
     let near = 1.0 + 1.1 * (scale - 1.0);
     let ends = [scale.min(near) - 1e-3, scale.max(near) + 1e-3];
     let good = answer(
@@ -271,7 +287,7 @@ fn answers_are_scored_by_name_tendon_size_and_interval() {
         (2, 1, 7),
         "an interval [0, 0] holds no tendon"
     );
-    let intervals = score(setting, &model(), &truth, &good).intervals;
+    let intervals = scored_case(setting, &truth, &good).intervals;
     let told: Vec<(&str, f64, bool)> =
         intervals.iter().map(|i| (i.parameter.as_str(), i.truth, i.covered)).collect();
     assert_eq!(told, [("tendon", tendon, false), ("scale", scale, true)]);
@@ -313,10 +329,41 @@ fn answers_are_scored_by_name_tendon_size_and_interval() {
             Truth { imitations: vec!["creep".to_owned(), "delay".to_owned()], ..truth.clone() };
         let batch = batch(group);
         let setting = CaseSetting { number: 0, batch: &batch, correlation: 0.0 };
-        let row = score(setting, &model(), &truth, &answer(verdict, &[])).row;
+        let row = scored_case(setting, &truth, &answer(verdict, &[])).row;
         assert_eq!((row.right, row.in_group), (right, in_group), "{group} {verdict:?}");
         assert_eq!(row.imitations, "creep or delay");
     }
+}
+
+#[test]
+fn isolation_is_the_probability_of_what_is_hidden() {
+    let (commands, batch) = (walk(36, 8), r#"{"group": "single", "cases": 1}"#);
+    let batch: CaseBatch = serde_json::from_str(batch).unwrap();
+    let number = CATALOGUE.iter().position(|card| card.name == "actuator_gain").unwrap();
+    let truth = draw(&robot(CaseGroup::Single, number, 0.004), &commands, None).unwrap();
+    let tendon = truth.hidden[0].values[0];
+    let label = format!("actuator_gain (tendon {tendon})");
+    let baselines = baselines(&[(&label, 0.7), ("creep", 0.3)]);
+    let setting = CaseSetting { number: 0, batch: &batch, correlation: 0.0 };
+    let scored = |truth: &Truth, effects: &[Told]| {
+        let answers =
+            CaseAnswers { discover: &answer(Verdict::Named, effects), baselines: &baselines };
+        score(setting, &model(), truth, answers).row
+    };
+    let other = [("tendon", tendon % 4.0 + 1.0, [0.0; 2])];
+    let gain = [("tendon", tendon, [0.0; 2])];
+    let row = scored(&truth, &[("actuator_gain", &gain)]);
+    assert_eq!((row.isolation, row.sparse_isolation), (1.0, 0.7));
+    assert_eq!(row.sparse_answer, format!("{label} + creep"));
+    assert_eq!(scored(&truth, &[("actuator_gain", &other)]).isolation, 0.0);
+    let rivals = scored(&truth, &[("actuator_gain", &gain), ("tendon_radius", &[])]);
+    assert_eq!(rivals.isolation, 0.5, "both are sure");
+    let mut pair = truth.clone();
+    pair.hidden.push(InjectedEffect { name: "creep".to_owned(), ..truth.hidden[0].clone() });
+    let row = scored(&pair, &[("actuator_gain", &gain)]);
+    assert_eq!((row.isolation, row.sparse_isolation), (0.5, 0.8));
+    let left_out = Truth { left_out: vec!["actuator_gain".to_owned()], ..truth };
+    assert!(scored(&left_out, &[]).isolation.is_nan());
 }
 
 /// The stage that looks into a recording has that recording and nothing else; beside it only the
@@ -330,7 +377,7 @@ fn the_label_is_sealed() {
     let (mut looks, mut readers) = (0, BTreeSet::new());
     for node in 0..graph.len() {
         let inputs: Vec<&str> = graph.inputs(node).iter().map(|&input| kind(input)).collect();
-        if kind(node) == "discover" {
+        if ["discover", "baselines"].contains(&kind(node)) {
             looks += 1;
             assert_eq!(inputs, ["blind_recording"]);
             let label = graph.describe(node).1;
@@ -344,7 +391,7 @@ fn the_label_is_sealed() {
             readers.insert(kind(node));
         }
     }
-    assert_eq!(looks, 57);
+    assert_eq!(looks, 2 * 57);
     assert_eq!(readers, BTreeSet::from(["blind_recording", "blind_score"]));
     // What a recording shows besides commands and tips is what is taken out of the catalogue:
     // nothing, for the groups in which the catalogue is whole.

@@ -27,6 +27,12 @@ impl InjectedEffect {
         card(&self.name)
     }
 
+    /// Its name, with its tendon if it acts on one.
+    pub(crate) fn label(&self) -> String {
+        let tendon = self.card().and_then(tendon_parameter).map(|index| self.values[index]);
+        effect_label(&self.name, tendon)
+    }
+
     /// The effect, or the effects that form its other law; none if a value is outside its valid
     /// range.
     pub fn effects(&self) -> Option<Vec<EffectSpec>> {
@@ -64,6 +70,16 @@ impl InjectedEffect {
             spec => Some(vec![spec]),
         }
     }
+}
+
+/// Index of the parameter that says which tendon an effect acts on, if it acts on one.
+pub(crate) fn tendon_parameter(card: &Card) -> Option<usize> {
+    card.parameters.iter().position(|parameter| parameter.seek == Seek::Tendon)
+}
+
+/// Name of an effect, with its tendon if it acts on one.
+pub(crate) fn effect_label(name: &str, tendon: Option<f64>) -> String {
+    tendon.map_or_else(|| name.to_owned(), |tendon| format!("{name} (tendon {tendon})"))
 }
 
 /// The effects that cases are drawn of: those with a strength. Something fixed in the world has a

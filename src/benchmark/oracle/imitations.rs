@@ -4,8 +4,7 @@
 use std::collections::BTreeSet;
 
 use super::{CatalogueSpan, EffectResponse, EffectSet, Imitated, rms};
-use crate::benchmark::injection::injected_effects::card;
-use crate::effects::Seek;
+use crate::benchmark::injection::injected_effects::{card, effect_label, tendon_parameter};
 
 /// Number of sets of one size that are refitted.
 const MAX_REFITTED_SETS: usize = 8;
@@ -54,12 +53,7 @@ impl CatalogueSpan {
 impl EffectResponse {
     /// Name of the effect, with its tendon if it acts on one.
     fn label(&self) -> String {
-        let tendon = card(&self.name).and_then(|card| {
-            card.parameters.iter().position(|parameter| parameter.seek == Seek::Tendon)
-        });
-        tendon.map_or_else(
-            || self.name.clone(),
-            |index| format!("{} (tendon {})", self.name, self.null[index]),
-        )
+        let tendon = card(&self.name).and_then(tendon_parameter).map(|index| self.null[index]);
+        effect_label(&self.name, tendon)
     }
 }

@@ -49,7 +49,7 @@ impl Problem<'_> {
         // Evenly spaced rows cover all training trials.
         let every = self.training.len().div_ceil(GP_POINTS).max(1);
         let chosen: Vec<usize> = (0..self.training.len()).step_by(every).collect();
-        let training_inputs = inputs(&self.training, &null.simulated_m);
+        let training_inputs = gp_inputs(&self.training, &null.simulated_m);
         let mut outputs = Rows::new(3);
         self.training.residual(&null.simulated_m).chunks_exact(3).for_each(|row| outputs.push(row));
         let gp = Gp::fit(
@@ -58,7 +58,8 @@ impl Problem<'_> {
             &GpConfig::default(),
         )
         .ok()?;
-        let predicted = gp.mean_rows(&inputs(&self.held_out, &self.held_out_simulated_m)).ok()?;
+        let predicted =
+            gp.mean_rows(&gp_inputs(&self.held_out, &self.held_out_simulated_m)).ok()?;
         let residual_m = self.held_out.residual(&self.held_out_simulated_m);
         Some(rms_m(
             &residual_m.iter().zip(predicted.values()).map(|(r, p)| r - p).collect::<Vec<f64>>(),
@@ -67,7 +68,7 @@ impl Problem<'_> {
 }
 
 /// Commands in force and simulated tip, one row a sample.
-fn inputs(samples: &Samples, simulated_m: &[f64]) -> Rows {
+pub(crate) fn gp_inputs(samples: &Samples, simulated_m: &[f64]) -> Rows {
     let covariates = sample_covariates(samples, simulated_m);
     let mut rows = Rows::new(covariates.first().map_or(0, |at| at.command.len() + 3));
     for at in &covariates {

@@ -3,6 +3,7 @@
 
 mod cases;
 mod confusion;
+mod fault_isolation;
 mod measures;
 mod rates;
 mod samples;
@@ -30,5 +31,13 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     files.extend(pictures(FIGURE.name, FIGURE.name, &confusion::draw(cases))?);
     files.extend(pictures(FIGURE.name, "discovery_rates", &rates::draw(&summary))?);
     files.extend(pictures(FIGURE.name, "discovery_samples", &samples::draw(cases))?);
+    // Older tables have no methods of comparison.
+    let scores = fault_isolation::scores(cases);
+    if !scores.is_empty() {
+        files.push(csv("fault_isolation.csv", &scores)?);
+        files.push(text("fault_isolation.md", fault_isolation::markdown(&scores)));
+        let drawn = fault_isolation::draw(&scores);
+        files.extend(pictures(FIGURE.name, "discovery_isolation", &drawn)?);
+    }
     Ok(files)
 }

@@ -16,16 +16,22 @@ pub(crate) struct IntervalEstimate {
 /// The share `hits / of` with its interval (Wilson 1927): right near 0 and 1, and for few cases.
 /// Nothing of no cases.
 pub(crate) fn wilson(hits: u64, of: u64) -> Option<IntervalEstimate> {
-    if of == 0 || hits > of {
+    if hits > of { None } else { wilson_mean(hits as f64, of) }
+}
+
+/// The same for the mean of numbers between 0 and 1 with this `sum`: none varies more than hits and
+/// misses with the same mean, so that the interval is wide enough. Nothing of no numbers.
+pub(crate) fn wilson_mean(sum: f64, of: u64) -> Option<IntervalEstimate> {
+    if of == 0 {
         return None;
     }
-    let (n, value) = (of as f64, hits as f64 / of as f64);
+    let (n, value) = (of as f64, sum / of as f64);
     let spread = Z * Z / n;
     let centre = (value + 0.5 * spread) / (1.0 + spread);
     let half = Z * (value * (1.0 - value) / n + 0.25 * spread / n).sqrt() / (1.0 + spread);
     // At the ends the formula gives 0 and 1 but for rounding.
-    let low_95 = if hits == 0 { 0.0 } else { centre - half };
-    let high_95 = if hits == of { 1.0 } else { centre + half };
+    let low_95 = if value <= 0.0 { 0.0 } else { centre - half };
+    let high_95 = if value >= 1.0 { 1.0 } else { centre + half };
     Some(IntervalEstimate { value, low_95, high_95 })
 }
 

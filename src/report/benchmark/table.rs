@@ -48,14 +48,14 @@ pub(crate) fn plain(row: &SummaryRow) -> String {
     if is_ratio(&row.measure) {
         format!("{:.2}", row.value)
     } else {
-        format!("{} %", hundredth(row.value))
+        format!("{} %", percent(row.value))
     }
 }
 
 /// ` [93, 98]`; nothing where there is none.
 pub(crate) fn interval(row: &SummaryRow) -> String {
     let number =
-        |value: f64| if is_ratio(&row.measure) { format!("{value:.2}") } else { hundredth(value) };
+        |value: f64| if is_ratio(&row.measure) { format!("{value:.2}") } else { percent(value) };
     match [row.low_95, row.high_95] {
         [low, high] if low.is_finite() && high.is_finite() => {
             format!(" [{}, {}]", number(low), number(high))
@@ -65,8 +65,8 @@ pub(crate) fn interval(row: &SummaryRow) -> String {
 }
 
 /// A share in percent: one decimal near the ends, where it matters.
-fn hundredth(share: f64) -> String {
-    let percent = 100.0 * share;
-    let near_end = (percent > 0.0 && percent < 9.95) || (percent > 90.05 && percent < 100.0);
-    crate::report::drawing::signed(percent, usize::from(near_end))
+pub(crate) fn percent(share: f64) -> String {
+    let value = 100.0 * share;
+    let near_end = (value > 0.0 && value < 9.95) || (value > 90.05 && value < 99.95);
+    crate::report::drawing::signed(value, usize::from(near_end))
 }

@@ -21,6 +21,7 @@ use data::{
     targets::{TARGET_POOL, TARGETS},
 };
 use discovery::{
+    baselines::{BASELINES, BASELINES_RECORDED},
     blind::{COMMANDS, RECORDED_TRUTH, RECORDING, SPAN, TRUTH},
     blind_score::SCORE,
     discover::{DISCOVER, DISCOVER_RECORDED},
@@ -56,5 +57,6 @@ pub(super) fn kinds() -> Vec<StageKind> {
     kinds.extend([COMMANDS.kind, SPAN.kind, TRUTH.kind, RECORDING.kind]);
     kinds.extend([DISCOVER.kind, SCORE.kind]);
     kinds.extend([DISCOVER_RECORDED.kind, RECORDED_TRUTH.kind]);
+    kinds.extend([BASELINES.kind, BASELINES_RECORDED.kind]);
     kinds
 }

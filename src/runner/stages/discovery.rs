@@ -12,6 +12,7 @@ use crate::discovery::Options;
 use crate::effects::Model;
 use crate::runner::execute::outcomes::Outcomes;
 use crate::runner::graph::stage::Handle;
+use crate::runner::jobs::discovery::baselines::{BASELINES, BASELINES_RECORDED};
 use crate::runner::jobs::discovery::blind::{
     COMMANDS, CommandParams, RECORDED_TRUTH, RECORDING, SPAN, SpanParams, TRUTH,
 };
@@ -133,14 +134,19 @@ impl Stages<'_> {
         let label = self.label(&format!("truth of case {case}"));
         let truth = self.graph.stage(&RECORDED_TRUTH, label, truth, ())?;
         let label = self.label(&format!("discovery in case {case}"));
-        let (measured, baseline) = (RecordedFile(recording), baseline.map(RecordedFile));
-        let params =
-            RecordedParams { model: model.clone(), options: options.clone(), measured, baseline };
-        let answer = self.graph.stage(&DISCOVER_RECORDED, label, params, ())?;
+        let params = || RecordedParams {
+            model: model.clone(),
+            options: options.clone(),
+            measured: RecordedFile(recording.clone()),
+            baseline: baseline.clone().map(RecordedFile),
+        };
+        let answer = self.graph.stage(&DISCOVER_RECORDED, label, params(), ())?;
+        let label = self.label(&format!("methods of comparison in case {case}"));
+        let baselines = self.graph.stage(&BASELINES_RECORDED, label, params(), ())?;
         let label = self.label(&format!("score of case {case}"));
         let params =
             ScoreParams { case, batch: batch.clone(), correlation: 0.0, model: model.clone() };
-        let score = self.graph.stage(&SCORE, label, params, (truth, answer))?;
+        let score = self.graph.stage(&SCORE, label, params, (truth, answer, baselines))?;
         Ok(BlindStages { case, batch, correlation: 0.0, truth, score })
     }
 
@@ -175,12 +181,14 @@ impl Stages<'_> {
             self.graph.stage(&RECORDING, label, (robot, correlation), (truth, commands))?;
         // The answer depends on the model, the recording and the options alone.
         let label = self.label(&format!("discovery in case {case}"));
-        let params = (benchmark.model.clone(), run.options.clone());
-        let answer = self.graph.stage(&DISCOVER, label, params, recording)?;
+        let params = || (benchmark.model.clone(), run.options.clone());
+        let answer = self.graph.stage(&DISCOVER, label, params(), recording)?;
+        let label = self.label(&format!("methods of comparison in case {case}"));
+        let baselines = self.graph.stage(&BASELINES, label, params(), recording)?;
         let label = self.label(&format!("score of case {case}"));
         let params =
             ScoreParams { case, batch: batch.clone(), correlation, model: benchmark.model.clone() };
-        let score = self.graph.stage(&SCORE, label, params, (truth, answer))?;
+        let score = self.graph.stage(&SCORE, label, params, (truth, answer, baselines))?;
         Ok(BlindStages { case, batch: batch.clone(), correlation, truth, score })
     }
 

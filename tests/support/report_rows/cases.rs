@@ -69,6 +69,19 @@ fn case(number: u64, group: &str, truth: &str, verdict: &str, answer: &str) -> C
         stiffness_only_m: 0.8 * before_m,
         gp_m: if number.is_multiple_of(7) { f64::NAN } else { 0.4 * before_m },
         floor_m,
+        isolation: match group {
+            "single" | "pair" => share(),
+            _ => f64::NAN,
+        },
+        sparse_answer: if share() < 0.7 { "friction" } else { "" }.to_owned(),
+        sparse_isolation: if group == "single" { share() } else { f64::NAN },
+        sparse_m: 0.5 * before_m,
+        ridge_detects: share() < 0.8,
+        ridge_isolation: if group == "single" { share() } else { f64::NAN },
+        ridge_m: 0.6 * before_m,
+        library_detects: share() < 0.9,
+        library_m: 0.5 * before_m,
+        gp_detects: share() < 0.9,
     }
 }
 

@@ -1,19 +1,23 @@
 //! How good the answer to a blind case is.
 
-use crate::benchmark::{self, CaseAnswer, CaseBatch, CaseSetting, ScoredCase, Truth};
+use crate::benchmark::{
+    self, BaselineAnswers, CaseAnswer, CaseAnswers, CaseBatch, CaseSetting, ScoredCase, Truth,
+};
 use crate::effects::Model;
 use crate::runner::graph::stage::{Handle, Stage, StageKind};
 
+/// Handles of what is hidden, of the answer of `discover` and of those of methods of comparison.
+type ScoreInputs = (Handle<Truth>, Handle<CaseAnswer>, Handle<BaselineAnswers>);
+
 /// The score of a case.
-pub(crate) const SCORE: Stage<ScoreParams, (Handle<Truth>, Handle<CaseAnswer>), ScoredCase> =
-    Stage {
-        kind: StageKind { name: "blind_score", module: module_path!(), cost_ms: 1 },
-        job: |params, (truth, answer)| {
-            let ScoreParams { case, batch, correlation, model } = params;
-            let setting = CaseSetting { number: *case, batch, correlation: *correlation };
-            Ok(benchmark::score(setting, model, truth, answer))
-        },
-    };
+pub(crate) const SCORE: Stage<ScoreParams, ScoreInputs, ScoredCase> = Stage {
+    kind: StageKind { name: "blind_score", module: module_path!(), cost_ms: 1 },
+    job: |params, (truth, discover, baselines)| {
+        let ScoreParams { case, batch, correlation, model } = params;
+        let setting = CaseSetting { number: *case, batch, correlation: *correlation };
+        Ok(benchmark::score(setting, model, truth, CaseAnswers { discover, baselines }))
+    },
+};
 
 /// Parameters of [`SCORE`].
 #[derive(serde::Serialize)]

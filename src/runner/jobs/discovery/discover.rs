@@ -14,9 +14,7 @@ use crate::runner::graph::stage::{Handle, Stage, StageKind};
 pub(crate) const DISCOVER: Stage<(Model, Options), Handle<PublicCase>, CaseAnswer> = Stage {
     kind: StageKind { name: "discover", module: module_path!(), cost_ms: 15_000 },
     job: |(model, options), presented| {
-        let mut options = options.clone();
-        options.left_out.extend(presented.left_out.iter().cloned());
-        answer(model, &presented.recording(), None, &options)
+        answer(model, &presented.recording(), None, &options_for(presented, options))
     },
 };
 
@@ -24,12 +22,17 @@ pub(crate) const DISCOVER: Stage<(Model, Options), Handle<PublicCase>, CaseAnswe
 pub(crate) const DISCOVER_RECORDED: Stage<RecordedParams, (), CaseAnswer> = Stage {
     kind: StageKind { name: "discover_recorded", module: module_path!(), cost_ms: 20_000 },
     job: |params, ()| {
-        let read =
-            |file: &RecordedFile| Recording::read(&file.0).map_err(|error| error.to_string());
-        let baseline = params.baseline.as_ref().map(read).transpose()?;
-        answer(&params.model, &read(&params.measured)?, baseline.as_ref(), &params.options)
+        let baseline = params.baseline.as_ref().map(RecordedFile::read).transpose()?;
+        answer(&params.model, &params.measured.read()?, baseline.as_ref(), &params.options)
     },
 };
+
+/// These options without the effects that are taken out of the catalogue for a case.
+pub(crate) fn options_for(presented: &PublicCase, options: &Options) -> Options {
+    let mut options = options.clone();
+    options.left_out.extend(presented.left_out.iter().cloned());
+    options
+}
 
 /// Parameters of [`DISCOVER_RECORDED`].
 #[derive(Serialize)]
@@ -43,6 +46,12 @@ pub(crate) struct RecordedParams {
 /// A file that enters the key of a stage by its content, wherever it lies. One that cannot be read
 /// fails the stage.
 pub(crate) struct RecordedFile(pub(crate) PathBuf);
+
+impl RecordedFile {
+    pub(crate) fn read(&self) -> Result<Recording, String> {
+        Recording::read(&self.0).map_err(|error| error.to_string())
+    }
+}
 
 impl Serialize for RecordedFile {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
