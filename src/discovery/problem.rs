@@ -52,6 +52,7 @@ impl<'a> Problem<'a> {
         // The order below matters: trials are put aside before anything is fitted.
         let mut model = simulate::search_resolution(given_model, options);
         let mut candidates = catalogue_candidates(&model);
+        candidates.iter_mut().for_each(|candidate| candidate.resolve_times(all.tracked_step_s));
         let (trained, held_out) = holdout::split(&all, options.held_out_share);
         let (training, held_out) = (all.of_trials(&trained), all.of_trials(&held_out));
         validate::check_parts(&training, &held_out)?;

@@ -131,6 +131,8 @@ pub enum Seek {
     Tendon,
     /// A flag: 1 or 0.
     Flag,
+    /// A flag that says how the other parameters describe the same law.
+    Convention,
 }
 
 /// Catalogue entry of an effect.
@@ -146,6 +148,9 @@ pub struct Card {
     pub source: &'static str,
     /// Its parameters.
     pub parameters: &'static [Parameter],
+    /// Scale by which its sizes change from one recording of a robot to the next: a Cauchy prior,
+    /// of the logarithm of a ratio; none: any size is as plausible.
+    pub usual_change: Option<f64>,
     /// Effects with a similar response at the tip.
     pub confused_with: &'static [&'static str],
 }

@@ -217,6 +217,7 @@ impl Robot {
                 ..ContactSurface::default()
             },
             moment_laws: Vec::new(),
+            rested_s: f64::INFINITY,
             resolution: self.resolution,
         };
         self.add_disks(&mut rod);

@@ -411,6 +411,18 @@ const BAD: &[(Place, &str, usize, &str)] = &[
         "obstacles[0].plane.distance_m: found no such key",
     ),
     (Place::Robot, "  contact_radius_m: -0.001\n", 4, "robot.contact_radius_m: found -0.001"),
+    (
+        Place::Robot,
+        "tracking: {rested_s: -2}\n",
+        4,
+        "tracking.rested_s: found -2, expected 0 or more",
+    ),
+    (
+        Place::Robot,
+        "tracking: {starts: anywhere, rested_s: 2}\n",
+        4,
+        "tracking.rested_s: found 2, expected no time at home",
+    ),
 ];
 
 enum Place {

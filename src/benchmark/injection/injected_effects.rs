@@ -186,7 +186,8 @@ fn draw_null_value(parameter: &Parameter, model: &Model, random: &mut Generator)
         | Seek::Scanned(..)
         | Seek::Replaces(..)
         | Seek::Distance(_)
-        | Seek::Located(_) => null_value(parameter, model),
+        | Seek::Located(_)
+        | Seek::Convention => null_value(parameter, model),
         Seek::Shape(tries) => {
             let (low, high) =
                 tries.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| {

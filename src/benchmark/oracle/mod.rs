@@ -280,7 +280,8 @@ fn nulls(card: &Card, model: &Model) -> Vec<Vec<f64>> {
             | Seek::Scanned(..)
             | Seek::Replaces(..)
             | Seek::Distance(_)
-            | Seek::Located(_) => {
+            | Seek::Located(_)
+            | Seek::Convention => {
                 vec![null_value(parameter, model)]
             }
             Seek::Shape(tries) => tries.to_vec(),

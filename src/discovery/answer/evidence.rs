@@ -3,7 +3,7 @@
 use super::alternatives::Alternatives;
 use super::candidates::set_name;
 use super::explained_share::ExplainedShare;
-use super::final_fit::FinalFit;
+use super::final_fit::{FinalFit, FineFit};
 use super::held_out_check::HeldOutCheck;
 use super::named_effects::{NamedEffects, Rival};
 use super::residual_map::{self, residual_map};
@@ -53,6 +53,8 @@ pub(crate) struct ResidualEvidence {
     pub(crate) noise: Ar1Noise,
     /// Sources of the noise.
     pub(crate) noise_from: String,
+    /// Whether nothing was measured repeatedly, so that the noise is less than this.
+    pub(crate) noise_is_bound: bool,
     pub(crate) rows: Vec<ResidualRow>,
     pub(crate) places: Vec<PlaceRow>,
     pub(crate) missing_before: MissingTest,
@@ -226,7 +228,7 @@ impl Problem<'_> {
         // A residual counts as noise only if nothing is missing in it.
         let explained_all =
             (decision.verdict != Verdict::Unexplained).then_some(&answer.nuisance_fit);
-        let (noise_from, noise) =
+        let (floor, noise) =
             self.combined_floor(&final_fit.goodness.floor, explained_all, &best.nuisance_fit);
         let mut rows = self.residual_rows(simulated_m, &judged.held_out.simulated_m);
         let places = self.residual_map(&rows, &noise);
@@ -239,7 +241,16 @@ impl Problem<'_> {
             summary_text::pattern(&after.foretold, &places)
         };
         let (missing_before, missing_after) = (before.test.clone(), after.test.clone());
-        ResidualEvidence { noise, noise_from, rows, places, missing_before, missing_after, pattern }
+        ResidualEvidence {
+            noise,
+            noise_from: floor.from.join(", "),
+            noise_is_bound: !floor.has_repeats,
+            rows,
+            places,
+            missing_before,
+            missing_after,
+            pattern,
+        }
     }
 
     /// The model with the effects `added`, at the resolution of the given one.
@@ -271,7 +282,22 @@ impl Problem<'_> {
             sentences.push(summary_text::by_trials_caveat(self.model_form_m));
         }
         sentences.extend(self.strained_caveat(final_fit, held_out));
+        sentences.extend(self.unrelaxed_caveat(final_fit).filter(|_| is_named));
         sentences
+    }
+
+    /// What the fit assumes of the rest before trials, where an effect takes time to relax.
+    fn unrelaxed_caveat(&self, final_fit: &FinalFit) -> Option<String> {
+        let FineFit { samples, nuisances, fitted } = &final_fit.fine;
+        let members = effect_specs(&self.candidates, &fitted.members)?;
+        let mut effects = members.iter().chain(&self.model.effects);
+        let time_s = effects.find_map(EffectSpec::relaxation_time_s)?;
+        let precision =
+            FitProblem { nuisances, samples, ..self.fit_problem() }.nuisance_precision(fitted)?;
+        let column = self.uncertain(&fitted.members).unrelaxed_column();
+        let deviation = precision.try_inverse()?[(column, column)].sqrt();
+        let share = fitted.nuisance_fit.amounts[column];
+        Some(summary_text::unrelaxed_caveat(share, deviation, time_s))
     }
 
     /// Whether one effect that explains this much is named although something remains: where the
@@ -315,14 +341,13 @@ impl Problem<'_> {
         is_strained.then(|| summary_text::strained_caveat(explained_m, deviations))
     }
 
-    /// Noise from the `floor` and, if nothing is missing beside `explained_all`, from its residual;
-    /// with its sources as text. `best`: fit of the best set.
+    /// Noise from the `floor` and, if nothing is missing beside `explained_all`, from its residual. `best`: fit of the best set.
     fn combined_floor(
         &self,
         floor: &NoiseFloor,
         explained_all: Option<&NuisanceFit>,
         best: &NuisanceFit,
-    ) -> (String, Ar1Noise) {
+    ) -> (NoiseFloor, Ar1Noise) {
         let residual = NoiseFloor::of_residual(explained_all.unwrap_or(best), &self.training);
         let floor = floor.clone();
         let combined = match explained_all {
@@ -335,7 +360,7 @@ impl Problem<'_> {
             None => residual,
         };
         let sigma_m = combined.variance_m2.map(|variance_m2| variance_m2.sqrt().max(MIN_SIGMA_M));
-        (combined.from.join(", "), Ar1Noise { sigma_m, correlation: best.noise.correlation })
+        (combined, Ar1Noise { sigma_m, correlation: best.noise.correlation })
     }
 
     fn residual_rows(&self, training_m: &[f64], held_out_m: &[f64]) -> Vec<ResidualRow> {

@@ -67,6 +67,7 @@ impl Evidence {
             residuals: ResidualEvidence {
                 noise,
                 noise_from: "repeats before any fit".to_owned(),
+                noise_is_bound: false,
                 places: residual_map(&covariates, &points, &rows, &noise),
                 rows,
                 missing_before: missing.clone(),

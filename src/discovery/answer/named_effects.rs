@@ -164,13 +164,12 @@ impl FitProblem<'_> {
             let value = member.values[number];
             let written = match parameter.seek {
                 Seek::Tendon => Value::from(value as u64),
-                Seek::Flag => Value::Bool(value != 0.0),
+                Seek::Flag | Seek::Convention => Value::Bool(value != 0.0),
                 _ => rounded_number(value),
             };
             insert_parameter(&mut parameters, parameter.name, written);
-            let Some(&[low, high]) =
-                intervals.get(&number).filter(|_| parameter.seek != Seek::Flag)
-            else {
+            let is_flag = matches!(parameter.seek, Seek::Flag | Seek::Convention);
+            let Some(&[low, high]) = intervals.get(&number).filter(|_| !is_flag) else {
                 continue;
             };
             // The half width is relative, and the size is counted from where the effect is nothing.

@@ -48,6 +48,11 @@ pub(crate) fn summary(evidence: &Evidence) -> String {
     }
     let (before_mm, after_mm) = (evidence.gap.before_m * 1e3, evidence.gap.after_m * 1e3);
     let floor_mm = evidence.residuals.noise.rms_m() * 1e3;
+    let floor = if evidence.residuals.noise_is_bound {
+        format!("at most {floor_mm:.2} mm (from {})", evidence.residuals.noise_from)
+    } else {
+        format!("{floor_mm:.2} mm")
+    };
     let shared = search.shared.as_ref().map_or_else(String::new, |BaselineShare { shared_m, apart_m }| {
         format!(
             " {:.2} mm of the remaining error also appears in the baseline and is not attributed \
@@ -62,13 +67,13 @@ pub(crate) fn summary(evidence: &Evidence) -> String {
     });
     let held_out = format!(
         "On held-out trials the {error_name} falls from {before_mm:.2} mm to {after_mm:.2} mm; the \
-         noise floor is {floor_mm:.2} mm.{shared}{remaining}"
+         noise floor is {floor}.{shared}{remaining}"
     );
     match evidence.decision.verdict {
         Verdict::Consistent => format!(
             "The data are consistent with the model, measurement noise and calibration \
              uncertainty: {error_name} {before_mm:.2} mm on held-out trials, noise floor \
-             {floor_mm:.2} mm."
+             {floor}."
         ),
         Verdict::Named => {
             let names: Vec<&str> =
@@ -91,7 +96,7 @@ pub(crate) fn summary(evidence: &Evidence) -> String {
                 |name| format!("The best candidate is {name}"),
             );
             format!(
-                "{gap} ({before_mm:.2} mm on held-out trials, noise floor {floor_mm:.2} mm), and \
+                "{gap} ({before_mm:.2} mm on held-out trials, noise floor {floor}), and \
                  no effect of the catalogue explains it. {pattern} {best}, but {}.",
                 search.objection
             )
@@ -203,6 +208,31 @@ pub(crate) fn strained_caveat(explained_m: f64, deviations: f64) -> String {
         1e3 * explained_m
     )
 }
+
+/// What the fit assumes of the rest before trials: the `share` of the relaxation that is outstanding
+/// at their start, with its standard deviation, and the relaxation time.
+pub(crate) fn unrelaxed_caveat(share: f64, deviation: f64, time_s: f64) -> String {
+    let half_width = NORMAL_95 * deviation;
+    let rested_s = time_s * share.clamp(f64::MIN_POSITIVE, 1.0).recip().ln();
+    let unknown = "How long the robot had rested at home before a trial is not recorded.";
+    if share < half_width {
+        return format!(
+            "{unknown} The data agree with a rest for good: at most {:.0} % of the relaxation \
+             under its own weight was outstanding when trials began.",
+            100.0 * (share + half_width).clamp(0.0, 1.0)
+        );
+    }
+    format!(
+        "{unknown} When trials began, {:.0} % (± {:.0}) of the relaxation under its own weight was \
+         outstanding, as of a straight robot after {rested_s:.2} s at home: `tracking: {{rested_s: \
+         {rested_s:.2}}}` repeats such trials.",
+        100.0 * share,
+        100.0 * half_width
+    )
+}
+
+/// Half of the 95 % interval of a normal law, in standard deviations.
+const NORMAL_95: f64 = 1.96;
 
 /// Patterns that predict less than this share of the squares are not reported.
 const MIN_PREDICTED_SHARE: f64 = 0.1;
@@ -336,6 +366,14 @@ mod tests {
             assert!(clause.contains(said) && clause.ends_with("(p = 4.8e-5)"), "{clause}");
         }
         assert!(clause(FitTest::LackOfFit, 0.0).ends_with("(p < 1e-9)"));
+    }
+
+    #[test]
+    fn the_rest_before_trials_is_told_as_a_time_or_as_complete() {
+        let told = unrelaxed_caveat(0.7, 0.02, 6.0);
+        assert!(told.contains("70 % (± 4)") && told.contains("{rested_s: 2.14}"), "{told}");
+        assert!(unrelaxed_caveat(1.1, 0.02, 6.0).contains("{rested_s: 0.00}"));
+        assert!(unrelaxed_caveat(0.02, 0.02, 6.0).contains("at most 6 %"));
     }
 
     #[test]

@@ -83,8 +83,13 @@ impl Problem<'_> {
         let is_case_of_top = |judged: &&Judged| self.is_case_of(judged, top);
         let best = judged.iter().filter(within).find(is_case_of_top).unwrap_or(top);
         let set = |judged: &Judged| candidate_set(&judged.scored.fitted.members);
+        // Nor do scores count for nothing: they hold what sizes are plausible.
+        let rival_score = self.options.rival_score;
         let is_equal = |other: &&Judged| {
-            set(other) != set(best) && !self.is_case_of(best, other) && !is_worse(other, best)
+            set(other) != set(best)
+                && !self.is_case_of(best, other)
+                && other.scored.is_rival_of(&best.scored, rival_score)
+                && !is_worse(other, best)
         };
         // 3. Sets that predict unseen trials as well are its rivals.
         let evidence = TrialEvidence {

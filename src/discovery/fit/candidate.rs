@@ -19,9 +19,8 @@ enum ParameterSearch {
     /// Fitted in units of `size` from `null`; started from the best value of `scan`, if there are
     /// any.
     Size { null: f64, size: f64, scan: Vec<f64> },
-    /// Tried at each value, then fitted; in its logarithm if `positive`, up to a factor of
-    /// [`MAX_SHAPE_FACTOR`] outside the values.
-    Shape { tries: Vec<f64>, positive: bool },
+    /// Tried at each value, then fitted; in its logarithm and within `range` if all are positive.
+    Shape { tries: Vec<f64>, range: Option<[f64; 2]> },
     /// Fitted from `start`, with this step; without one there is nothing to fit.
     Located { start: Option<f64>, step: f64 },
     /// One of these values.
@@ -44,6 +43,12 @@ const PLACES: usize = 6;
 /// Factor by which a positive shape may leave the range of tried values. Farther out it is another
 /// effect, or one that cannot be simulated (friction without yield is rigid).
 const MAX_SHAPE_FACTOR: f64 = 5.0;
+
+/// Shortest time that is fitted, in steps of the recording: what relaxes faster has all but relaxed
+/// in the next row, as less stiffness has.
+const MIN_TIME_STEPS: f64 = 2.0;
+/// Ratios below this are as implausible as this.
+const MIN_RATIO: f64 = 0.01;
 
 /// Bisection steps for the end of a range, and the rounding unit over the probe.
 const RANGE_BISECTIONS: usize = 60;
@@ -86,15 +91,52 @@ impl CandidateEffect {
                     scan: Vec::new(),
                 }
             }
-            Seek::Shape(tries) => ParameterSearch::Shape {
-                tries: tries.to_vec(),
-                positive: tries.iter().all(|&value| value > 0.0),
-            },
+            Seek::Shape(tries) => {
+                let [min, max] = [f64::min, f64::max]
+                    .map(|end| tries.iter().copied().reduce(end).unwrap_or(parameter.null));
+                let range = [min / MAX_SHAPE_FACTOR, max * MAX_SHAPE_FACTOR];
+                ParameterSearch::Shape {
+                    tries: tries.to_vec(),
+                    range: (min > 0.0).then_some(range),
+                }
+            }
             Seek::Place => ParameterSearch::Choice(places(&model.robot, length_m)),
             Seek::Tendon => ParameterSearch::Fixed(tendon as f64),
-            Seek::Flag => ParameterSearch::Choice(vec![0.0, 1.0]),
+            Seek::Flag | Seek::Convention => ParameterSearch::Choice(vec![0.0, 1.0]),
         };
         CandidateEffect { card, searches: card.parameters.iter().map(search).collect() }
+    }
+
+    /// Restricts times to those that rows `step_s` apart resolve.
+    pub(crate) fn resolve_times(&mut self, step_s: f64) {
+        for (parameter, search) in self.card.parameters.iter().zip(&mut self.searches) {
+            if let ParameterSearch::Shape { tries, range: Some([min, max]) } = search
+                && parameter.unit == "s"
+            {
+                *min = min.max(MIN_TIME_STEPS * step_s).min(*max);
+                tries.iter_mut().for_each(|time_s| *time_s = time_s.max(*min));
+                tries.dedup();
+            }
+        }
+    }
+
+    /// What these values cost in score: minus twice the logarithm of the prior density over that
+    /// without a change.
+    pub(crate) fn implausibility(&self, values: &[f64]) -> f64 {
+        let Some(usual) = self.card.usual_change else { return 0.0 };
+        let cost = |(search, value): (&ParameterSearch, &f64)| {
+            let ParameterSearch::Size { null, .. } = search else { return 0.0 };
+            let change =
+                if *null > 0.0 { (value / null).max(MIN_RATIO).ln() } else { value - null };
+            // Cauchy: a robot may have been changed, so that nothing is out of the question.
+            2.0 * (change / usual).powi(2).ln_1p()
+        };
+        self.searches.iter().zip(values).map(cost).sum()
+    }
+
+    /// Index of the parameter that says in which convention the others describe the same law.
+    fn convention(&self) -> Option<usize> {
+        self.card.parameters.iter().position(|parameter| parameter.seek == Seek::Convention)
     }
 
     /// Starts the search for something fixed in the world where `hint` says.
@@ -135,7 +177,10 @@ impl CandidateEffect {
 
     /// Number of parameters that are fitted or chosen, for the penalty.
     pub(crate) fn freedom(&self) -> usize {
-        self.searches.iter().filter(|search| !matches!(search, ParameterSearch::Fixed(_))).count()
+        let numbers =
+            self.searches.iter().filter(|search| !matches!(search, ParameterSearch::Fixed(_)));
+        // Both conventions describe the same law.
+        numbers.count() - usize::from(self.convention().is_some())
     }
 
     /// Indices of the size parameters.
@@ -215,7 +260,7 @@ impl CandidateEffect {
     }
 
     /// `values` with one choice replaced by a neighbouring one.
-    pub(crate) fn neighbouring_choices(&self, values: &[f64]) -> Vec<Vec<f64>> {
+    fn neighbouring_choices(&self, values: &[f64]) -> Vec<Vec<f64>> {
         let mut neighbours = Vec::new();
         for (index, search) in self.searches.iter().enumerate() {
             let ParameterSearch::Choice(choices) = search else { continue };
@@ -239,7 +284,7 @@ impl CandidateEffect {
         match self.searches[index] {
             ParameterSearch::Size { size, .. } => size,
             ParameterSearch::Located { step, .. } => step,
-            ParameterSearch::Shape { positive: true, .. } => 0.25,
+            ParameterSearch::Shape { range: Some(_), .. } => 0.25,
             _ => 0.1,
         }
     }
@@ -249,9 +294,7 @@ impl CandidateEffect {
     pub(crate) fn moved(&self, values: &[f64], index: usize, step: f64) -> Vec<f64> {
         let mut there = values.to_vec();
         match self.searches[index] {
-            ParameterSearch::Shape { ref tries, positive: true } => {
-                let min = tries.iter().copied().fold(f64::INFINITY, f64::min) / MAX_SHAPE_FACTOR;
-                let max = tries.iter().copied().fold(0.0, f64::max) * MAX_SHAPE_FACTOR;
+            ParameterSearch::Shape { range: Some([min, max]), .. } => {
                 // Times and yield points are steps in the logarithm, so they stay positive.
                 there[index] = (values[index] * step.exp()).clamp(min, max);
             }
@@ -308,7 +351,7 @@ impl CandidateEffect {
     /// The step by which [`CandidateEffect::moved`] leads from `values` to `there`.
     pub(crate) fn step(&self, values: &[f64], there: &[f64], index: usize) -> f64 {
         match self.searches[index] {
-            ParameterSearch::Shape { positive: true, .. } => (there[index] / values[index]).ln(),
+            ParameterSearch::Shape { range: Some(_), .. } => (there[index] / values[index]).ln(),
             _ => there[index] - values[index],
         }
     }
@@ -330,6 +373,47 @@ fn places(robot: &Robot, length_m: f64) -> Vec<f64> {
         section.map_or(share * length_m, |section| section.start_m + 0.5 * section.length_m)
     };
     (0..count).map(place).collect()
+}
+
+/// The members in the default convention, if there is an effect in another one beside the stiffness
+/// that both conventions differ in. Beside that stiffness they are the same.
+pub(crate) fn in_default_convention(
+    candidates: &[CandidateEffect],
+    members: &[SetMember],
+) -> Option<Vec<SetMember>> {
+    let stiffness = stiffness_of(candidates, members)?;
+    let convention = |member: &SetMember| candidates[member.candidate].convention();
+    let is_other = |member: &SetMember| {
+        convention(member).is_some_and(|convention| member.values[convention] != 0.0)
+    };
+    let other = members.iter().position(is_other)?;
+    let mut members = members.to_vec();
+    // The first parameter is the share that relaxes.
+    members[stiffness].values[0] /= 1.0 - members[other].values[0];
+    let index = convention(&members[other])?;
+    members[other].values[index] = 0.0;
+    Some(members)
+}
+
+/// Choices of member `k` beside its own. A convention is none beside the stiffness that both
+/// conventions differ in.
+pub(crate) fn neighbouring_choices(
+    candidates: &[CandidateEffect],
+    members: &[SetMember],
+    k: usize,
+) -> Vec<Vec<f64>> {
+    let (candidate, values) = (&candidates[members[k].candidate], &members[k].values);
+    let mut choices = candidate.neighbouring_choices(values);
+    if let Some(convention) =
+        candidate.convention().filter(|_| stiffness_of(candidates, members).is_some())
+    {
+        choices.retain(|choice| choice[convention] == values[convention]);
+    }
+    choices
+}
+
+fn stiffness_of(candidates: &[CandidateEffect], members: &[SetMember]) -> Option<usize> {
+    members.iter().position(|member| candidates[member.candidate].card.name == "bending_stiffness")
 }
 
 /// Indices of the candidates of these members.
@@ -367,6 +451,48 @@ mod tests {
         let step = friction.step(from, &there, 1);
         assert!((friction.moved(from, 1, step)[1] - there[1]).abs() < 1e-12 && step > -9.0);
         assert_eq!(friction.step(from, &friction.moved(from, 0, 0.25), 0), 0.25);
+    }
+
+    #[test]
+    fn times_that_the_rows_do_not_resolve_are_not_fitted() {
+        let mut creep = candidate("creep");
+        creep.resolve_times(0.5);
+        let from = &creep.variants()[0];
+        assert_eq!(from[1], 2.0 * 0.5, "0.7 s is shorter than two rows");
+        assert_eq!(creep.moved(from, 1, -9.0), *from);
+        let mut friction = candidate("friction");
+        friction.resolve_times(0.5);
+        assert_eq!(friction.variants()[0][1], 0.1, "a yield is no time");
+    }
+
+    #[test]
+    fn implausible_sizes_cost_and_loads_do_not() {
+        let cost = |name: &str, value: f64| candidate(name).implausibility(&[value]);
+        assert_eq!([cost("tip_load", 0.4), cost("tendon_radius", 1.0)], [0.0; 2]);
+        assert!(cost("tendon_radius", 1.02) < 0.5 && cost("bending_stiffness", 1.2) < 0.7);
+        assert!(cost("tendon_radius", 1.5) > 8.0 && cost("bending_stiffness", 1.0 / 11.0) > 8.0);
+        let softer = cost("bending_stiffness", 0.5);
+        assert!((softer - cost("bending_stiffness", 2.0)).abs() < 1e-12, "a ratio either way");
+        assert!(cost("spine_compressibility", 0.0).is_finite());
+    }
+
+    #[test]
+    fn beside_the_stiffness_there_is_one_convention() {
+        let candidates = catalogue_candidates(&Model::default());
+        let member = |name: &str, values: &[f64]| SetMember {
+            candidate: candidates.iter().position(|one| one.card.name == name).unwrap(),
+            values: values.to_vec(),
+        };
+        let (creep, stiffness) =
+            (member("creep", &[0.25, 5.0, 1.0]), member("bending_stiffness", &[0.9]));
+        let choices = |members: &[SetMember]| neighbouring_choices(&candidates, members, 0).len();
+        assert_eq!(choices(std::slice::from_ref(&creep)), 1);
+        assert_eq!(in_default_convention(&candidates, std::slice::from_ref(&creep)), None);
+        let both = [creep, stiffness];
+        assert_eq!(choices(&both), 0);
+        let one = in_default_convention(&candidates, &both).unwrap();
+        assert_eq!(one, [member("creep", &[0.25, 5.0, 0.0]), member("bending_stiffness", &[1.2])]);
+        assert_eq!(in_default_convention(&candidates, &one), None);
     }
 
     #[test]

@@ -34,6 +34,10 @@ struct UncertainParameter {
 /// oscillates, strong damping does not).
 const MAX_DEVIATIONS: f64 = 3.0;
 
+/// Prior deviation of the share of the relaxation under the robot's own weight that is outstanding
+/// at the start of trials: from none (at rest for good) to all of it (straight a moment ago).
+const UNRELAXED_DEVIATION: f64 = 0.5;
+
 /// Minimum difference step over the usual size, so that time-stepping errors do not dominate.
 const MIN_STEP_SHARE: f64 = 0.25;
 
@@ -76,13 +80,19 @@ impl<'a> UncertainParameters<'a> {
         UncertainParameters { candidates, parameters, exact_m: options.motion_tolerance_m }
     }
 
-    /// Place of the tracker's clock among the columns, where it is uncertain.
-    pub(crate) fn clock_column(&self) -> usize {
+    /// Place of the unrelaxed share at the start of trials among the columns.
+    pub(crate) fn unrelaxed_column(&self) -> usize {
         self.parameters.len()
     }
 
+    /// Place of the tracker's clock among the columns, where it is uncertain.
+    pub(crate) fn clock_column(&self) -> usize {
+        self.parameters.len() + 1
+    }
+
     /// Sensitivities of `model` with the `members` to each parameter, with its standard deviation,
-    /// and at last to the tracker's clock where that is uncertain. Taken without the members if
+    /// to the share that is unrelaxed at the start of trials, and at last to the tracker's clock
+    /// where that is uncertain. Taken without the members if
     /// they cannot be simulated; zero if nothing can be simulated.
     pub(crate) fn columns(
         &self,
@@ -94,12 +104,14 @@ impl<'a> UncertainParameters<'a> {
             let effects = effect_specs(self.candidates, members);
             let base_m = effects.as_ref().and_then(|effects| tips(model, effects, samples));
             let (Some(effects), Some(base_m)) = (effects, base_m) else {
-                return vec![None; self.parameters.len()];
+                return vec![None; self.parameters.len() + 1];
             };
             let sensitivity_of = |number: &UncertainParameter| {
                 self.sensitivity(number, model, &effects, samples, &base_m)
             };
-            self.parameters.par_iter().map(sensitivity_of).collect()
+            let unrelaxed = || unrelaxed(model, &effects, samples, &base_m);
+            let of_parameters = self.parameters.par_iter().map(sensitivity_of);
+            of_parameters.chain(rayon::iter::once(()).map(|()| unrelaxed())).collect()
         };
         // A strong effect changes these answers, so they are taken beside the members.
         let mut sensitivities = beside(members);
@@ -109,10 +121,10 @@ impl<'a> UncertainParameters<'a> {
                 sensitivities.into_iter().zip(beside(&[])).map(|(with, without)| with.or(without)).collect();
         }
         let zero = || vec![0.0; 3 * samples.len()];
-        let each = sensitivities.into_iter().zip(&self.parameters);
-        let columns = each.map(|(sensitivity_of, number)| {
-            (sensitivity_of.unwrap_or_else(zero), number.deviation)
-        });
+        let deviations = self.parameters.iter().map(|number| number.deviation);
+        let each = sensitivities.into_iter().zip(deviations.chain([UNRELAXED_DEVIATION]));
+        let columns = each
+            .map(|(sensitivity_of, deviation)| (sensitivity_of.unwrap_or_else(zero), deviation));
         let clock =
             samples.clock_deviation_s.map(|deviation_s| (samples.velocity_m_s(), deviation_s));
         columns.chain(clock).collect()
@@ -197,6 +209,24 @@ impl<'a> UncertainParameters<'a> {
     }
 }
 
+/// Tip change if trials begin with the straight robot brought home a moment ago in place of one at
+/// rest there; zero where nothing relaxes in time.
+fn unrelaxed(
+    model: &Model,
+    effects: &[EffectSpec],
+    samples: &Samples,
+    base_m: &[f64],
+) -> Option<Vec<f64>> {
+    let mut all = effects.iter().chain(&model.effects);
+    if all.all(|effect| effect.relaxation_time_s().is_none()) {
+        return Some(vec![0.0; base_m.len()]);
+    }
+    let mut fresh = model.clone();
+    fresh.tracking.rested_s = Some(0.0);
+    let there_m = tips(&fresh, effects, samples)?;
+    Some(there_m.iter().zip(base_m).map(|(there, base)| there - base).collect())
+}
+
 #[cfg(test)]
 mod tests {
     use std::path::Path;
@@ -230,7 +260,7 @@ mod tests {
         let nuisances =
             Nuisances::independent(3 * samples.len(), &uncertain.columns(&model, &[], &samples));
         let own = damping(&candidates);
-        let mut amounts = DVector::zeros(uncertain.parameters.len());
+        let mut amounts = DVector::zeros(uncertain.parameters.len() + 1);
         amounts[uncertain.parameters.iter().position(|number| number.candidate == own).unwrap()] =
             -0.009;
         let less = [SetMember { candidate: own, values: vec![0.021] }];
@@ -287,7 +317,7 @@ mod tests {
         // One tendon is slack in these trials.
         assert_eq!(
             [beside(&[]), beside(&[replaced]), beside(&[added])],
-            [[14, 13, 14], [14, 12, 13], [14, 13, 14]]
+            [[15, 13, 14], [15, 12, 13], [15, 13, 14]]
         );
     }
 }

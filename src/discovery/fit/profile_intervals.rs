@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::{DMatrix, DVector};
 
+use super::candidate::neighbouring_choices;
 use super::gauss_newton::{FitProblem, FittedSet};
 use crate::math::distribution::student_95;
 
@@ -45,7 +46,7 @@ impl FitProblem<'_> {
             .for_each(|(parameter, ends)| widen(parameter, ends));
         let values = &best.members[k].values;
         // A choice has no derivative: its interval is that of the choices that fit nearly as well.
-        for beside in self.candidates[best.members[k].candidate].neighbouring_choices(values) {
+        for beside in neighbouring_choices(self.candidates, &best.members, k) {
             let Some(parameter) = (0..values.len()).find(|&index| beside[index] != values[index])
             else {
                 continue;
@@ -196,13 +197,12 @@ impl FitProblem<'_> {
         towards: f64,
         radius: f64,
     ) -> Vec<(FittedSet, f64)> {
-        let candidate = &self.candidates[best.members[k].candidate];
         let mut choices: Vec<(FittedSet, f64)> = Vec::new();
         loop {
             let last = choices.last().map_or(best, |(last, _)| last);
             let mut members = last.members.clone();
             let here = members[k].values[parameter];
-            let mut beside = candidate.neighbouring_choices(&members[k].values).into_iter();
+            let mut beside = neighbouring_choices(self.candidates, &members, k).into_iter();
             let Some(next) = beside.find(|next| towards * (next[parameter] - here) > 0.0) else {
                 return choices;
             };

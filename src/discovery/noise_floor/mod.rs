@@ -24,6 +24,8 @@ pub(crate) struct NoiseFloor {
     pub(crate) freedom: f64,
     /// Sources of the estimate, as text.
     pub(crate) from: Vec<String>,
+    /// Whether repeated measurements are among them: else a model's error may be in it.
+    pub(crate) has_repeats: bool,
 }
 
 /// Significance level at which two estimates contradict each other. It is low because consecutive
@@ -53,6 +55,7 @@ impl NoiseFloor {
             variance_m2: nuisance_fit.noise.sigma_m.map(|sigma| sigma * sigma),
             freedom: nuisance_fit.noise.independent(samples.len()),
             from: vec!["the residual of the model".to_owned()],
+            has_repeats: false,
         }
     }
 
@@ -88,7 +91,12 @@ impl NoiseFloor {
         let mut from = Vec::new();
         from.extend((starts > 1).then(|| format!("{starts} starts at home")));
         from.extend((dwells > 1).then(|| format!("{dwells} samples at rest")));
-        NoiseFloor { variance_m2: std::array::from_fn(variance), freedom: moments.freedom(), from }
+        NoiseFloor {
+            variance_m2: std::array::from_fn(variance),
+            freedom: moments.freedom(),
+            has_repeats: !from.is_empty(),
+            from,
+        }
     }
 
     /// Root mean square distance, metres.
@@ -133,8 +141,12 @@ impl NoiseFloor {
         let mean = |axis: usize| {
             (self.freedom * self.variance_m2[axis] + other.freedom * other.variance_m2[axis]) / all
         };
-        let from = [self.from, other.from].concat();
-        NoiseFloor { variance_m2: std::array::from_fn(mean), freedom: all, from }
+        NoiseFloor {
+            variance_m2: std::array::from_fn(mean),
+            freedom: all,
+            has_repeats: self.has_repeats || other.has_repeats,
+            from: [self.from, other.from].concat(),
+        }
     }
 }
 
@@ -181,6 +193,9 @@ mod tests {
                 NuisanceFit { noise, amounts: DVector::zeros(0), residual_m, deviance: 0.0 };
             let floor = NoiseFloor::estimate(&samples, &nuisance_fit, &simulated_m);
             let ratio = floor.rms_m() / (3.0_f64.sqrt() * NOISE_M);
+            assert!(
+                floor.has_repeats && !NoiseFloor::of_residual(&nuisance_fit, &samples).has_repeats
+            );
             assert!((ratio / all - 1.0).abs() < 0.25, "{starts}: {ratio}, {:?}", floor.from);
         }
     }

@@ -56,7 +56,7 @@ pub(crate) fn estimate_nugget(
     // A line through convex data may meet the axis below zero.
     let is_sound = variance_m2.iter().all(|variance| *variance >= 0.0) && freedom > 0.0;
     let from = vec!["differences of consecutive samples".to_owned()];
-    is_sound.then_some(NoiseFloor { variance_m2, freedom, from })
+    is_sound.then_some(NoiseFloor { variance_m2, freedom, from, has_repeats: false })
 }
 
 /// Regressors, one row a pair: one, squared displacement, and squared change of displacement, the

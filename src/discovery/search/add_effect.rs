@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::screening::{LinearPrediction, LinearScreen, ScreenedResidual, best_of_each};
 use super::state::ScoredSet;
-use crate::discovery::fit::candidate::SetMember;
+use crate::discovery::fit::candidate::{SetMember, in_default_convention, neighbouring_choices};
 use crate::discovery::fit::gauss_newton::{FitProblem, FittedSet};
 use crate::discovery::fit::nuisance::NuisanceFit;
 use crate::discovery::fit::sensitivities::Sensitivity;
@@ -17,8 +17,8 @@ impl FitProblem<'_> {
         prediction.gain - self.penalty(std::slice::from_ref(&prediction.member))
     }
 
-    /// Penalty of a set: the Bayesian information criterion for its parameters, and a term for
-    /// their choice among all candidates.
+    /// Penalty of a set: the Bayesian information criterion for its parameters, a term for their
+    /// choice among all candidates, and the prior of its sizes.
     pub(crate) fn penalty(&self, members: &[SetMember]) -> f64 {
         // EBIC (Chen & Chen 2008): p ln 3N for the numbers and 2 ln K for the choice among K.
         let numbers = (3.0 * self.samples.len() as f64).ln();
@@ -26,7 +26,12 @@ impl FitProblem<'_> {
         let choice = 2.0 * (open as f64).ln();
         members
             .iter()
-            .map(|member| self.candidates[member.candidate].freedom() as f64 * numbers + choice)
+            .map(|member| {
+                let candidate = &self.candidates[member.candidate];
+                candidate.freedom() as f64 * numbers
+                    + choice
+                    + candidate.implausibility(&member.values)
+            })
             .sum()
     }
 
@@ -90,6 +95,8 @@ impl FitProblem<'_> {
             let last = fitted.members.len() - 1;
             // Choices such as places have no derivative; try their neighbours.
             let fitted = coarse.with_best_choice(fitted, last, target_deviance);
+            // The members of the base may have moved, too.
+            let penalty = self.penalty(&fitted.members) - self.penalty(&start.members);
             let score =
                 base.score + start.nuisance_fit.deviance - fitted.nuisance_fit.deviance - penalty;
             Some(ScoredSet { fitted, score, exact: false })
@@ -162,6 +169,10 @@ impl FitProblem<'_> {
 
     /// Full fit from nearby values, with the best choice of every member.
     pub(crate) fn fit_fully(&self, near: &FittedSet) -> Option<FittedSet> {
+        let near = match in_default_convention(self.candidates, &near.members) {
+            Some(members) => &self.with_fresh_jacobian(self.evaluate(members)?)?,
+            None => near,
+        };
         let mut best = self.refit(near.members.clone(), near.jacobian.clone())?;
         for k in 0..best.members.len() {
             let with_best_choice = self.with_best_choice(best.clone(), k, f64::INFINITY);
@@ -175,10 +186,8 @@ impl FitProblem<'_> {
     /// Moves every choice of member `k` (such as a position) to its neighbours as long as a rough
     /// fit improves.
     fn with_best_choice(&self, mut best: FittedSet, k: usize, target_deviance: f64) -> FittedSet {
-        let candidate = &self.candidates[best.members[k].candidate];
         loop {
-            let fits = candidate
-                .neighbouring_choices(&best.members[k].values)
+            let fits = neighbouring_choices(self.candidates, &best.members, k)
                 .into_iter()
                 .filter_map(|values| {
                     let mut members = best.members.clone();

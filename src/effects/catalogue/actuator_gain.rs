@@ -21,6 +21,7 @@ pub(crate) const CARD: Card = Card {
         Parameter { name: "tendon", unit: "number", null: 1.0, seek: Seek::Tendon },
         Parameter { name: "scale", unit: "1", null: 1.0, seek: Seek::Size(0.04) },
     ],
+    usual_change: None,
     confused_with: &["tendon_radius", "tendon_stretch"],
 };
 

@@ -21,6 +21,7 @@ pub(crate) const CARD: Card = Card {
         Parameter { name: "tendon", unit: "number", null: 1.0, seek: Seek::Tendon },
         Parameter { name: "offset_m", unit: "m", null: 0.0, seek: Seek::Size(0.001) },
     ],
+    usual_change: None,
     confused_with: &["precurvature"],
 };
 

@@ -27,6 +27,7 @@ pub(crate) const CARD: Card = Card {
             seek: Seek::Shape(&[0.0, std::f64::consts::FRAC_PI_4]),
         },
     ],
+    usual_change: Some(0.3),
     confused_with: &["tendon_angle", "bending_stiffness"],
 };
 

@@ -19,6 +19,7 @@ pub(crate) const CARD: Card = Card {
     equation: "q' = min(max(q', q − width/2), q + width/2)",
     source: "play operator, Brokate & Sprekels, ch. 2",
     parameters: &[Parameter { name: "width_m", unit: "m", null: 0.0, seek: Seek::Size(0.001) }],
+    usual_change: Some(0.001),
     confused_with: &["friction", "delay", "hysteresis"],
 };
 

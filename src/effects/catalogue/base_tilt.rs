@@ -23,6 +23,7 @@ pub(crate) const CARD: Card = Card {
         Parameter { name: "tilt_x_rad", unit: "rad", null: 0.0, seek: Seek::Size(0.01) },
         Parameter { name: "tilt_y_rad", unit: "rad", null: 0.0, seek: Seek::Size(0.01) },
     ],
+    usual_change: None,
     confused_with: &["frame_shift", "precurvature", "tip_force"],
 };
 

@@ -16,6 +16,7 @@ pub(crate) const CARD: Card = Card {
     equation: "E I → scale · E I",
     source: "Euler–Bernoulli beam",
     parameters: &[Parameter { name: "scale", unit: "1", null: 1.0, seek: Seek::Size(0.1) }],
+    usual_change: Some(0.3),
     confused_with: &["soft_section", "distributed_mass", "spine_compressibility"],
 };
 

@@ -35,6 +35,7 @@ pub(crate) const CARD: Card = Card {
         Parameter { name: "position_m", unit: "m", null: 0.0, seek: Seek::Located(0.01) },
         Parameter { name: "curvature_1_m", unit: "1/m", null: 0.0, seek: Seek::Located(5.0) },
     ],
+    usual_change: None,
     confused_with: &["tip_force", "backlash", "friction"],
 };
 

@@ -21,6 +21,7 @@ pub(crate) const CARD: Card = Card {
         null: 0.03,
         seek: Seek::Replaces("robot.damping_time_s", 0.05),
     }],
+    usual_change: None,
     confused_with: &["delay", "creep"],
 };
 

@@ -33,6 +33,7 @@ pub(crate) const CARD: Card = Card {
         null: 0.0,
         seek: Seek::Scanned(0.05, &SCANNED_DELAYS_S),
     }],
+    usual_change: None,
     confused_with: &["damping", "backlash"],
 };
 

@@ -16,6 +16,7 @@ pub(crate) const CARD: Card = Card {
     equation: "ρA(s) → scale · ρA(s), disks alike",
     source: "modelling convention",
     parameters: &[Parameter { name: "scale", unit: "1", null: 1.0, seek: Seek::Size(0.2) }],
+    usual_change: None,
     confused_with: &["tip_load", "bending_stiffness"],
 };
 

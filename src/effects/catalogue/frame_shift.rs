@@ -22,6 +22,7 @@ pub(crate) const CARD: Card = Card {
         Parameter { name: "shift_m[1]", unit: "m", null: 0.0, seek: Seek::Size(0.002) },
         Parameter { name: "shift_m[2]", unit: "m", null: 0.0, seek: Seek::Size(0.002) },
     ],
+    usual_change: None,
     confused_with: &["base_tilt"],
 };
 

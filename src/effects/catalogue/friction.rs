@@ -35,6 +35,7 @@ pub(crate) const CARD: Card = Card {
         Parameter { name: "yield_rad_m", unit: "rad/m", null: 0.5, seek: Seek::Shape(&[0.1, 0.5]) },
         Parameter { name: "coupled", unit: "flag", null: 0.0, seek: Seek::Flag },
     ],
+    usual_change: None,
     confused_with: &["hysteresis", "backlash"],
 };
 

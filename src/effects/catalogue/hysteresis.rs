@@ -32,6 +32,7 @@ pub(crate) const CARD: Card = Card {
         Parameter { name: "share", unit: "1", null: 0.0, seek: Seek::Size(0.1) },
         Parameter { name: "range_rad_m", unit: "rad/m", null: 5.0, seek: Seek::Shape(&[2.0, 6.0]) },
     ],
+    usual_change: None,
     confused_with: &["friction", "backlash", "creep"],
 };
 

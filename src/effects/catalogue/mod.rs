@@ -68,7 +68,7 @@ impl EffectSpec {
         for (parameter, &value) in card.parameters.iter().zip(values) {
             let number = match parameter.seek {
                 Seek::Tendon => Value::from(value as u64),
-                Seek::Flag => Value::Bool(value != 0.0),
+                Seek::Flag | Seek::Convention => Value::Bool(value != 0.0),
                 _ => Value::Number(Number::from_f64(value)?),
             };
             match parameter.name.split_once('[') {
@@ -90,6 +90,14 @@ impl EffectSpec {
         )])))
         .ok()?;
         spec.build().check().is_ok().then_some(spec)
+    }
+
+    /// Its relaxation time, s; none unless it matters how long a robot has rested.
+    pub fn relaxation_time_s(&self) -> Option<f64> {
+        match self {
+            EffectSpec::Creep(creep) => Some(creep.time_s),
+            _ => None,
+        }
     }
 
     /// A mass hung on the tip, kg.

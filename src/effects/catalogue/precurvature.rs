@@ -21,6 +21,7 @@ pub(crate) const CARD: Card = Card {
         Parameter { name: "kappa_x_rad_m", unit: "rad/m", null: 0.0, seek: Seek::Size(0.2) },
         Parameter { name: "kappa_y_rad_m", unit: "rad/m", null: 0.0, seek: Seek::Size(0.2) },
     ],
+    usual_change: None,
     confused_with: &["tip_force", "base_tilt", "actuator_offset"],
 };
 

@@ -25,6 +25,7 @@ pub(crate) const CARD: Card = Card {
         null: 0.0,
         seek: Seek::Scanned(0.05, &[0.05, 0.15, 0.4]),
     }],
+    usual_change: None,
     confused_with: &["delay", "damping", "creep"],
 };
 

@@ -22,6 +22,7 @@ pub(crate) const CARD: Card = Card {
         Parameter { name: "position_m", unit: "m", null: 0.0, seek: Seek::Place },
         Parameter { name: "scale", unit: "1", null: 1.0, seek: Seek::Size(-0.3) },
     ],
+    usual_change: Some(0.3),
     confused_with: &["bending_stiffness", "tendon_stretch", "tendon_radius"],
 };
 

@@ -16,6 +16,7 @@ pub(crate) const CARD: Card = Card {
     equation: "c_spine → scale · c_spine (eq. 14)",
     source: "paper, eq. 14",
     parameters: &[Parameter { name: "scale", unit: "1", null: 1.0, seek: Seek::Size(0.2) }],
+    usual_change: Some(0.3),
     confused_with: &["distributed_mass", "bending_stiffness"],
 };
 

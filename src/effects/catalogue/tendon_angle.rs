@@ -16,6 +16,7 @@ pub(crate) const CARD: Card = Card {
     equation: "r_i → R_z(angle) r_i",
     source: "geometry",
     parameters: &[Parameter { name: "angle_rad", unit: "rad", null: 0.0, seek: Seek::Size(0.04) }],
+    usual_change: Some(0.05),
     confused_with: &["anisotropic_stiffness", "base_tilt"],
 };
 

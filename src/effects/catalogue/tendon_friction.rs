@@ -35,6 +35,7 @@ pub(crate) const CARD: Card = Card {
             seek: Seek::Shape(&[PRESLIDING_M]),
         },
     ],
+    usual_change: None,
     confused_with: &["friction", "hysteresis", "backlash"],
 };
 

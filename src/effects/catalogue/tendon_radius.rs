@@ -16,6 +16,7 @@ pub(crate) const CARD: Card = Card {
     equation: "r_i → scale · r_i",
     source: "geometry",
     parameters: &[Parameter { name: "scale", unit: "1", null: 1.0, seek: Seek::Size(0.04) }],
+    usual_change: Some(0.05),
     confused_with: &["actuator_gain", "soft_section"],
 };
 

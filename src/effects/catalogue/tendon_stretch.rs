@@ -21,6 +21,7 @@ pub(crate) const CARD: Card = Card {
         null: 0.0,
         seek: Seek::Size(1e-4),
     }],
+    usual_change: None,
     confused_with: &["actuator_gain", "soft_section"],
 };
 

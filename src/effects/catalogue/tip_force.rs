@@ -20,6 +20,7 @@ pub(crate) const CARD: Card = Card {
         Parameter { name: "force_n[1]", unit: "N", null: 0.0, seek: Seek::Size(0.03) },
         Parameter { name: "force_n[2]", unit: "N", null: 0.0, seek: Seek::Size(0.1) },
     ],
+    usual_change: None,
     confused_with: &["tip_load", "base_tilt", "precurvature"],
 };
 

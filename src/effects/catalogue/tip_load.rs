@@ -19,6 +19,7 @@ pub(crate) const CARD: Card = Card {
     equation: "F = m g at s = L, and m in the inertia there",
     source: "paper, section V-C (20 g)",
     parameters: &[Parameter { name: "mass_kg", unit: "kg", null: 0.0, seek: Seek::Size(0.005) }],
+    usual_change: None,
     confused_with: &["distributed_mass", "tip_force"],
 };
 

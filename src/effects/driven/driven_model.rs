@@ -142,6 +142,7 @@ impl DrivenModel {
     /// robot straight and unloaded.
     pub fn restart_away(&mut self) {
         self.restart();
+        self.rods.rest_for_good();
         self.next = Some(0);
     }
 

@@ -92,6 +92,7 @@ impl Model {
     /// The rod with all effects, then `extra` ones; payloads are applied last.
     pub fn rod(&self, extra: &[EffectSpec]) -> RodParams {
         let mut rod = self.robot.rod();
+        rod.rested_s = self.tracking.rested_s.unwrap_or(f64::INFINITY);
         rod.contact.obstacles = self.obstacles.iter().filter_map(ObstacleSpec::for_rod).collect();
         let (payloads, others): (Vec<_>, Vec<_>) =
             self.effects(extra).into_iter().partition(|effect| effect.is_payload());

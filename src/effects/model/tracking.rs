@@ -26,6 +26,10 @@ pub struct Tracking {
     /// State at the start of a trial.
     #[serde(default, skip_serializing_if = "is_default")]
     pub starts: Starts,
+    /// With `starts: home`: how long the robot, straight and without stress before, has been at
+    /// home when a trial starts, s; left out: for good.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rested_s: Option<f64>,
 }
 
 /// State at the start of a trial.
@@ -115,7 +119,16 @@ impl Tracking {
             point.check(length_m).map_err(|error| (format!("tracking.points.{name}"), error))?;
         }
         let tip = self.tip.map_or(Ok(()), |tip| tip.check(length_m));
-        tip.map_err(|error| ("tracking.tip".to_owned(), error))
+        tip.map_err(|error| ("tracking.tip".to_owned(), error))?;
+        let Some(rested_s) = self.rested_s else { return Ok(()) };
+        if !(rested_s >= 0.0 && rested_s.is_finite()) {
+            return refuse("tracking", "rested_s", rested_s.to_string(), "0 or more seconds");
+        }
+        if self.starts != Starts::Home {
+            let expected = "no time at home where trials do not start there (`starts: home`)";
+            return refuse("tracking", "rested_s", rested_s.to_string(), expected);
+        }
+        Ok(())
     }
 }
 

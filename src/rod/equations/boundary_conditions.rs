@@ -44,6 +44,8 @@ pub(crate) struct SolveConditions<'a> {
     pub(crate) fixed_touches: Option<&'a [Touch]>,
     /// Share of the stiffness of obstacles; below 1 only on the way to an equilibrium.
     pub(crate) obstacle_share: f64,
-    /// Whether the rod is at rest: rate-dependent moment laws have relaxed.
+    /// Whether the rod is at rest: rate-dependent moment laws relax …
     pub(crate) at_rest: bool,
+    /// … for so many seconds.
+    pub(crate) rested_s: f64,
 }

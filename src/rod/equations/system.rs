@@ -300,7 +300,7 @@ impl RodEquations {
         for (law, states) in self.params.moment_laws.iter().zip(conditions.histories) {
             let bend = section.bending(&strain);
             let history = if conditions.at_rest {
-                law.settled(&states[g], bend, section.bending_n_m2)
+                law.settled(&states[g], bend, section.bending_n_m2, conditions.rested_s)
             } else {
                 law.moment(&states[g], bend, section.bending_n_m2)
             };

@@ -27,12 +27,14 @@ pub trait MomentLaw: Send + Sync + Debug {
         bending_n_m2: f64,
     ) -> HistoryMoment;
 
-    /// The moment after all rate-dependent parts have relaxed.
+    /// The moment after a rest of `rested_s` seconds (infinite: all rate-dependent parts have
+    /// relaxed) at `curvature_rad_m`; [`MomentLaw::commit`] with the same duration follows.
     fn settled(
         &self,
         state: &HistoryState,
         curvature_rad_m: [f64; 2],
         bending_n_m2: f64,
+        _rested_s: f64,
     ) -> HistoryMoment {
         self.moment(state, curvature_rad_m, bending_n_m2)
     }

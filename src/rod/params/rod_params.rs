@@ -43,6 +43,8 @@ pub struct RodParams {
     pub contact: ContactSurface,
     /// History-dependent moment laws.
     pub moment_laws: Vec<Arc<dyn MomentLaw>>,
+    /// Duration of the first rest after a restart, s; infinite: rate-dependent laws relax.
+    pub rested_s: f64,
     /// Numerical resolution.
     pub resolution: Resolution,
 }

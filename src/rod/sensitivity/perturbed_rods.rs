@@ -107,6 +107,11 @@ impl PerturbedRods {
         self.leader_derivative = None;
     }
 
+    /// Makes the next rest one for good, whatever the parameters say.
+    pub(crate) fn rest_for_good(&mut self) {
+        self.all().for_each(Rod::rest_for_good);
+    }
+
     /// Replaces the load at the tips from now on; `load` gives a rod's own.
     pub fn set_tip_load(&mut self, load: &dyn Fn(&RodParams) -> TipWrench) {
         self.all().for_each(|rod| rod.set_tip_load(load(rod.params())));

@@ -116,6 +116,7 @@ impl Rod {
             histories: &rest.histories,
             sliding: &rest.sliding,
             contact_memory: &rest.contact_memory,
+            rested_s: rest.rested_s,
             ..self.state.conditions(&motion, &rest.constraints, &loads, true)
         };
         let mut workspace = self.solver.workspace.clone();

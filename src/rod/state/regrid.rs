@@ -48,6 +48,7 @@ impl Rod {
             .collect();
         rod.state.sliding.clone_from(&self.state.sliding);
         rod.state.contact_memory.clone_from(&self.state.contact_memory);
+        rod.state.rested_s = self.state.rested_s;
         rod.state.shape.update(to, &rod.system.sections, &rod.state.unknowns[..to.unknowns]);
         // Effort counts on across grids.
         rod.solver.iterations = self.solver.iterations;

@@ -17,4 +17,6 @@ pub(crate) struct SettledConditions {
     pub(crate) sliding: Vec<TendonSliding>,
     /// What the friction of contacts remembered before.
     pub(crate) contact_memory: ContactMemory,
+    /// Duration of the rest, s.
+    pub(crate) rested_s: f64,
 }

@@ -72,6 +72,7 @@ impl Rod {
             histories: system.virgin_histories(),
             sliding: system.tendons_at_home(),
             contact_memory: ContactMemory::default(),
+            rested_s: f64::INFINITY,
         };
         let mut rod = Rod {
             solver: NewtonSolver::new(&system),
@@ -112,7 +113,13 @@ impl Rod {
         self.solver = NewtonSolver::new(system);
         self.step_size = StepSize::new(&self.tableau);
         self.tip_load = system.params.tip_load;
+        self.state.rested_s = system.params.rested_s;
         self.settled_under = None;
+    }
+
+    /// Makes the next rest one for good, whatever the parameters say.
+    pub(crate) fn rest_for_good(&mut self) {
+        self.state.rested_s = f64::INFINITY;
     }
 
     /// What the rod is made of.
@@ -142,7 +149,8 @@ impl Rod {
         at_rest: bool,
         tolerance_m: f64,
     ) -> SolveStatus {
-        let RodState { unknowns, taut, histories, sliding, contact_memory, .. } = &mut self.state;
+        let RodState { unknowns, taut, histories, sliding, contact_memory, rested_s, .. } =
+            &mut self.state;
         // The solver borrows the set mutably while the conditions hold its initial guess.
         let guess = taut.clone();
         let conditions = SolveConditions {
@@ -156,6 +164,7 @@ impl Rod {
             fixed_touches: None,
             obstacle_share: self.obstacle_share,
             at_rest,
+            rested_s: *rested_s,
         };
         let status = self.solver.solve(&self.system, unknowns, taut, &conditions, tolerance_m);
         if status == SolveStatus::Converged {
@@ -184,6 +193,8 @@ impl Rod {
     /// Ends a step of `dt_s` seconds (infinite: at rest) for everything that remembers, at the last
     /// evaluation of the equations.
     pub(crate) fn commit_histories(&mut self, dt_s: f64) {
+        let rested_s = std::mem::replace(&mut self.state.rested_s, f64::INFINITY);
+        let dt_s = if dt_s.is_infinite() { rested_s } else { dt_s };
         self.state.sliding.copy_from_slice(&self.solver.workspace.sliding);
         let RodState { shape, contact_memory, .. } = &mut self.state;
         contact_memory.commit(

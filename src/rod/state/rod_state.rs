@@ -21,6 +21,8 @@ pub(crate) struct RodState {
     pub(crate) sliding: Vec<TendonSliding>,
     /// What the friction of contacts remembers.
     pub(crate) contact_memory: ContactMemory,
+    /// Duration of the next rest, s.
+    pub(crate) rested_s: f64,
 }
 
 impl RodState {
@@ -44,6 +46,7 @@ impl RodState {
             fixed_touches: None,
             obstacle_share: 1.0,
             at_rest,
+            rested_s: self.rested_s,
         }
     }
 
@@ -56,5 +59,6 @@ impl RodState {
         self.histories.clone_from(&other.histories);
         self.sliding.clone_from(&other.sliding);
         self.contact_memory.clone_from(&other.contact_memory);
+        self.rested_s = other.rested_s;
     }
 }

@@ -12,7 +12,10 @@ use crate::rod::state::rod::{Drive, Rod};
 use super::stable_branch::RestBefore;
 
 impl Rod {
-    /// Brings the rod to rest under `drives`, one per tendon. Histories relax completely.
+    /// Brings the rod to rest under `drives`, one per tendon. Histories relax completely,
+    /// in the first rest after a restart for [`RodParams::rested_s`].
+    ///
+    /// [`RodParams::rested_s`]: crate::rod::RodParams::rested_s
     pub fn settle(&mut self, drives: &[Drive]) -> SolveStatus {
         let Some(constraints) = self.constraints(drives) else { return SolveStatus::BadCommand };
         let under = self.settled_under.take();
@@ -51,6 +54,7 @@ impl Rod {
                 histories: self.state.histories.clone(),
                 sliding: self.state.sliding.clone(),
                 contact_memory: self.state.contact_memory.clone(),
+                rested_s: self.state.rested_s,
             });
             self.commit_histories(f64::INFINITY);
             self.log_stage();

@@ -45,6 +45,7 @@ pub fn round_rod(length_m: f64, radius_m: f64, e_pa: f64, g_pa: f64, mass_kg_m: 
         line_loads: vec![],
         contact: ContactSurface::default(),
         moment_laws: vec![],
+        rested_s: f64::INFINITY,
         resolution: Resolution::default(),
     }
 }

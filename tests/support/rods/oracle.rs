@@ -332,8 +332,12 @@ impl Shooting<'_> {
             tangent[(5, 5)] = if saturated { stiff } else { 1.0 / soft };
         }
         for law in &p.moment_laws {
-            let history =
-                law.settled(&[0.0; 4], [strain[0] - rest.x, strain[1] - rest.y], 0.5 * (k1 + k2));
+            let history = law.settled(
+                &[0.0; 4],
+                [strain[0] - rest.x, strain[1] - rest.y],
+                0.5 * (k1 + k2),
+                f64::INFINITY,
+            );
             for a in 0..2 {
                 wrench[a] += history.moment_nm[a];
                 for b in 0..2 {
