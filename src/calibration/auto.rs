@@ -11,8 +11,6 @@ const WITH_MEMORY: [&str; 4] = ["tendon_friction", "hysteresis", "backlash", "cr
 /// What the model file leaves out is passed over.
 pub(super) fn stages(model: &Model, at_rest: bool, differs: bool) -> Vec<NumberGroup> {
     let length_m = model.robot.backbone.length_m;
-    let radius_m = model.robot.tendons.radius_m;
-    let prior = |path: &str, deviation: f64| format!("{path}~{deviation}");
     let mut stages = vec![
         NumberGroup::new("pose of the base", &["robot.base_m[*]", "robot.base_rotation_rad[*]"]),
         NumberGroup::new("drive gains", &["drives.*.gains[*]"]),
@@ -26,6 +24,43 @@ pub(super) fn stages(model: &Model, at_rest: bool, differs: bool) -> Vec<NumberG
             ],
         ),
         NumberGroup::new("compliance of the sections", &["robot.sections.compliance_m_per_n"]),
+    ];
+    stages.extend(of_tendons(model));
+    stages.extend([
+        NumberGroup::new(
+            "place of the tracked points",
+            &[
+                &prior("tracking.points.*.offset_m[*]", 0.05 * length_m),
+                &prior("tracking.points.*.s_m", 0.05 * length_m),
+            ],
+        ),
+        NumberGroup::new(
+            "torsional stiffness",
+            &[
+                "robot.backbone.torsion_stiffness_n_m2",
+                "robot.backbone.pieces[*].torsion_stiffness_n_m2",
+            ],
+        ),
+        NumberGroup::new("rest curvature", &["robot.backbone.pieces[*].rest_curvature_rad_m[*]"]),
+        NumberGroup::new("anisotropy", &["robot.backbone.pieces[*].anisotropy"]),
+        NumberGroup::new("mass", &["robot.backbone.density_kg_m3", "robot.disks.mass_kg"]),
+        NumberGroup::new("gravity", &["robot.gravity_m_s2[*]~3"]),
+        NumberGroup::new("effects", &["effects[*].*"]),
+    ]);
+    stages.extend(in_time_or_with_memory(at_rest, differs));
+    stages
+}
+
+/// An entry with a prior.
+fn prior(path: &str, deviation: f64) -> String {
+    format!("{path}~{deviation}")
+}
+
+/// Groups of the tendons and their holes.
+fn of_tendons(model: &Model) -> Vec<NumberGroup> {
+    let length_m = model.robot.backbone.length_m;
+    let radius_m = model.robot.tendons.radius_m;
+    vec![
         NumberGroup::new(
             "pretension",
             &["robot.tendons.pretension_m", "robot.tendons.pretension_m[+]"],
@@ -63,28 +98,7 @@ pub(super) fn stages(model: &Model, at_rest: bool, differs: bool) -> Vec<NumberG
             let radius_m = tendons.radius_m;
             tendons.radii_m.get_or_insert_with(|| vec![radius_m; tendons.angles_deg.len()]);
         }),
-        NumberGroup::new(
-            "place of the tracked points",
-            &[
-                &prior("tracking.points.*.offset_m[*]", 0.05 * length_m),
-                &prior("tracking.points.*.s_m", 0.05 * length_m),
-            ],
-        ),
-        NumberGroup::new(
-            "torsional stiffness",
-            &[
-                "robot.backbone.torsion_stiffness_n_m2",
-                "robot.backbone.pieces[*].torsion_stiffness_n_m2",
-            ],
-        ),
-        NumberGroup::new("rest curvature", &["robot.backbone.pieces[*].rest_curvature_rad_m[*]"]),
-        NumberGroup::new("anisotropy", &["robot.backbone.pieces[*].anisotropy"]),
-        NumberGroup::new("mass", &["robot.backbone.density_kg_m3", "robot.disks.mass_kg"]),
-        NumberGroup::new("gravity", &["robot.gravity_m_s2[*]~3"]),
-        NumberGroup::new("effects", &["effects[*].*"]),
-    ];
-    stages.extend(in_time_or_with_memory(at_rest, differs));
-    stages
+    ]
 }
 
 /// What a pose at rest says nothing of, and effects with a memory.

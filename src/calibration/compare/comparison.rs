@@ -38,7 +38,7 @@ pub(crate) struct Comparison<'a> {
     /// Names of the tracked points.
     pub(crate) markers: Vec<String>,
     /// Whether rows do not depend on those before them.
-    independent: bool,
+    pub(crate) independent: bool,
     /// Whether trials go on from one another.
     continues: bool,
     /// The rows that a robot with memory visits, where these are not all.

@@ -18,6 +18,8 @@ const OBSERVABLE_CHANGE: f64 = 1e-3;
 const POINT_ACCURACY_M: f64 = 1e-8;
 /// Largest damping: then a step is a hundred-thousandth of the undamped one.
 const MAX_DAMPING: f64 = 1e5;
+/// Smallest damping: the step is that of Gauss and Newton.
+const MIN_DAMPING: f64 = 1e-6;
 /// Improvement of the sum of squares below which a fit has converged, in variances of one
 /// coordinate: a tenth of a standard error, or, for a start of another fit, one.
 pub(crate) const CONVERGED: f64 = 1e-2;
@@ -98,11 +100,12 @@ impl CalibrationProblem<'_> {
         for _ in 0..iterations {
             // Ask the linear model first: it costs no simulation.
             let expected = self.expected_gain(&here);
-            let step = (expected >= converged * here.variance_m2)
-                .then(|| self.improved(&here, &mut damping))
-                .flatten();
-            let is_small =
-                step.as_ref().is_none_or(|step| step.gain < converged * here.variance_m2);
+            let enough = converged * here.variance_m2;
+            // With a secant, a new derivative is better than a much shorter step.
+            let least = if secants > 0 { enough.max(SECANT_GAIN * expected) } else { enough };
+            let step =
+                (expected >= enough).then(|| self.improved(&here, &mut damping, least)).flatten();
+            let is_small = step.as_ref().is_none_or(|step| step.gain < enough);
             if secants == 0 && step.is_none() {
                 here.converged = true;
                 break;
@@ -138,7 +141,13 @@ impl CalibrationProblem<'_> {
 
     /// Positions, derivative and weights at `x`; `None` when the model cannot be evaluated.
     pub(crate) fn evaluated(&self, x: &[f64]) -> Option<Optimum> {
-        let (positions, slopes) = self.comparison.with_slopes(&self.at(x)?, self.numbers, x)?;
+        let model = self.at(x)?;
+        let (mut positions, slopes) = self.comparison.with_slopes(&model, self.numbers, x)?;
+        if positions.iter().any(Option::is_none) {
+            // A row whose derivative is not found counts all the same: steps must not win by it.
+            let alone = self.comparison.positions(&model);
+            positions.iter_mut().zip(alone).for_each(|(at, alone)| *at = at.or(alone));
+        }
         // Slopes below the solver's accuracy are rounding and would look like information.
         let slopes = unseen_left_out(slopes, OBSERVABLE_CHANGE, POINT_ACCURACY_M);
         Some(self.weighted(x.to_vec(), positions, slopes))
@@ -192,15 +201,26 @@ impl CalibrationProblem<'_> {
         }
     }
 
-    /// A step that lowers the weighted sum of squares; `None` when there is none.
-    fn improved(&self, here: &Optimum, damping: &mut f64) -> Option<AcceptedStep> {
+    /// A step that lowers the weighted sum of squares; `None` when there is none of which the
+    /// linear model expects `least_m2`.
+    fn improved(&self, here: &Optimum, damping: &mut f64, least_m2: f64) -> Option<AcceptedStep> {
         let (normal, gradient) = self.normal(here);
         let free = self.free(here, &gradient);
         if free.is_empty() {
             return None;
         }
-        let accepted = damped(damping, MAX_DAMPING, |damping| {
+        let promising = |damping: f64| {
             let x = self.damped_step(here, (&normal, &gradient), &free, damping)?;
+            let change = DVector::from_fn(x.len(), |k, _| x[k] - here.x[k]);
+            let expected_m2 = -change.dot(&(2.0 * &gradient + &normal * &change));
+            (expected_m2 >= least_m2).then_some(x)
+        };
+        // The damping of an earlier step may leave this one too short.
+        while *damping > MIN_DAMPING && promising(*damping).is_none() {
+            *damping *= 0.2;
+        }
+        let accepted = damped(damping, MAX_DAMPING, |damping| {
+            let x = promising(damping)?;
             let positions = self.comparison.positions(&self.at(&x)?);
             let gain = self.gain(here, &x, &positions).filter(|&gain| gain >= 0.0)?;
             Some(AcceptedStep { x, positions, gain })

@@ -32,6 +32,10 @@ pub(crate) fn best(
     if is_good(&first) {
         return Ok((first, false));
     }
+    // A few rows tell nothing of a memory, whose paths they cut short.
+    if !problem.comparison.independent {
+        return Ok((first, false));
+    }
     // 2. More than noise remains: look for another minimum on a few rows.
     let Some(start) = rival(problem, &first) else { return Ok((first, false)) };
     let near = coarse(problem, &start);

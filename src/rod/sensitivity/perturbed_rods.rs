@@ -178,6 +178,10 @@ impl PerturbedRods {
                 return SolveStatus::UnderResolved;
             }
             if self.follow(&solved, &drives_then, scale).is_none() {
+                // A history that lags by a step is no derivative: it begins anew from the leader's.
+                let PerturbedRods { leader, followed, followers, .. } = self;
+                let all = std::iter::once(followed).chain(followers);
+                all.for_each(|rod| rod.state.copy_from(&leader.state));
                 return if status == SolveStatus::Converged {
                     SolveStatus::NotConverged
                 } else {
@@ -268,11 +272,12 @@ struct CorrectionLimits {
     max_corrections: usize,
 }
 
-/// With a derivative at this solution, whose contraction hardly changes between solves. Where a
-/// cross-section is about to slip, follower and leader may be on different sides: then a correction
-/// leaves up to a third.
+/// With a derivative at this solution, whose contraction hardly changes between solves.
 const WITH_FRESH_FACTORS: CorrectionLimits =
     CorrectionLimits { tolerance: 1e-5, max_corrections: 30 };
+/// Corrections after which a rod takes its own derivative: where a cross-section is about to slip,
+/// follower and leader may be on different sides, and the leader's does not converge.
+const OWN_FACTORS_AFTER: usize = 5;
 /// With an older one.
 const WITH_OLD_FACTORS: CorrectionLimits = CorrectionLimits { tolerance: 1e-7, max_corrections: 8 };
 /// Non-decreasing corrections below this, in lengths of the rod, are rounding.
@@ -357,6 +362,7 @@ impl Rod {
         let &mut LeaderSolution { taut, at_rest, .. } = solution;
         let conditions =
             SolveConditions { taut, ..state.conditions(motion, constraints, &loads, at_rest) };
+        let mut own_factors: Option<LU<f64, Dyn, Dyn>> = None;
         let (mut first_m, mut last_m) = (0.0, f64::NAN);
         for count in 1..=limits.max_corrections {
             // Chord iteration: the factors stay those of the leader or of an earlier solution.
@@ -364,7 +370,7 @@ impl Rod {
             // The leader's own residual is subtracted: only the difference of both rods is sought.
             let mut step =
                 DVector::from_column_slice(&solver.workspace.residual) - &solution.residual;
-            if !factors.solve_mut(&mut step) {
+            if !own_factors.as_ref().unwrap_or(factors).solve_mut(&mut step) {
                 return None;
             }
             unknowns.iter_mut().zip(step.iter()).for_each(|(x, dx)| *x -= dx);
@@ -386,6 +392,11 @@ impl Rod {
             // A linear iteration leaves about its contraction times the last correction.
             if contraction * size_m < limits.tolerance * first_m {
                 return Some((unknowns, count));
+            }
+            if count % OWN_FACTORS_AFTER == 0 {
+                // The leader is about to slip where this rod sticks, or the other way round.
+                solver.derivative.update(system, &unknowns, &conditions, &solver.workspace);
+                own_factors = Some(solver.derivative.matrix(system, &conditions).lu());
             }
             last_m = size_m;
         }

@@ -70,8 +70,8 @@ const PROBE_LENGTHS: f64 = 1e-5;
 /// its presliding, and newtons.
 const PRESLIDING_SHARE: f64 = 1e-3;
 const TENSION_STEP_N: f64 = 1e-5;
-/// Refinements with tendons that have friction, whose change with the shape J neglects, and what
-/// may remain of the derivative.
+/// Refinements with tendons that have friction, whose mobilised share J holds fixed, and what may
+/// remain of the derivative.
 const MAX_REFINEMENTS: usize = 40;
 const REFINEMENT_TOLERANCE: f64 = 1e-7;
 
