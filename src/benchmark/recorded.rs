@@ -11,7 +11,7 @@ use super::truth::Truth;
 use crate::base::BadOption;
 use crate::data::tables::read_csv;
 use crate::data::{DataError, Recording};
-use crate::effects::EffectSpec;
+use crate::effects::{EffectSpec, Seek};
 
 /// Recordings of one robot with a table of what is hidden in each.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -166,7 +166,11 @@ fn injected(effect: &EffectSpec) -> Option<InjectedEffect> {
     let values = card
         .parameters
         .iter()
-        .map(|parameter| value(parameter.name))
+        .map(|parameter| {
+            // A convention that is not written is the usual one.
+            let usual = (parameter.seek == Seek::Convention).then_some(parameter.null);
+            value(parameter.name).or(usual)
+        })
         .collect::<Option<Vec<f64>>>()?;
     Some(InjectedEffect { name: card.name.to_owned(), values, other_law: false })
 }

@@ -77,3 +77,32 @@ fn length(a: &[f64]) -> f64 {
 fn distance(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum::<f64>().sqrt()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data::{Actuation, Recording};
+    use crate::effects::Model;
+
+    /// Pulls out and back; on the way back the tip lies `lag_m` farther out. Places scatter by 1 mm.
+    fn differs(lag_m: f64) -> bool {
+        let mut recording = Recording::new(Actuation::Lengths, 4);
+        let mut tips = Vec::new();
+        for row in 0..400_u32 {
+            let (way, step) = (row / 20, row % 20);
+            let pull_m = 5e-4 * f64::from(if way % 2 == 0 { step } else { 20 - step });
+            recording.trial.push(0);
+            recording.time_s.push(f64::from(row));
+            recording.commands.push(&[pull_m, 0.0, -pull_m, 0.0]);
+            let scatter_m = 1e-3 * f64::from(row * 7919 % 101) / 101.0;
+            tips.push([3.0 * pull_m + scatter_m + f64::from(way % 2) * lag_m, 0.0, 0.2]);
+        }
+        recording.tip_m = Some(tips);
+        way_back_differs(&Comparison::new(&Model::default(), &recording, true).unwrap())
+    }
+
+    #[test]
+    fn a_loop_is_told_from_scatter() {
+        assert!(differs(2e-3) && !differs(0.0));
+    }
+}

@@ -21,7 +21,7 @@ fn with_effect(card: &Card, value: &dyn Fn(&str, f64) -> f64) -> Model {
 fn strong(name: &str, null: f64) -> f64 {
     match name {
         "mass_kg" | "distance_m" => 0.02,
-        "coupled" => 0.0,
+        "coupled" | "relaxed" => 0.0,
         "tendon" => 2.0,
         "offset_m" | "width_m" => 0.002,
         "moment_nm" => 0.01,
