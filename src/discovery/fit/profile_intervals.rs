@@ -289,7 +289,7 @@ mod tests {
 
     #[test]
     fn an_interval_ends_where_the_deviance_has_risen() {
-        fitted("creep", &[0.3, 8.0], 1, |fit_problem, candidate, fitted| {
+        fitted("creep", &[0.3, 8.0, 0.0], 1, |fit_problem, candidate, fitted| {
             let (value, ends) = (fitted.members[0].values[1], fit_problem.intervals(fitted, 0)[&1]);
             let covariance = fit_problem.covariance(fitted).unwrap();
             let together = covariance.column(1) / covariance[(1, 1)];
