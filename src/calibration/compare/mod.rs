@@ -5,4 +5,4 @@ pub(super) mod comparison;
 pub(super) mod noise;
 pub(super) mod robust;
 pub(super) mod slopes;
-pub(crate) mod way_back;
+pub(super) mod way_back;

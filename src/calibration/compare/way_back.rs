@@ -1,5 +1,7 @@
 //! Whether a recording shows memory: at equal commands the way back lies elsewhere than the way out.
 
+use nalgebra::DVector;
+
 use super::comparison::Comparison;
 use crate::base::{Point3, distance_m};
 use crate::math::distribution::normal_above;
@@ -14,10 +16,10 @@ const CHANCE: f64 = 1e-3;
 const MIN_PAIRS: usize = 20;
 
 /// A compared row: command, motion of the command up to it, and first tracked point.
-struct Visit<'a> {
+struct Visit {
     row: usize,
-    command: &'a [f64],
-    motion: Vec<f64>,
+    command: DVector<f64>,
+    motion: DVector<f64>,
     at_m: Point3,
 }
 
@@ -30,13 +32,13 @@ pub(crate) fn way_back_differs(comparison: &Comparison) -> bool {
         // The other visit at the most similar command.
         let others = visits.iter().filter(|other| other.row.abs_diff(visit.row) > MIN_ROWS_APART);
         let nearest = others
-            .map(|other| (distance(other.command, visit.command), other))
+            .map(|other| (other.command.metric_distance(&visit.command), other))
             .min_by(|a, b| a.0.total_cmp(&b.0));
-        let Some((away, other)) = nearest.filter(|(away, _)| *away <= length(&visit.motion)) else {
+        let Some((away, other)) = nearest.filter(|(away, _)| *away <= visit.motion.norm()) else {
             continue;
         };
-        let cosine = product(&visit.motion, &other.motion)
-            / (length(&visit.motion) * length(&other.motion)).max(f64::MIN_POSITIVE);
+        let cosine = visit.motion.dot(&other.motion)
+            / (visit.motion.norm() * other.motion.norm()).max(f64::MIN_POSITIVE);
         if cosine.abs() > SAME_WAY && away.is_finite() {
             is_return.push(f64::from(u8::from(cosine < 0.0)));
             apart_m.push(distance_m(&visit.at_m, &other.at_m));
@@ -51,31 +53,19 @@ pub(crate) fn way_back_differs(comparison: &Comparison) -> bool {
     normal_above(deviations) < CHANCE
 }
 
-fn visits<'a>(comparison: &Comparison<'a>) -> Vec<Visit<'a>> {
+fn visits(comparison: &Comparison) -> Vec<Visit> {
     let recording = comparison.recording;
     let seen = comparison.sightings.iter().filter(|sighting| {
         let row = sighting.row;
         sighting.marker == 0 && row > 0 && recording.trial[row - 1] == recording.trial[row]
     });
     seen.map(|sighting| {
-        let (before, command) =
-            (recording.commands.row(sighting.row - 1), recording.commands.row(sighting.row));
-        let motion = command.iter().zip(before).map(|(to, from)| to - from).collect();
+        let command_of = |row: usize| DVector::from_column_slice(recording.commands.row(row));
+        let command = command_of(sighting.row);
+        let motion = &command - command_of(sighting.row - 1);
         Visit { row: sighting.row, command, motion, at_m: sighting.at_m }
     })
     .collect()
-}
-
-fn product(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
-}
-
-fn length(a: &[f64]) -> f64 {
-    product(a, a).sqrt()
-}
-
-fn distance(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum::<f64>().sqrt()
 }
 
 #[cfg(test)]

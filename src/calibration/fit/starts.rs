@@ -29,11 +29,8 @@ pub(crate) fn best(
     let near = coarse(problem, start);
     // 1. From the model's own values, which are usually near.
     let first = problem.fit(&near, MAX_STEPS, CONVERGED)?;
-    if is_good(&first) {
-        return Ok((first, false));
-    }
     // A few rows tell nothing of a memory, whose paths they cut short.
-    if !problem.comparison.independent {
+    if is_good(&first) || !problem.comparison.independent {
         return Ok((first, false));
     }
     // 2. More than noise remains: look for another minimum on a few rows.

@@ -341,7 +341,8 @@ impl Problem<'_> {
         is_strained.then(|| summary_text::strained_caveat(explained_m, deviations))
     }
 
-    /// Noise from the `floor` and, if nothing is missing beside `explained_all`, from its residual. `best`: fit of the best set.
+    /// Noise from the `floor` and, if nothing is missing beside `explained_all`, from its residual.
+    /// `best`: fit of the best set.
     fn combined_floor(
         &self,
         floor: &NoiseFloor,

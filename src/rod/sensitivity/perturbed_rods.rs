@@ -275,11 +275,11 @@ struct CorrectionLimits {
 /// With a derivative at this solution, whose contraction hardly changes between solves.
 const WITH_FRESH_FACTORS: CorrectionLimits =
     CorrectionLimits { tolerance: 1e-5, max_corrections: 30 };
+/// With an older one.
+const WITH_OLD_FACTORS: CorrectionLimits = CorrectionLimits { tolerance: 1e-7, max_corrections: 8 };
 /// Corrections after which a rod takes its own derivative: where a cross-section is about to slip,
 /// follower and leader may be on different sides, and the leader's does not converge.
 const OWN_FACTORS_AFTER: usize = 5;
-/// With an older one.
-const WITH_OLD_FACTORS: CorrectionLimits = CorrectionLimits { tolerance: 1e-7, max_corrections: 8 };
 /// Non-decreasing corrections below this, in lengths of the rod, are rounding.
 const ROUNDING_LENGTHS: f64 = 1e-13;
 /// Cost of a new derivative in corrections of one rod.
@@ -346,8 +346,8 @@ impl Rod {
     }
 
     /// This follower's unknowns at the leader's `solution` and the number of corrections, until at
-    /// most the allowed share of the first correction remains. The contraction is measured on the first
-    /// follower with a nonzero correction; it is nearly zero at the derivative's own solution,
+    /// most the allowed share of the first correction remains. The contraction is measured on the
+    /// first follower with a nonzero correction; it is nearly zero at the derivative's own solution,
     /// except for drag and rotary inertia, which the derivative omits.
     fn corrected(
         &mut self,
