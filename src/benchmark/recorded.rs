@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::injection::disturbances::Disturbance;
-use super::injection::injected_effects::{InjectedEffect, card};
+use super::injection::injected_effects::InjectedEffect;
 use super::options::{CaseBatch, CaseGroup};
 use super::truth::Truth;
 use crate::base::BadOption;
 use crate::data::tables::read_csv;
 use crate::data::{DataError, Recording};
-use crate::effects::{EffectSpec, Seek};
+use crate::effects::{EffectSpec, Seek, card};
 
 /// Recordings of one robot with a table of what is hidden in each.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]

@@ -7,12 +7,12 @@ use serde_json::Value;
 
 use super::baselines::BaselineAnswers;
 use super::injection::injected_effects::{
-    InjectedEffect, card, effect_label, null_value, size, tendon_parameter,
+    InjectedEffect, effect_label, null_value, size, tendon_parameter,
 };
 use super::options::{CaseBatch, CaseGroup};
 use super::truth::Truth;
 use crate::data::findings::{CaseRow, Findings, FoundEffect, IntervalRow, OR, Verdict};
-use crate::effects::{Model, Parameter};
+use crate::effects::{Model, Parameter, card};
 use crate::math::summary::quantile;
 
 /// Answer to a recording.

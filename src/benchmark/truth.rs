@@ -6,10 +6,10 @@ use serde::{Deserialize, Serialize};
 use super::commands::Commands;
 use super::error::BenchmarkError;
 use super::injection::disturbances::Disturbance;
-use super::injection::injected_effects::{InjectedEffect, card, null_value};
+use super::injection::injected_effects::{InjectedEffect, null_value};
 use super::options::Prior;
 use crate::base::{BadOption, Generator, Point3};
-use crate::effects::{EffectSpec, Model, Seek};
+use crate::effects::{EffectSpec, Model, Seek, card};
 
 /// What is hidden in a recording: the sealed label.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

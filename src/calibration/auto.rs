@@ -1,7 +1,7 @@
 //! The groups of numbers that `--fit auto` tries, in the order in which a laboratory would.
 
 use super::select::NumberGroup;
-use crate::effects::{CATALOGUE, EffectSpec, Model, PerTendon, Seek};
+use crate::effects::{EffectSpec, Model, PerTendon, Seek, card};
 
 /// Effects with a memory, which are tried where the way back differs from the way out; the last
 /// needs time.
@@ -121,7 +121,7 @@ impl NumberGroup {
 
     /// The numbers of an effect of the catalogue, from the first values that a search would try.
     fn of_effect(name: &str) -> Option<NumberGroup> {
-        let card = CATALOGUE.iter().find(|card| card.name == name)?;
+        let card = card(name)?;
         let first = card.parameters.iter().map(|parameter| match parameter.seek {
             Seek::Size(step) => step,
             Seek::Shape(values) => values[0],

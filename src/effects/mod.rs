@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use crate::base::{BadOption, Observation};
 use crate::rod::RodParams;
 
-pub use catalogue::{CATALOGUE, EffectSpec};
+pub use catalogue::{CATALOGUE, EffectSpec, card};
 pub use driven::driven_model::DrivenModel;
 pub use driven::replay::{ReplayError, Replayed, Trial, replay};
 pub use model::obstacles::{Capsule, Cylinder, ObstacleSpec, Plane, Sphere};

@@ -6,8 +6,8 @@ use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 
 use crate::base::{BadOption, Seed};
-use crate::benchmark::injection::injected_effects::{UnscaledEffect, card, drawn_catalogue};
-use crate::effects::{CATALOGUE, Card, EffectSpec, Model, check_effects};
+use crate::benchmark::injection::injected_effects::{UnscaledEffect, drawn_catalogue};
+use crate::effects::{CATALOGUE, Card, EffectSpec, Model, card, check_effects};
 
 /// A distribution of robots around a model. Each has `least_effects` to `most_effects` different
 /// effects, all numbers equally likely. The strength of an effect is the magnitude of a normal

@@ -5,7 +5,7 @@ use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 
 use crate::base::Generator;
-use crate::effects::{CATALOGUE, Card, EffectSpec, Model, ModelParameter, Parameter, Seek};
+use crate::effects::{CATALOGUE, Card, EffectSpec, Model, ModelParameter, Parameter, Seek, card};
 
 /// An effect of the catalogue with its values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -89,11 +89,6 @@ pub fn drawn_catalogue() -> Vec<&'static Card> {
         card.parameters.iter().any(|parameter| matches!(parameter.seek, Seek::Distance(_)))
     };
     CATALOGUE.iter().copied().filter(|card| !has_place(card)).collect()
-}
-
-/// The card called `name`.
-pub(crate) fn card(name: &str) -> Option<&'static Card> {
-    CATALOGUE.iter().find(|card| card.name == name).copied()
 }
 
 /// Value of a parameter without influence on `model`.

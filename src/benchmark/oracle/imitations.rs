@@ -4,7 +4,8 @@
 use std::collections::BTreeSet;
 
 use super::{CatalogueSpan, EffectResponse, EffectSet, Imitated, rms};
-use crate::benchmark::injection::injected_effects::{card, effect_label, tendon_parameter};
+use crate::benchmark::injection::injected_effects::{effect_label, tendon_parameter};
+use crate::effects::card;
 
 /// Number of sets of one size that are refitted.
 const MAX_REFITTED_SETS: usize = 8;

@@ -11,10 +11,10 @@ use serde::{Deserialize, Serialize};
 
 use super::commands::Commands;
 use super::error::BenchmarkError;
-use super::injection::injected_effects::{card, drawn_catalogue, null_value, size};
+use super::injection::injected_effects::{drawn_catalogue, null_value, size};
 use super::options::{OracleOptions, Prior};
 use super::truth::is_component_of;
-use crate::effects::{Card, EffectSpec, Model, Seek};
+use crate::effects::{Card, EffectSpec, Model, Seek, card};
 use metric::Metric;
 use refit::{Members, Refit, difference};
 

@@ -3,7 +3,7 @@
 use crate::cli::program::shared::print_all;
 use crate::cli::{CommandError, CommandResult};
 use clap::Args;
-use spinebench::effects::{CATALOGUE, Card};
+use spinebench::effects::{CATALOGUE, Card, card};
 use std::fmt::Write as _;
 
 /// Print the catalogue: each effect with its parameters and units, equation, source, and the
@@ -20,7 +20,7 @@ impl EffectsCommand {
         match &self.name {
             None => CATALOGUE.iter().for_each(|card| describe(card, &mut text)),
             Some(name) => {
-                let card = CATALOGUE.iter().find(|card| card.name == name).ok_or_else(|| {
+                let card = card(name).ok_or_else(|| {
                     let all: Vec<&str> = CATALOGUE.iter().map(|card| card.name).collect();
                     CommandError::BadInput(format!(
                         "NAME: found `{name}`, expected one of {}",

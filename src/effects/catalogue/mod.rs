@@ -60,6 +60,11 @@ catalogue! {
     contact::Contact,
 }
 
+/// The entry called `name`.
+pub fn card(name: &str) -> Option<&'static Card> {
+    CATALOGUE.iter().find(|card| card.name == name).copied()
+}
+
 impl EffectSpec {
     /// The effect of `card` with these values, one per parameter in the order of the card; `None`
     /// when a value is out of range. Fields that the card does not list take their defaults.

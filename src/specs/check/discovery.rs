@@ -2,7 +2,7 @@
 
 use crate::base::BadOption;
 use crate::discovery::Options;
-use crate::effects::CATALOGUE;
+use crate::effects::{CATALOGUE, card};
 use crate::specs::document::error::SpecError;
 use crate::specs::document::merged::Document;
 use crate::specs::document::mismatch::one_of;
@@ -24,8 +24,8 @@ pub(crate) fn check_entries(
     }
     for (index, uncertainty) in options.uncertain.iter().enumerate() {
         let path = path.key("uncertain").item(index);
-        let card = CATALOGUE.iter().find(|card| card.name == uncertainty.effect);
-        let card = card.ok_or_else(|| document.wrong(&path.key("effect"), one_of(&names)))?;
+        let card = card(&uncertainty.effect)
+            .ok_or_else(|| document.wrong(&path.key("effect"), one_of(&names)))?;
         let mut parameters: Vec<&str> =
             card.parameters.iter().map(|parameter| parameter.vector()).collect();
         parameters.dedup();
