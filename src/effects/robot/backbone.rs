@@ -85,15 +85,15 @@ pub struct Piece {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub torsion_stiffness_n_m2: Option<f64>,
     /// (k₁ − k₂)/(k₁ + k₂) of the bending stiffnesses about the two principal axes.
-    #[serde(default, skip_serializing_if = "is_default")]
+    #[serde(default)]
     pub anisotropy: f64,
     /// Angle of the first (stiffer, where `anisotropy` is positive) principal axis from x towards
     /// y, degrees.
-    #[serde(default, skip_serializing_if = "is_default")]
+    #[serde(default)]
     pub principal_angle_deg: f64,
     /// Curvature about x and y and twist when nothing acts on it, rad/m. Tendons are set to zero on
     /// this shape.
-    #[serde(default, skip_serializing_if = "is_default")]
+    #[serde(default)]
     pub rest_curvature_rad_m: [f64; 3],
 }
 

@@ -264,7 +264,8 @@ impl Stages<'_> {
         )
     }
 
-    /// Random walks on a robot.
+    /// Random walks that are drawn on the model and played on a robot: all tendons then go where
+    /// they are told from the start of a step, as on a bench, and none follows what the tip does.
     fn recording(
         &mut self,
         robot: Identified,
@@ -274,9 +275,12 @@ impl Stages<'_> {
     ) -> Added<Transitions> {
         let points = trials * (run.recordings.rows - 1);
         let options = ExploreOptions { points, trajectories: trials, ..self.spec.explore };
-        let seed = self.seed.child("repair").child(name).0;
-        let params = ExploreParams { model: robot, options, step_s: self.step_s(), seed };
-        self.graph.stage(&EXPLORE, self.label(&format!("recording, {name}")), params, ())
+        let (step_s, seed) = (self.step_s(), self.seed.child("repair").child(name).0);
+        let walk = ExploreParams { model: self.parts.model.clone(), options, step_s, seed };
+        let walked =
+            self.graph.stage(&EXPLORE, self.label(&format!("random walk, {name}")), walk, ())?;
+        let replay = ReplayParams { plant: robot, step_s, seed };
+        self.graph.stage(&REPLAY, self.label(&format!("recording, {name}")), replay, walked)
     }
 
     fn diagnose_params(&self, options: Options) -> Result<DiagnoseParams, Failure> {
