@@ -37,26 +37,29 @@ def _write(path, header, rows):
         writer.writerows(rows)
 
 
-def ftdcr(source, target):
+def ftdcr(sources, target):
     """FTDCR v4 or v6: displacements of the servos (mm, in the order of the tendons), tip (mm), Unix time. Rows whose times do
-    not increase are 10 ms apart: a pose at rest has no use for them. The rest at the end of a motion belongs to it."""
-    rows = _rows(source)
-    servos = [name for name in rows[0] if name.startswith("servo_")]
+    not increase are 10 ms apart: a pose at rest has no use for them. The rest at the end of a motion belongs to it. Each file
+    is a trial; patterns of the second, which its publisher keeps apart, begin with `val_`."""
+    servos = [name for name in _rows(sources[0])[0] if name.startswith("servo_")]
     header = ["trial", "time_s"] + [f"tendon_{k + 1}_m" for k in range(len(servos))]
     header += ["tip_x_m", "tip_y_m", "tip_z_m", "pattern"]
-    begin, last, out = float(rows[0]["timestamp"]), -1.0, []
-    for row in rows:
-        time = float(row["timestamp"]) - begin
-        last = time if time > last else last + 0.01
-        lengths = [f"{float(row[name]) / 1e3:.9f}" for name in servos + ["tip_x", "tip_y", "tip_z"]]
-        out.append([0, f"{last:.6f}"] + lengths + [row["pattern_label"].replace("_hold", "")])
+    out = []
+    for trial, (source, prefix) in enumerate(zip(sources, ("", "val_"))):
+        rows = _rows(source)
+        begin, last = float(rows[0]["timestamp"]), -1.0
+        for row in rows:
+            time = float(row["timestamp"]) - begin
+            last = time if time > last else last + 0.01
+            lengths = [f"{float(row[name]) / 1e3:.9f}" for name in servos + ["tip_x", "tip_y", "tip_z"]]
+            out.append([trial, f"{last:.6f}"] + lengths + [prefix + row["pattern_label"].replace("_hold", "")])
     _write(target, header, out)
 
 
-def trunk(source, target):
+def trunk(sources, target):
     """The trunk: measured servo angles (degrees), three disks (m; y points up, z of the model down). The halves of the run are
     its patterns."""
-    rows = _rows(source)[::TRUNK_STEP]
+    rows = _rows(sources[0])[::TRUNK_STEP]
     header = ["trial", "time_s"] + [f"drive_servo_{k}_rad" for k in range(1, 7)] + ["tip_x_m", "tip_y_m", "tip_z_m"]
     header += [f"point_disk{disk}_{axis}_m" for disk in (1, 2) for axis in "xyz"] + ["pattern"]
     begin, out = float(rows[0]["t"]), []
@@ -78,13 +81,13 @@ def tentacle_levels(name):
     return (level, 0.0) if motor == "1" else (0.0, level)
 
 
-def tentacle(source, target):
+def tentacle(sources, target):
     """The tentacle: mean places of four markers (m) under two tensions, the base at the origin. The tracker's y runs along the
     hanging tentacle, which is z of the model; its z is the model's x."""
     header = ["trial", "time_s", "tendon_1_n", "tendon_2_n"]
     header += [f"point_p{k}_{axis}_m" for k in (1, 2, 3, 4) for axis in "xyz"] + ["pattern"]
     out = []
-    for number, row in enumerate(_rows(source)):
+    for number, row in enumerate(_rows(sources[0])):
         name = Path(row["file"]).stem
         tensions = [f"{level / TENTACLE_PULLEY_M:.6f}" for level in tentacle_levels(name)]
 

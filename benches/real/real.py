@@ -7,11 +7,13 @@ DATA holds the measured files (sources.py says which). Recordings and reports ar
 models/real, results/real and plots/real, is written at the end, when every robot has succeeded. Needs nothing but Python 3.
 """
 
+import json
 import shutil
 import subprocess
 import sys
 from pathlib import Path
 
+import convert
 import sources
 import tables
 from robots import ROBOTS
@@ -19,6 +21,8 @@ from robots import ROBOTS
 WORK = Path("target/real")
 #: Parts of a report that are published. residuals.csv holds measured positions and stays out.
 TABLES = ("calibration.json", "numbers.csv", "residual_groups.csv", "stages.csv", "trade_offs.csv")
+#: Weights at the tip of the trunk, of which recordings are published.
+WEIGHTS_G = (100, 200, 300, 400)
 
 
 def run(program, *arguments):
@@ -31,32 +35,47 @@ def run(program, *arguments):
     return done.stdout
 
 
-def command(robot):
+def command(robot, data):
     """Arguments of the calibration of a robot."""
     files = ["--model", WORK / f"{robot.name}_start.yaml", "--measured", WORK / f"{robot.name}.csv"]
-    return ["calibrate", *files, *robot.options, "--out", WORK / f"{robot.name}.yaml", "--report", WORK / robot.name]
+    return ["calibrate", *files, *robot.options(data), "--out", WORK / f"{robot.name}.yaml", "--report", WORK / robot.name]
 
 
 def calibrate(robot, data, program):
     """Recording, calibration and simulation of a robot, into WORK."""
     robot.prepare(data, WORK)
-    said = run(program, *command(robot))
+    said = run(program, *command(robot, data))
     (WORK / f"{robot.name}.txt").write_text(said, encoding="utf-8")
     simulated = WORK / f"{robot.name}_simulated.csv"
     rows = ["--commands", WORK / f"{robot.name}.csv", "--out", simulated]
     run(program, "simulate", "--static", "--model", WORK / f"{robot.name}.yaml", *rows)
 
 
-def header(robot):
+def header(robot, data):
     """Comment above a calibrated model."""
     source = sources.SOURCES[robot.name]
-    words = " ".join(f"'{word}'" if set("*,~[") & set(str(word)) else str(word) for word in command(robot))
+    words = " ".join(f"'{word}'" if set("*,~[") & set(str(word)) else str(word) for word in command(robot, data))
     return (
         f"# {robot.title}, calibrated by `make real` (docs/real_robots.md) from a recording that others published:\n"
         f"# {source.words()}.\n"
         f"# spinebench {words}\n"
         "# The recording and the model to start from are made by benches/real.\n"
     )
+
+
+def weigh(data, program):
+    """What `discover` tells of weights at the tip of the trunk, beside its run without one."""
+    rows = []
+    for mass_g in WEIGHTS_G:
+        measured = Path(data) / f"trunk/{mass_g}g.csv"
+        if not measured.is_file():
+            continue
+        convert.trunk([measured], WORK / f"trunk_{mass_g}g.csv")
+        out = WORK / f"trunk_{mass_g}g"
+        files = ["--model", WORK / "trunk_start.yaml", "--measured", WORK / f"trunk_{mass_g}g.csv"]
+        run(program, "discover", "--static", *files, "--baseline", WORK / "trunk.csv", "--out", out)
+        rows.append(tables.weight_row(mass_g, json.loads((out / "findings.json").read_text(encoding="utf-8"))))
+    return rows
 
 
 def errors(robot, found):
@@ -69,10 +88,10 @@ def errors(robot, found):
     return tables.errors(measured, simulated, names.__contains__)
 
 
-def publish(robot):
+def publish(robot, data):
     """Model, tables and figures of a robot; its row of the summary."""
     found = tables.findings(WORK / robot.name)
-    model = header(robot) + (WORK / f"{robot.name}.yaml").read_text(encoding="utf-8")
+    model = header(robot, data) + (WORK / f"{robot.name}.yaml").read_text(encoding="utf-8")
     Path(f"models/real/{robot.name}.yaml").write_text(model, encoding="utf-8")
     results = Path("results/real") / robot.name
     shutil.rmtree(results, ignore_errors=True)
@@ -102,9 +121,12 @@ def main():
     WORK.mkdir(parents=True, exist_ok=True)
     for robot in ROBOTS:
         calibrate(robot, data, program)
+    weights = weigh(data, program)
     for folder in ("models/real", "results/real", "plots/real"):
         Path(folder).mkdir(parents=True, exist_ok=True)
-    rows = [publish(robot) for robot in ROBOTS]
+    rows = [publish(robot, data) for robot in ROBOTS]
+    tables.write_csv(Path("results/real/trunk/weights.csv"), weights)
+    Path("results/real/trunk/weights.md").write_text(tables.weights_page(weights), encoding="utf-8")
     tables.write_csv(Path("results/real/summary.csv"), rows)
     page = tables.summary_page(rows)
     Path("results/real/summary.md").write_text(page, encoding="utf-8")

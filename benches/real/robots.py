@@ -26,18 +26,31 @@ TRUNK_POINTS = {"disk1": (0.105, [0.0, 0.0, 0.00281]), "disk2": (0.21, [0.0, 0.0
 class Robot:
     """One robot: what `make real` does with it. `published` is its measured file below REAL_DATA."""
 
-    def __init__(self, name, title, options, convert, start, published):
+    def __init__(self, name, title, fit, convert, start, published, hold_out=(), kept_apart=None):
         self.name = name
         self.title = title
-        #: Options of `spinebench calibrate` beside the files.
-        self.options = options
+        self._fit = fit
         self._convert = convert
         self._start = start
         self._published = published
+        #: Options of `spinebench calibrate` that hold rows out of the fit.
+        self._hold_out = list(hold_out)
+        #: File of rows that its publisher keeps apart: it judges where it is there.
+        self._kept_apart = kept_apart
+
+    def _judge(self, data):
+        path = Path(data) / self._kept_apart if self._kept_apart else None
+        return path if path and path.is_file() else None
+
+    def options(self, data):
+        """Options of `spinebench calibrate` beside the files."""
+        hold_out = ["--hold-out-patterns", "val_*"] if self._judge(data) else self._hold_out
+        return ["--static", "--fit", self._fit, *hold_out]
 
     def prepare(self, data, work):
         """Writes the recording and the model to start from into `work`."""
-        self._convert(Path(data) / self._published, Path(work) / f"{self.name}.csv")
+        files = [path for path in (Path(data) / self._published, self._judge(data)) if path]
+        self._convert(files, Path(work) / f"{self.name}.csv")
         (Path(work) / f"{self.name}_start.yaml").write_text(self._start(Path(data)), encoding="utf-8")
 
 
@@ -69,6 +82,7 @@ def ftdcr_start(data, version):
             angle = math.degrees(turn) + 120.0 * tendon + TURNED_DEG[version]
             angles.append(round(angle % 360.0, 3))
     pieces = "".join(f"      - {{end_m: {end}, bending_stiffness_n_m2: {stiffness:.5f}}}\n" for end in ends)
+    each = [0.0003] * 9
     return (
         "robot:\n"
         "  backbone:\n"
@@ -81,12 +95,13 @@ def ftdcr_start(data, version):
         f"  disks: {{count: {DISKS}, mass_kg: {geometry['mass'] / DISKS:.5f}}}\n"
         "  tendons:\n"
         f"    radius_m: {hole}\n"
-        f"{'' if version == 'v6' else f'    radii_m: {[hole] * 9}' + chr(10)}"
+        f"    radii_m: {[hole] * 9}\n"
         f"    angles_deg: {angles}\n"
         f"    ends_m: {[end for end in ends for _ in range(3)]}\n"
-        "    pretension_m: 0.0003\n"
+        f"    pretension_m: {each}\n"
         "    compliance_m_per_n: 0.0001\n"
         "  gravity_m_s2: [0.0, 0.0, 0.0]\n"
+        f"{HYSTERESIS if version == 'v4' else ''}"
     )
 
 
@@ -109,11 +124,19 @@ def tentacle_start(_data):
     return text + _points(MARKERS)
 
 
-#: Pose, stiffness of each segment, pretension, and with weak priors (10 degrees, a tenth of the distance) each hole.
-V4_FIT = (
+#: Memory of the backbone of v4, to start from.
+HYSTERESIS = "effects:\n  - hysteresis: {share: 1.0, range_rad_m: 0.5}\n"
+#: Pose, stiffness and rest shape of each segment, and with weak priors (10 degrees, a tenth of the distance) each hole and the
+#: zero of each tendon.
+_FTDCR_FIT = (
     "robot.base_m[*],robot.base_rotation_rad[*],robot.backbone.pieces[*].bending_stiffness_n_m2,"
-    "robot.tendons.pretension_m,robot.tendons.angles_deg[*]~10,robot.tendons.radii_m[*]~0.00045"
+    "robot.tendons.pretension_m[*]~0.002,robot.tendons.angles_deg[*]~10,robot.tendons.radii_m[*]~0.00045,"
 )
+V4_FIT = _FTDCR_FIT + (
+    "robot.tendons.compliance_m_per_n,robot.backbone.pieces[*].rest_curvature_rad_m[*]~2,effects[0].hysteresis.*"
+)
+#: The groups that `--fit auto` keeps for v6, but for anisotropy and mass, which bring least. Its segments are turned against each other.
+V6_FIT = _FTDCR_FIT + "robot.backbone.pieces[*].rest_curvature_rad_m[*]~20,robot.gravity_m_s2[*]~3"
 #: Pose, gains, stiffness, compliance, pretension, and where the disks' tracked points sit (prior 5 mm).
 TRUNK_FIT = (
     "robot.base_m[*],robot.base_rotation_rad[*],drives.*.gains[*]~0.004,robot.backbone.bending_stiffness_n_m2,"
@@ -127,39 +150,34 @@ TENTACLE_FIT = (
     "tracking.points.*.offset_m[*]~0.01,tracking.points.p1.s_m~0.01,tracking.points.p2.s_m~0.01,tracking.points.p3.s_m~0.01,"
     "robot.tendons.angles_deg[*]~10,robot.tendons.radius_m"
 )
-PAIRS = ["--hold-out-patterns", "rep1_pair*"]
 
 ROBOTS = [
     Robot(
         "v4",
         "FTDCR v4",
-        ["--static", "--fit", V4_FIT, *PAIRS],
+        V4_FIT,
         convert.ftdcr,
         lambda data: ftdcr_start(data, "v4"),
         "opencr/v4_train.csv",
+        kept_apart="opencr/v4_val.csv",
     ),
     Robot(
         "v6",
         "FTDCR v6",
-        ["--static", "--fit", "auto", *PAIRS],
+        V6_FIT,
         convert.ftdcr,
         lambda data: ftdcr_start(data, "v6"),
         "opencr/v6_train.csv",
+        kept_apart="opencr/v6_val.csv",
     ),
     Robot(
         "trunk",
         "Stanford ASL trunk",
-        ["--static", "--fit", TRUNK_FIT, "--hold-out-patterns", "late"],
+        TRUNK_FIT,
         convert.trunk,
         trunk_start,
         "trunk/0g.csv",
+        hold_out=["--hold-out-patterns", "late"],
     ),
-    Robot(
-        "tentacle",
-        "soromox tentacle",
-        ["--static", "--fit", TENTACLE_FIT],
-        convert.tentacle,
-        tentacle_start,
-        "tentacle/static_shapes.csv",
-    ),
+    Robot("tentacle", "soromox tentacle", TENTACLE_FIT, convert.tentacle, tentacle_start, "tentacle/static_shapes.csv"),
 ]

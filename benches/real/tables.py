@@ -7,12 +7,12 @@ from pathlib import Path
 
 #: Names in calibration.json, and columns of summary.csv.
 MODELS = {
-    "this model, fitted": "rod_mm",
-    "this model, as given": "as_given_mm",
-    "constant curvature": "constant_curvature_mm",
-    "linear regression": "linear_mm",
-    "quadratic regression": "quadratic_mm",
-    "Gaussian process": "gaussian_process_mm",
+    "this model, fitted": "rod",
+    "this model, as given": "as_given",
+    "constant curvature": "constant_curvature",
+    "linear regression": "linear",
+    "quadratic regression": "quadratic",
+    "Gaussian process": "gaussian_process",
 }
 #: The same as headings.
 HEADINGS = ["rod", "rod, as given", "constant curvature", "linear", "quadratic", "Gaussian process"]
@@ -67,8 +67,9 @@ def summary_row(robot, found):
         "held_out_positions": held["positions"],
         "held_out": held["how"],
     }
-    sizes = {model["name"]: model["rms_m"] for model in held["models"]}
-    row.update({column: mm(sizes.get(name)) for name, column in MODELS.items()})
+    models = {model["name"]: model for model in held["models"]}
+    for size, end in (("rms_m", "_mm"), ("rms_without_mean_m", "_without_mean_mm")):
+        row.update({name + end: mm(models.get(model, {}).get(size)) for model, name in MODELS.items()})
     row["fitted_rows_mm"] = mm(found["after_m"])
     row["noise_mm"] = mm((found["noise"] or {}).get("noise_m"))
     return row
@@ -79,7 +80,8 @@ def summary_page(rows):
     header = ["robot", "numbers", "held-out positions", *HEADINGS, "noise"]
     cells = [
         [row["robot"], str(row["numbers_fitted"]), str(row["held_out_positions"])]
-        + [cell(row[column]) for column in [*MODELS.values(), "noise_mm"]]
+        + [f"{cell(row[f'{name}_mm'])} ({cell(row[f'{name}_without_mean_mm'])})" for name in MODELS.values()]
+        + [cell(row["noise_mm"])]
         for row in rows
     ]
     return markdown(header, cells)
@@ -89,11 +91,11 @@ def points_page(found):
     """Held-out error of each tracked point under each model."""
     held = found["held_out"]
     rows = [
-        [model["name"], str(model["numbers"] or "–"), cell(mm(model["rms_m"]))]
+        [model["name"], str(model["numbers"] or "–"), cell(mm(model["rms_m"])), cell(mm(model["rms_without_mean_m"]))]
         + [cell(mm(size)) for size in model["by_point_m"]]
         for model in held["models"]
     ]
-    return markdown(["rms error on unseen positions, mm", "numbers", "all", *held["points"]], rows)
+    return markdown(["rms error on unseen positions, mm", "numbers", "all", "all, mean error off", *held["points"]], rows)
 
 
 def numbers_page(rows):
@@ -107,6 +109,26 @@ def numbers_page(rows):
         for row in rows
     ]
     return markdown(["number", "unit", "start", "value", "95 % interval"], cells)
+
+
+def weight_row(true_g, found):
+    """One row of weights.csv: the weight, and what `discover` told of it. Grams; empty where no load was told."""
+    told = next((effect for effect in found["effects"] if effect["name"] == "tip_load"), None)
+    grams = [told["parameters"]["mass_kg"], *told["interval_95"]["mass_kg"]] if told else []
+    cells = [f"{1e3 * mass_kg:.0f}" for mass_kg in grams] or [""] * 3
+    names = " or ".join(effect["name"] for effect in found["effects"])
+    row = {"true_g": true_g, "verdict": found["verdict"], "named": names}
+    return row | dict(zip(("told_g", "low_g", "high_g"), cells))
+
+
+def weights_page(rows):
+    """weights.csv as a table of a page."""
+    cells = [
+        [f"{row['true_g']} g", row["verdict"], row["named"] or "–", row["told_g"] or "–"]
+        + [f"{row['low_g']} to {row['high_g']}" if row["told_g"] else "–"]
+        for row in rows
+    ]
+    return markdown(["true", "verdict", "named", "told, g", "95 % interval, g"], cells)
 
 
 def errors(measured, simulated, held):

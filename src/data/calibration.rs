@@ -43,7 +43,9 @@ pub struct ModelError {
     pub numbers: usize,
     /// Root mean square distance, metres.
     pub rms_m: f64,
-    /// The same for each tracked point, metres.
+    /// The same after the mean error of each tracked point is taken off, metres.
+    pub rms_without_mean_m: f64,
+    /// Root mean square distance of each tracked point, metres.
     pub by_point_m: Vec<f64>,
 }
 

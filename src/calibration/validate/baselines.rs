@@ -1,7 +1,7 @@
 //! What a laboratory would use instead of a rod: maps from commands to positions, fitted to the
 //! same rows.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use super::constant_curvature;
 use crate::base::{Point3, Rows};
@@ -14,9 +14,9 @@ use crate::learn::gp::{Gp, GpConfig};
 /// conditioned on.
 const SEARCH_ROWS: usize = 250;
 const MAX_ROWS: usize = 1200;
-/// Ridge of a regression, as a share of the mean square of the features: enough to leave out
-/// directions without data.
-const RIDGE: f64 = 1e-6;
+/// Ridges of a regression that are tried, as shares of the mean square of the features. The least
+/// only leaves out directions without data.
+const RIDGES: [f64; 6] = [1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1];
 
 /// A reference model and what it says of sightings that it has not seen.
 pub(crate) struct Reference {
@@ -126,8 +126,7 @@ pub(crate) fn commands_in_force(comparison: &Comparison) -> Vec<Vec<f64>> {
     (0..recording.len()).map(row).collect()
 }
 
-/// Least squares on the commands, or on them and their products, with a ridge that only matters
-/// without data.
+/// Ridge regression on the commands, or on them and their products.
 fn regression(
     x: &[&[f64]],
     y: &[Point3],
@@ -153,17 +152,45 @@ fn regression(
     let rows: Vec<Vec<f64>> = x.iter().map(|row| features(row)).collect();
     let count = rows[0].len();
     let design = DMatrix::from_fn(rows.len(), count, |row, column| rows[row][column]);
-    let targets = DMatrix::from_fn(rows.len(), 3, |row, axis| y[row][axis]);
-    let mut normal = design.tr_mul(&design);
-    // Relative to the mean diagonal: features were scaled to their largest value.
-    let ridge = RIDGE * normal.trace() / count as f64;
-    (0..count).for_each(|k| normal[(k, k)] += ridge);
-    let weights = normal.cholesky()?.solve(&design.tr_mul(&targets));
+    // About the mean: the ridge must not pull positions to the origin.
+    let mean: Point3 =
+        std::array::from_fn(|axis| y.iter().map(|at| at[axis]).sum::<f64>() / y.len() as f64);
+    let targets = DMatrix::from_fn(rows.len(), 3, |row, axis| y[row][axis] - mean[axis]);
+    let weights = ridge_weights(&design, &targets)?;
     let answer = |row: &&[f64]| -> Point3 {
         let features = DVector::from_vec(features(row));
-        std::array::from_fn(|axis| weights.column(axis).dot(&features))
+        std::array::from_fn(|axis| mean[axis] + weights.column(axis).dot(&features))
     };
     Some((query.iter().map(answer).collect(), 3 * count))
+}
+
+/// Weights of a ridge regression, one column a target; the ridge is chosen by generalised
+/// cross-validation (Golub, Heath & Wahba, Technometrics 21, 1979).
+fn ridge_weights(design: &DMatrix<f64>, targets: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    let normal = design.tr_mul(design);
+    let scale = normal.trace() / normal.nrows() as f64;
+    let SymmetricEigen { eigenvalues, eigenvectors } = SymmetricEigen::new(normal);
+    let along = eigenvectors.tr_mul(&design.tr_mul(targets));
+    let error = |ridge: f64| {
+        let (mut square, mut freedom) = (targets.norm_squared(), 0.0);
+        for (along, &value) in along.row_iter().zip(&eigenvalues) {
+            let filter = value / (value + ridge);
+            square -= along.norm_squared() / (value + ridge) * (2.0 - filter);
+            freedom += filter;
+        }
+        square / (design.nrows() as f64 - freedom).max(1.0).powi(2)
+    };
+    let ridge = RIDGES
+        .map(|share| share * scale)
+        .into_iter()
+        .min_by(|&a, &b| error(a).total_cmp(&error(b)))
+        .filter(|ridge| *ridge > 0.0)?;
+    let mut filtered = along.clone();
+    filtered
+        .row_iter_mut()
+        .zip(&eigenvalues)
+        .for_each(|(mut row, value)| row.unscale_mut(value + ridge));
+    Some(eigenvectors * filtered)
 }
 
 /// A Gaussian process (squared exponential, one length a command): hyper-parameters from some rows,
@@ -189,4 +216,31 @@ fn gaussian_process(x: &[&[f64]], y: &[Point3], query: &[&[f64]]) -> Option<(Vec
     let gp = Gp::condition(&inputs, &outputs, &config, searched.theta().to_vec(), 0).ok()?;
     let answer = |row: &&[f64]| -> Option<Point3> { gp.mean(row).ok()?.try_into().ok() };
     Some((query.iter().map(answer).collect::<Option<_>>()?, 0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::Seed;
+
+    #[test]
+    fn a_ridge_foretells_what_few_noisy_rows_with_many_features_do_not_tell() {
+        use rand::RngExt;
+
+        let mut random = Seed(5).rng();
+        let mut drawn = |size: f64| -> f64 { random.random_range(-size..=size) };
+        let x: Vec<Vec<f64>> = (0..150).map(|_| (0..9).map(|_| drawn(1.0)).collect()).collect();
+        let truth = |row: &[f64]| [row[0] + 0.3 * row[1] * row[2], row[3] - row[4], 5.0];
+        let y: Vec<Point3> = x.iter().map(|row| truth(row).map(|at| at + drawn(0.5))).collect();
+        let rows: Vec<&[f64]> = x.iter().map(Vec::as_slice).collect();
+        // Half of the rows carry 55 weights; the others judge.
+        let (answers, numbers) = regression(&rows[..75], &y[..75], &rows[75..], true).unwrap();
+        assert_eq!(numbers, 3 * 55);
+        let square = |at: &Point3, row: &&[f64]| {
+            at.iter().zip(truth(row)).map(|(at, truth)| (at - truth).powi(2)).sum::<f64>()
+        };
+        let error = answers.iter().zip(&rows[75..]).map(|(at, row)| square(at, row)).sum::<f64>();
+        let spread = rows[75..].iter().map(|row| square(&[0.0, 0.0, 5.0], row)).sum::<f64>();
+        assert!(error < 0.5 * spread, "{error} of {spread}");
+    }
 }

@@ -1,9 +1,9 @@
 //! The error on rows that the fit has not seen, beside that of what a laboratory would use instead.
 
-use nalgebra::DVector;
+use nalgebra::{DVector, Vector3};
 
 use super::baselines::{Reference, references};
-use crate::base::{Point3, distance_m};
+use crate::base::Point3;
 use crate::calibration::compare::blocks::{Blocks, SightingSplit};
 use crate::calibration::compare::comparison::{Comparison, Positions};
 use crate::calibration::fit::intervals::inverse;
@@ -141,28 +141,27 @@ fn error(
     names: Vec<String>,
     all: Vec<Unseen>,
 ) -> HeldOutError {
-    let rms_m = |one: &Unseen, marker: Option<usize>| {
-        let wanted =
-            |index: usize| marker.is_none_or(|marker| comparison.sightings[index].marker == marker);
-        let squares: Vec<f64> = one
-            .positions
-            .iter()
-            .filter(|(index, _)| wanted(*index))
-            .filter_map(|(index, at)| {
-                Some(distance_m(&(*at)?, &comparison.sightings[*index].at_m).powi(2))
-            })
-            .collect();
-        (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+    let sightings = &comparison.sightings;
+    let errors_m = |one: &Unseen, marker: usize| -> Vec<Vector3<f64>> {
+        let of_marker = one.positions.iter().filter(|(k, _)| sightings[*k].marker == marker);
+        of_marker
+            .filter_map(|(k, at)| Some(Vector3::from((*at)?) - Vector3::from(sightings[*k].at_m)))
+            .collect()
     };
-    // A model that failed in one part must not be compared on the easier rest.
-    let of = |one: &Unseen, marker| if one.complete { rms_m(one, marker) } else { f64::NAN };
-    let by_point =
-        |one: &Unseen| (0..comparison.markers.len()).map(|marker| of(one, Some(marker))).collect();
-    let model = |one: &Unseen| ModelError {
-        name: one.name.to_owned(),
-        numbers: one.numbers,
-        rms_m: of(one, None),
-        by_point_m: by_point(one),
+    let model = |one: &Unseen| {
+        let markers = 0..comparison.markers.len();
+        let by_marker: Vec<_> = markers.map(|marker| errors_m(one, marker)).collect();
+        // A model that failed in one part must not be compared on the easier rest.
+        let if_complete = |size_m: f64| if one.complete { size_m } else { f64::NAN };
+        ModelError {
+            name: one.name.to_owned(),
+            numbers: one.numbers,
+            rms_m: if_complete(rms_m(&by_marker.concat())),
+            rms_without_mean_m: if_complete(rms_m(
+                &by_marker.iter().flat_map(|errors_m| centred(errors_m)).collect::<Vec<_>>(),
+            )),
+            by_point_m: by_marker.iter().map(|errors_m| if_complete(rms_m(errors_m))).collect(),
+        }
     };
     let rows = all.first().map_or(0, |one| one.positions.len());
     HeldOutError {
@@ -172,4 +171,16 @@ fn error(
         points: comparison.markers.clone(),
         models: all.iter().map(model).collect(),
     }
+}
+
+/// Root mean square length; NaN of nothing.
+fn rms_m(errors_m: &[Vector3<f64>]) -> f64 {
+    let square: f64 = errors_m.iter().map(Vector3::norm_squared).sum();
+    (square / errors_m.len() as f64).sqrt()
+}
+
+/// The errors without their mean.
+fn centred(errors_m: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+    let mean_m = errors_m.iter().sum::<Vector3<f64>>() / errors_m.len() as f64;
+    errors_m.iter().map(|error_m| error_m - mean_m).collect()
 }

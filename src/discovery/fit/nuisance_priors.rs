@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::candidate::{CandidateEffect, SetMember, effect_specs};
 use super::nuisance::{NuisanceColumn, Nuisances};
-use super::simulate::tips;
+use super::simulate::{coarse, tips};
 use crate::discovery::options::Options;
 use crate::discovery::recording::samples::{Samples, rms_m};
 use crate::effects::{EffectSpec, Model};
@@ -100,6 +100,9 @@ impl<'a> UncertainParameters<'a> {
         members: &[SetMember],
         samples: &Samples,
     ) -> Vec<NuisanceColumn> {
+        // A derivative within a prior need not be sharper than the prior: the coarse model is two
+        // to three times faster, and these are most simulations of a robot with many tendons.
+        let model = &coarse(model);
         let beside = |members: &[SetMember]| -> Vec<Option<Vec<f64>>> {
             let effects = effect_specs(self.candidates, members);
             let base_m = effects.as_ref().and_then(|effects| tips(model, effects, samples));

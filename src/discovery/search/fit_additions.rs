@@ -42,13 +42,18 @@ impl Search<'_> {
         let mut best_score =
             rough.iter().map(|scored| scored.score).fold(base.score.max(min_score), f64::max);
         let mut finished: Vec<ScoredSet> = Vec::new();
+        // What full fits have brought over rough ones: as much may be missing from the others.
+        let mut brought = 0.0_f64;
         for scored in rough {
-            if finished.len() == MAX_FITS || !self.is_promising(&scored, base, best_score) {
+            if finished.len() == MAX_FITS || !self.is_promising(&scored, base, best_score - brought)
+            {
                 self.tried.push(scored);
                 continue;
             }
             // Keep the rough fit if the full fit fails.
+            let rough_score = scored.score;
             let scored = self.fit_fully(&scored);
+            brought = brought.max(scored.score - rough_score);
             best_score = best_score.max(scored.score);
             finished.push(scored);
         }
