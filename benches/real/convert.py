@@ -56,19 +56,19 @@ def ftdcr(sources, target):
     _write(target, header, out)
 
 
-def trunk(sources, target):
-    """The trunk: measured servo angles (degrees), three disks (m; y points up, z of the model down). The halves of the run are
+def trunk(sources, target, halves=True):
+    """The trunk: measured servo angles (degrees), three disks (m; y points up, z of the model down). The `halves` of the run are
     its patterns."""
     rows = _rows(sources[0])[::TRUNK_STEP]
     header = ["trial", "time_s"] + [f"drive_servo_{k}_rad" for k in range(1, 7)] + ["tip_x_m", "tip_y_m", "tip_z_m"]
-    header += [f"point_disk{disk}_{axis}_m" for disk in (1, 2) for axis in "xyz"] + ["pattern"]
+    header += [f"point_disk{disk}_{axis}_m" for disk in (1, 2) for axis in "xyz"] + ["pattern"] * halves
     begin, out = float(rows[0]["t"]), []
     for row in rows:
         time = float(row["t"]) - begin
         angles = [f"{math.radians(float(row[f'phi{k}'])):.8f}" for k in range(1, 7)]
         places = [[row[f"x{d}"], row[f"z{d}"], f"{-float(row[f'y{d}']):.6f}"] for d in (3, 1, 2)]
-        half = "early" if time < TRUNK_HALF_S else "late"
-        out.append([0, f"{time:.3f}"] + angles + sum(places, []) + [half])
+        half = ["early" if time < TRUNK_HALF_S else "late"] * halves
+        out.append([0, f"{time:.3f}"] + angles + sum(places, []) + half)
     _write(target, header, out)
 
 

@@ -64,16 +64,23 @@ def header(robot, data):
 
 
 def weigh(data, program):
-    """What `discover` tells of weights at the tip of the trunk, beside its run without one."""
-    rows = []
+    """What `discover` tells of weights at the tip of the trunk, beside its run without one. Without patterns tenths of a run
+    count as its trials."""
+
+    def recorded(mass_g):
+        measured, target = Path(data) / f"trunk/{mass_g}g.csv", WORK / f"trunk_{mass_g}g.csv"
+        if measured.is_file():
+            convert.trunk([measured], target, halves=False)
+        return target if measured.is_file() else None
+
+    baseline, rows = recorded(0), []
     for mass_g in WEIGHTS_G:
-        measured = Path(data) / f"trunk/{mass_g}g.csv"
-        if not measured.is_file():
+        measured = recorded(mass_g)
+        if measured is None:
             continue
-        convert.trunk([measured], WORK / f"trunk_{mass_g}g.csv")
         out = WORK / f"trunk_{mass_g}g"
-        files = ["--model", WORK / "trunk_start.yaml", "--measured", WORK / f"trunk_{mass_g}g.csv"]
-        run(program, "discover", "--static", *files, "--baseline", WORK / "trunk.csv", "--out", out)
+        files = ["--model", WORK / "trunk_start.yaml", "--measured", measured, "--baseline", baseline]
+        run(program, "discover", "--static", *files, "--out", out)
         rows.append(tables.weight_row(mass_g, json.loads((out / "findings.json").read_text(encoding="utf-8"))))
     return rows
 

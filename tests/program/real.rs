@@ -26,6 +26,11 @@ fn python(code: &str, arguments: &[&Path]) -> Output {
         .unwrap()
 }
 
+/// Code that converts the files named by all arguments but the last one, into that.
+fn converter(of: &str) -> String {
+    format!("convert.{of}(sys.argv[1:-1], sys.argv[-1])")
+}
+
 /// Rows of a CSV file without quotes.
 fn rows(path: &Path) -> Vec<HashMap<String, String>> {
     let text = std::fs::read_to_string(path).unwrap();
@@ -64,9 +69,14 @@ fn published_files_become_recordings() {
     let ftdcr = "timestamp,pattern_label,servo_4_mm,servo_3_mm,tip_x,tip_y,tip_z\n\
                  100.5,rep1_seg1_dir0,0.5,-1.25,10,20,30\n100.5,rep1_seg1_dir0_hold,1,2,11,21,31\n";
     std::fs::write(path("ftdcr.csv"), ftdcr).unwrap();
-    let done = python("convert.ftdcr(*sys.argv[1:])", &[&path("ftdcr.csv"), &path("out.csv")]);
+    let kept_apart = ftdcr.replace("rep1_seg1", "rep1_all");
+    std::fs::write(path("kept_apart.csv"), kept_apart).unwrap();
+    let files = [path("ftdcr.csv"), path("kept_apart.csv"), path("out.csv")];
+    let done = python(&converter("ftdcr"), &files.each_ref().map(PathBuf::as_path));
     assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
     let found = rows(&path("out.csv"));
+    let kept_apart = [&found[2]["trial"], &found[2]["pattern"]];
+    assert_eq!(kept_apart, ["1", "val_rep1_all_dir0"], "rows that were kept apart judge");
     assert_eq!((number(&found[0], "tendon_2_m"), number(&found[0], "tip_z_m")), (-0.00125, 0.03));
     assert!(
         number(&found[1], "time_s") > number(&found[0], "time_s"),
@@ -79,11 +89,7 @@ fn published_files_become_recordings() {
         trunk += &format!("{},180,0,0,0,0,-90,1,-2,3,4,-5,6,7,-8,9\n", 20 * k);
     }
     std::fs::write(path("trunk.csv"), trunk).unwrap();
-    assert!(
-        python("convert.trunk(*sys.argv[1:])", &[&path("trunk.csv"), &path("out.csv")])
-            .status
-            .success()
-    );
+    assert!(python(&converter("trunk"), &[&path("trunk.csv"), &path("out.csv")]).status.success());
     let found = rows(&path("out.csv"));
     assert_eq!(
         (found.len(), found[0]["pattern"].as_str(), found[1]["pattern"].as_str()),
@@ -102,9 +108,7 @@ fn published_files_become_recordings() {
                     m2_u025.csv,0,0,0,0.1,0.2,0.3,0,0,0,0,0,0,0,0,0\nm12_u0020015.csv,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0\n";
     std::fs::write(path("tentacle.csv"), tentacle).unwrap();
     assert!(
-        python("convert.tentacle(*sys.argv[1:])", &[&path("tentacle.csv"), &path("out.csv")])
-            .status
-            .success()
+        python(&converter("tentacle"), &[&path("tentacle.csv"), &path("out.csv")]).status.success()
     );
     let found = rows(&path("out.csv"));
     let tension = |row: usize| {
@@ -136,8 +140,8 @@ fn without_the_measured_files_it_says_who_publishes_them() {
     assert_eq!(std::fs::read_dir(empty.path()).unwrap().count(), 0);
 }
 
-/// The models are read; with the measured files, they predict the rows that were held out as well
-/// as was published.
+/// The models are read; with the measured files, they predict the rows that were held out, or all
+/// that were fitted where none were, as well as was published.
 #[test]
 fn published_models_predict_as_published() {
     for robot in ROBOTS {
@@ -152,8 +156,9 @@ fn published_models_predict_as_published() {
     ] {
         let [measured, simulated] =
             ["measured", "simulated"].map(|what| work.path().join(format!("{robot}_{what}.csv")));
-        let code = format!("convert.{converter}(*sys.argv[1:])");
-        assert!(python(&code, &[&data.join(file), &measured]).status.success());
+        assert!(
+            python(&self::converter(converter), &[&data.join(file), &measured]).status.success()
+        );
         let model = root().join(format!("models/real/{robot}.yaml"));
         let done = Command::new(env!("CARGO_BIN_EXE_spinebench"))
             .args(["simulate", "--static", "--model"])
@@ -170,10 +175,12 @@ fn published_models_predict_as_published() {
                 .unwrap();
         let found: serde_json::Value = serde_json::from_str(&found).unwrap();
         let held = &found["held_out"];
-        let published_m = held["models"][0]["rms_m"].as_f64().unwrap();
         let names: Vec<&str> =
             held["names"].as_array().unwrap().iter().filter_map(|name| name.as_str()).collect();
-        let rms_m = held_out_rms_m(&rows(&measured), &rows(&simulated), &names);
+        let published =
+            if names.is_empty() { &found["after_m"] } else { &held["models"][0]["rms_m"] };
+        let published_m = published.as_f64().unwrap();
+        let rms_m = self::rms_m(&rows(&measured), &rows(&simulated), &names);
         println!("{robot}: {:.3} mm, published {:.3} mm", 1e3 * rms_m, 1e3 * published_m);
         assert!(
             (rms_m - published_m).abs() < 0.02e-3,
@@ -182,8 +189,9 @@ fn published_models_predict_as_published() {
     }
 }
 
-/// Root mean square distance of every tracked point in the rows of some patterns.
-fn held_out_rms_m(
+/// Root mean square distance of every tracked point in the rows of some patterns; of all without a
+/// name.
+fn rms_m(
     measured: &[HashMap<String, String>],
     simulated: &[HashMap<String, String>],
     names: &[&str],
@@ -191,9 +199,10 @@ fn held_out_rms_m(
     let points: Vec<&str> =
         measured[0].keys().filter_map(|name| name.strip_suffix("_x_m")).collect();
     let mut squares = Vec::new();
-    for (row, model) in
-        measured.iter().zip(simulated).filter(|(row, _)| names.contains(&row["pattern"].as_str()))
-    {
+    let is_judged = |row: &HashMap<String, String>| {
+        names.is_empty() || names.contains(&row["pattern"].as_str())
+    };
+    for (row, model) in measured.iter().zip(simulated).filter(|(row, _)| is_judged(row)) {
         for point in &points {
             let error = ["x", "y", "z"].map(|axis| {
                 let name = format!("{point}_{axis}_m");

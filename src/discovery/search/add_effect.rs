@@ -69,13 +69,8 @@ impl FitProblem<'_> {
         min_score: f64,
     ) -> Vec<ScoredSet> {
         let coarse = FitProblem { model: self.coarse, ..self.clone() };
-        // Deviances compare only at one resolution and at its own optimum: else the base's numbers,
-        // fitted again beside any new member, would count as the member's gain.
+        // Deviances compare only at one resolution, so the base is played coarsely, too.
         let Some(start) = coarse.resimulate(&base.fitted) else { return Vec::new() };
-        let deviance = start.nuisance_fit.deviance;
-        let Some(start) = coarse.rough_fit(start, base.fitted.jacobian.clone(), deviance) else {
-            return Vec::new();
-        };
         let fit = |prediction: &&LinearPrediction| {
             let penalty = self.penalty(std::slice::from_ref(&prediction.member));
             // A fit that cannot reach this deviance is of no use.
