@@ -43,7 +43,8 @@ SOURCES["trunk"] = Source(
     "MIT licence",
     {
         "trunk/0g.csv": "every tenth row of observations_controlled_1.csv, with the commands of control_inputs_controlled_1.csv, "
-        "below servo_motor_archive"
+        "below servo_motor_archive",
+        "trunk/100g.csv": "the same of the run with 100 g at the tip",
     },
 )
 SOURCES["tentacle"] = Source(

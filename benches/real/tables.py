@@ -116,7 +116,8 @@ def weight_row(true_g, found):
     told = next((effect for effect in found["effects"] if effect["name"] == "tip_load"), None)
     grams = [told["parameters"]["mass_kg"], *told["interval_95"]["mass_kg"]] if told else []
     cells = [f"{1e3 * mass_kg:.0f}" for mass_kg in grams] or [""] * 3
-    names = " or ".join(effect["name"] for effect in found["effects"])
+    joint = " or " if found["verdict"] == "ambiguous" else " and "
+    names = joint.join(effect["name"] for effect in found["effects"])
     row = {"true_g": true_g, "verdict": found["verdict"], "named": names}
     return row | dict(zip(("told_g", "low_g", "high_g"), cells))
 

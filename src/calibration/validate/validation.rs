@@ -10,6 +10,7 @@ use crate::calibration::fit::intervals::inverse;
 use crate::calibration::fit::optimum::{CalibrationProblem, Optimum};
 use crate::data::calibration::{HeldOutError, ModelError};
 use crate::effects::Model;
+use crate::math::summary::root_mean_square;
 
 /// Predictions of sightings that were not fitted, one list a model.
 struct Unseen {
@@ -173,10 +174,9 @@ fn error(
     }
 }
 
-/// Root mean square length; NaN of nothing.
+/// Root mean square length.
 fn rms_m(errors_m: &[Vector3<f64>]) -> f64 {
-    let square: f64 = errors_m.iter().map(Vector3::norm_squared).sum();
-    (square / errors_m.len() as f64).sqrt()
+    root_mean_square(&errors_m.iter().map(Vector3::norm).collect::<Vec<f64>>())
 }
 
 /// The errors without their mean.
