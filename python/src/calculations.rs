@@ -9,7 +9,7 @@ use std::thread::available_parallelism;
 use std::time::Instant;
 
 use pyo3::prelude::*;
-use spinebench::calibration::{AUTO, CalibrationOptions, ErrorLaw, HoldOut, calibrate};
+use spinebench::calibration::{AUTO, CalibrationOptions, ErrorLaw, HoldOut, Recordings, calibrate};
 use spinebench::data::{Recording, tables};
 use spinebench::discovery::{
     Discovery, Options, Question, Round, RoundsError, discover_until_named, with_step_listener,
@@ -114,22 +114,32 @@ impl CalibrationArguments {
     }
 }
 
-/// Fits numbers of a model; returns the model, the findings as JSON, and every position with its
-/// error as CSV.
+/// Recordings to be read.
+fn named(recordings: Vec<PyRecording>) -> Result<Vec<NamedRecording>, Fault> {
+    recordings.into_iter().map(PyRecording::named).collect()
+}
+
+/// Fits numbers of a model to recordings; returns the model, the findings as JSON, and every
+/// position with its error as CSV.
 #[pyfunction]
 pub(crate) fn _calibrate(
     py: Python<'_>,
     model: &PyModel,
-    measured: PyRecording,
+    measured: Vec<PyRecording>,
     arguments: CalibrationArguments,
 ) -> PyResult<(PyModel, String, Vec<u8>)> {
     let (model, options) = (model.clone(), arguments.options()?);
     long(py, move |stop| {
-        let measured = measured.named()?;
-        let read = read_to_calibrate(measured.source(), &model.0, options.at_rest)?;
+        let measured = named(measured)?;
+        let read =
+            |one: &NamedRecording| read_to_calibrate(one.source(), &model.0, options.at_rest);
+        let parts: Vec<Recording> = measured.iter().map(read).collect::<Result<_, _>>()?;
+        let files: Vec<&Path> = measured.iter().map(|one| one.source().name()).collect();
+        let whole =
+            Recordings::new(&files, &parts).map_err(|error| about(files[error.index], &error))?;
         let found = stop
-            .within(|| calibrate(&model.0, &read, &options))
-            .map_err(|error| about(measured.source().name(), error))?;
+            .within(|| calibrate(&model.0, &whole, &options))
+            .map_err(|error| about(files[0], error))?;
         let sightings = tables::to_csv(Path::new("sightings.csv"), &found.sightings)?;
         Ok((PyModel(found.model.into()), json(&found.findings)?, sightings))
     })
@@ -177,8 +187,7 @@ pub(crate) fn _discover(
         let read = |recording: &NamedRecording| {
             read_to_explain(recording.source(), &model.0, settings.at_rest)
         };
-        let named = measured.into_iter().map(PyRecording::named);
-        let measured: Vec<NamedRecording> = named.collect::<Result<_, Fault>>()?;
+        let measured = named(measured)?;
         let parts: Vec<Recording> = measured.iter().map(read).collect::<Result<_, _>>()?;
         let whole = Recording::joined(&parts)
             .map_err(|error| about(measured[error.index].source().name(), &error))?;

@@ -1,4 +1,4 @@
-//! Calibration of a model from a recording (paper, section III-B: Young's modulus from known tendon
+//! Calibration of a model from recordings (paper, section III-B: Young's modulus from known tendon
 //! tensions and the tracked tip): any numbers of the model file, fitted to every tracked point,
 //! with what the fit leaves and what it does not tell. Methods: `docs/calibration.md`.
 
@@ -7,11 +7,11 @@ mod compare;
 mod error;
 mod fit;
 mod numbers;
+mod recordings;
 mod report;
 mod select;
 mod validate;
 
-use crate::data::Recording;
 use crate::data::calibration::{CalibrationFindings, SightingRow};
 use crate::effects::Model;
 use compare::{noise, robust};
@@ -32,6 +32,7 @@ pub use compare::blocks::HoldOut;
 pub use compare::robust::ErrorLaw;
 pub use error::CalibrationError;
 pub use numbers::entry::SHORT_NAMES;
+pub use recordings::Recordings;
 
 /// The entry that stands for a staged set of numbers.
 pub const AUTO: &str = "auto";
@@ -96,7 +97,7 @@ struct Fitted {
 /// data, commands that the model cannot simulate, or nothing to hold out.
 pub fn calibrate(
     model: &Model,
-    measured: &Recording,
+    measured: &Recordings,
     options: &CalibrationOptions,
 ) -> Result<Calibration, CalibrationError> {
     let selects = options.select || options.fit == [AUTO];

@@ -67,7 +67,8 @@ pub struct HeldOutError {
 /// Error of a group of positions (`residual_groups.csv`).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ResidualGroup {
-    /// What the group is: `point`, `pattern`, `trial` or `place`.
+    /// What the group is: `point`, `recording`, `pattern`, `trial`, `block`, `stretch of time` or
+    /// `place`.
     pub kind: String,
     /// Which.
     pub name: String,
@@ -90,7 +91,8 @@ pub struct SightingRow {
     pub trial: u64,
     /// Time in the trial, s.
     pub time_s: f64,
-    /// Pattern, trial or stretch of time by which rows are held out together.
+    /// Pattern, trial or stretch of time by which rows are held out together, after the recording
+    /// where there are several.
     pub block: String,
     /// Tracked point.
     pub point: String,

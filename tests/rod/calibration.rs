@@ -56,7 +56,7 @@ fn noisy(clean: &Recording, seed: u64, noise_m: f64) -> Recording {
 }
 
 fn fit(model: &Model, recording: &Recording, names: &[&str]) -> Calibration {
-    calibrate(model, recording, &CalibrationOptions::of(names, true)).unwrap()
+    calibrate(model, &recording.clone().into(), &CalibrationOptions::of(names, true)).unwrap()
 }
 
 fn interval(number: &CalibratedNumber) -> [f64; 2] {
@@ -187,7 +187,7 @@ fn what_a_recording_does_not_tell_has_no_interval_and_harms_no_other_number() {
 fn what_cannot_be_fitted_is_named() {
     let (model, recording) = (nominal(), measured(&nominal(), &weights(&[3.0]), 3, NOISE_M));
     let error = |model: &Model, names: &[&str]| {
-        calibrate(model, &recording, &CalibrationOptions::of(names, true)).unwrap_err()
+        calibrate(model, &recording.into(), &CalibrationOptions::of(names, true)).unwrap_err()
     };
     assert!(matches!(error(&model, &["poisson_ratio"]), CalibrationError::Unknown { .. }));
     assert!(matches!(error(&model, &["length_m", "length_m"]), CalibrationError::Repeated(_)));
@@ -272,7 +272,7 @@ fn selection_keeps_what_lowers_the_error_on_unseen_trials() {
             true,
         )
     };
-    let found = calibrate(&guess, &recording, &options).unwrap().findings;
+    let found = calibrate(&guess, &recording.into(), &options).unwrap().findings;
     assert!(
         found.numbers.iter().any(|number| number.name == "robot.backbone.youngs_modulus_pa"),
         "{:?}",

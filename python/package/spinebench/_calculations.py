@@ -44,6 +44,16 @@ def _source(recording: Recording, name: str) -> Path | tuple[str, _Columns]:
     return name, [(str(column), _cells(cells)) for column, cells in recording.items()]
 
 
+def _sources(measured: Recording | Sequence[Recording]) -> list[Path | tuple[str, _Columns]]:
+    """What one recording or several are read from."""
+    if isinstance(measured, (str, os.PathLike, pd.DataFrame)):
+        return [_source(measured, "measured")]
+    parts = [_source(part, f"measured_{number}") for number, part in enumerate(measured)]
+    if not parts:
+        raise InputError("measured: found none, expected at least one recording")
+    return parts
+
+
 def _cells(column: pd.Series[Any]) -> list[Any]:
     """Flags, whole numbers, numbers (NaN for an empty cell) or text (empty for an empty cell)."""
     types = pd.api.types
@@ -104,7 +114,7 @@ class Calibration:
 
 def calibrate(
     model: Model,
-    measured: Recording,
+    measured: Recording | Sequence[Recording],
     *,
     fit: Sequence[str] = ("youngs_modulus_pa",),
     select: bool = False,
@@ -114,8 +124,9 @@ def calibrate(
     likelihood: str | None = None,
     validate: bool = False,
 ) -> Calibration:
-    """Fit numbers of a model to a recording (docs/calibration.md).
+    """Fit numbers of a model to recordings (docs/calibration.md).
 
+    `measured` is one recording or several, each with its own known loads (`known_load_kg`, `tip_force_x_n`…).
     `fit` lists paths of the model file (`robot.tendons.angles_deg[3]`, groups with `*`) or is `["auto"]`. `hold_out` is the
     share of trials that is kept out of the fit; `validate` finds the error on unseen rows. Ctrl-C ends the call at once and
     the fit at its next simulated row.
@@ -131,7 +142,7 @@ def calibrate(
         "likelihood": likelihood,
         "validate": validate,
     }
-    fitted, findings_json, sightings = _core._calibrate(model, _source(measured, "measured"), arguments)
+    fitted, findings_json, sightings = _core._calibrate(model, _sources(measured), arguments)
     findings = json.loads(findings_json)
     names = CalibratedNumber.__dataclass_fields__
     numbers = [CalibratedNumber(**{name: number[name] for name in names}) for number in findings["numbers"]]
@@ -269,18 +280,13 @@ def _rounds(
     record: Record | None,
     max_rounds: int,
 ) -> list[Discovery]:
-    one = isinstance(measured, (str, os.PathLike, pd.DataFrame))
-    parts: Sequence[Recording] = [measured] if one else list(measured)  # type: ignore[list-item, arg-type]
-    if not parts:
-        raise InputError("measured: found none, expected at least one recording")
-
     def recorded(written: tuple[Model, str, bytes, bytes], commands: list[_Columns]) -> Any:
         answer = _answer(written)
         new = None if record is None else record(answer, _proposals(answer, commands))
         return None if new is None else _source(new, "recorded")
 
     arguments = {
-        "measured": [_source(part, "measured" if one else f"measured_{number}") for number, part in enumerate(parts)],
+        "measured": _sources(measured),
         "baseline": None if baseline is None else _source(baseline, "baseline"),
         "options": None if options is None else Path(options),
         "leave_out": list(leave_out),

@@ -1,5 +1,7 @@
 //! Blocks of rows that are held out together: patterns, or else trials, or else stretches of time.
 
+use std::ops::Range;
+
 use super::comparison::Comparison;
 use crate::calibration::error::CalibrationError;
 use crate::calibration::numbers::path::like;
@@ -16,14 +18,15 @@ pub enum HoldOut {
     CrossValidated,
     /// This share of the blocks, evenly spread over the recording, never the first.
     Share(f64),
-    /// The patterns with these names; `*` stands for any text.
+    /// The patterns with these names; `*` stands for any text. With several recordings, the blocks
+    /// `RECORDING/PATTERN`.
     Patterns(Vec<String>),
 }
 
 /// The blocks of a comparison.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Blocks {
-    /// What a block is: `pattern`, `trial` or `stretch of time`.
+    /// What a block is: `pattern`, `trial`, `stretch of time`, or `block` where recordings differ.
     pub(crate) kind: &'static str,
     /// Their names.
     pub(crate) names: Vec<String>,
@@ -41,31 +44,22 @@ pub(crate) struct SightingSplit<'a> {
 }
 
 impl Blocks {
-    /// Blocks of the sightings of `comparison`: by pattern where the recording has several, else by
-    /// trial, else by time.
+    /// Blocks of the sightings of `comparison`: of each recording by pattern where it has several,
+    /// else by trial, else by time. With several recordings, `RECORDING/BLOCK`.
     pub(crate) fn new(comparison: &Comparison) -> Blocks {
-        if let Some(labels) = &comparison.recording.pattern {
-            let patterns = comparison.sightings.iter().map(|sighting| labels[sighting.row].clone());
-            let blocks = Blocks::labelled("pattern", patterns);
-            if blocks.names.len() > 1 {
-                return blocks;
-            }
-        }
-        // Rows of one pattern or trial are alike; held out singly, neighbours would give them away.
-        let trials = comparison
-            .sightings
-            .iter()
-            .map(|sighting| comparison.recording.trial[sighting.row].to_string());
-        let blocks = Blocks::labelled("trial", trials);
-        if blocks.names.len() > 1 {
-            return blocks;
-        }
-        let rows = comparison.recording.len().max(1);
-        let stretch = |row: usize| (row * STRETCHES / rows).to_string();
-        Blocks::labelled(
-            "stretch of time",
-            comparison.sightings.iter().map(|sighting| stretch(sighting.row)),
-        )
+        let each = &comparison.recordings.each;
+        let of = |(name, rows): &(String, Range<usize>)| {
+            let (kind, labels) = labels(comparison, rows);
+            let whole = |label| if each.len() > 1 { format!("{name}/{label}") } else { label };
+            (kind, labels.into_iter().map(whole).collect::<Vec<_>>())
+        };
+        let (kinds, labels): (Vec<&str>, Vec<Vec<String>>) = each.iter().map(of).unzip();
+        let kind = if each.len() == 1 || kinds.iter().all(|kind| *kind == "pattern") {
+            kinds[0]
+        } else {
+            "block"
+        };
+        Blocks::labelled(kind, labels.into_iter().flatten())
     }
 
     /// Blocks by label, in the order in which they appear.
@@ -109,7 +103,7 @@ impl Blocks {
                 (0..wanted).map(|k| ((k + 1) * count) / wanted - 1).collect()
             }
             HoldOut::Patterns(patterns) => {
-                if self.kind != "pattern" {
+                if matches!(self.kind, "trial" | "stretch of time") {
                     let words = "found no column `pattern` with several labels, expected one for \
                                  --hold-out-patterns";
                     return Err(CalibrationError::HoldOut(words.to_owned()));
@@ -148,6 +142,29 @@ impl Blocks {
     pub(crate) fn only(&self, kept: &[usize]) -> Blocks {
         Blocks::labelled(self.kind, kept.iter().map(|&index| self.names[self.of[index]].clone()))
     }
+}
+
+/// What the blocks of one recording are, and the label of each of its sightings.
+fn labels(comparison: &Comparison, rows: &Range<usize>) -> (&'static str, Vec<String>) {
+    let recording = &comparison.recordings.joined;
+    let of_rows = |label: &dyn Fn(usize) -> String| -> Vec<String> {
+        let seen = comparison.sightings.iter().map(|sighting| sighting.row);
+        seen.filter(|row| rows.contains(row)).map(label).collect()
+    };
+    let differ = |labels: &[String]| labels.windows(2).any(|pair| pair[0] != pair[1]);
+    if let Some(patterns) = &recording.pattern {
+        let patterns = of_rows(&|row| patterns[row].clone());
+        if differ(&patterns) {
+            return ("pattern", patterns);
+        }
+    }
+    // Rows of one pattern or trial are alike; held out singly, neighbours would give them away.
+    let trials = of_rows(&|row| recording.trial[row].to_string());
+    if differ(&trials) {
+        return ("trial", trials);
+    }
+    let stretch = |row: usize| ((row - rows.start) * STRETCHES / rows.len()).to_string();
+    ("stretch of time", of_rows(&stretch))
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 
 use crate::base::{InterruptRequest, Point3};
 use crate::calibration::error::CalibrationError;
+use crate::calibration::recordings::Recordings;
 use crate::data::Recording;
 use crate::effects::{Model, Starts};
 use crate::tasks::SimulationOptions;
@@ -29,10 +30,10 @@ pub(crate) struct Sighting {
     pub(crate) at_m: Point3,
 }
 
-/// A recording and what of it is compared.
+/// Recordings and what of them is compared.
 #[derive(Clone, Debug)]
 pub(crate) struct Comparison<'a> {
-    pub(crate) recording: &'a Recording,
+    pub(crate) recordings: &'a Recordings,
     pub(crate) at_rest: bool,
     pub(crate) sightings: Vec<Sighting>,
     /// Names of the tracked points.
@@ -64,10 +65,11 @@ impl<'a> Comparison<'a> {
     /// [`CalibrationError::NothingTracked`].
     pub(crate) fn new(
         model: &Model,
-        recording: &'a Recording,
+        recordings: &'a Recordings,
         at_rest: bool,
     ) -> Result<Comparison<'a>, CalibrationError> {
         let point_names = model.tracking.names();
+        let recording = &recordings.joined;
         let mut tracks = tracks(recording);
         tracks.retain(|(name, _)| name == "tip" || point_names.contains(name));
         let mut sightings = Vec::new();
@@ -84,7 +86,7 @@ impl<'a> Comparison<'a> {
         }
         let markers = tracks.into_iter().map(|(name, _)| name).collect();
         let comparison = Comparison {
-            recording,
+            recordings,
             at_rest,
             sightings,
             markers,
@@ -138,13 +140,14 @@ impl<'a> Comparison<'a> {
     }
 
     fn parts_of_trials(&self) -> Vec<Part> {
-        let mut trials = self.recording.trials();
+        let mut trials: Vec<Range<usize>> =
+            self.recordings.joined.trials().into_iter().map(|(_, rows)| rows).collect();
         if self.continues && !self.independent {
-            // Without a new start the whole recording is one motion.
-            trials = vec![(0, 0..self.recording.len())];
+            // Without new starts a whole recording is one motion.
+            trials = self.recordings.each.iter().map(|(_, rows)| rows.clone()).collect();
         }
         let mut parts: Vec<Part> = Vec::new();
-        for (_, trial) in trials {
+        for trial in trials {
             let of_trial = self
                 .sightings
                 .iter()
@@ -176,7 +179,7 @@ impl<'a> Comparison<'a> {
 
     fn part(&self, rows: &[usize], seen: &[(usize, usize)]) -> Part {
         let place = |row: usize| rows.binary_search(&row).unwrap_or_default();
-        let measured = self.recording.rows(rows);
+        let measured = self.recordings.joined.rows(rows);
         let commands = Recording {
             tip_m: None,
             tip_quaternion: None,

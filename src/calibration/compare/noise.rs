@@ -69,7 +69,8 @@ pub(crate) fn noise(
 
 /// Whether the commands of two sightings are the same, up to the steps of an encoder.
 fn is_held(comparison: &Comparison, a: usize, b: usize) -> bool {
-    let command = |index: usize| comparison.recording.commands.row(comparison.sightings[index].row);
+    let command =
+        |index: usize| comparison.recordings.joined.commands.row(comparison.sightings[index].row);
     command(a).iter().zip(command(b)).all(|(before, after)| (after - before).abs() < HELD)
 }
 
@@ -83,7 +84,8 @@ fn pairs(comparison: &Comparison, positions: &Positions) -> Vec<(usize, usize)> 
             let row = comparison.sightings[*before].row;
             // A gap or a new trial may hide a motion.
             row + 1 == sighting.row
-                && comparison.recording.trial[row] == comparison.recording.trial[sighting.row]
+                && comparison.recordings.joined.trial[row]
+                    == comparison.recordings.joined.trial[sighting.row]
         };
         if let Some(before) = before.filter(follows)
             && positions[before].is_some()

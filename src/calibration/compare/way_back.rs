@@ -18,6 +18,8 @@ const MIN_PAIRS: usize = 20;
 /// A compared row: command, motion of the command up to it, and first tracked point.
 struct Visit {
     row: usize,
+    /// Weight hung on purpose.
+    hung_kg: f64,
     command: DVector<f64>,
     motion: DVector<f64>,
     at_m: Point3,
@@ -30,7 +32,9 @@ pub(crate) fn way_back_differs(comparison: &Comparison) -> bool {
     let (mut is_return, mut apart_m) = (Vec::new(), Vec::new());
     for visit in &visits {
         // The other visit at the most similar command.
-        let others = visits.iter().filter(|other| other.row.abs_diff(visit.row) > MIN_ROWS_APART);
+        let others = visits.iter().filter(|other| {
+            other.row.abs_diff(visit.row) > MIN_ROWS_APART && other.hung_kg == visit.hung_kg
+        });
         let nearest = others
             .map(|other| (other.command.metric_distance(&visit.command), other))
             .min_by(|a, b| a.0.total_cmp(&b.0));
@@ -54,7 +58,7 @@ pub(crate) fn way_back_differs(comparison: &Comparison) -> bool {
 }
 
 fn visits(comparison: &Comparison) -> Vec<Visit> {
-    let recording = comparison.recording;
+    let recording = &comparison.recordings.joined;
     let seen = comparison.sightings.iter().filter(|sighting| {
         let row = sighting.row;
         sighting.marker == 0 && row > 0 && recording.trial[row - 1] == recording.trial[row]
@@ -63,7 +67,8 @@ fn visits(comparison: &Comparison) -> Vec<Visit> {
         let command_of = |row: usize| DVector::from_column_slice(recording.commands.row(row));
         let command = command_of(sighting.row);
         let motion = &command - command_of(sighting.row - 1);
-        Visit { row: sighting.row, command, motion, at_m: sighting.at_m }
+        let hung_kg = recording.known_load_kg.as_ref().map_or(0.0, |all| all[sighting.row]);
+        Visit { row: sighting.row, hung_kg, command, motion, at_m: sighting.at_m }
     })
     .collect()
 }
@@ -88,7 +93,7 @@ mod tests {
             tips.push([3.0 * pull_m + scatter_m + f64::from(way % 2) * lag_m, 0.0, 0.2]);
         }
         recording.tip_m = Some(tips);
-        way_back_differs(&Comparison::new(&Model::default(), &recording, true).unwrap())
+        way_back_differs(&Comparison::new(&Model::default(), &recording.into(), true).unwrap())
     }
 
     #[test]

@@ -196,8 +196,8 @@ impl CalibrationProblem<'_> {
         CalibrationError::NotSimulated {
             failed: (0..all).filter(failed).count(),
             rows: all,
-            trial: self.comparison.recording.trial[row],
-            time_s: self.comparison.recording.time_s[row],
+            trial: self.comparison.recordings.joined.trial[row],
+            time_s: self.comparison.recordings.joined.time_s[row],
         }
     }
 

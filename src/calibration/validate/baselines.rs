@@ -109,7 +109,7 @@ impl<'a, 'b> Data<'a, 'b> {
 /// For each row the commands that led to its pose: its own at rest, else those of the row before;
 /// with the hung weight where that changes.
 pub(crate) fn commands_in_force(comparison: &Comparison) -> Vec<Vec<f64>> {
-    let recording = comparison.recording;
+    let recording = &comparison.recordings.joined;
     let weights =
         recording.known_load_kg.as_ref().filter(|all| all.iter().any(|mass_kg| *mass_kg != all[0]));
     let row = |row: usize| {

@@ -81,7 +81,7 @@ impl Arcs {
         let robot = &model.robot;
         let length_m = robot.backbone.length_m;
         let tendons = &robot.tendons;
-        if tendons.angles_deg.len() > comparison.recording.tendons() {
+        if tendons.angles_deg.len() > comparison.recordings.joined.tendons() {
             return None;
         }
         let end = |i: usize| tendons.ends_m.as_ref().map_or(length_m, |ends| ends[i]);
@@ -100,7 +100,7 @@ impl Arcs {
             let angle = tendons.angles_deg[i].to_radians();
             at.map(|at| (at, Vector2::new(angle.cos(), angle.sin())))
         };
-        let tensions = comparison.recording.actuation == Actuation::Tensions;
+        let tensions = comparison.recordings.joined.actuation == Actuation::Tensions;
         let radius_m = tendons.radius_m;
         let stiffness = robot.rod().spans.first().map_or(1.0, |span| span.bending_n_m2[0]);
         let gain = if tensions { radius_m * length_m / stiffness } else { 1.0 / radius_m };

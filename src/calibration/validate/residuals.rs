@@ -28,6 +28,12 @@ pub(crate) fn groups(
         all.extend(of_kind);
     };
     by("point", &|index| comparison.markers[comparison.sightings[index].marker].clone());
+    if comparison.recordings.each.len() > 1 {
+        by("recording", &|index| {
+            let place = comparison.recordings.of_row(comparison.sightings[index].row);
+            comparison.recordings.each[place].0.clone()
+        });
+    }
     by(blocks.kind, &|index| blocks.names[blocks.of[index]].clone());
     let extents = extents(comparison);
     by("place", &|index| place(comparison, &extents, index));
@@ -90,8 +96,8 @@ pub(crate) fn rows(comparison: &Comparison, blocks: &Blocks, best: &Optimum) -> 
         let residual =
             |axis: usize| if solved { best.residual_m[3 * index + axis] } else { f64::NAN };
         SightingRow {
-            trial: comparison.recording.trial[sighting.row],
-            time_s: comparison.recording.time_s[sighting.row],
+            trial: comparison.recordings.joined.trial[sighting.row],
+            time_s: comparison.recordings.joined.time_s[sighting.row],
             block: blocks.names[blocks.of[index]].clone(),
             point: comparison.markers[sighting.marker].clone(),
             x_m: sighting.at_m[0],

@@ -1,15 +1,17 @@
 //! `spinebench calibrate`.
 
+use super::several::{mismatch, refuse_twins};
 use crate::cli::program::interrupted::exit_on_interrupt;
 use crate::cli::program::outputs::{REPORT_BYTES, check_folder, check_yaml};
 use crate::cli::program::shared::StartsArg;
 use crate::cli::{CommandError, CommandResult};
 use clap::Args;
 use spinebench::calibration::{
-    AUTO, Calibration, CalibrationError, CalibrationOptions, ErrorLaw, HoldOut, calibrate,
+    AUTO, Calibration, CalibrationError, CalibrationOptions, ErrorLaw, HoldOut, Recordings,
+    calibrate,
 };
 use spinebench::data::calibration::{CalibrationFindings, HeldOutError};
-use spinebench::data::write_atomic;
+use spinebench::data::{Recording, write_atomic};
 use spinebench::report::calibration::{CalibrationReport, calibration_artifacts};
 use spinebench::report::write;
 use spinebench::runner::Progress;
@@ -17,16 +19,16 @@ use spinebench::specs::{model_text, read_model};
 use spinebench::tasks::read_to_calibrate;
 use std::path::PathBuf;
 
-/// Fit Young's modulus (and what --fit names) to a recording.
+/// Fit Young's modulus (and what --fit names) to recordings.
 #[derive(Args)]
 pub(crate) struct CalibrateCommand {
     /// Model to start from.
     #[arg(long, value_name = "MODEL.yaml")]
     model: PathBuf,
-    /// Recording of the robot: tendon tensions (`tendon_1_n`…) or displacements (`tendon_1_m`…),
-    /// and what was tracked.
-    #[arg(long, value_name = "REC.csv")]
-    measured: PathBuf,
+    /// Recordings of the robot: tendon tensions (`tendon_1_n`…) or displacements (`tendon_1_m`…),
+    /// what was tracked, and known loads (`known_load_kg`, `tip_force_x_n`…), each its own.
+    #[arg(long, value_name = "REC.csv", required = true, num_args = 1..)]
+    measured: Vec<PathBuf>,
     /// Model to write.
     #[arg(long, value_name = "MODEL2.yaml")]
     out: PathBuf,
@@ -47,6 +49,7 @@ pub(crate) struct CalibrateCommand {
     #[arg(long, value_name = "SHARE", value_parser = share, conflicts_with = "hold_out_patterns")]
     hold_out: Option<f64>,
     /// Hold the rows of these patterns out of the fit (comma-separated; `*` stands for any text).
+    /// Of several recordings `weighed/circle`, or `weighed/*` for all of weighed.csv.
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     hold_out_patterns: Vec<String>,
     /// Assume this distribution of the errors. Default: normal, or Student's t where least squares
@@ -66,8 +69,15 @@ fn share(text: &str) -> Result<f64, String> {
 impl CalibrateCommand {
     pub(crate) fn execute(self, progress: &Progress) -> CommandResult {
         let model = self.starts.applied(read_model(&self.model).map_err(CommandError::bad_input)?);
-        let measured = read_to_calibrate(&self.measured, &model, self.at_rest)
+        let parts: Vec<Recording> = self
+            .measured
+            .iter()
+            .map(|file| read_to_calibrate(file, &model, self.at_rest))
+            .collect::<Result<_, _>>()
             .map_err(CommandError::bad_input)?;
+        refuse_twins(&self.measured, &parts)?;
+        let measured = Recordings::new(&self.measured, &parts)
+            .map_err(|error| mismatch(&self.measured, &error))?;
         check_yaml(&self.out)?;
         self.report.as_ref().map_or(Ok(()), |folder| check_folder(folder, REPORT_BYTES))?;
         exit_on_interrupt("interrupted; nothing was written, and the same command begins again");
@@ -129,7 +139,11 @@ impl CalibrateCommand {
             | CalibrationError::NoNumber { .. }
             | CalibrationError::Idle { .. }
             | CalibrationError::Option(_) => self.model.display().to_string(),
-            _ => self.measured.display().to_string(),
+            _ => {
+                let files: Vec<String> =
+                    self.measured.iter().map(|file| file.display().to_string()).collect();
+                files.join(", ")
+            }
         };
         CommandError::BadInput(format!("{place}: {error}"))
     }

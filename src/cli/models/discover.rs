@@ -1,5 +1,6 @@
 //! `spinebench discover`.
 
+use super::several::{mismatch, refuse_twins};
 use crate::cli::program::interrupted::exit_on_interrupt;
 use crate::cli::program::outputs::{REPORT_BYTES, check_folder};
 use crate::cli::program::shared::StartsArg;
@@ -83,13 +84,9 @@ impl DiscoverCommand {
             .map(|file| read_to_explain(file, &model, options.at_rest))
             .collect::<Result<_, _>>()
             .map_err(CommandError::bad_input)?;
-        self.refuse_twins(&parts)?;
-        let measured = Recording::joined(&parts).map_err(|error| {
-            CommandError::BadInput(format!(
-                "{}, line 1: {error}",
-                self.measured[error.index].display()
-            ))
-        })?;
+        refuse_twins(&self.measured, &parts)?;
+        let measured =
+            Recording::joined(&parts).map_err(|error| mismatch(&self.measured, &error))?;
         let baseline = self
             .baseline
             .as_ref()
@@ -154,19 +151,6 @@ impl DiscoverCommand {
                 .unwrap_or_default();
             if place.parent() == Some(&*out) && is_written(&name) {
                 return refuse(format!("input file {name} in it"), "a folder without input files");
-            }
-        }
-        Ok(())
-    }
-
-    /// Refuses a recording that is given twice: its copy would appear in the held-out trials.
-    fn refuse_twins(&self, parts: &[Recording]) -> CommandResult {
-        for (k, part) in parts.iter().enumerate() {
-            if let Some(first) =
-                parts[..k].iter().position(|earlier| earlier.holds(part) || part.holds(earlier))
-            {
-                let [again, first] = [k, first].map(|index| self.measured[index].display());
-                refuse!("{again}: found the trials of {first} again, expected another recording");
             }
         }
         Ok(())
