@@ -48,6 +48,21 @@ def test_calibrate_finds_the_modulus(model: Model) -> None:
     assert len(found.sightings) == len(measured)
 
 
+def test_calibrate_takes_several_recordings(model: Model) -> None:
+    path = "robot.backbone.youngs_modulus_pa"
+    real = model.with_value(path, 1.1 * model.value(path))
+    free, hung = commands(trials=2), commands(trials=2, seed=4)
+    hung["known_load_kg"] = 0.05
+    measured = [spinebench.simulate(real, each, static=True) for each in (free, hung)]
+    found = spinebench.calibrate(model, measured, fit=[path], static=True)
+    assert len(found.sightings) == len(free) + len(hung)
+    assert abs(found.numbers[0].value / real.value(path) - 1) < 1e-5
+    assert {group["name"] for group in found.findings["residual_groups"] if group["kind"] == "recording"} == {
+        "measured_0",
+        "measured_1",
+    }
+
+
 def test_discover_names_a_tip_load(model: Model) -> None:
     real = model.with_effects([{"tip_load": {"mass_kg": 0.02}}])
     columns = ["trial", "time_s", *[f"tendon_{i}_m" for i in range(1, 5)], "tip_x_m", "tip_y_m", "tip_z_m"]

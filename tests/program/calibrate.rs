@@ -137,6 +137,34 @@ fn numbers_by_path_come_back_and_unseen_patterns_tell_how_good_the_model_is() {
 }
 
 #[test]
+fn several_recordings_are_fitted_together_each_with_its_own_load() {
+    let lab = Laboratory::new();
+    let commands = std::fs::read_to_string(lab.0.path().join("commands.csv")).unwrap();
+    let hung = |(number, row): (usize, &str)| {
+        format!("{row},{}\n", if number == 0 { "known_load_kg" } else { "0.1" })
+    };
+    lab.put("hung.csv", &commands.lines().enumerate().map(hung).collect::<String>());
+    let files = ["--model", "truth.yaml", "--commands", "hung.csv", "--out", "weighed.csv"];
+    lab.ok(&[&["simulate", "--static"], &files[..]].concat());
+    let both = ["--static", "--model", "guess.yaml", "--measured", "rec.csv", "weighed.csv"];
+    let held = ["--fit", FIT, "--hold-out-patterns", "weighed/kind_*", "--out", "out.yaml"];
+    lab.ok(&[&["calibrate"], &both[..], &held, &["--report", "report"]].concat());
+    let text = std::fs::read_to_string(lab.0.path().join("report/calibration.json")).unwrap();
+    let found: Value = serde_json::from_str(&text).unwrap();
+    let names = found["held_out"]["names"].as_array().unwrap();
+    assert!(names.len() == 6 && names.contains(&"weighed/kind_3".into()), "{names:?}");
+    // The weight is known, so that a fit without it predicts the recording with it.
+    assert!(found["held_out"]["models"][0]["rms_m"].as_f64().unwrap() < 1e-6, "{found}");
+    lab.ok(&[&["calibrate"], &both[..], &["--out", "out.yaml", "--report", "report"]].concat());
+    let text = std::fs::read_to_string(lab.0.path().join("report/residual_groups.csv")).unwrap();
+    assert!(text.contains("recording,weighed,") && text.contains("pattern,rec/kind_0,"), "{text}");
+    let again = ["calibrate", "--static", "--model", "guess.yaml", "--out", "again.yaml"];
+    let output = lab.run(&[&again, &["--measured", "rec.csv", "rec.csv"][..]].concat());
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.code() == Some(2) && said.contains("another recording"), "{said}");
+}
+
+#[test]
 fn what_cannot_be_fitted_is_refused_with_what_was_meant() {
     let lab = Laboratory::new();
     let words = |fit: &str| lab.refused(&["--fit", fit]);

@@ -9,7 +9,7 @@ use crate::calibration::compare::robust::{ErrorLaw, weights};
 use crate::calibration::error::CalibrationError;
 use crate::calibration::numbers::number::{FitNumber, with_coordinates};
 use crate::effects::Model;
-use crate::math::optimise::least_squares::{damped, unseen_left_out};
+use crate::math::optimise::least_squares::unseen_left_out;
 
 /// A number that moves no point by more than [`POINT_ACCURACY_M`] when its coordinate changes by
 /// this is not observable.
@@ -24,10 +24,12 @@ const MIN_DAMPING: f64 = 1e-6;
 /// coordinate: a tenth of a standard error, or, for a start of another fit, one.
 pub(crate) const CONVERGED: f64 = 1e-2;
 pub(crate) const ROUGHLY_CONVERGED: f64 = 1.0;
-/// A step that gains this share of what the linear model expects leaves a good derivative behind …
-const SECANT_GAIN: f64 = 0.1;
-/// … for so many steps.
+/// A step that gains this share of what the linear model expects of it is long enough, and leaves a
+/// good derivative behind …
+const GOOD_GAIN: f64 = 0.5;
+/// … for so many steps, as long as steps promise this share of the undamped one.
 const MAX_SECANTS: usize = 6;
+const SECANT_GAIN: f64 = 0.1;
 /// Largest share of rows that the model may leave without a solution.
 const MAX_FAILED_SHARE: f64 = 0.2;
 /// Largest share of the solved rows that a step may lose.
@@ -59,8 +61,9 @@ struct AcceptedStep {
     x: Vec<f64>,
     /// What the model says there.
     positions: Positions,
-    /// By how much it lowers the sum, m².
+    /// By how much it lowers the sum, m², and by how much the linear model would have it.
     gain: f64,
+    expected: f64,
 }
 
 /// What is fitted to what.
@@ -113,7 +116,7 @@ impl CalibrationProblem<'_> {
             let x = step.as_ref().map_or_else(|| here.x.clone(), |step| step.x.clone());
             // A derivative costs as much as many steps; a secant of the last step renews it for
             // nothing while the steps gain what the linear model expects.
-            let as_expected = |step: &&AcceptedStep| step.gain > SECANT_GAIN * expected;
+            let as_expected = |step: &&AcceptedStep| step.gain > GOOD_GAIN * step.expected;
             match step.as_ref().filter(as_expected) {
                 Some(step) if !is_small && secants < MAX_SECANTS => {
                     secants += 1;
@@ -212,22 +215,40 @@ impl CalibrationProblem<'_> {
         let promising = |damping: f64| {
             let x = self.damped_step(here, (&normal, &gradient), &free, damping)?;
             let change = DVector::from_fn(x.len(), |k, _| x[k] - here.x[k]);
-            let expected_m2 = -change.dot(&(2.0 * &gradient + &normal * &change));
-            (expected_m2 >= least_m2).then_some(x)
+            let expected = -change.dot(&(2.0 * &gradient + &normal * &change));
+            (expected >= least_m2).then_some((x, expected))
         };
         // The damping of an earlier step may leave this one too short.
         while *damping > MIN_DAMPING && promising(*damping).is_none() {
             *damping *= 0.2;
         }
-        let accepted = damped(damping, MAX_DAMPING, |damping| {
-            let x = promising(damping)?;
-            let positions = self.comparison.positions(&self.at(&x)?);
-            let gain = self.gain(here, &x, &positions).filter(|&gain| gain >= 0.0)?;
-            Some(AcceptedStep { x, positions, gain })
-        });
-        if accepted.is_none() {
+        let mut accepted: Option<AcceptedStep> = None;
+        while *damping < MAX_DAMPING {
+            let step = promising(*damping).and_then(|(x, expected)| {
+                let positions = self.comparison.positions(&self.at(&x)?);
+                let gain = self.gain(here, &x, &positions).filter(|&gain| gain >= 0.0)?;
+                Some(AcceptedStep { x, positions, gain, expected })
+            });
+            match step {
+                Some(step) if accepted.as_ref().is_none_or(|best| step.gain > best.gain) => {
+                    let is_good = step.gain > GOOD_GAIN * step.expected;
+                    accepted = Some(step);
+                    // Where the model bends more than expected a shorter step may gain more.
+                    if is_good {
+                        break;
+                    }
+                }
+                _ if accepted.is_some() => break,
+                _ => {}
+            }
+            *damping *= 10.0;
+        }
+        match &accepted {
+            // The region in which the linear model holds grows again (Fletcher 1971).
+            Some(step) if step.gain > GOOD_GAIN * step.expected => *damping *= 0.2,
+            Some(_) => {}
             // A later step starts afresh: the largest damping would leave it nowhere to go.
-            *damping = 1e-3;
+            None => *damping = 1e-3,
         }
         // Bounds may undo the whole step.
         accepted.filter(|step| step.x != here.x)

@@ -11,6 +11,9 @@ const SOME: usize = 200;
 /// Sightings of the cheap fits, and their steps.
 const FEW: usize = 60;
 const CHEAP_STEPS: usize = 8;
+/// As [`ROUGHLY_CONVERGED`], for the first fit to some poses of a robot with memory: it goes another
+/// way through fewer of them, so that their optimum is not that of all.
+const NEAR_ENOUGH: f64 = 10.0;
 /// Further starts, and their spread in coordinates: a factor of two, or one and a half units.
 const STARTS: u64 = 4;
 const SPREAD: f64 = 0.7;
@@ -27,8 +30,11 @@ pub(crate) fn best(
     is_good: &dyn Fn(&Optimum) -> bool,
 ) -> Result<(Optimum, bool), CalibrationError> {
     let near = coarse(problem, start);
-    // 1. From the model's own values, which are usually near.
-    let first = problem.fit(&near, MAX_STEPS, CONVERGED)?;
+    // 1. From the model's own values, which are usually near. Where a section begins to slip, what
+    //    a memory says has a kink: beyond a standard error a derivative promises what is not there.
+    let is_smooth = problem.comparison.independent;
+    let converged = if is_smooth { CONVERGED } else { ROUGHLY_CONVERGED };
+    let first = problem.fit(&near, MAX_STEPS, converged)?;
     // A few rows tell nothing of a memory, whose paths they cut short.
     if is_good(&first) || !problem.comparison.independent {
         return Ok((first, false));
@@ -49,9 +55,9 @@ fn coarse(problem: &CalibrationProblem, start: &[f64]) -> Vec<f64> {
         return start.to_vec();
     }
     let (comparison, _) = problem.comparison.thinned(wanted);
+    let converged = if comparison.independent { ROUGHLY_CONVERGED } else { NEAR_ENOUGH };
     let part = CalibrationProblem { comparison: &comparison, ..*problem };
-    part.fit(start, MAX_STEPS, ROUGHLY_CONVERGED)
-        .map_or_else(|_| start.to_vec(), |optimum| optimum.x)
+    part.fit(start, MAX_STEPS, converged).map_or_else(|_| start.to_vec(), |optimum| optimum.x)
 }
 
 /// Where a cheap fit from another start came clearly lower than `first`.

@@ -49,7 +49,7 @@ pub(crate) struct CalibrateCommand {
     #[arg(long, value_name = "SHARE", value_parser = share, conflicts_with = "hold_out_patterns")]
     hold_out: Option<f64>,
     /// Hold the rows of these patterns out of the fit (comma-separated; `*` stands for any text).
-    /// Of several recordings `weighed/circle`, or `weighed/*` for all of weighed.csv.
+    /// Of several recordings `400g/circle`, or `400g/*` for all of 400g.csv.
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     hold_out_patterns: Vec<String>,
     /// Assume this distribution of the errors. Default: normal, or Student's t where least squares

@@ -273,7 +273,7 @@ impl DrivenModel {
     }
 
     /// Derivatives of the measured tip and of every tracked point with respect to each variable,
-    /// per unit of it.
+    /// per unit of it; not a number where none leads across the last command.
     pub fn pose_rates(&self) -> Vec<PoseRates> {
         if self.perturbations.is_empty() {
             return Vec::new();
@@ -289,10 +289,11 @@ impl DrivenModel {
         };
         let unperturbed = measured(0, self.rod());
         let rate = |(number, (perturbation, rod)): (usize, (&Perturbation, &Rod))| {
+            let step = if self.rods.lost()[number] { f64::NAN } else { perturbation.step };
             let between =
                 |((here_m, turn), (there_m, turned)): (&MeasuredPose, MeasuredPose)| TipRate {
-                    position_m: (there_m - here_m) / perturbation.step,
-                    rotation_rad: rotation::log(&(turned * turn.transpose())) / perturbation.step,
+                    position_m: (there_m - here_m) / step,
+                    rotation_rad: rotation::log(&(turned * turn.transpose())) / step,
                 };
             let mut rates: Vec<TipRate> =
                 unperturbed.iter().zip(measured(number + 1, rod)).map(between).collect();
@@ -301,8 +302,9 @@ impl DrivenModel {
         self.perturbations.iter().zip(self.rods.others()).enumerate().map(rate).collect()
     }
 
-    /// Counts a command.
+    /// Counts a command that is about to be carried out.
     fn count_command(&mut self) {
+        self.rods.forget_lost();
         self.next = Some(self.next.map_or(0, |number| number + 1));
     }
 

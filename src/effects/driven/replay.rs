@@ -36,7 +36,8 @@ pub struct Replayed {
     /// For each of them: the tracked points at that time, in the order of the model's
     /// `tracking.points`, metres.
     pub points_m: Vec<Vec<Point3>>,
-    /// For each of them: derivative with respect to each variable, metres per unit of it.
+    /// For each of them: derivative with respect to each variable, metres per unit of it; not a
+    /// number where none leads across the last command.
     pub rates: Vec<Vec<Point3>>,
 }
 

@@ -33,6 +33,8 @@ pub struct PerturbedRods {
     /// A copy of the leader at the solve that the followers are at.
     followed: Rod,
     followers: Vec<Rod>,
+    /// As [`PerturbedRods::lost`] says.
+    lost: Vec<bool>,
     leader_derivative: Option<LeaderDerivative>,
 }
 
@@ -68,8 +70,15 @@ impl PerturbedRods {
                 Grid::moved(&leader.system.params, &changed).ok_or(NotPerturbable(index + 1))?;
             Ok(Rod::on(RodEquations::on(grid, changed)))
         };
-        let followers = others.into_iter().enumerate().map(follower).collect::<Result<_, _>>()?;
-        Ok(PerturbedRods { followed: leader.clone(), leader, followers, leader_derivative: None })
+        let followers: Vec<Rod> =
+            others.into_iter().enumerate().map(follower).collect::<Result<_, _>>()?;
+        Ok(PerturbedRods {
+            followed: leader.clone(),
+            leader,
+            lost: vec![false; followers.len()],
+            followers,
+            leader_derivative: None,
+        })
     }
 
     /// A rod without followers.
@@ -79,6 +88,7 @@ impl PerturbedRods {
             followed: leader.clone(),
             leader,
             followers: Vec::new(),
+            lost: Vec::new(),
             leader_derivative: None,
         }
     }
@@ -96,6 +106,17 @@ impl PerturbedRods {
     /// The followers.
     pub fn others(&self) -> &[Rod] {
         &self.followers
+    }
+
+    /// Whether each follower has lost its way since [`PerturbedRods::forget_lost`]: its corrections
+    /// did not converge, and it went on from where the leader was.
+    pub(crate) fn lost(&self) -> &[bool] {
+        &self.lost
+    }
+
+    /// Takes all followers as on their way.
+    pub(crate) fn forget_lost(&mut self) {
+        self.lost.fill(false);
     }
 
     /// All straight, unloaded, at rest, without history.
@@ -138,7 +159,7 @@ impl PerturbedRods {
 
     /// Brings the followers to the leader's grid; `None` when one of them has no such grid.
     fn match_leader_grid(&mut self) -> Option<()> {
-        let PerturbedRods { leader, followed, followers, leader_derivative } = self;
+        let PerturbedRods { leader, followed, followers, leader_derivative, .. } = self;
         let level = leader.grid_level.level;
         if followed.grid_level.level == level {
             return Some(());
@@ -177,16 +198,18 @@ impl PerturbedRods {
             if self.match_leader_grid().is_none() {
                 return SolveStatus::UnderResolved;
             }
-            if self.follow(&solved, &drives_then, scale).is_none() {
-                // A history that lags by a step is no derivative: it begins anew from the leader's.
-                let PerturbedRods { leader, followed, followers, .. } = self;
-                let all = std::iter::once(followed).chain(followers);
-                all.for_each(|rod| rod.state.copy_from(&leader.state));
-                return if status == SolveStatus::Converged {
-                    SolveStatus::NotConverged
-                } else {
-                    status
-                };
+            let follows = self.follow(&solved, &drives_then, scale).is_some();
+            let PerturbedRods { leader, followed, followers, lost, .. } = self;
+            if !follows {
+                followed.state.copy_from(&leader.state);
+                lost.fill(true);
+            }
+            // A history that lags by a step is no derivative: it begins anew from the leader's.
+            for (follower, _) in followers.iter_mut().zip(lost).filter(|(_, lost)| **lost) {
+                follower.state.copy_from(&followed.state);
+            }
+            if !follows {
+                return status;
             }
             start_s += solved.duration_s;
         }
@@ -201,7 +224,7 @@ impl PerturbedRods {
         drives: &dyn Fn(usize, f64) -> Vec<Drive>,
         scale: &dyn Fn(usize) -> f64,
     ) -> Option<()> {
-        let PerturbedRods { followed, followers, leader_derivative, .. } = self;
+        let PerturbedRods { followed, followers, lost, leader_derivative, .. } = self;
         let at_rest = solved.duration_s.is_infinite();
         for Rod { state, before, .. } in std::iter::once(&mut *followed).chain(&mut *followers) {
             before.copy_from(state);
@@ -232,9 +255,9 @@ impl PerturbedRods {
                 .filter(|old| old.serves(followed.motion.rate, taut, followers.len()));
             let corrected = reused.and_then(|mut reused| {
                 let corrected =
-                    reused.correct(followers, &all_constraints, &mut solution, WITH_OLD_FACTORS)?;
+                    reused.correct(followers, &all_constraints, &mut solution, WITH_OLD_FACTORS);
                 *leader_derivative = Some(reused);
-                Some(corrected)
+                corrected.iter().all(Option::is_some).then_some(corrected)
             });
             let corrected = match corrected {
                 Some(corrected) => corrected,
@@ -244,11 +267,12 @@ impl PerturbedRods {
                     solution.contraction = None;
                     let fresh =
                         leader_derivative.insert(followed.linearise(&solution, &constraints));
-                    fresh.correct(followers, &all_constraints, &mut solution, WITH_FRESH_FACTORS)?
+                    fresh.correct(followers, &all_constraints, &mut solution, WITH_FRESH_FACTORS)
                 }
             };
-            for (follower, unknowns) in followers.iter_mut().zip(corrected) {
-                follower.adopt(&unknowns, taut, i, at_rest);
+            for ((follower, own), lost) in followers.iter_mut().zip(corrected).zip(&mut *lost) {
+                *lost |= own.is_none();
+                follower.adopt(own.as_deref().unwrap_or(unknowns), taut, i, at_rest);
             }
         }
         for (number, rod) in std::iter::once(followed).chain(followers).enumerate() {
@@ -291,15 +315,15 @@ impl LeaderDerivative {
         self.rate == rate && self.taut == taut && (self.corrections - 1) * rods < DERIVATIVE_COST
     }
 
-    /// The unknowns of all followers at the leader's `solution`; `None` when the derivative does
-    /// not converge.
+    /// The unknowns of each follower at the leader's `solution`; `None` where its corrections do not
+    /// converge.
     fn correct(
         &mut self,
         rods: &mut [Rod],
         constraints: &[Vec<TendonConstraint>],
         solution: &mut LeaderSolution,
         limits: CorrectionLimits,
-    ) -> Option<Vec<Vec<f64>>> {
+    ) -> Vec<Option<Vec<f64>>> {
         self.corrections = 1;
         let each = rods.iter_mut().zip(constraints).map(|(rod, constraints)| {
             let (unknowns, corrections) =
