@@ -69,6 +69,10 @@ pub trait Effect: CloneEffect + Send + Sync + Debug {
     fn tendon(&self) -> Option<usize> {
         None
     }
+    /// The segment (from 1) of an effect on one segment.
+    fn segment(&self) -> Option<usize> {
+        None
+    }
 }
 
 /// Copies an effect with its history; every effect that is `Clone` has it.
@@ -103,6 +107,10 @@ pub struct Parameter {
 }
 
 impl Parameter {
+    /// A segment of the robot, or all of it.
+    pub(crate) const SEGMENT: Parameter =
+        Parameter { name: "segment", unit: "number", null: 0.0, seek: Seek::Segment };
+
     /// Its name without the index of a component.
     pub fn vector(&self) -> &'static str {
         self.name.split('[').next().unwrap_or(self.name)
@@ -129,6 +137,9 @@ pub enum Seek {
     Located(f64),
     /// Which tendon, from 1.
     Tendon,
+    /// Which segment, from 1, where the null value is 1: such an effect is sought on robots with
+    /// several. Where that is 0, 0 is the whole robot.
+    Segment,
     /// A flag: 1 or 0.
     Flag,
     /// A flag that says how the other parameters describe the same law.

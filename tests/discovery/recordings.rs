@@ -2,9 +2,9 @@
 //! of no use.
 
 use spinebench::base::Rows;
-use spinebench::data::Recording;
 use spinebench::data::findings::Verdict;
 use spinebench::data::recording::Pose;
+use spinebench::data::{Actuation, Recording};
 use spinebench::discovery::{Discovery, DiscoveryError, Options, discover};
 use spinebench::effects::{BodyPoint, Model};
 use spinebench::tasks::{SimulationOptions, simulate_recording};
@@ -177,6 +177,36 @@ fn poses_at_rest_are_answered_without_their_times() {
     assert!((told(&found, "scale").0 - 0.8).abs() < 0.01);
     let said = found.findings.limitations.join(" ");
     assert!(said.contains("pose at rest") && said.contains("runs of one pattern"), "{said}");
+}
+
+/// Two segments with three tendons each, poses at rest: which one is softer.
+#[test]
+fn the_segment_that_is_softer_is_named() {
+    let mut model = nominal();
+    model.robot.tendons.angles_deg = [0.0, 120.0, 240.0].repeat(2);
+    model.robot.tendons.ends_m = Some([[0.11; 3], [0.22; 3]].concat());
+    let mut commands = Recording::new(Actuation::Lengths, 6);
+    for row in 0..75_u32 {
+        let bend = |k: usize| {
+            let phase = 0.7 * f64::from(row) * (1.0 + 0.37 * (k / 3) as f64);
+            let angle = 2.0944 * k as f64;
+            0.004 * (phase.sin() * angle.cos() + (1.3 * phase).cos() * angle.sin())
+        };
+        commands.trial.push(u64::from(row / 25));
+        commands.time_s.push(f64::from(row));
+        commands.commands.push(&[0, 1, 2, 3, 4, 5].map(bend));
+    }
+    let mut robot = model.clone();
+    robot.effects = crate::support::rods::effects("- bending_stiffness: {scale: 0.75, segment: 2}");
+    let options = SimulationOptions { at_rest: true, noise_m: NOISE_M, ..Default::default() };
+    let mut poses = simulate_recording(&robot, &commands, &options);
+    poses.tip_quaternion = None;
+    let options = Options { at_rest: true, ..Options::default() };
+    let found = discover(&model, &poses, None, &options).unwrap();
+    assert_eq!(names(&found), ["bending_stiffness"], "{}", found.findings.summary);
+    let softer = &found.findings.effects[0];
+    assert_eq!(softer.parameters["segment"], 2, "{softer:?}");
+    assert!((told(&found, "scale").0 - 0.75).abs() < 0.02 && softer.interval_95.len() == 1);
 }
 
 #[test]

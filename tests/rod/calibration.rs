@@ -187,7 +187,8 @@ fn what_a_recording_does_not_tell_has_no_interval_and_harms_no_other_number() {
 fn what_cannot_be_fitted_is_named() {
     let (model, recording) = (nominal(), measured(&nominal(), &weights(&[3.0]), 3, NOISE_M));
     let error = |model: &Model, names: &[&str]| {
-        calibrate(model, &recording.clone().into(), &CalibrationOptions::of(names, true)).unwrap_err()
+        calibrate(model, &recording.clone().into(), &CalibrationOptions::of(names, true))
+            .unwrap_err()
     };
     assert!(matches!(error(&model, &["poisson_ratio"]), CalibrationError::Unknown { .. }));
     assert!(matches!(error(&model, &["length_m", "length_m"]), CalibrationError::Repeated(_)));

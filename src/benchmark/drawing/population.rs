@@ -98,7 +98,7 @@ impl Population {
                 let combined: Vec<EffectSpec> =
                     drawn.iter().chain([&effect]).map(|effect| effect.spec.clone()).collect();
                 // Two laws of the same moment exclude each other.
-                if check_effects(&combined, model.robot.tendons.angles_deg.len()).is_ok() {
+                if check_effects(&combined, &model.robot.tendon_layout()).is_ok() {
                     drawn.push(effect);
                 }
             }
@@ -124,6 +124,7 @@ impl Population {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::TendonLayout;
     use std::collections::BTreeMap;
 
     fn model() -> Model {
@@ -151,7 +152,7 @@ mod tests {
         assert!((weak - 0.5).abs() < 0.06, "{weak}");
         for robot in &robots {
             let specs: Vec<EffectSpec> = robot.iter().map(|effect| effect.spec.clone()).collect();
-            check_effects(&specs, 4).unwrap();
+            check_effects(&specs, &TendonLayout::ring(4)).unwrap();
         }
     }
 

@@ -82,13 +82,17 @@ pub(crate) fn effect_label(name: &str, tendon: Option<f64>) -> String {
     tendon.map_or_else(|| name.to_owned(), |tendon| format!("{name} (tendon {tendon})"))
 }
 
-/// The effects that cases are drawn of: those with a strength. Something fixed in the world has a
-/// place instead.
+/// The effects that cases are drawn of: those with a strength, of a robot with one segment.
+/// Something fixed in the world has a place instead.
 pub fn drawn_catalogue() -> Vec<&'static Card> {
-    let has_place = |card: &Card| {
-        card.parameters.iter().any(|parameter| matches!(parameter.seek, Seek::Distance(_)))
+    let is_drawn = |card: &&Card| {
+        !card.parameters.iter().any(|parameter| match parameter.seek {
+            Seek::Distance(_) => true,
+            Seek::Segment => parameter.null > 0.0,
+            _ => false,
+        })
     };
-    CATALOGUE.iter().copied().filter(|card| !has_place(card)).collect()
+    CATALOGUE.iter().copied().filter(is_drawn).collect()
 }
 
 /// Value of a parameter without influence on `model`.
@@ -182,6 +186,7 @@ fn draw_null_value(parameter: &Parameter, model: &Model, random: &mut Generator)
         | Seek::Replaces(..)
         | Seek::Distance(_)
         | Seek::Located(_)
+        | Seek::Segment
         | Seek::Convention => null_value(parameter, model),
         Seek::Shape(tries) => {
             let (low, high) =

@@ -281,6 +281,7 @@ fn nulls(card: &Card, model: &Model) -> Vec<Vec<f64>> {
             | Seek::Replaces(..)
             | Seek::Distance(_)
             | Seek::Located(_)
+            | Seek::Segment
             | Seek::Convention => {
                 vec![null_value(parameter, model)]
             }

@@ -128,7 +128,9 @@ impl Refit<'_> {
                     | Seek::Distance(size)
                     | Seek::Located(size) => DIFFERENCE_STEP * size,
                     Seek::Shape(_) => DIFFERENCE_STEP * values[index].abs().max(0.5),
-                    Seek::Place | Seek::Tendon | Seek::Flag | Seek::Convention => continue,
+                    Seek::Place | Seek::Tendon | Seek::Segment | Seek::Flag | Seek::Convention => {
+                        continue;
+                    }
                 };
                 let column = [step, -step].into_iter().find_map(|step| {
                     let mut moved = members.clone();

@@ -38,6 +38,8 @@ pub(crate) struct Comparison<'a> {
     pub(crate) sightings: Vec<Sighting>,
     /// Names of the tracked points.
     pub(crate) markers: Vec<String>,
+    /// Whether the model remembers beyond its motion: by a moment law or an effect.
+    pub(crate) remembers: bool,
     /// Whether rows do not depend on those before them.
     pub(crate) independent: bool,
     /// Whether trials go on from one another.
@@ -90,6 +92,7 @@ impl<'a> Comparison<'a> {
             at_rest,
             sightings,
             markers,
+            remembers: false,
             independent: true,
             continues: model.tracking.starts == Starts::Continue,
             path: None,
@@ -101,10 +104,9 @@ impl<'a> Comparison<'a> {
     /// The same with a model that may have more or less memory.
     pub(crate) fn with_model(self, model: &Model) -> Comparison<'a> {
         // Histories and friction make a pose depend on those before it.
-        let independent = self.at_rest
-            && model.rod(&[]).moment_laws.is_empty()
-            && !model.effects.iter().any(|effect| effect.build().has_memory_at_rest());
-        Comparison { independent, ..self }.divided()
+        let remembers = !model.rod(&[]).moment_laws.is_empty()
+            || model.effects.iter().any(|effect| effect.build().has_memory_at_rest());
+        Comparison { remembers, independent: self.at_rest && !remembers, ..self }.divided()
     }
 
     /// Only some of the sightings, by index.

@@ -32,8 +32,7 @@ pub(crate) fn best(
     let near = coarse(problem, start);
     // 1. From the model's own values, which are usually near. Where a section begins to slip, what
     //    a memory says has a kink: beyond a standard error a derivative promises what is not there.
-    let is_smooth = problem.comparison.independent;
-    let converged = if is_smooth { CONVERGED } else { ROUGHLY_CONVERGED };
+    let converged = if problem.comparison.remembers { ROUGHLY_CONVERGED } else { CONVERGED };
     let first = problem.fit(&near, MAX_STEPS, converged)?;
     // A few rows tell nothing of a memory, whose paths they cut short.
     if is_good(&first) || !problem.comparison.independent {
@@ -55,7 +54,7 @@ fn coarse(problem: &CalibrationProblem, start: &[f64]) -> Vec<f64> {
         return start.to_vec();
     }
     let (comparison, _) = problem.comparison.thinned(wanted);
-    let converged = if comparison.independent { ROUGHLY_CONVERGED } else { NEAR_ENOUGH };
+    let converged = if comparison.remembers { NEAR_ENOUGH } else { ROUGHLY_CONVERGED };
     let part = CalibrationProblem { comparison: &comparison, ..*problem };
     part.fit(start, MAX_STEPS, converged).map_or_else(|_| start.to_vec(), |optimum| optimum.x)
 }

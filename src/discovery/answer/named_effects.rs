@@ -163,13 +163,16 @@ impl FitProblem<'_> {
         for (number, parameter) in card.parameters.iter().enumerate() {
             let value = member.values[number];
             let written = match parameter.seek {
-                Seek::Tendon => Value::from(value as u64),
+                // The whole robot is no segment.
+                Seek::Segment if value == 0.0 => continue,
+                Seek::Tendon | Seek::Segment => Value::from(value as u64),
                 Seek::Flag | Seek::Convention => Value::Bool(value != 0.0),
                 _ => rounded_number(value),
             };
             insert_parameter(&mut parameters, parameter.name, written);
-            let is_flag = matches!(parameter.seek, Seek::Flag | Seek::Convention);
-            let Some(&[low, high]) = intervals.get(&number).filter(|_| !is_flag) else {
+            let is_number =
+                !matches!(parameter.seek, Seek::Flag | Seek::Convention | Seek::Segment);
+            let Some(&[low, high]) = intervals.get(&number).filter(|_| is_number) else {
                 continue;
             };
             // The half width is relative, and the size is counted from where the effect is nothing.

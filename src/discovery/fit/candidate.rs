@@ -14,7 +14,7 @@ pub(crate) struct CandidateEffect {
 }
 
 /// How a parameter is determined.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 enum ParameterSearch {
     /// Fitted in units of `size` from `null`; started from the best value of `scan`, if there are
     /// any.
@@ -57,7 +57,11 @@ const ROUNDING_SHARE: f64 = 1e-9;
 /// The catalogue as candidates for `model`.
 pub(crate) fn catalogue_candidates(model: &Model) -> Vec<CandidateEffect> {
     let tendons = model.robot.tendons.angles_deg.len();
-    let each = CATALOGUE.iter().flat_map(|card| {
+    let is_alone = model.robot.tendon_layout().segments.len() == 1;
+    let needs_several =
+        |card: &Card| card.parameters.iter().any(|one| one.seek == Seek::Segment && one.null > 0.0);
+    let sought = CATALOGUE.iter().filter(|card| !(is_alone && needs_several(card)));
+    let each = sought.flat_map(|card| {
         let about_one = card.parameters.iter().any(|parameter| parameter.seek == Seek::Tendon);
         // An effect about one tendon is one hypothesis a tendon.
         let each: Vec<usize> = if about_one { (1..=tendons).collect() } else { vec![0] };
@@ -69,6 +73,7 @@ pub(crate) fn catalogue_candidates(model: &Model) -> Vec<CandidateEffect> {
 impl CandidateEffect {
     fn new(card: &'static Card, model: &Model, tendon: usize) -> CandidateEffect {
         let length_m = model.robot.backbone.length_m;
+        let segments = model.robot.tendon_layout().segments.len();
         let search = |parameter: &crate::effects::Parameter| match parameter.seek {
             // Where it starts is told later.
             Seek::Size(size) | Seek::Distance(size) => {
@@ -102,6 +107,11 @@ impl CandidateEffect {
             }
             Seek::Place => ParameterSearch::Choice(places(&model.robot, length_m)),
             Seek::Tendon => ParameterSearch::Fixed(tendon as f64),
+            Seek::Segment if segments == 1 => ParameterSearch::Fixed(parameter.null),
+            Seek::Segment => {
+                let first = parameter.null as usize;
+                ParameterSearch::Choice((first..=segments).map(|number| number as f64).collect())
+            }
             Seek::Flag | Seek::Convention => ParameterSearch::Choice(vec![0.0, 1.0]),
         };
         CandidateEffect { card, searches: card.parameters.iter().map(search).collect() }
@@ -165,8 +175,9 @@ impl CandidateEffect {
 
     /// Name, with the tendon if it acts on one.
     pub(crate) fn label(&self) -> String {
-        let tendon = self.searches.iter().find_map(|search| match search {
-            ParameterSearch::Fixed(tendon) => Some(*tendon),
+        let both = self.card.parameters.iter().zip(&self.searches);
+        let tendon = both.into_iter().find_map(|(parameter, search)| match search {
+            ParameterSearch::Fixed(tendon) if parameter.seek == Seek::Tendon => Some(*tendon),
             _ => None,
         });
         tendon.map_or_else(
@@ -439,6 +450,26 @@ mod tests {
             .into_iter()
             .find(|candidate| candidate.card.name == name)
             .unwrap()
+    }
+
+    #[test]
+    fn segments_are_choices_of_robots_that_have_several() {
+        let choices = |ends_m: Option<Vec<f64>>, name: &str| -> Vec<ParameterSearch> {
+            let mut model = Model::default();
+            model.robot.tendons.ends_m = ends_m;
+            let all = catalogue_candidates(&model);
+            let of = all.into_iter().filter(|candidate| candidate.card.name == name);
+            of.map(|candidate| candidate.searches[usize::from(name != "pretension")].clone())
+                .collect()
+        };
+        let two = || Some(vec![0.11, 0.22, 0.11, 0.22]);
+        assert_eq!(choices(None, "bending_stiffness"), [ParameterSearch::Fixed(0.0)]);
+        assert_eq!(
+            choices(two(), "bending_stiffness"),
+            [ParameterSearch::Choice(vec![0.0, 1.0, 2.0])]
+        );
+        assert_eq!(choices(None, "pretension"), []);
+        assert_eq!(choices(two(), "pretension"), [ParameterSearch::Choice(vec![1.0, 2.0])]);
     }
 
     #[test]

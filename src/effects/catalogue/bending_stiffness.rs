@@ -8,6 +8,9 @@ use crate::effects::{BadOption, Card, Deserialize, Effect, Parameter, RodParams,
 pub struct BendingStiffness {
     /// Factor on E·I, 1 changes nothing.
     pub scale: f64,
+    /// Segment, from 1 at the base; 0: the whole robot.
+    #[serde(default, skip_serializing_if = "super::is_whole")]
+    pub segment: usize,
 }
 
 pub(crate) const CARD: Card = Card {
@@ -15,7 +18,10 @@ pub(crate) const CARD: Card = Card {
     missing: "E·I is off",
     equation: "E I → scale · E I",
     source: "Euler–Bernoulli beam",
-    parameters: &[Parameter { name: "scale", unit: "1", null: 1.0, seek: Seek::Size(0.1) }],
+    parameters: &[
+        Parameter { name: "scale", unit: "1", null: 1.0, seek: Seek::Size(0.1) },
+        Parameter::SEGMENT,
+    ],
     usual_change: Some(0.3),
     confused_with: &["soft_section", "distributed_mass", "spine_compressibility"],
 };
@@ -26,8 +32,13 @@ impl Effect for BendingStiffness {
     }
 
     fn modify_rod(&self, rod: &mut RodParams) {
-        for span in &mut rod.spans {
+        let [start_m, end_m] = rod.segment_m(self.segment);
+        for span in rod.spans_between(start_m, end_m) {
             span.bending_n_m2 = span.bending_n_m2.map(|stiffness| stiffness * self.scale);
         }
+    }
+
+    fn segment(&self) -> Option<usize> {
+        Some(self.segment)
     }
 }

@@ -18,6 +18,9 @@ pub struct Friction {
     /// material. Otherwise the axes slip independently, as pairs of hinges do.
     #[serde(default)]
     pub coupled: bool,
+    /// Segment, from 1 at the base; 0: the whole robot.
+    #[serde(default, skip_serializing_if = "super::is_whole")]
+    pub segment: usize,
 }
 
 fn yield_default() -> f64 {
@@ -34,6 +37,7 @@ pub(crate) const CARD: Card = Card {
         Parameter { name: "moment_nm", unit: "N m", null: 0.0, seek: Seek::Size(0.01) },
         Parameter { name: "yield_rad_m", unit: "rad/m", null: 0.5, seek: Seek::Shape(&[0.1, 0.5]) },
         Parameter { name: "coupled", unit: "flag", null: 0.0, seek: Seek::Flag },
+        Parameter::SEGMENT,
     ],
     usual_change: None,
     confused_with: &["hysteresis", "backlash"],
@@ -51,7 +55,12 @@ impl Effect for Friction {
             moment_nm: self.moment_nm,
             stiffness_n_m2,
             coupled: self.coupled,
+            range_m: rod.segment_m(self.segment),
         }));
+    }
+
+    fn segment(&self) -> Option<usize> {
+        Some(self.segment)
     }
 }
 
@@ -62,7 +71,12 @@ pub(crate) struct Prandtl {
     pub(crate) moment_nm: f64,
     pub(crate) stiffness_n_m2: f64,
     pub(crate) coupled: bool,
+    /// Where it acts, metres from the base.
+    pub(crate) range_m: [f64; 2],
 }
+
+/// [`Prandtl::range_m`] of a whole rod.
+pub(crate) const WHOLE_ROD: [f64; 2] = [0.0, f64::INFINITY];
 
 impl Prandtl {
     /// Trial moments with the slider fixed.
@@ -99,6 +113,10 @@ impl Prandtl {
 }
 
 impl MomentLaw for Prandtl {
+    fn acts_at(&self, position_m: f64) -> bool {
+        self.range_m[0] <= position_m && position_m <= self.range_m[1]
+    }
+
     fn moment(
         &self,
         state: &HistoryState,
@@ -133,7 +151,8 @@ mod tests {
 
     #[test]
     fn a_closed_loop_of_curvature_dissipates_four_times_moment_times_amplitude() {
-        let law = Prandtl { moment_nm: 0.01, stiffness_n_m2: 0.05, coupled: false };
+        let law =
+            Prandtl { moment_nm: 0.01, stiffness_n_m2: 0.05, coupled: false, range_m: WHOLE_ROD };
         let (mut state, mut work, mut last) = ([0.0; 4], 0.0, [0.0; 2]);
         let amplitude = 3.0;
         for step in 1..=40_000 {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::friction::Prandtl;
+use super::friction::{Prandtl, WHOLE_ROD};
 use crate::effects::{BadOption, Card, Deserialize, Effect, Parameter, RodParams, Seek, Serialize};
 use crate::rod::{HistoryMoment, HistoryState, MomentLaw};
 
@@ -61,7 +61,12 @@ struct Element {
 impl Element {
     fn at(&self, bending_n_m2: f64) -> Prandtl {
         let stiffness_n_m2 = bending_n_m2 * self.share / ELEMENT_COUNT as f64;
-        Prandtl { moment_nm: stiffness_n_m2 * self.yields_at_rad_m, stiffness_n_m2, coupled: true }
+        Prandtl {
+            moment_nm: stiffness_n_m2 * self.yields_at_rad_m,
+            stiffness_n_m2,
+            coupled: true,
+            range_m: WHOLE_ROD,
+        }
     }
 }
 

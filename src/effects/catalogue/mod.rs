@@ -52,12 +52,18 @@ catalogue! {
     backlash::Backlash,
     actuator_gain::ActuatorGain,
     actuator_offset::ActuatorOffset,
+    pretension::Pretension,
     tendon_stretch::TendonStretch,
     tendon_angle::TendonAngle,
     tendon_radius::TendonRadius,
     tendon_friction::TendonFriction,
     servo_lag::ServoLag,
     contact::Contact,
+}
+
+/// For `skip_serializing_if`: the whole robot is no segment.
+fn is_whole(segment: &usize) -> bool {
+    *segment == 0
 }
 
 /// The entry called `name`.
@@ -72,7 +78,7 @@ impl EffectSpec {
         let mut fields = Map::new();
         for (parameter, &value) in card.parameters.iter().zip(values) {
             let number = match parameter.seek {
-                Seek::Tendon => Value::from(value as u64),
+                Seek::Tendon | Seek::Segment => Value::from(value as u64),
                 Seek::Flag | Seek::Convention => Value::Bool(value != 0.0),
                 _ => Value::Number(Number::from_f64(value)?),
             };

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::base::BadOption;
+use crate::base::{BadOption, TendonLayout};
 use crate::effects::robot::units::{ANGLE, COMPLIANCE, FORCE, MASS, SHIFT};
 use crate::effects::{
     Effect, EffectSpec, ObstacleSpec, Robot, Seek, TendonDrive, Tracking, check_drives,
@@ -43,7 +43,7 @@ impl Model {
         self.robot.check().map_err(|(path, error)| (below("robot", &path), error))?;
         self.tracking.check(self.robot.backbone.length_m)?;
         check_drives(&self.drives, self.robot.tendons.angles_deg.len())?;
-        check_effects(&self.effects, self.robot.tendons.angles_deg.len())
+        check_effects(&self.effects, &self.robot.tendon_layout())
             .map_err(|(index, name, error)| (format!("effects[{index}].{name}"), error))?;
         self.check_obstacles()
     }
@@ -146,22 +146,27 @@ pub fn check_effect_units(effects: &[EffectSpec]) -> Result<(), (usize, &'static
     Ok(())
 }
 
-/// Refuses parameters out of range and tendon numbers above `tendons`.
+/// Refuses parameters out of range and tendons and segments that the robot does not have.
 ///
 /// # Errors
 /// Index and name of the first bad effect, and the expected range.
 pub fn check_effects(
     effects: &[EffectSpec],
-    tendons: usize,
+    layout: &TendonLayout,
 ) -> Result<(), (usize, &'static str, BadOption)> {
     for (index, spec) in effects.iter().enumerate() {
         let effect = spec.build();
         let tendon = effect.tendon().unwrap_or_default();
+        let segment = effect.segment().unwrap_or_default();
+        let (tendons, segments) =
+            (layout.segments.iter().map(Vec::len).sum(), layout.segments.len());
+        let expected = "a segment of this robot: where some tendons end";
         effect
             .check()
             .and_then(|()| {
                 BadOption::unless(tendon <= tendons, "tendon", tendon, "a tendon of this robot")
             })
+            .and_then(|()| BadOption::unless(segment <= segments, "segment", segment, expected))
             .map_err(|error| (index, spec.card().name, error))?;
     }
     Ok(())

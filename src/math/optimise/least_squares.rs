@@ -76,11 +76,7 @@ pub fn unseen_left_out(mut jacobian: DMatrix<f64>, step: f64, accuracy: f64) -> 
 
 /// The first acceptable step, by Marquardt's schedule: `step` at a growing damping, up to
 /// `max_damping`. Lowers the damping for the next call after a success.
-fn damped<T>(
-    damping: &mut f64,
-    max_damping: f64,
-    step: impl Fn(f64) -> Option<T>,
-) -> Option<T> {
+fn damped<T>(damping: &mut f64, max_damping: f64, step: impl Fn(f64) -> Option<T>) -> Option<T> {
     while *damping < max_damping {
         if let Some(accepted) = step(*damping) {
             *damping = (*damping * 0.2).max(1e-12);

@@ -298,6 +298,9 @@ impl RodEquations {
         // … then the moments with a memory …
         workspace.history_tangent[g] = [[0.0; 2]; 2];
         for (law, states) in self.params.moment_laws.iter().zip(conditions.histories) {
+            if !law.acts_at(self.grid.nodes[g].position_m) {
+                continue;
+            }
             let bend = section.bending(&strain);
             let history = if conditions.at_rest {
                 law.settled(&states[g], bend, section.bending_n_m2, conditions.rested_s)

@@ -17,6 +17,12 @@ pub struct HistoryMoment {
 
 /// A law that adds a history-dependent moment to the elastic one. Effects implement it.
 pub trait MomentLaw: Send + Sync + Debug {
+    /// Whether it acts on the cross-section this far from the base, metres. Where it begins or ends
+    /// a tendon ends, so that no cell of the grid holds both.
+    fn acts_at(&self, _position_m: f64) -> bool {
+        true
+    }
+
     /// Moment at curvature `curvature_rad_m` (change from the unloaded shape, body axes x and y)
     /// when the history up to the start of the step is `state`. `bending_n_m2` is the mean bending
     /// stiffness there.

@@ -49,10 +49,28 @@ pub struct RodParams {
     pub resolution: Resolution,
 }
 
+/// Ends of tendons that are nearer than this share of the length are one.
+const SAME_END: f64 = 1e-6;
+
 impl RodParams {
     /// Relaxed length of the rod, metres.
     pub fn length_m(&self) -> f64 {
         self.spans.last().map_or(0.0, |span| span.end_m)
+    }
+
+    /// Where segment `number` (from 1 at the base) begins and ends, metres from the base: it ends
+    /// where some tendons do, the last one at the tip. 0 is the whole rod.
+    pub fn segment_m(&self, number: usize) -> [f64; 2] {
+        let length_m = self.length_m();
+        let mut ends_m: Vec<f64> = self.tendons.iter().map(|tendon| tendon.end_m).collect();
+        ends_m.sort_by(f64::total_cmp);
+        ends_m.dedup_by(|a, b| *a - *b < SAME_END * length_m);
+        let end_m = |number: usize| ends_m.get(number - 1).copied().unwrap_or(length_m);
+        match number {
+            0 => [0.0, length_m],
+            1 => [0.0, if ends_m.len() > 1 { end_m(1) } else { length_m }],
+            _ => [end_m(number - 1), if number < ends_m.len() { end_m(number) } else { length_m }],
+        }
     }
 
     /// The cross-section `position_m` from the base: a span that starts there.

@@ -206,6 +206,9 @@ impl Rod {
         let shape = &self.state.shape;
         for (law, states) in self.system.params.moment_laws.iter().zip(&mut self.state.histories) {
             for (g, state) in states.iter_mut().enumerate() {
+                if !law.acts_at(self.system.grid.nodes[g].position_m) {
+                    continue;
+                }
                 let section = &self.system.sections[g];
                 law.commit(state, section.bending(&shape.strain[g]), section.bending_n_m2, dt_s);
             }

@@ -240,7 +240,7 @@ impl Checker<'_> {
 
     /// Effects and their units; `path` is that of their list.
     pub(super) fn effects(&self, effects: &[EffectSpec], path: &KeyPath) -> Result<(), SpecError> {
-        let checked = check_effects(effects, self.experiment.plant.tendons());
+        let checked = check_effects(effects, &self.experiment.plant.tendon_layout());
         checked.and_then(|()| check_effect_units(effects)).map_err(|(index, effect, bad)| {
             let path = path.item(index).key(effect).key(bad.key);
             self.document.refuse(&path, PathEnd::Value, bad.found, bad.expected)
