@@ -167,9 +167,9 @@ fn injected(effect: &EffectSpec) -> Option<InjectedEffect> {
         .parameters
         .iter()
         .map(|parameter| {
-            // A convention that is not written is the usual one.
-            let usual = (parameter.seek == Seek::Convention).then_some(parameter.null);
-            value(parameter.name).or(usual)
+            // A convention that is not written is the usual one, a segment the whole robot.
+            let may_be_left_out = matches!(parameter.seek, Seek::Convention | Seek::Segment);
+            value(parameter.name).or(may_be_left_out.then_some(parameter.null))
         })
         .collect::<Option<Vec<f64>>>()?;
     Some(InjectedEffect { name: card.name.to_owned(), values, other_law: false })

@@ -182,9 +182,15 @@ fn poses_at_rest_are_answered_without_their_times() {
 /// Two segments with three tendons each, poses at rest: which one is softer.
 #[test]
 fn the_segment_that_is_softer_is_named() {
-    let mut model = nominal();
-    model.robot.tendons.angles_deg = [0.0, 120.0, 240.0].repeat(2);
-    model.robot.tendons.ends_m = Some([[0.11; 3], [0.22; 3]].concat());
+    let text = "
+robot:
+  backbone: {length_m: 0.24, radius_m: 0.0008, youngs_modulus_pa: 60e9, poisson_ratio: 0.3, density_kg_m3: 6500}
+  disks: {count: 12, mass_kg: 0.003}
+  tendons: {radius_m: 0.012, angles_deg: [0, 120, 240, 0, 120, 240], ends_m: [0.12, 0.12, 0.12, 0.24, 0.24, 0.24], \
+pretension_m: 0.001, compliance_m_per_n: 0.0003}
+  gravity_m_s2: [0, 0, 9.81]
+";
+    let model: Model = serde_yaml::from_str(text).unwrap();
     let mut commands = Recording::new(Actuation::Lengths, 6);
     for row in 0..75_u32 {
         let bend = |k: usize| {
@@ -197,7 +203,7 @@ fn the_segment_that_is_softer_is_named() {
         commands.commands.push(&[0, 1, 2, 3, 4, 5].map(bend));
     }
     let mut robot = model.clone();
-    robot.effects = crate::support::rods::effects("- bending_stiffness: {scale: 0.75, segment: 2}");
+    robot.effects = crate::support::rods::effects("- bending_stiffness: {scale: 0.5, segment: 2}");
     let options = SimulationOptions { at_rest: true, noise_m: NOISE_M, ..Default::default() };
     let mut poses = simulate_recording(&robot, &commands, &options);
     poses.tip_quaternion = None;
@@ -206,7 +212,7 @@ fn the_segment_that_is_softer_is_named() {
     assert_eq!(names(&found), ["bending_stiffness"], "{}", found.findings.summary);
     let softer = &found.findings.effects[0];
     assert_eq!(softer.parameters["segment"], 2, "{softer:?}");
-    assert!((told(&found, "scale").0 - 0.75).abs() < 0.02 && softer.interval_95.len() == 1);
+    assert!((told(&found, "scale").0 - 0.5).abs() < 0.05 && softer.interval_95.len() == 1);
 }
 
 #[test]

@@ -66,6 +66,39 @@ struct AcceptedStep {
     expected: f64,
 }
 
+impl AcceptedStep {
+    /// Whether the linear model holds over the step.
+    fn is_good(&self) -> bool {
+        self.gain > GOOD_GAIN * self.expected
+    }
+}
+
+/// The first good step at a growing damping, or the one after which they gain less.
+/// `damping` is left where the next step should begin (Fletcher 1971).
+fn longest(damping: &mut f64, step: impl Fn(f64) -> Option<AcceptedStep>) -> Option<AcceptedStep> {
+    let mut best: Option<AcceptedStep> = None;
+    while *damping < MAX_DAMPING {
+        match step(*damping) {
+            // Where the model bends more than expected a shorter step may gain more.
+            Some(step) if best.as_ref().is_none_or(|best| step.gain > best.gain) => {
+                let is_good = step.is_good();
+                best = Some(step);
+                if is_good {
+                    // The region in which the linear model holds grows again.
+                    *damping *= 0.2;
+                    return best;
+                }
+            }
+            _ if best.is_some() => return best,
+            _ => {}
+        }
+        *damping *= 10.0;
+    }
+    // A later step starts afresh: the largest damping would leave it nowhere to go.
+    *damping = 1e-3;
+    best
+}
+
 /// What is fitted to what.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CalibrationProblem<'a> {
@@ -116,8 +149,7 @@ impl CalibrationProblem<'_> {
             let x = step.as_ref().map_or_else(|| here.x.clone(), |step| step.x.clone());
             // A derivative costs as much as many steps; a secant of the last step renews it for
             // nothing while the steps gain what the linear model expects.
-            let as_expected = |step: &&AcceptedStep| step.gain > GOOD_GAIN * step.expected;
-            match step.as_ref().filter(as_expected) {
+            match step.as_ref().filter(|step| step.is_good()) {
                 Some(step) if !is_small && secants < MAX_SECANTS => {
                     secants += 1;
                     here = self.with_secant(&here, step);
@@ -222,34 +254,12 @@ impl CalibrationProblem<'_> {
         while *damping > MIN_DAMPING && promising(*damping).is_none() {
             *damping *= 0.2;
         }
-        let mut accepted: Option<AcceptedStep> = None;
-        while *damping < MAX_DAMPING {
-            let step = promising(*damping).and_then(|(x, expected)| {
-                let positions = self.comparison.positions(&self.at(&x)?);
-                let gain = self.gain(here, &x, &positions).filter(|&gain| gain >= 0.0)?;
-                Some(AcceptedStep { x, positions, gain, expected })
-            });
-            match step {
-                Some(step) if accepted.as_ref().is_none_or(|best| step.gain > best.gain) => {
-                    let is_good = step.gain > GOOD_GAIN * step.expected;
-                    accepted = Some(step);
-                    // Where the model bends more than expected a shorter step may gain more.
-                    if is_good {
-                        break;
-                    }
-                }
-                _ if accepted.is_some() => break,
-                _ => {}
-            }
-            *damping *= 10.0;
-        }
-        match &accepted {
-            // The region in which the linear model holds grows again (Fletcher 1971).
-            Some(step) if step.gain > GOOD_GAIN * step.expected => *damping *= 0.2,
-            Some(_) => {}
-            // A later step starts afresh: the largest damping would leave it nowhere to go.
-            None => *damping = 1e-3,
-        }
+        let accepted = longest(damping, |damping| {
+            let (x, expected) = promising(damping)?;
+            let positions = self.comparison.positions(&self.at(&x)?);
+            let gain = self.gain(here, &x, &positions).filter(|&gain| gain >= 0.0)?;
+            Some(AcceptedStep { x, positions, gain, expected })
+        });
         // Bounds may undo the whole step.
         accepted.filter(|step| step.x != here.x)
     }

@@ -52,13 +52,13 @@ catalogue! {
     backlash::Backlash,
     actuator_gain::ActuatorGain,
     actuator_offset::ActuatorOffset,
-    pretension::Pretension,
     tendon_stretch::TendonStretch,
     tendon_angle::TendonAngle,
     tendon_radius::TendonRadius,
     tendon_friction::TendonFriction,
     servo_lag::ServoLag,
     contact::Contact,
+    pretension::Pretension,
 }
 
 /// For `skip_serializing_if`: the whole robot is no segment.

@@ -23,7 +23,7 @@ fn strong(name: &str, null: f64) -> f64 {
         "mass_kg" | "distance_m" => 0.02,
         "coupled" | "relaxed" => 0.0,
         "tendon" => 2.0,
-        "offset_m" | "width_m" => 0.002,
+        "offset_m" | "width_m" | "change_m" => 0.002,
         "moment_nm" => 0.01,
         "compliance_m_per_n" => 2e-4,
         "position_m" => 0.06,
@@ -37,7 +37,7 @@ fn strong(name: &str, null: f64) -> f64 {
         _ if name.ends_with("_rad") => 0.03,
         "scale" => 1.2,
         "coefficient" => 0.2,
-        "presliding_m" | "curvature_1_m" => null,
+        "presliding_m" | "curvature_1_m" | "segment" => null,
         other => panic!("{other}: give this parameter a strong value"),
     }
 }
