@@ -182,7 +182,7 @@ scaling: build ## runs on one and two threads, and a cluster on paper: results/s
 
 # Files that others published, which are not part of this repository; benches/real/sources.py says where they are.
 REAL_DATA ?= ../shared/recordings
-real: ## models of four published robots from REAL_DATA (15 minutes): models/real, results/real, plots/real (docs/real_robots.md)
+real: ## models of four published robots from REAL_DATA (10 minutes): models/real, results/real, plots/real (docs/real_robots.md)
 	@python3 -B benches/real/real.py --check $(REAL_DATA)
 	@$(MAKE) --no-print-directory build
 	python3 -B benches/real/real.py $(REAL_DATA) target/release/spinebench
