@@ -20,16 +20,16 @@ use crate::recordings::{PyColumn, PyRecording, columns};
 /// Trial with files of its own, offset, interval, lag and explained share.
 type Clock = (Option<u64>, f64, (f64, f64), f64, f64);
 
-/// The columns of the recording, the clocks, and the files that were passed over.
-type ToldImport = (Vec<PyColumn>, Vec<Clock>, Vec<PathBuf>);
+/// The columns of the recording, the clocks, the files that were passed over, and notes.
+type ToldImport = (Vec<PyColumn>, Vec<Clock>, Vec<PathBuf>, Vec<String>);
 
 fn told(found: MappedImport) -> Result<ToldImport, Fault> {
     let parts = |TrialClock { trial, fit }: &TrialClock| {
         let ClockFit { offset_s, interval_95_s: [low_s, high_s], lag_s, explained, .. } = *fit;
         (*trial, offset_s, (low_s, high_s), lag_s, explained)
     };
-    let columns = columns(&found.recording)?;
-    Ok((columns, found.clocks.iter().map(parts).collect(), found.passed_over))
+    let (columns, notes) = (columns(&found.recording)?, found.notes());
+    Ok((columns, found.clocks.iter().map(parts).collect(), found.passed_over, notes))
 }
 
 /// Imports text files by the map in a file.

@@ -12,6 +12,8 @@ mod examples;
 mod extending;
 mod first_hour;
 mod import_csv;
+mod import_exports;
+mod import_layouts;
 mod outside_policies;
 mod page;
 mod real;

@@ -47,6 +47,8 @@ class ImportedRecording:
     """The offset of each trial's clocks, where the map asks for estimates and each trial has files of its own."""
     passed_over: list[Path] = field(default_factory=list)
     """Files whose names fit no pattern of the map's `trial_files`."""
+    notes: list[str] = field(default_factory=list)
+    """What looks like a mistake, and which rows do not count, one sentence each."""
 
 
 def _map_file(given: Map, folder: str) -> Path:
@@ -58,14 +60,14 @@ def _map_file(given: Map, folder: str) -> Path:
     return file
 
 
-def _imported(told: tuple[_Columns, list[_Clock], list[Path]]) -> ImportedRecording:
-    columns, fits, passed_over = told
+def _imported(told: tuple[_Columns, list[_Clock], list[Path], list[str]]) -> ImportedRecording:
+    columns, fits, passed_over, notes = told
     by_trial = {
         trial: ClockFit(offset_s, interval_95_s, lag_s, explained)
         for trial, offset_s, interval_95_s, lag_s, explained in fits
     }
     clocks = {trial: fit for trial, fit in by_trial.items() if trial is not None}
-    return ImportedRecording(_recorded(columns), by_trial.get(None), clocks, passed_over)
+    return ImportedRecording(_recorded(columns), by_trial.get(None), clocks, passed_over, notes)
 
 
 def import_csv(files: PathLike | Sequence[PathLike], map: Map) -> ImportedRecording:

@@ -178,7 +178,7 @@ class _Network:
 _Clock = tuple[int | None, float, tuple[float, float], float, float]
 _Columns = list[tuple[str, list[Any]]]
 _Source = Path | tuple[str, _Columns]
-_ToldImport = tuple[_Columns, list[_Clock], list[Path]]
+_ToldImport = tuple[_Columns, list[_Clock], list[Path], list[str]]
 
 def _import_csv(files: list[Path], map: Path) -> _ToldImport: ...
 def _import_mcap(bag: Path, map: Path) -> _ToldImport: ...

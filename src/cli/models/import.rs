@@ -1,14 +1,13 @@
 //! `spinebench import`.
 
 use super::import_map::{CsvImport, McapImport};
-use super::import_notes::{SettingNames, print_doubts, print_lost};
 use super::simulate::written;
 use crate::cli::program::outputs::check_recording;
 use crate::cli::{CommandError, CommandResult};
 use clap::{Args, Subcommand, ValueEnum};
-use spinebench::data::import::motive::{Body, Export};
 use spinebench::data::import::{
-    Axes, ImportOptions, Imported, ImportedBodies, Log, TipFrame, import,
+    Axes, BadAxes, Body, Export, ExportFormat, ImportOptions, Imported, ImportedBodies, Log,
+    SettingNames, TipFrame, import,
 };
 use spinebench::runner::Progress;
 use std::path::PathBuf;
@@ -23,22 +22,37 @@ pub(crate) struct ImportCommand {
 
 #[derive(Subcommand)]
 enum From {
-    Motive(Motive),
+    /// Import OptiTrack Motive's CSV export (format versions 1.2x): rigid bodies or single markers.
+    ///
+    /// The tip is expressed relative to the base body's pivot and interpolated at the times of the
+    /// commands; rows without tracking get valid = 0. The log is placed on the export's clock by a
+    /// column export_time_s (the export's time at each row) or by --offset-s.
+    Motive(FromExport),
+    /// Import the CSV export of Vicon Nexus or Tracker: objects, segments or trajectories.
+    ///
+    /// Frame 1 is at 0 s. Rotations of four numbers are quaternions; three numbers have several
+    /// meanings and are not read. All else is as for `import motive`.
+    Vicon(FromExport),
+    /// Import the TSV export of Qualisys Track Manager: rigid bodies (6D) or markers (3D).
+    ///
+    /// The rotation matrix is read, not the angles. All else is as for `import motive`.
+    Qualisys(FromExport),
+    /// Import the CSV of NDI's tools for Aurora, Polaris and Vega.
+    ///
+    /// Tools are called as their ports or tools are in the file. All else is as for `import motive`.
+    Ndi(FromExport),
+    /// Import C3D, as most motion capture systems write it: markers.
+    ///
+    /// All is as for single markers of `import motive`.
+    C3d(FromExport),
     Csv(CsvImport),
     Mcap(McapImport),
 }
 
-/// Import OptiTrack Motive's CSV export (format versions 1.2x) with a rigid body or a single marker
-/// on the robot's base and on its tip, and any along its body.
-///
-/// The tip is expressed relative to the base body's pivot and interpolated at the times of the
-/// commands; rows without tracking get valid = 0. The log is placed on the export's clock by a
-/// column export_time_s (the export's time at each row) or by --offset-s.
 #[derive(Args)]
-struct Motive {
-    /// Export with header and rigid bodies or markers, orientations as quaternions or Euler angles
-    /// XYZ.
-    #[arg(value_name = "EXPORT.csv")]
+struct FromExport {
+    /// Export of the motion capture system.
+    #[arg(value_name = "EXPORT")]
     export: PathBuf,
     /// Commands: a recording, with or without tip columns; CSV or Parquet.
     #[arg(long, value_name = "LOG.csv")]
@@ -52,18 +66,21 @@ struct Motive {
     /// Rigid body or marker on the tip [default: `tip`, or the only one whose name begins so].
     #[arg(long, value_name = "NAME")]
     tip: Option<String>,
-    /// Rigid bodies or markers along the robot, as `NAME` or `NAME=MOTIVE NAME`: columns
+    /// Rigid bodies or markers along the robot, as `NAME` or `NAME=EXPORT NAME`: columns
     /// point_NAME_x_m … in the recording, NAME in the model's tracking.points.
-    #[arg(long, value_name = "NAME[=MOTIVE NAME],…", value_delimiter = ',')]
+    #[arg(long, value_name = "NAME[=EXPORT NAME],…", value_delimiter = ',')]
     points: Vec<String>,
     /// Export time at which each trial began, seconds, one number per trial. For a log with a
     /// column wall_time_s (one clock for all trials): the export time of the first row.
     #[arg(long, value_name = "S[,S…]", value_delimiter = ',', allow_hyphen_values = true, value_parser = seconds)]
     offset_s: Vec<f64>,
-    /// Axes of the base frame (x up, z along the straight robot) in Motive's; by default Motive's y
-    /// is up and the robot lies along its z.
-    #[arg(long, default_value = Axes::Y_UP)]
-    axes: Axes,
+    /// Axes of the base frame (x up, z along the straight robot) in the export's. By default
+    /// Motive's y is up and the robot lies along its z; other exports' axes are those of the robot.
+    #[arg(long)]
+    axes: Option<Axes>,
+    /// Frames a second, where the export has frames without a rate (NDI).
+    #[arg(long, value_name = "HZ", value_parser = rate)]
+    rate_hz: Option<f64>,
     /// Frame in which the tip is expressed.
     #[arg(long, value_enum, default_value_t = TipFrameArg::Base)]
     frame: TipFrameArg,
@@ -86,16 +103,20 @@ const MIN_REPORTED_TURN_DEG: f64 = 0.5;
 impl ImportCommand {
     pub(crate) fn execute(self, progress: &Progress) -> CommandResult {
         match self.from {
-            From::Motive(motive) => motive.execute(progress),
+            From::Motive(export) => export.execute(ExportFormat::Motive, progress),
+            From::Vicon(export) => export.execute(ExportFormat::Vicon, progress),
+            From::Qualisys(export) => export.execute(ExportFormat::Qualisys, progress),
+            From::Ndi(export) => export.execute(ExportFormat::Ndi, progress),
+            From::C3d(export) => export.execute(ExportFormat::C3d, progress),
             From::Csv(csv) => csv.execute(progress),
             From::Mcap(mcap) => mcap.execute(progress),
         }
     }
 }
 
-impl Motive {
-    fn execute(self, progress: &Progress) -> CommandResult {
-        let export = Export::read(&self.export).map_err(CommandError::bad_input)?;
+impl FromExport {
+    fn execute(self, format: ExportFormat, progress: &Progress) -> CommandResult {
+        let export = format.read(&self.export, self.rate_hz).map_err(CommandError::bad_input)?;
         let base = body(&export, self.base.as_deref(), "base")?;
         let tip = body(&export, self.tip.as_deref(), "tip")?;
         if std::ptr::eq(base, tip) {
@@ -119,7 +140,10 @@ impl Motive {
             TipFrameArg::Tracking => TipFrame::Tracking,
         };
         let options = ImportOptions {
-            axes: self.axes,
+            axes: self
+                .axes
+                .map_or_else(|| format.usual_axes().parse(), Ok)
+                .map_err(|error: BadAxes| CommandError::BadInput(format!("--axes: {error}")))?,
             frame,
             max_gap_s: self.max_gap_s,
             gap_key: "--max-gap-s",
@@ -141,8 +165,14 @@ impl Motive {
                 "note: {file} has {frames} of the {promised} frames that its header announces"
             );
         }
-        print_lost(imported.lost, imported.recording.len(), &self.out);
-        print_doubts(&imported.doubts, &imported.recording, &OPTIONS);
+        if !export.unread_orientations.is_empty() {
+            eprintln!(
+                "note: the rotations of {} are three numbers each, of which the file does not tell \
+                 the meaning; they are not read",
+                export.unread_orientations.join(", ")
+            );
+        }
+        imported.notes(&OPTIONS).iter().for_each(|note| eprintln!("note: {note}"));
         if !base.has_orientation {
             eprintln!(
                 "note: `{}` is a single marker: the tip is expressed along the tracking frame's \
@@ -170,6 +200,7 @@ const OPTIONS: SettingNames = SettingNames {
     axes: "--axes ",
     bodies: "--base and --tip",
     clock: "subtract it from --offset-s or export_time_s",
+    rows: "",
 };
 
 /// The body of this name; without one, the only body whose name begins with `usual`.
@@ -200,6 +231,13 @@ fn point<'a>(export: &'a Export, named: &str) -> Result<(String, &'a Body), Comm
 fn seconds(text: &str) -> Result<f64, String> {
     let number = text.trim().parse().ok().filter(|number: &f64| number.is_finite());
     number.ok_or_else(|| format!("found `{text}`, expected seconds"))
+}
+
+fn rate(text: &str) -> Result<f64, String> {
+    seconds(text)
+        .ok()
+        .filter(|rate_hz| *rate_hz > 0.0)
+        .ok_or_else(|| format!("found `{text}`, expected frames a second, above 0"))
 }
 
 fn gap(text: &str) -> Result<f64, String> {

@@ -1,12 +1,12 @@
 //! `spinebench import csv` and `spinebench import mcap`: files of any logger, by a map.
 
-use super::import_notes::{SettingNames, print_doubts, print_lost};
 use super::simulate::written;
 use crate::cli::program::outputs::check_recording;
 use crate::cli::{CommandError, CommandResult};
-use clap::Args;
+use clap::{Args, ValueEnum};
 use spinebench::data::import::mapped::{
-    ClockFit, LogFiles, MappedImport, SourceKind, TrialClock, import_bag, import_text,
+    ClockFit, ImportMap, LogFiles, MappedImport, RepeatedStamps, SourceKind, TrialClock,
+    import_bag, import_text,
 };
 use spinebench::runner::Progress;
 use spinebench::specs::read_map;
@@ -30,8 +30,8 @@ pub(crate) struct CsvImport {
 
 /// Import a bag of ROS 2 (MCAP) by a map of topics and fields.
 ///
-/// Messages in CDR: PoseStamped, TransformStamped, TFMessage, Odometry, JointState and
-/// Float64MultiArray. The map is as for `import csv`, with `topic` in place of `file`.
+/// Messages in CDR of any type whose definition the bag holds. The map is as for `import csv`, with
+/// `topic` in place of `file`.
 #[derive(Args)]
 pub(crate) struct McapImport {
     /// Bag.
@@ -49,13 +49,35 @@ struct ByMap {
     /// Recording to write; CSV or Parquet.
     #[arg(long, value_name = "REC.csv")]
     out: PathBuf,
+    /// What counts where rows of commands have one time, in place of the map's `commands.repeated`.
+    #[arg(long, value_enum)]
+    repeated: Option<RepeatedArg>,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum RepeatedArg {
+    /// They are an error.
+    Refuse,
+    /// The last row.
+    Last,
+}
+
+impl ByMap {
+    fn read(&self, source: SourceKind) -> Result<ImportMap, CommandError> {
+        let mut map = read_map(&self.map, source).map_err(CommandError::bad_input)?;
+        match self.repeated {
+            Some(RepeatedArg::Refuse) => map.commands.repeated = RepeatedStamps::Refuse,
+            Some(RepeatedArg::Last) => map.commands.repeated = RepeatedStamps::Last,
+            None => {}
+        }
+        Ok(map)
+    }
 }
 
 impl CsvImport {
     pub(crate) fn execute(self, progress: &Progress) -> CommandResult {
         let logs = LogFiles::find(&self.logs).map_err(CommandError::bad_input)?;
-        let map =
-            read_map(&self.by.map, SourceKind::from(&logs)).map_err(CommandError::bad_input)?;
+        let map = self.by.read(SourceKind::from(&logs))?;
         check_recording(&self.by.out, 0)?;
         let mapped = import_text(&logs.files, &map).map_err(CommandError::bad_input)?;
         finish(&mapped, &self.by.out, progress)
@@ -64,35 +86,19 @@ impl CsvImport {
 
 impl McapImport {
     pub(crate) fn execute(self, progress: &Progress) -> CommandResult {
-        let map = read_map(&self.by.map, SourceKind::Bag).map_err(CommandError::bad_input)?;
+        let map = self.by.read(SourceKind::Bag)?;
         check_recording(&self.by.out, 0)?;
         let mapped = import_bag(&self.bag, &map).map_err(CommandError::bad_input)?;
         finish(&mapped, &self.by.out, progress)
     }
 }
 
-const KEYS: SettingNames = SettingNames {
-    axes: "`tracking.axes` ",
-    bodies: "`tracking.base` and `tracking.tip`",
-    clock: "add it to `tracking.clock.offset_s`",
-};
-
 /// Prints notes and writes the recording.
 fn finish(mapped: &MappedImport, out: &Path, progress: &Progress) -> CommandResult {
     check_recording(out, mapped.recording.len())?;
     mapped.recording.write(out).map_err(CommandError::bad_input)?;
     mapped.clocks.iter().for_each(print_clock);
-    if let Some(first) = mapped.passed_over.first() {
-        let (count, first) = (mapped.passed_over.len(), first.display());
-        eprintln!(
-            "note: the names of {count} files fit no pattern of `trial_files` (the first is \
-             {first}); they were not read"
-        );
-    }
-    if let Some(imported) = &mapped.imported {
-        print_lost(imported.lost, mapped.recording.len(), out);
-        print_doubts(&imported.doubts, &mapped.recording, &KEYS);
-    }
+    mapped.notes().iter().for_each(|note| eprintln!("note: {note}"));
     progress.say(&written(out, &mapped.recording));
     Ok(())
 }

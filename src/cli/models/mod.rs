@@ -6,6 +6,5 @@ pub(super) mod effects;
 pub(super) mod export;
 pub(super) mod import;
 mod import_map;
-mod import_notes;
 mod several;
 pub(super) mod simulate;

@@ -21,6 +21,9 @@ impl Axes {
     /// y up in the tracker (Motive's default), the robot along its z.
     pub const Y_UP: &'static str = "x=+y,y=-x,z=+z";
 
+    /// The tracker's own axes.
+    pub const SAME: &'static str = "x=+x,y=+y,z=+z";
+
     /// These axes, turned once more by a quarter turn in the project's frame.
     pub(crate) fn then(&self, turn: &Matrix3<f64>) -> Axes {
         Axes { turn: turn * self.turn }

@@ -2,15 +2,21 @@
 //! along the body, relative to the base.
 
 mod axes;
+mod export;
+mod formats;
 mod log;
 pub mod mapped;
-pub mod motive;
+mod motive;
+mod notes;
 mod plausibility;
 mod resample;
 mod response;
 
 pub use axes::{Axes, BadAxes};
+pub use export::{Body, Export};
+pub use formats::ExportFormat;
 pub use log::Log;
+pub use notes::SettingNames;
 pub use plausibility::ImportDoubts;
 
 use std::path::Path;
@@ -20,7 +26,6 @@ use nalgebra::Isometry3;
 use crate::data::recording::{Extra, PointTrack, Pose};
 use crate::data::{DataError, Recording};
 use crate::math::rotation;
-use motive::{Body, Export};
 use resample::pose_at;
 
 /// Axes of the tip position; its origin is the base body's pivot in both cases.
@@ -84,7 +89,7 @@ pub fn import(
 ) -> Result<Imported, DataError> {
     let (base, tip) = (bodies.base, bodies.tip);
     let frame = if base.has_orientation { options.frame } else { TipFrame::Tracking };
-    check_overlap(&export.time_s, &log.file, &log.at_s)?;
+    check_overlap(&export.time_s, &log.file, &log.at_s, "")?;
     let pose =
         |body: &Body, time_s| pose_at(&export.time_s, &body.poses, time_s, options.max_gap_s);
     let mut recording = log.commands.clone();
@@ -158,8 +163,8 @@ fn from_base(base: &Isometry3<f64>, tip: &Isometry3<f64>, frame: TipFrame) -> Is
     }
 }
 
-/// Refuses commands of which none is within the tracking.
-fn check_overlap(frames_s: &[f64], file: &Path, at_s: &[f64]) -> Result<(), DataError> {
+/// Refuses commands of which none is within the tracking. `hint`: what may mend it.
+fn check_overlap(frames_s: &[f64], file: &Path, at_s: &[f64], hint: &str) -> Result<(), DataError> {
     let span = |times_s: &[f64]| {
         times_s.first().copied().zip(times_s.last().copied()).unwrap_or((f64::NAN, f64::NAN))
     };
@@ -168,7 +173,8 @@ fn check_overlap(frames_s: &[f64], file: &Path, at_s: &[f64]) -> Result<(), Data
         return Ok(());
     }
     let found = format!("commands from {begin_s} s to {end_s} s in the export");
-    let expected = format!("some within the export, which goes from {first_s} s to {last_s} s");
+    let expected =
+        format!("some within the export, which goes from {first_s} s to {last_s} s{hint}");
     Err(DataError::Line { file: file.to_owned(), place: "all rows".to_owned(), found, expected })
 }
 

@@ -28,6 +28,9 @@ pub struct ImportDoubts {
     pub base_moves: Option<(f64, usize)>,
     /// Whether the base body moves more than the tip body, as when the two are exchanged.
     pub exchanged: bool,
+    /// Smallest step of the tip from frame to frame, metres, when it comes back after a few frames
+    /// each time, as when the rows of several bodies are taken for one.
+    pub jumps_m: Option<f64>,
     /// Time from a command to the first motion of the tip because of it, seconds; none where that
     /// cannot be told.
     pub onset_s: Option<f64>,
@@ -62,8 +65,32 @@ pub(super) fn doubts(
         exchanged: base_moves.zip(tip_moves).is_some_and(|((base_m, _), (tip_m, _))| {
             base_m > MAX_BASE_MOTION_M && base_m > 3.0 * tip_m
         }),
+        jumps_m: jumps_m(tip_world_m),
         onset_s,
     }
+}
+
+/// The step from frame to frame that nearly all frames exceed, metres, where frames that lie a few
+/// apart are much closer to each other: rows of several bodies that follow one another.
+fn jumps_m(tip_world_m: &[Point3]) -> Option<f64> {
+    /// Steps that are no noise, metres.
+    const MIN_STEP_M: f64 = 2e-3;
+    /// Bodies that follow one another, at most.
+    const MAX_BODIES: usize = 12;
+    /// So many rounds are needed to tell.
+    const MIN_ROUNDS: usize = 4;
+    let apart = |frames: usize, share: f64| {
+        let pairs = tip_world_m.iter().zip(tip_world_m.iter().skip(frames));
+        let lengths = pairs.map(|(a, b)| (Vector3::from(*b) - Vector3::from(*a)).norm());
+        quantile(&lengths.filter(|length| length.is_finite()).collect::<Vec<f64>>(), share)
+    };
+    let enough = |bodies: usize| tip_world_m.len() >= MIN_ROUNDS * bodies;
+    if !enough(2) {
+        return None;
+    }
+    let step_m = apart(1, 0.1);
+    let comes_back = |bodies: usize| enough(bodies) && 3.0 * apart(bodies, 0.9) < step_m;
+    (step_m > MIN_STEP_M && (2..=MAX_BODIES).any(comes_back)).then_some(step_m)
 }
 
 /// The quarter turn that lays `home_m` most along z and, if it sags, down along −x; otherwise the
@@ -117,6 +144,19 @@ fn median(points_m: &[Point3]) -> Option<Point3> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn rows_of_several_bodies_are_jumps_and_a_fast_robot_is_none() {
+        let tip = |k: usize| [0.02 * (0.3 * k as f64).sin(), 0.0, 0.22];
+        let row = |k: usize| [tip(k), [0.0, 0.0, 0.0], [0.0, 0.01, 0.1]][k % 3];
+        let jumps = jumps_m(&(0..60).map(row).collect::<Vec<Point3>>()).unwrap();
+        assert!((0.09..0.23).contains(&jumps), "{jumps}");
+        assert_eq!(jumps_m(&(0..60).map(tip).collect::<Vec<Point3>>()), None);
+        // Random steps of 20 mm at the rate of the frames.
+        let wild = |k: usize| [0.02 * (k as f64 * k as f64).sin(), 0.0, 0.22];
+        assert_eq!(jumps_m(&(0..60).map(wild).collect::<Vec<Point3>>()), None);
+        assert_eq!(jumps_m(&(0..5).map(row).collect::<Vec<Point3>>()), None);
+    }
 
     #[test]
     fn the_turn_lays_the_robot_along_z_and_its_sag_down() {

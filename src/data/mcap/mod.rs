@@ -9,7 +9,7 @@ pub use export::{Shown, to_mcap};
 
 #[cfg(test)]
 pub(crate) use read::BagTopic;
-pub(crate) use read::{Bag, BagMessage};
+pub(crate) use read::{Bag, BagMessage, MessageKind};
 pub(crate) use write::BagWriter;
 
 /// First and last bytes of a file.

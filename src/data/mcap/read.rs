@@ -22,10 +22,23 @@ pub(crate) struct Bag {
 /// The messages of a topic, in the order of their log times.
 #[derive(Debug, Default)]
 pub(crate) struct BagTopic {
-    /// Names of the messages' types and their encodings; one, unless publishers disagree.
-    pub(crate) kinds: Vec<(String, String)>,
+    /// The messages' types; one, unless publishers disagree.
+    pub(crate) kinds: Vec<MessageKind>,
     /// The messages.
     pub(crate) messages: Vec<BagMessage>,
+}
+
+/// A type of messages.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct MessageKind {
+    /// Its name.
+    pub(crate) name: String,
+    /// How its messages are written, such as `cdr`.
+    pub(crate) encoding: String,
+    /// Its definition; empty where the bag holds none.
+    pub(crate) definition: String,
+    /// The language of the definition, such as `ros2msg`.
+    pub(crate) definition_encoding: String,
 }
 
 /// One message.
@@ -64,7 +77,8 @@ impl<'a> RecordFields<'a> {
 /// What has been read so far.
 #[derive(Default)]
 struct Contents {
-    schemas: BTreeMap<u64, String>,
+    /// Types of messages, whose encoding a channel tells.
+    schemas: BTreeMap<u64, MessageKind>,
     /// Topic of each channel.
     channels: BTreeMap<u64, String>,
     topics: BTreeMap<String, BagTopic>,
@@ -92,7 +106,8 @@ impl Bag {
                 path,
                 0,
                 found,
-                "an MCAP file (other bags are converted by `ros2 bag convert`)",
+                "an MCAP file (`rosbags-convert --src BAG --dst NEW --dst-storage mcap`, of the \
+                 Python package rosbags, converts other bags)",
             ));
         };
         let mut contents = Contents::default();
@@ -153,12 +168,19 @@ impl Contents {
         match kind {
             opcode::SCHEMA => {
                 let id = fields.number::<2>()?;
-                self.schemas.insert(id, fields.text()?);
+                let (name, definition_encoding) = (fields.text()?, fields.text()?);
+                let count = fields.number::<4>()? as usize;
+                // Definitions in other languages may be no text.
+                let definition = String::from_utf8(fields.take(count)?.to_vec());
+                let (definition, encoding) = (definition.unwrap_or_default(), String::new());
+                let kind = MessageKind { name, encoding, definition, definition_encoding };
+                self.schemas.insert(id, kind);
             }
             opcode::CHANNEL => {
                 let (id, schema) = (fields.number::<2>()?, fields.number::<2>()?);
                 let (topic, encoding) = (fields.text()?, fields.text()?);
-                let kind = (self.schemas.get(&schema).cloned().unwrap_or_default(), encoding);
+                let kind = self.schemas.get(&schema).cloned().unwrap_or_default();
+                let kind = MessageKind { encoding, ..kind };
                 let bag_topic = self.topics.entry(topic.clone()).or_default();
                 if !bag_topic.kinds.contains(&kind) {
                     bag_topic.kinds.push(kind);

@@ -213,7 +213,8 @@ mod tests {
         let bytes = writer.finish();
         let read = |bytes: &[u8]| Bag::parse(Path::new("a.mcap"), bytes);
         let bag = read(&bytes).unwrap();
-        assert_eq!(bag.topics["/a"].kinds, [("A".to_owned(), "json".to_owned())]);
+        let kind = &bag.topics["/a"].kinds[0];
+        assert_eq!((kind.name.as_str(), kind.encoding.as_str()), ("A", "json"));
         let times: Vec<u64> =
             bag.topics["/b"].messages.iter().map(|message| message.log_ns).collect();
         assert_eq!(

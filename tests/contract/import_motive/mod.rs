@@ -10,7 +10,7 @@ use crate::support::motive::{
 use nalgebra::{UnitQuaternion, Vector3};
 use proptest::prelude::*;
 use spinebench::data::Recording;
-use spinebench::data::import::motive::Export;
+use spinebench::data::import::ExportFormat;
 use spinebench::math::rotation::parts;
 use std::path::Path;
 
@@ -155,7 +155,7 @@ fn help_tells_how_to_place_a_log() {
 proptest! {
     #[test]
     fn no_bytes_make_the_reader_panic(bytes in proptest::collection::vec(any::<u8>(), 0..400)) {
-        let _ = Export::parse(Path::new("x.csv"), &bytes);
+        let _ = ExportFormat::Motive.parse(Path::new("x.csv"), &bytes, None);
     }
 
     /// Good exports with a few bytes changed, and cut off.
@@ -173,7 +173,7 @@ proptest! {
             }
         }
         bytes.truncate(end.max(200));
-        if let Ok(export) = Export::parse(Path::new("x.csv"), &bytes) {
+        if let Ok(export) = ExportFormat::Motive.parse(Path::new("x.csv"), &bytes, None) {
             prop_assert!(export.bodies.iter().all(|body| body.poses.len() == export.time_s.len()));
         }
     }

@@ -1,12 +1,12 @@
 //! Topics of a bag as tables: a message is a row, a field a column.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use super::cdr::CdrReader;
 use super::columns::{LogCells, LogTable, TopicColumns};
 use super::join::{JoinedLog, join, without_tracking};
 use super::map::{BodyMap, ImportMap, TrackingMap};
+use super::ros_message::{Leaf, Leaves, MessageDefinition, all_names, items_named};
 use super::{MappedImport, commands, tracking};
 use crate::data::DataError;
 use crate::data::mcap::{Bag, BagMessage};
@@ -22,7 +22,7 @@ pub fn import_bag(file: &Path, map: &ImportMap) -> Result<MappedImport, DataErro
     let Some(tracking) = &map.tracking else {
         return without_tracking(vec![(file.to_owned(), commands)], None);
     };
-    let table_of = |body: &BodyMap| table(&bag, topic_of(body, tracking), body.child.as_deref());
+    let table_of = |body: &BodyMap| table(&bag, topic_of(body, tracking), Some(body));
     let bodies = tracking::read(tracking, &table_of)?;
     let log = JoinedLog { file: file.to_owned(), commands, tracking_file: file.to_owned(), bodies };
     join(vec![log], tracking, false, None)
@@ -32,252 +32,225 @@ fn topic_of<'a>(body: &'a BodyMap, map: &'a TrackingMap) -> &'a str {
     body.topic.as_deref().or(map.topic.as_deref()).unwrap_or_default()
 }
 
-/// A kind of message that can be read.
-struct MessageKind {
-    name: &'static str,
-    columns: TopicColumns,
-    read: fn(&mut CdrReader, &mut Row) -> Option<()>,
-}
-
-/// What one message holds.
-#[derive(Default)]
-struct Row {
-    stamp_ns: Option<i64>,
-    child: Option<String>,
-    numbers: Vec<(String, f64)>,
-}
-
-impl Row {
-    fn parts(&mut self, prefix: &str, parts: [&str; 4], numbers: &[f64]) {
-        self.numbers.extend(
-            parts.iter().zip(numbers).map(|(part, number)| (format!("{prefix}.{part}"), *number)),
-        );
-    }
-
-    /// A position, and an orientation beside it.
-    fn pose(&mut self, cdr: &mut CdrReader, [position, turn]: [&str; 2]) -> Option<()> {
-        self.parts(position, ["x", "y", "z", ""], &cdr.numbers::<3>()?);
-        self.parts(turn, ["x", "y", "z", "w"], &cdr.numbers::<4>()?);
-        Some(())
-    }
-}
-
 const STAMP: &str = "header.stamp";
 const LOG_TIME: &str = "log_time";
 const CHILD: &str = "child_frame_id";
+/// Names in a message, at most.
+const MAX_LISTED: usize = 12;
 
-const fn kind(
-    name: &'static str,
-    time: &'static str,
-    [position, orientation]: [Option<&'static str>; 2],
-    read: fn(&mut CdrReader, &mut Row) -> Option<()>,
-) -> MessageKind {
-    MessageKind { name, columns: TopicColumns { time, position, orientation }, read }
-}
-
-const POSE: [&str; 2] = ["pose.position", "pose.orientation"];
-const TRANSFORM: [&str; 2] = ["transform.translation", "transform.rotation"];
-const ODOMETRY: [&str; 2] = ["pose.pose.position", "pose.pose.orientation"];
-
-const fn both([position, turn]: [&'static str; 2]) -> [Option<&'static str>; 2] {
-    [Some(position), Some(turn)]
-}
-
-static KINDS: [MessageKind; 7] = [
-    kind("geometry_msgs/PoseStamped", STAMP, both(POSE), |cdr, row| {
-        row.stamp_ns = Some(cdr.header()?);
-        row.pose(cdr, POSE)
-    }),
-    kind("geometry_msgs/PointStamped", STAMP, [Some("point"), None], |cdr, row| {
-        row.stamp_ns = Some(cdr.header()?);
-        row.parts("point", ["x", "y", "z", ""], &cdr.numbers::<3>()?);
-        Some(())
-    }),
-    kind("geometry_msgs/TransformStamped", STAMP, both(TRANSFORM), transform),
-    // Read transform by transform.
-    kind("tf2_msgs/TFMessage", STAMP, both(TRANSFORM), transform),
-    kind("nav_msgs/Odometry", STAMP, both(ODOMETRY), |cdr, row| {
-        row.stamp_ns = Some(cdr.header()?);
-        row.child = Some(cdr.text()?);
-        row.pose(cdr, ODOMETRY)
-    }),
-    kind("sensor_msgs/JointState", STAMP, [None, None], |cdr, row| {
-        row.stamp_ns = Some(cdr.header()?);
-        let names = cdr.list(CdrReader::text)?;
-        for field in ["position", "velocity", "effort"] {
-            let numbers = cdr.list(CdrReader::f64)?;
-            row.numbers.extend(
-                names
-                    .iter()
-                    .zip(numbers)
-                    .map(|(name, number)| (format!("{field}[{name}]"), number)),
-            );
-        }
-        Some(())
-    }),
-    kind("std_msgs/Float64MultiArray", LOG_TIME, [None, None], |cdr, row| {
-        cdr.list(|cdr| Some((cdr.text()?, cdr.u32()?, cdr.u32()?)))?;
-        cdr.u32()?;
-        let numbers = cdr.list(CdrReader::f64)?;
-        row.numbers.extend(
-            numbers.into_iter().enumerate().map(|(k, number)| (format!("data[{k}]"), number)),
-        );
-        Some(())
-    }),
-];
-
-fn transform(cdr: &mut CdrReader, row: &mut Row) -> Option<()> {
-    row.stamp_ns = Some(cdr.header()?);
-    row.child = Some(cdr.text()?);
-    row.pose(cdr, TRANSFORM)
-}
-
-/// The rows of a message: one, or one a transform.
-fn rows(kind: &MessageKind, message: &BagMessage) -> Option<Vec<Row>> {
-    let mut cdr = CdrReader::new(&message.data)?;
-    let row = |cdr: &mut CdrReader| {
-        let mut row = Row::default();
-        (kind.read)(cdr, &mut row).map(|()| row)
-    };
-    if kind.name.starts_with("tf2") { cdr.list(row) } else { row(&mut cdr).map(|row| vec![row]) }
-}
-
-/// The names `a/msg/B` and `a/B` are one.
-fn plain(name: &str) -> String {
-    name.replacen("/msg/", "/", 1)
-}
+/// What positions are called in messages, and orientations beside them.
+const POSES: [[&str; 2]; 4] =
+    [["position", "orientation"], ["translation", "rotation"], ["point", ""], ["vector", ""]];
 
 fn refuse(bag: &Bag, topic: &str, found: String, expected: String) -> DataError {
     DataError::Line { file: bag.file.clone(), place: format!("topic `{topic}`"), found, expected }
 }
 
-/// The table of a topic; of one child frame where `child` is given.
+fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
+    let names: BTreeSet<&str> = names.into_iter().filter(|name| !name.is_empty()).collect();
+    let shown = names.iter().take(MAX_LISTED).map(|name| format!("`{name}`"));
+    let more = names.len().saturating_sub(MAX_LISTED);
+    let shown: Vec<String> = shown.chain((more > 0).then(|| format!("{more} more"))).collect();
+    if shown.is_empty() { "none".to_owned() } else { shown.join(", ") }
+}
+
+/// A message, or an item of one.
+struct Row<'a> {
+    /// Number of the message, from 1.
+    number: usize,
+    message: &'a BagMessage,
+    leaves: Leaves,
+    /// How many of the leaves are those of the item.
+    own: usize,
+}
+
+/// The table of a topic: of the messages, or of the items in them that are the child of `body`.
 ///
 /// # Errors
-/// [`DataError::Line`] for a topic that is not there, another kind of message, and a message that
-/// cannot be read.
-fn table(bag: &Bag, topic: &str, child: Option<&str>) -> Result<LogTable, DataError> {
+/// [`DataError::Line`] for a topic that is not there, messages without a definition or child, and a
+/// message that cannot be read.
+fn table(bag: &Bag, topic: &str, body: Option<&BodyMap>) -> Result<LogTable, DataError> {
     let Some(bag_topic) = bag.topics.get(topic) else {
-        let all: Vec<String> = bag.topics.keys().map(|name| format!("`{name}`")).collect();
+        let all = format!("one of {}", listed(bag.topics.keys().map(String::as_str)));
+        return Err(refuse(bag, topic, "no such topic".to_owned(), all));
+    };
+    let [kind] = &bag_topic.kinds[..] else {
+        let found = listed(bag_topic.kinds.iter().map(|kind| kind.name.as_str()));
         return Err(refuse(
             bag,
             topic,
-            "no such topic".to_owned(),
-            format!("one of {}", all.join(", ")),
+            format!("messages of types {found}"),
+            "one type".to_owned(),
         ));
     };
-    let readable = |(name, encoding): &(String, String)| {
-        KINDS.iter().find(|kind| kind.name == plain(name)).filter(|_| encoding == "cdr")
-    };
-    let kinds: Vec<&MessageKind> = bag_topic.kinds.iter().filter_map(readable).collect();
-    let [kind] = kinds[..] else {
-        let kinds: Vec<String> = bag_topic
-            .kinds
-            .iter()
-            .map(|(name, encoding)| format!("`{name}` in `{encoding}`"))
-            .collect();
-        let all: Vec<&str> = KINDS.iter().map(|kind| kind.name).collect();
-        let expected = format!("one of {} in `cdr`", all.join(", "));
-        return Err(refuse(
-            bag,
-            topic,
-            format!("messages of type {}", kinds.join(" and ")),
-            expected,
-        ));
-    };
-    let mut parsed: Vec<(usize, &BagMessage, Row)> = Vec::new();
-    for (number, message) in bag_topic.messages.iter().enumerate() {
-        let damaged = || {
-            let (found, expected) = (
-                format!("{} bytes in message {}", message.data.len(), number + 1),
-                kind.name.to_owned(),
-            );
-            refuse(bag, topic, found, expected)
+    let definition = MessageDefinition::of(kind).map_err(|found| {
+        let expected = "messages in `cdr` with their definition in `ros2msg`, as `ros2 bag record` \
+                        writes them";
+        refuse(bag, topic, found, expected.to_owned())
+    })?;
+    let mut rows: Vec<Row> = Vec::new();
+    let mut others: BTreeSet<String> = BTreeSet::new();
+    for (index, message) in bag_topic.messages.iter().enumerate() {
+        let value = definition.decode(&message.data).ok_or_else(|| {
+            let found = format!("{} bytes in message {}", message.data.len(), index + 1);
+            refuse(bag, topic, found, kind.name.clone())
+        })?;
+        let items = match body.and_then(|body| body.child.as_deref()) {
+            None => vec![&value],
+            Some(child) => items_named(&value, child),
         };
-        let rows = rows(kind, message).ok_or_else(damaged)?;
-        parsed.extend(rows.into_iter().map(|row| (number + 1, message, row)));
-    }
-    if let Some(child) = child {
-        let children: std::collections::BTreeSet<String> =
-            parsed.iter().filter_map(|(_, _, row)| row.child.clone()).collect();
-        parsed.retain(|(_, _, row)| row.child.as_deref() == Some(child));
-        if parsed.is_empty() {
-            let all: Vec<String> = children.iter().map(|name| format!("`{name}`")).collect();
-            return Err(refuse(
-                bag,
-                topic,
-                format!("no child frame `{child}`"),
-                format!("one of {}", all.join(", ")),
-            ));
+        if items.is_empty() {
+            others.extend(all_names(&value).into_iter().map(str::to_owned));
         }
-    } else if let Some(other) = parsed.iter().find(|(_, _, row)| row.child != parsed[0].2.child) {
-        let frames = [&parsed[0].2, &other.2].map(|row| row.child.clone().unwrap_or_default());
-        let found = format!("the child frames `{}` and `{}`", frames[0], frames[1]);
-        return Err(refuse(
-            bag,
-            topic,
-            found,
-            "one of them as `child` of the body in the map".to_owned(),
-        ));
+        rows.extend(items.into_iter().map(|item| {
+            let own = Leaves::of(item).0.len();
+            Row { number: index + 1, message, leaves: Leaves::of_item(item, &value), own }
+        }));
     }
-    if parsed.is_empty() {
+    if let (true, Some(child)) = (rows.is_empty(), body.and_then(|body| body.child.as_ref())) {
+        let expected = format!("one of {}", listed(others.iter().map(String::as_str)));
+        return Err(refuse(bag, topic, format!("no child `{child}`"), expected));
+    }
+    let Some(first) = rows.first() else {
         return Err(refuse(bag, topic, "no messages".to_owned(), "at least one".to_owned()));
+    };
+    let mut topic_columns = TopicColumns { time: time_of(&first.leaves), ..Default::default() };
+    if let Some(body) = body.filter(|body| body.position.is_none()) {
+        check_one_child(bag, topic, &rows, body)?;
+        [topic_columns.position, topic_columns.orientation] = pose_of(bag, topic, first)?;
     }
-    Ok(columns(bag, topic, kind, &parsed))
+    Ok(columns(bag, topic, topic_columns, &rows))
+}
+
+/// The time of a message that has several.
+fn time_of(leaves: &Leaves) -> String {
+    let is_time = |path: &&str| {
+        leaves.0.iter().any(|(known, leaf)| known == path && matches!(leaf, Leaf::Time(_)))
+    };
+    [STAMP, "stamp"].into_iter().find(is_time).unwrap_or(LOG_TIME).to_owned()
+}
+
+/// Refuses frames of several bodies that follow one another.
+fn check_one_child(bag: &Bag, topic: &str, rows: &[Row], body: &BodyMap) -> Result<(), DataError> {
+    let child = |row: &Row| row.leaves.0.iter().find(|(path, _)| path == CHILD).cloned();
+    let first = child(&rows[0]);
+    let other = rows.iter().map(child).find(|other| *other != first).flatten();
+    match (first, other) {
+        (Some((_, Leaf::Text(first))), Some((_, Leaf::Text(other))))
+            if body.conditions.is_empty() =>
+        {
+            let found = format!("the child frames `{first}` and `{other}`");
+            let expected = "one of them as `child` of the body in the map".to_owned();
+            Err(refuse(bag, topic, found, expected))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Prefixes of the position and the orientation of a message or an item of one that has one pose.
+fn pose_of(bag: &Bag, topic: &str, row: &Row) -> Result<[Option<String>; 2], DataError> {
+    let paths: BTreeSet<&str> =
+        row.leaves.0[..row.own].iter().map(|(path, _)| path.as_str()).collect();
+    let part = |stem: &str, axis: &str| {
+        if stem.is_empty() { axis.to_owned() } else { format!("{stem}.{axis}") }
+    };
+    let has = |stem: &str, axes: &[&str]| {
+        axes.iter().all(|axis| paths.contains(part(stem, axis).as_str()))
+    };
+    let stems = paths.iter().filter_map(|path| match path.strip_suffix('x')? {
+        "" => Some(""),
+        stem => stem.strip_suffix('.'),
+    });
+    let name_of = |stem: &str| stem.rsplit('.').next().unwrap_or_default().to_owned();
+    let is_position = |stem: &&str| {
+        let name = name_of(stem);
+        has(stem, &["x", "y", "z"])
+            && (stem.is_empty() || POSES.iter().any(|[position, _]| *position == name))
+    };
+    let positions: Vec<&str> = stems.filter(is_position).collect();
+    let outside_lists: Vec<&str> =
+        positions.iter().copied().filter(|stem| !stem.contains('[')).collect();
+    let [position] = outside_lists[..] else {
+        let found = format!("the positions {}", listed(positions.iter().copied()));
+        let expected = "one; `position` of the body in the map names three numbers, `child` the \
+                        item of a list";
+        return Err(refuse(bag, topic, found, expected.to_owned()));
+    };
+    let name = name_of(position);
+    let turn = POSES.iter().find(|[known, _]| *known == name).map_or("", |[_, turn]| turn);
+    let orientation = format!("{}{turn}", position.strip_suffix(&name).unwrap_or_default());
+    let has_turn = !turn.is_empty() && has(&orientation, &["x", "y", "z", "w"]);
+    Ok([Some(position.to_owned()), has_turn.then_some(orientation)])
+}
+
+/// The leaves of one path in all rows.
+fn cells(leaves: &[Option<&Leaf>]) -> Option<LogCells> {
+    match leaves.iter().flatten().next()? {
+        Leaf::Number(_) => {
+            let number = |leaf: &Option<&Leaf>| match leaf {
+                Some(Leaf::Number(number)) => *number,
+                _ => f64::NAN,
+            };
+            Some(LogCells::Numbers(leaves.iter().map(number).collect()))
+        }
+        Leaf::Text(_) => {
+            let text = |leaf: &Option<&Leaf>| match leaf {
+                Some(Leaf::Text(text)) => text.clone(),
+                _ => String::new(),
+            };
+            Some(LogCells::Text(leaves.iter().map(text).collect()))
+        }
+        Leaf::Time(_) => {
+            let time = |leaf: &Option<&Leaf>| match leaf {
+                Some(Leaf::Time(time_ns)) => Some(*time_ns),
+                _ => None,
+            };
+            leaves.iter().map(time).collect::<Option<_>>().map(LogCells::Nanoseconds)
+        }
+    }
 }
 
 /// The rows as columns; a number that a message lacks is not a number.
-fn columns(
-    bag: &Bag,
-    topic: &str,
-    kind: &MessageKind,
-    parsed: &[(usize, &BagMessage, Row)],
-) -> LogTable {
+fn columns(bag: &Bag, topic: &str, topic_columns: TopicColumns, rows: &[Row]) -> LogTable {
     let times = |time: fn(&BagMessage) -> u64| {
-        LogCells::Nanoseconds(parsed.iter().map(|(_, message, _)| time(message) as i64).collect())
+        LogCells::Nanoseconds(rows.iter().map(|row| time(row.message) as i64).collect())
     };
     let mut columns = vec![
         (LOG_TIME.to_owned(), times(|message| message.log_ns)),
         ("publish_time".to_owned(), times(|message| message.publish_ns)),
     ];
-    if parsed.iter().all(|(_, _, row)| row.stamp_ns.is_some()) {
-        let stamps = parsed.iter().filter_map(|(_, _, row)| row.stamp_ns).collect();
-        columns.push((STAMP.to_owned(), LogCells::Nanoseconds(stamps)));
-    }
-    if parsed.iter().all(|(_, _, row)| row.child.is_some()) {
-        let children = parsed.iter().filter_map(|(_, _, row)| row.child.clone()).collect();
-        columns.push((CHILD.to_owned(), LogCells::Text(children)));
-    }
-    let mut names: Vec<&str> = Vec::new();
-    let mut numbers: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
-    for (index, (_, _, row)) in parsed.iter().enumerate() {
-        for (name, number) in &row.numbers {
-            let cells = numbers.entry(name).or_insert_with(|| {
-                names.push(name);
-                vec![f64::NAN; parsed.len()]
+    let mut paths: Vec<&str> = Vec::new();
+    let mut by_path: BTreeMap<&str, Vec<Option<&Leaf>>> = BTreeMap::new();
+    for (place, row) in rows.iter().enumerate() {
+        for (path, leaf) in &row.leaves.0 {
+            let leaves = by_path.entry(path).or_insert_with(|| {
+                paths.push(path);
+                vec![None; rows.len()]
             });
-            cells[index] = *number;
+            // An item's own leaves stand before those of its message.
+            leaves[place].get_or_insert(leaf);
         }
     }
-    let filled = names
-        .iter()
-        .filter_map(|&name| Some((name.to_owned(), LogCells::Numbers(numbers.remove(name)?))));
+    let filled = paths.iter().filter_map(|&path| Some((path.to_owned(), cells(&by_path[path])?)));
     columns.extend(filled);
     LogTable {
         file: bag.file.clone(),
+        preamble: Vec::new(),
+        units: None,
         header: format!("topic `{topic}`"),
         named: true,
         columns,
-        rows: parsed.iter().map(|(number, ..)| *number).collect(),
+        rows: rows.iter().map(|row| row.number).collect(),
         row_word: format!("topic `{topic}`, message"),
-        topic: Some(kind.columns.clone()),
+        topic: Some(topic_columns),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::data::mcap::BagTopic;
+    use crate::data::import::mapped::time;
+    use crate::data::mcap::{BagTopic, MessageKind};
 
     /// A message in plain CDR, little-endian: what is aligned is aligned after the first four
     /// bytes.
@@ -316,14 +289,29 @@ mod tests {
         }
     }
 
+    /// A bag without definitions.
     fn bag(topic: &str, kind: &str, messages: Vec<Writer>) -> Bag {
+        defined_bag(topic, kind, "", messages)
+    }
+
+    fn defined_bag(topic: &str, kind: &str, definition: &str, messages: Vec<Writer>) -> Bag {
         let message = |(k, Writer(data)): (usize, Writer)| {
             let log_ns = 1_000 * k as u64;
             BagMessage { log_ns, publish_ns: log_ns + 1, data }
         };
         let messages = messages.into_iter().enumerate().map(message).collect();
-        let topic_of = BagTopic { kinds: vec![(kind.to_owned(), "cdr".to_owned())], messages };
+        let kind = MessageKind {
+            name: kind.to_owned(),
+            encoding: "cdr".to_owned(),
+            definition: definition.to_owned(),
+            definition_encoding: "ros2msg".to_owned(),
+        };
+        let topic_of = BagTopic { kinds: vec![kind], messages };
         Bag { file: "a.mcap".into(), topics: BTreeMap::from([(topic.to_owned(), topic_of)]) }
+    }
+
+    fn child(name: &str) -> BodyMap {
+        BodyMap { child: Some(name.to_owned()), ..BodyMap::default() }
     }
 
     fn number(table: &LogTable, name: &str, row: usize) -> Option<f64> {
@@ -353,7 +341,7 @@ mod tests {
             (table.own_time(), table.place(2)),
             ("header.stamp".to_owned(), "topic `/j`, message 3".to_owned())
         );
-        let stamps = commands::stamps(&table, None, "time").unwrap().ns;
+        let stamps = time::stamps(&table, None, "time").unwrap().ns;
         assert_eq!(stamps[0], 5_000_000_250);
     }
 
@@ -364,12 +352,95 @@ mod tests {
         };
         let both = transform(transform(Writer::new().u32(2), "base", 0.0), "tip", 0.1);
         let bag = bag("/tf", "tf2_msgs/msg/TFMessage", vec![both]);
-        let tip = table(&bag, "/tf", Some("tip")).unwrap();
+        let tip = table(&bag, "/tf", Some(&child("tip"))).unwrap();
         assert_eq!((tip.rows.len(), number(&tip, "transform.translation.x", 0)), (1, Some(0.1)));
         assert_eq!(number(&tip, "transform.rotation.w", 0), Some(0.8));
-        let said = |child| table(&bag, "/tf", child).unwrap_err().to_string();
-        assert!(said(Some("hand")).contains("one of `base`, `tip`"), "{}", said(Some("hand")));
-        assert!(said(None).contains("the child frames `base` and `tip`"), "{}", said(None));
+        assert_eq!(tip.own_pose().0.unwrap()[0].to_string(), "`transform.translation.x`");
+        let said = |body: &BodyMap| table(&bag, "/tf", Some(body)).unwrap_err().to_string();
+        let hand = said(&child("hand"));
+        assert!(hand.contains("no child `hand`, expected one of `base`, `tip`"), "{hand}");
+        let any = said(&BodyMap::default());
+        assert!(any.contains("the positions `transforms[0].transform.translation`"), "{any}");
+        // Without a child the whole message has paths to each of its items.
+        let whole = table(&bag, "/tf", None).unwrap();
+        assert_eq!(number(&whole, "transforms[tip].transform.translation.x", 0), Some(0.1));
+        assert_eq!(number(&whole, "transforms[0].transform.translation.x", 0), Some(0.0));
+    }
+
+    #[test]
+    fn frames_that_follow_one_another_are_refused() {
+        let frame = |name: &str| {
+            Writer::new().header(1, 0).text(name).numbers(&[0.1, 2.0, 3.0, 0.0, 0.0, 0.6, 0.8])
+        };
+        let kind = "geometry_msgs/msg/TransformStamped";
+        let bag = bag("/mocap", kind, vec![frame("base"), frame("tip")]);
+        let said = table(&bag, "/mocap", Some(&BodyMap::default())).unwrap_err().to_string();
+        assert!(said.contains("the child frames `base` and `tip`"), "{said}");
+        assert_eq!(table(&bag, "/mocap", Some(&child("tip"))).unwrap().rows, [2]);
+    }
+
+    #[test]
+    fn messages_of_a_laboratory_are_read_by_their_definition() {
+        let definition = "# Poses.\nuint8 KIND=3\nstd_msgs/Header header\nbool ok\n\
+                          Body[] bodies # all of them\nint16[2] counts\nfloat32[<=4] volts\n\
+                          string<=8[] motors\nfloat32[] currents\n\
+                          ====================\nMSG: lab_msgs/Body\nstring label\nuint32 id\n\
+                          geometry_msgs/Point position\n====================\n\
+                          MSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n\
+                          ====================\nMSG: builtin_interfaces/Time\nint32 sec\n\
+                          uint32 nanosec\n====================\n\
+                          MSG: geometry_msgs/Point\nfloat64 x\nfloat64 y\nfloat64 z\n";
+        let body = |writer: Writer, name: &str, id: u32, x: f64| {
+            writer.text(name).u32(id).numbers(&[x, 0.0, 0.2])
+        };
+        let start = Writer::new().header(7, 5).aligned(&[1]).u32(2);
+        let bodies = body(body(start, "base", 1, 0.5), "tip", 2, 0.75);
+        let counts = bodies.aligned(&(-3_i16).to_le_bytes()).aligned(&9_i16.to_le_bytes());
+        let volts = counts.u32(1).aligned(&1.5_f32.to_le_bytes());
+        let motors = volts.u32(2).text("m1").text("m2");
+        let message =
+            motors.u32(2).aligned(&0.25_f32.to_le_bytes()).aligned(&0.5_f32.to_le_bytes());
+        let bag = defined_bag("/lab", "lab_msgs/msg/Bodies", definition, vec![message]);
+        let whole = table(&bag, "/lab", None).unwrap();
+        for (path, value) in [
+            ("ok", 1.0),
+            ("bodies[tip].position.x", 0.75),
+            ("bodies[0].position.x", 0.5),
+            ("bodies[base].id", 1.0),
+            ("counts[0]", -3.0),
+            ("volts[0]", 1.5),
+            ("currents[m2]", 0.5),
+            ("currents[0]", 0.25),
+        ] {
+            assert_eq!(number(&whole, path, 0), Some(value), "{path}");
+        }
+        let tip = table(&bag, "/lab", Some(&child("tip"))).unwrap();
+        assert_eq!(
+            (tip.own_time(), number(&tip, "position.x", 0)),
+            ("header.stamp".into(), Some(0.75))
+        );
+        assert_eq!(
+            tip.own_pose(),
+            (
+                Some(["x", "y", "z"].map(|axis| {
+                    super::super::columns::ColumnName::Name(format!("position.{axis}"))
+                })),
+                None
+            )
+        );
+        let unknown = defined_bag("/lab", "lab_msgs/msg/Bodies", "", vec![Writer::new()]);
+        let said = table(&unknown, "/lab", None).unwrap_err().to_string();
+        assert!(said.contains("whose definition is not in the bag"), "{said}");
+    }
+
+    #[test]
+    fn a_stamp_that_nobody_has_set_names_the_time_of_recording() {
+        let point = Writer::new().header(0, 0).numbers(&[0.1, 0.2, 0.3]);
+        let bag = bag("/p", "geometry_msgs/msg/PointStamped", vec![point]);
+        let table = table(&bag, "/p", Some(&BodyMap::default())).unwrap();
+        let said = time::stamps(&table, None, "tracking.time").map(|_| ()).unwrap_err().to_string();
+        assert!(said.contains("column `header.stamp`: found `0`, expected a time that was set"));
+        assert!(said.contains("`time: {column: log_time, unit: ns}`"), "{said}");
     }
 
     #[test]
@@ -399,7 +470,7 @@ mod tests {
         assert!(table(&whole, "/d", None).unwrap_err().to_string().contains("one of `/c`"));
         let image = bag("/c", "sensor_msgs/msg/Image", vec![Writer::new()]);
         let said = table(&image, "/c", None).unwrap_err().to_string();
-        assert!(said.contains("messages of type `sensor_msgs/msg/Image` in `cdr`"), "{said}");
+        assert!(said.contains("messages of type `sensor_msgs/Image`, whose definition"), "{said}");
         // A count that the message has no room for.
         let huge = bag(
             "/c",

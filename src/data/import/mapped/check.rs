@@ -2,11 +2,11 @@
 
 use super::iso8601::zone_s;
 use super::map::{
-    BodyMap, ClockMap, CommandsMap, DriveMap, ImportMap, OffsetRange, TendonMeasure, TendonsMap,
-    TextFormat, TimeColumn, TrackingMap, TrialFilesMap,
+    BodyMap, ClockMap, CommandsMap, DriveMap, FrameRate, ImportMap, OffsetRange, TendonMeasure,
+    TendonsMap, TextFormat, TimeMap, TrackingMap, TrialFilesMap,
 };
 use super::trial_files::{LogFiles, TRIAL};
-use super::units::{CommandKind, CommandUnit, TimeUnit};
+use super::units::{CommandKind, TimeUnit};
 use crate::base::BadOption;
 use crate::data::import::Axes;
 
@@ -49,7 +49,17 @@ impl ImportMap {
         let Some(tracking) = &self.tracking else { return Ok(()) };
         tracking.check(source)?;
         let same_file = tracking.file_of(source) == self.commands.file;
-        if matches!(source, SourceKind::Text { .. }) && tracking.time.is_none() {
+        let is_text = matches!(source, SourceKind::Text { .. });
+        if is_text && self.commands.time.is_none() && tracking.time.is_some() {
+            let expected = "times of the commands, as the tracking has some";
+            return Err(fault("commands", "time", "no such key", expected));
+        }
+        if is_text && tracking.time.is_none() {
+            let chosen = tracking.bodies().find(|(_, body)| !body.conditions.is_empty());
+            if let Some((path, _)) = chosen {
+                let expected = "`tracking.time` beside it: rows that are chosen have times";
+                return Err(fault(&path, "where", "such a key", expected));
+            }
             if !same_file {
                 let expected = "the column of times, as the commands are in another file";
                 return Err(fault("tracking", "time", "no such key", expected));
@@ -131,8 +141,27 @@ impl TrialFilesMap {
     }
 }
 
-impl TimeColumn {
+impl TimeMap {
     fn check(&self, path: &str) -> Result<(), Fault> {
+        let ways = [self.column.is_some(), !self.sum.is_empty()];
+        match (ways, &self.rate_hz) {
+            ([true, true], _) => {
+                return Err(fault(path, "sum", "`column` and `sum`", "one of the two"));
+            }
+            ([_, true], Some(_)) => {
+                return Err(fault(path, "sum", "`rate_hz` and `sum`", "one of the two"));
+            }
+            ([false, false], None) => {
+                let expected = "the column of times, or `sum`, or `rate_hz`";
+                return Err(fault(path, "column", "no such key", expected));
+            }
+            _ => {}
+        }
+        self.check_frames(path)?;
+        if let Some(part) = self.sum.iter().find(|part| part.unit == TimeUnit::Iso8601) {
+            let expected = "times that can be added; dates stand in one column";
+            return Err(fault(path, "sum", format!("{} as a date", part.column), expected));
+        }
         match &self.zone {
             Some(zone) if self.unit != TimeUnit::Iso8601 => Err(fault(
                 path,
@@ -146,6 +175,22 @@ impl TimeColumn {
                 format!("`{zone}`"),
                 "`Z`, or hours and minutes ahead of UTC such as `+01:00`",
             )),
+            _ => Ok(()),
+        }
+    }
+
+    fn check_frames(&self, path: &str) -> Result<(), Fault> {
+        match self.rate_hz {
+            Some(FrameRate::Hz(rate_hz)) if !(rate_hz.is_finite() && rate_hz > 0.0) => {
+                Err(fault(path, "rate_hz", rate_hz.to_string(), "frames a second, above 0"))
+            }
+            Some(_) if self.unit != TimeUnit::S => {
+                let expected = "no such key beside `rate_hz`: frames are counted";
+                Err(fault(path, "unit", "such a key", expected))
+            }
+            None if self.first_frame.is_some() => {
+                Err(fault(path, "first_frame", "such a key", "`rate_hz` beside it"))
+            }
             _ => Ok(()),
         }
     }
@@ -167,12 +212,16 @@ impl TextFormat {
                 "another character than the delimiter",
             ));
         }
-        match &self.comment {
-            Some(mark) if mark.trim().is_empty() => {
-                Err(fault(path, "comment", format!("`{mark}`"), "a character or word"))
+        for (key, mark) in [("comment", &self.comment), ("block", &self.block)] {
+            if let Some(mark) = mark.as_ref().filter(|mark| mark.trim().is_empty()) {
+                return Err(fault(path, key, format!("`{mark}`"), "a character or word"));
             }
-            _ => Ok(()),
         }
+        if self.header_lines == 0 {
+            let expected = "lines of the header, 1 or more (`header: false` where there is none)";
+            return Err(fault(path, "header_lines", "0", expected));
+        }
+        Ok(())
     }
 }
 
@@ -220,12 +269,13 @@ impl CommandsMap {
         if let Some(text) = &self.text {
             text.check("commands.text")?;
         }
-        match &self.time {
-            Some(time) => time.check("commands.time")?,
-            None if source == SourceKind::Bag => {}
-            None => return Err(fault(PATH, "time", "no such key", "the column of times")),
+        if let Some(time) = &self.time {
+            time.check("commands.time")?;
         }
         if let Some(gap_s) = self.trial_gap_s {
+            if self.time.is_none() && source != SourceKind::Bag {
+                return Err(fault(PATH, "time", "no such key", "times, of which gaps are told"));
+            }
             BadOption::unless_positive("trial_gap_s", gap_s)
                 .map_err(|error| (PATH.to_owned(), error))?;
             if self.trial.is_some() {
@@ -315,7 +365,7 @@ impl DriveMap {
                 return Err(fault(
                     &path,
                     "unit",
-                    unit_word(self.unit),
+                    self.unit.word(),
                     "a unit of length, of angle, or counts",
                 ));
             }
@@ -339,10 +389,6 @@ impl DriveMap {
             _ => Ok(()),
         }
     }
-}
-
-fn unit_word(unit: CommandUnit) -> String {
-    format!("`{}`", format!("{unit:?}").to_lowercase())
 }
 
 impl TrackingMap {
@@ -436,6 +482,12 @@ impl ClockMap {
                 "tracking.clock",
                 "offset_s",
                 offset_s.to_string(),
+                "seconds, a finite number",
+            )),
+            ClockMap::FirstRowAfterS(after_s) if !after_s.is_finite() => Err(fault(
+                "tracking.clock",
+                "first_row_after_s",
+                after_s.to_string(),
                 "seconds, a finite number",
             )),
             ClockMap::Estimate(OffsetRange { from_s, to_s, dead_time_s }) => {

@@ -1,19 +1,21 @@
 //! Columns of other people's tables, by name or number.
 
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 use std::fmt;
 use std::path::PathBuf;
 
 use serde::de::{self, Deserializer, Visitor};
 use serde::{Deserialize, Serialize};
 
-use super::iso8601::IsoTime;
-use super::units::TimeUnit;
+use super::iso8601::{IsoTime, time_of_day_ns};
+use super::map::RowConditions;
+use super::units::{LengthUnit, TimeUnit};
 use crate::data::DataError;
 use crate::data::error::shown;
 
 /// A column of a table: its name, or its number counted from 1.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(untagged)]
 pub enum ColumnName {
     /// By the header, or the field of a message.
@@ -92,6 +94,10 @@ pub(crate) enum LogCells {
 pub(crate) struct LogTable {
     /// The file.
     pub(crate) file: PathBuf,
+    /// Lines before the header, with their cells.
+    pub(crate) preamble: Vec<(usize, Vec<String>)>,
+    /// Units in the line after the header, one a column, with that line's number.
+    pub(crate) units: Option<(usize, Vec<String>)>,
     /// Where the header stands: `line 3`, or the topic.
     pub(crate) header: String,
     /// Whether columns have names.
@@ -110,11 +116,11 @@ pub(crate) struct LogTable {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct TopicColumns {
     /// The time.
-    pub(crate) time: &'static str,
+    pub(crate) time: String,
     /// Prefix of a position's x, y and z, for messages with a pose.
-    pub(crate) position: Option<&'static str>,
+    pub(crate) position: Option<String>,
     /// Prefix of an orientation's w, x, y and z.
-    pub(crate) orientation: Option<&'static str>,
+    pub(crate) orientation: Option<String>,
 }
 
 /// Most names in a message.
@@ -133,17 +139,23 @@ impl LogTable {
 
     /// The column of a message's own time.
     pub(crate) fn own_time(&self) -> String {
-        self.topic.as_ref().map_or(String::new(), |topic| topic.time.to_owned())
+        self.topic.as_ref().map_or(String::new(), |topic| topic.time.clone())
     }
 
     /// The columns of a message's own position and orientation (w, x, y, z).
     pub(crate) fn own_pose(&self) -> (Option<[ColumnName; 3]>, Option<[ColumnName; 4]>) {
-        let part = |prefix: &str, axis: &str| ColumnName::Name(format!("{prefix}.{axis}"));
+        let part = |prefix: &str, axis: &str| {
+            ColumnName::Name(if prefix.is_empty() {
+                axis.to_owned()
+            } else {
+                format!("{prefix}.{axis}")
+            })
+        };
         let topic = self.topic.as_ref();
         let position = topic
-            .and_then(|topic| topic.position)
+            .and_then(|topic| topic.position.as_deref())
             .map(|prefix| ["x", "y", "z"].map(|axis| part(prefix, axis)));
-        let orientation = topic.and_then(|topic| topic.orientation);
+        let orientation = topic.and_then(|topic| topic.orientation.as_deref());
         (position, orientation.map(|prefix| ["w", "x", "y", "z"].map(|axis| part(prefix, axis))))
     }
 
@@ -153,7 +165,11 @@ impl LogTable {
     /// [`DataError::Line`] when there is no such column, or several.
     pub(crate) fn column(&self, name: &ColumnName, key: &str) -> Result<usize, DataError> {
         let refuse = |found: String| {
-            let expected = format!("the column {name} that `{key}` of the map names");
+            let expected = if key.contains(' ') {
+                format!("the column {name} of {key}")
+            } else {
+                format!("the column {name} that `{key}` of the map names")
+            };
             Err(DataError::Line {
                 file: self.file.clone(),
                 place: self.header.clone(),
@@ -183,6 +199,141 @@ impl LogTable {
                 }
             }
         }
+    }
+
+    /// The rows that meet all conditions; all rows where there are none. `key`: the map's key of the
+    /// conditions.
+    ///
+    /// # Errors
+    /// [`DataError::Line`] when there are none, with what stands in the column.
+    pub(crate) fn rows_where(
+        &self,
+        conditions: &RowConditions,
+        key: &str,
+    ) -> Result<Cow<'_, LogTable>, DataError> {
+        let mut chosen: Vec<usize> = (0..self.rows.len()).collect();
+        for (name, value) in conditions {
+            let column = self.column(name, key)?;
+            let before: BTreeSet<String> =
+                chosen.iter().map(|&row| self.text(column, row).into_owned()).collect();
+            chosen.retain(|&row| value.is_in(&self.text(column, row)));
+            if chosen.is_empty() {
+                let listed = before.iter().take(MAX_LISTED).map(|cell| shown(cell));
+                return Err(DataError::Line {
+                    file: self.file.clone(),
+                    place: format!("column {name}"),
+                    found: format!("only {}", listed.collect::<Vec<String>>().join(", ")),
+                    expected: format!("rows with {value}, as `{key}` of the map says"),
+                });
+            }
+        }
+        if conditions.is_empty() {
+            return Ok(Cow::Borrowed(self));
+        }
+        Ok(Cow::Owned(self.select(&chosen)))
+    }
+
+    /// Some of the rows.
+    pub(crate) fn select(&self, rows: &[usize]) -> LogTable {
+        fn of<T: Clone>(cells: &[T], rows: &[usize]) -> Vec<T> {
+            rows.iter().map(|&row| cells[row].clone()).collect()
+        }
+        let columns = self.columns.iter().map(|(name, cells)| {
+            let cells = match cells {
+                LogCells::Text(cells) => LogCells::Text(of(cells, rows)),
+                LogCells::Numbers(cells) => LogCells::Numbers(of(cells, rows)),
+                LogCells::Nanoseconds(cells) => LogCells::Nanoseconds(of(cells, rows)),
+            };
+            (name.clone(), cells)
+        });
+        LogTable {
+            file: self.file.clone(),
+            preamble: self.preamble.clone(),
+            units: self.units.clone(),
+            header: self.header.clone(),
+            named: self.named,
+            columns: columns.collect(),
+            rows: of(&self.rows, rows),
+            row_word: self.row_word.clone(),
+            topic: self.topic.clone(),
+        }
+    }
+
+    /// The first number after the cell `word` in the lines before the header: further right, or at
+    /// the beginning of the next line.
+    ///
+    /// # Errors
+    /// [`DataError::Line`] when there is none above 0.
+    pub(crate) fn number_in_preamble(&self, word: &str, key: &str) -> Result<f64, DataError> {
+        let is_word = |cell: &String| cell.trim_end_matches(':').eq_ignore_ascii_case(word);
+        let number_after = |line: usize| {
+            let cells = &self.preamble[line].1;
+            let place = cells.iter().position(is_word)?;
+            let below = self.preamble.get(line + 1).and_then(|(_, cells)| cells.first());
+            Some(cells[place + 1..].iter().chain(below).find_map(|cell| cell.parse::<f64>().ok()))
+        };
+        let found = (0..self.preamble.len()).find_map(number_after);
+        match found {
+            Some(Some(number)) if number.is_finite() && number > 0.0 => Ok(number),
+            _ => Err(DataError::Line {
+                file: self.file.clone(),
+                place: format!("the lines before the header ({})", self.header),
+                found: match found {
+                    None => format!("no cell `{word}`"),
+                    Some(None) => format!("no number after `{word}`"),
+                    Some(Some(number)) => format!("{number} after `{word}`"),
+                },
+                expected: format!("the rate that `{key}` of the map names, a number above 0"),
+            }),
+        }
+    }
+
+    /// Refuses columns whose unit in the file is another than the map's, `units` in the words of
+    /// files and `told` in that of the map.
+    pub(crate) fn check_units(
+        &self,
+        columns: &[usize],
+        units: &[&str],
+        told: &str,
+    ) -> Result<(), DataError> {
+        let Some((line, written)) = &self.units else { return Ok(()) };
+        for &column in columns {
+            let unit = written[column].trim().trim_matches(['[', ']', '(', ')']);
+            if !unit.is_empty() && !units.iter().any(|known| unit.eq_ignore_ascii_case(known)) {
+                return Err(DataError::Cell {
+                    file: self.file.clone(),
+                    place: format!("line {line}"),
+                    column: self.columns[column].0.clone(),
+                    found: format!("the unit {}", shown(unit)),
+                    expected: format!("{told} of the map"),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// The column of this name. Errors as [`LogTable::column`].
+    pub(crate) fn column_named(&self, name: &str) -> Result<usize, DataError> {
+        self.column(&ColumnName::Name(name.to_owned()), "the format")
+    }
+
+    /// Metres in the unit that the file writes for a column.
+    ///
+    /// # Errors
+    /// [`DataError::Cell`] for another text than a unit of length.
+    pub(crate) fn length_unit_m(&self, column: usize) -> Result<f64, DataError> {
+        let (line, written) =
+            self.units.as_ref().map_or((0, ""), |(line, units)| (*line, units[column].as_str()));
+        let unit = LengthUnit::ALL
+            .into_iter()
+            .find(|unit| unit.of_commands().spellings().contains(&written.trim()));
+        unit.map(LengthUnit::metres).ok_or_else(|| DataError::Cell {
+            file: self.file.clone(),
+            place: format!("line {line}"),
+            column: self.columns[column].0.clone(),
+            found: format!("the unit {}", shown(written)),
+            expected: "a unit of length: m, cm, mm, um or in".to_owned(),
+        })
     }
 
     /// The text of a cell.
@@ -242,6 +393,10 @@ impl LogTable {
             let is_date = IsoTime::parse(&self.text(column, row)).is_some();
             let hint = if is_date {
                 "`unit: iso8601` for dates"
+            } else if time_of_day_ns(&self.text(column, row)).is_some() {
+                "`unit: time_of_day` for times of day"
+            } else if unit == TimeUnit::TimeOfDay {
+                return self.wrong(column, row, "a time of day, such as 09:59:59.600");
             } else {
                 "its decimal sign is `text.decimal` of the map"
             };
@@ -254,8 +409,14 @@ impl LogTable {
     /// # Errors
     /// [`DataError::Cell`] when it is none.
     pub(crate) fn iso_time(&self, column: usize, row: usize) -> Result<IsoTime, DataError> {
-        let expected = "a date and time, such as 2024-03-01T10:15:30.25+01:00";
-        IsoTime::parse(&self.text(column, row)).ok_or_else(|| self.wrong(column, row, expected))
+        let text = self.text(column, row);
+        let expected = if time_of_day_ns(&text).is_some() {
+            "a date and time, such as 2024-03-01T10:15:30.25+01:00 (`unit: time_of_day` for times \
+             without a date)"
+        } else {
+            "a date and time, such as 2024-03-01T10:15:30.25+01:00"
+        };
+        IsoTime::parse(&text).ok_or_else(|| self.wrong(column, row, expected))
     }
 
     /// The error for a cell.
@@ -265,7 +426,18 @@ impl LogTable {
         row: usize,
         expected: impl Into<String>,
     ) -> DataError {
-        let found = shown(&self.text(column, row));
+        self.wrong_as(column, row, None, expected)
+    }
+
+    /// As [`LogTable::wrong`], with what was found in place of the cell's text.
+    pub(crate) fn wrong_as(
+        &self,
+        column: usize,
+        row: usize,
+        found: Option<String>,
+        expected: impl Into<String>,
+    ) -> DataError {
+        let found = found.unwrap_or_else(|| shown(&self.text(column, row)));
         let (place, column) = (self.place(row), self.columns[column].0.clone());
         DataError::Cell { file: self.file.clone(), place, column, found, expected: expected.into() }
     }

@@ -1,9 +1,9 @@
 //! Commands of a table.
 
 use super::columns::{ColumnName, LogTable};
-use super::iso8601::zone_s;
-use super::map::{CommandsMap, DriveMap, TendonMeasure, TendonsMap, TimeColumn, ZeroAt};
-use super::units::{CommandKind, TimeUnit};
+use super::map::{CommandsMap, DriveMap, RepeatedStamps, TendonMeasure, TendonsMap, ZeroAt};
+use super::time::{self, NS, Stamps};
+use super::units::{CommandKind, CommandUnit};
 use crate::base::Rows;
 use crate::data::recording::{DriveTrack, DriveUnit, Extra};
 use crate::data::{Actuation, DataError, Recording};
@@ -16,76 +16,36 @@ pub(crate) struct TimedCommands {
     pub(crate) stamps_ns: Vec<i64>,
     /// Whether the times were dates, and then whether in a known zone.
     pub(crate) is_zoned: Option<bool>,
+    /// Rows that a later one at the same time has replaced.
+    pub(crate) repeated: usize,
+    /// Whether the rows are poses at rest, without times.
+    pub(crate) at_rest: bool,
 }
-
-/// Nanoseconds in a second.
-pub(crate) const NS: f64 = 1e9;
 
 /// Column with the name or number of a trial that is told by a name.
 pub(crate) const TRIAL_NAME: &str = "trial_name";
 
-/// Times of all rows of a table.
-pub(crate) struct Stamps {
-    /// Their column.
-    pub(crate) column: usize,
-    /// Nanoseconds.
-    pub(crate) ns: Vec<i64>,
-    /// Whether the times are dates, and then whether in a known zone.
-    pub(crate) is_zoned: Option<bool>,
-}
-
-/// Reads the times of all rows.
-///
-/// # Errors
-/// [`DataError`] names file, line and column.
-pub(crate) fn stamps(
-    table: &LogTable,
-    time: Option<&TimeColumn>,
-    key: &str,
-) -> Result<Stamps, DataError> {
-    let topic_time =
-        TimeColumn { column: ColumnName::Name(table.own_time()), unit: TimeUnit::Ns, zone: None };
-    let time = time.unwrap_or(&topic_time);
-    let column = table.column(&time.column, key)?;
-    let rows = 0..table.rows.len();
-    if time.unit != TimeUnit::Iso8601 {
-        let ns =
-            rows.map(|row| table.nanoseconds(column, row, time.unit)).collect::<Result<_, _>>()?;
-        return Ok(Stamps { column, ns, is_zoned: None });
-    }
-    // The check of the map has read the zone.
-    let map_zone_s = time.zone.as_deref().and_then(zone_s);
-    let mut ns = Vec::with_capacity(table.rows.len());
-    let mut all_zoned = None;
-    for row in rows {
-        let time_of_row = table.iso_time(column, row)?;
-        let is_zoned = time_of_row.is_zoned() || map_zone_s.is_some();
-        if *all_zoned.get_or_insert(is_zoned) != is_zoned {
-            let with = if is_zoned { "without" } else { "with" };
-            return Err(table.wrong(
-                column,
-                row,
-                format!("a time {with} a zone as in the rows before, or `zone` in the map"),
-            ));
-        }
-        let expected = "a date from 1678 to 2261";
-        ns.push(
-            time_of_row
-                .utc_ns(map_zone_s.unwrap_or(0))
-                .ok_or_else(|| table.wrong(column, row, expected))?,
-        );
-    }
-    Ok(Stamps { column, ns, is_zoned: all_zoned })
-}
+/// Time between poses at rest, which have no times.
+const AT_REST_STEP_NS: i64 = NS as i64;
 
 /// Reads the commands.
 ///
 /// # Errors
 /// [`DataError`] names file, line and column.
 pub(crate) fn read(table: &LogTable, map: &CommandsMap) -> Result<TimedCommands, DataError> {
-    let Stamps { column: time, ns: stamps_ns, is_zoned } =
-        stamps(table, map.time.as_ref(), "commands.time.column")?;
-    let (trial, trial_names) = trials(table, map, &stamps_ns)?;
+    let chosen = table.rows_where(&map.conditions, "commands.where")?;
+    let mut table: &LogTable = &chosen;
+    let mut stamps = row_stamps(table, map)?;
+    let last_rows;
+    let mut repeated = 0;
+    if map.repeated == RepeatedStamps::Last {
+        let kept = last_of_each_time(table, map, &stamps.ns)?;
+        repeated = table.rows.len() - kept.len();
+        last_rows = table.select(&kept);
+        table = &last_rows;
+        stamps = row_stamps(table, map)?;
+    }
+    let (trial, trial_names) = trials(table, map, &stamps.ns)?;
     let rows = table.rows.len();
     let starts: Vec<usize> = {
         let mut start = 0;
@@ -97,15 +57,8 @@ pub(crate) fn read(table: &LogTable, map: &CommandsMap) -> Result<TimedCommands,
         };
         (0..rows).map(begin).collect()
     };
-    for row in (0..rows).filter(|&row| starts[row] != row) {
-        if stamps_ns[row] <= stamps_ns[row - 1] {
-            return Err(table.wrong(
-                time,
-                row,
-                "a later time than in the row before: time increases in a trial",
-            ));
-        }
-    }
+    check_order(table, &stamps, &starts)?;
+    let Stamps { ns: stamps_ns, is_zoned, .. } = stamps;
     let mut recording = Recording::new(Actuation::Lengths, 0);
     recording.time_s =
         (0..rows).map(|row| (stamps_ns[row] - stamps_ns[starts[row]]) as f64 / NS).collect();
@@ -131,7 +84,54 @@ pub(crate) fn read(table: &LogTable, map: &CommandsMap) -> Result<TimedCommands,
     if let Some(names) = trial_names {
         recording.extra.push((TRIAL_NAME.to_owned(), Extra::Text(names)));
     }
-    Ok(TimedCommands { recording, stamps_ns, is_zoned })
+    let at_rest = has_no_times(table, map);
+    Ok(TimedCommands { recording, stamps_ns, is_zoned, repeated, at_rest })
+}
+
+/// Whether the rows are poses at rest.
+fn has_no_times(table: &LogTable, map: &CommandsMap) -> bool {
+    map.time.is_none() && !table.is_topic()
+}
+
+/// Times of the rows; of poses at rest a second apart.
+fn row_stamps(table: &LogTable, map: &CommandsMap) -> Result<Stamps, DataError> {
+    if has_no_times(table, map) {
+        return Ok(Stamps::of_rows(table, AT_REST_STEP_NS));
+    }
+    time::stamps(table, map.time.as_ref(), "commands.time")
+}
+
+/// The rows without those after which another row of their trial has the same time.
+fn last_of_each_time(
+    table: &LogTable,
+    map: &CommandsMap,
+    ns: &[i64],
+) -> Result<Vec<usize>, DataError> {
+    let trial = map.trial.as_ref().map(|name| table.column(name, "commands.trial")).transpose()?;
+    let same_trial =
+        |row: usize| trial.is_none_or(|trial| table.text(trial, row) == table.text(trial, row + 1));
+    let is_last = |row: &usize| row + 1 == ns.len() || ns[*row] != ns[row + 1] || !same_trial(*row);
+    Ok((0..ns.len()).filter(is_last).collect())
+}
+
+/// Refuses times that do not increase in a trial.
+fn check_order(table: &LogTable, stamps: &Stamps, starts: &[usize]) -> Result<(), DataError> {
+    for row in (0..starts.len()).filter(|&row| starts[row] != row) {
+        let (before_ns, ns) = (stamps.ns[row - 1], stamps.ns[row]);
+        if ns == before_ns {
+            let expected = format!(
+                "a later time than in {} (with `commands.repeated: last` of the map the last row \
+                 of a time counts)",
+                table.place(row - 1)
+            );
+            return Err(stamps.wrong(table, row, None, expected));
+        }
+        if ns < before_ns {
+            let expected = "a later time than in the row before: time increases in a trial";
+            return Err(stamps.wrong(table, row, None, expected));
+        }
+    }
+    Ok(())
 }
 
 /// Numbers of the trial of each row, and names where the trials have names.
@@ -208,9 +208,15 @@ impl Home<'_> {
     }
 }
 
-/// The finite numbers of a column.
-fn numbers(table: &LogTable, name: &ColumnName, key: &str) -> Result<Vec<f64>, DataError> {
+/// The finite numbers of a column in a unit.
+fn numbers(
+    table: &LogTable,
+    name: &ColumnName,
+    key: &str,
+    unit: CommandUnit,
+) -> Result<Vec<f64>, DataError> {
     let column = table.column(name, key)?;
+    table.check_units(&[column], unit.spellings(), &format!("{} as `unit`", unit.word()))?;
     (0..table.rows.len()).map(|row| table.finite(column, row)).collect()
 }
 
@@ -225,7 +231,7 @@ fn tendon_rows(
     let sign = if map.measure == TendonMeasure::Pulled { 1.0 } else { -1.0 };
     let mut columns = Vec::new();
     for (tendon, name) in map.columns.iter().enumerate() {
-        let numbers = numbers(table, name, "commands.tendons.columns")?;
+        let numbers = numbers(table, name, "commands.tendons.columns", map.unit)?;
         let home_number = map.home.as_ref().map(|home| home[tendon]);
         let home = Home { zero: map.zero.unwrap_or(default_zero), home_number, starts };
         let scale = map
@@ -253,7 +259,7 @@ fn drive_track(
     starts: &[usize],
 ) -> Result<DriveTrack, DataError> {
     let (kind, factor) = map.unit.factor();
-    let numbers = numbers(table, &map.column, &format!("commands.drives.{name}.column"))?;
+    let numbers = numbers(table, &map.column, &format!("commands.drives.{name}.column"), map.unit)?;
     let home = Home { zero: map.zero, home_number: map.home, starts };
     let scale = factor * map.scale.unwrap_or(1.0);
     let displacement = (0..numbers.len())

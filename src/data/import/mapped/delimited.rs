@@ -16,43 +16,45 @@ pub(crate) fn read(path: &Path, format: &TextFormat) -> Result<LogTable, DataErr
     parse(path, &file::read(path)?, format)
 }
 
-fn parse(path: &Path, bytes: &[u8], format: &TextFormat) -> Result<LogTable, DataError> {
+/// Reads the bytes of a file. Errors as [`read`].
+pub(crate) fn parse(path: &Path, bytes: &[u8], format: &TextFormat) -> Result<LogTable, DataError> {
     let text = csv::decode(path, bytes)?;
-    let is_comment = |line: &str| {
-        line.trim().is_empty()
-            || format
-                .comment
-                .as_ref()
-                .is_some_and(|mark| line.trim_start().starts_with(mark.as_str()))
-    };
-    let lines =
-        text.lines().enumerate().skip(format.skip_lines).filter(|(_, line)| !is_comment(line));
-    let mut lines = lines.map(|(index, line)| split(path, index + 1, line, format)).peekable();
-    let Some(first) = lines.peek() else {
+    let mut lines = TableLines::new(path, &text, format)?;
+    let preamble = lines.preamble()?;
+    let Some(first) = lines.next() else {
         let expected = "a header and at least one row";
         return Err(DataError::Empty { file: path.to_owned(), found: "no such lines", expected });
     };
-    let (header, mut names) = first.clone()?;
+    let mut first = first?;
+    let header = first.0;
+    let mut data_line = None;
     if format.header {
-        lines.next();
+        for _ in 1..format.header_lines {
+            let lower = lines.next().transpose()?;
+            first.1 = joined_names(first.1, lower.map(|(_, cells)| cells).unwrap_or_default());
+        }
     } else {
-        names = (1..=names.len()).map(|number| number.to_string()).collect();
+        data_line = Some(first.clone());
+        first.1 = (1..=first.1.len()).map(|number| number.to_string()).collect();
     }
+    let names = first.1;
+    let units = if format.units_line { lines.next().transpose()? } else { None };
     let mut rows = Vec::new();
     let mut columns: Vec<Vec<String>> = vec![Vec::new(); names.len()];
-    for line in lines {
-        let (number, cells) = line?;
-        // Loggers end rows with a delimiter.
+    for line in data_line.map(Ok).into_iter().chain(lines) {
+        let (number, mut cells) = line?;
+        // Loggers end rows with a delimiter, and spreadsheets cut empty cells off.
         let filled = cells.iter().rposition(|cell| !cell.is_empty()).map_or(0, |last| last + 1);
-        if cells.len() < names.len() || filled > names.len() {
+        if cells.len() < names.len() && format.block.is_none() || filled > names.len() {
             let hint = if format.decimal == format.delimiter {
                 ""
             } else {
-                " (see `text.delimiter` of the map)"
+                " (see `text.delimiter` of the map; `text.block` where the file has several tables)"
             };
             let expected = format!("{} as in line {header}{hint}", names.len());
             return Err(csv::line_error(path, number, format!("{} cells", cells.len()), expected));
         }
+        cells.resize(names.len(), String::new());
         rows.push(number);
         columns.iter_mut().zip(cells).for_each(|(column, cell)| column.push(cell));
     }
@@ -64,8 +66,14 @@ fn parse(path: &Path, bytes: &[u8], format: &TextFormat) -> Result<LogTable, Dat
             expected,
         });
     }
+    let units = units.map(|(number, mut cells)| {
+        cells.resize(names.len(), String::new());
+        (number, cells)
+    });
     Ok(LogTable {
         file: path.to_owned(),
+        preamble,
+        units,
         header: format!("line {header}"),
         named: format.header,
         columns: names.into_iter().zip(columns.into_iter().map(LogCells::Text)).collect(),
@@ -75,13 +83,105 @@ fn parse(path: &Path, bytes: &[u8], format: &TextFormat) -> Result<LogTable, Dat
     })
 }
 
+/// A line with its number in the file, from 1, and its cells.
+type NumberedLine = (usize, Vec<String>);
+
+/// The lines of the table in a file.
+struct TableLines<'a> {
+    path: &'a Path,
+    format: &'a TextFormat,
+    lines: std::iter::Enumerate<std::str::Lines<'a>>,
+    /// The line that names the block, where there is one.
+    block: Option<NumberedLine>,
+}
+
+impl<'a> TableLines<'a> {
+    fn new(
+        path: &'a Path,
+        text: &'a str,
+        format: &'a TextFormat,
+    ) -> Result<TableLines<'a>, DataError> {
+        let mut lines = TableLines { path, format, lines: text.lines().enumerate(), block: None };
+        let Some(name) = &format.block else { return Ok(lines) };
+        let mut starts: Vec<String> = Vec::new();
+        let mut is_start = true;
+        while let Some((index, line)) = lines.lines.next() {
+            let cells = split(path, index + 1, line, format)?.1;
+            let first = cells.first().cloned().unwrap_or_default();
+            if first == *name {
+                lines.block = Some((index + 1, cells));
+                return Ok(lines);
+            }
+            if is_start && !first.is_empty() {
+                starts.push(format!("`{first}`"));
+            }
+            is_start = is_blank(&cells);
+        }
+        Err(DataError::Line {
+            file: path.to_owned(),
+            place: "all lines".to_owned(),
+            found: format!("tables that begin with {}", starts.join(", ")),
+            expected: format!("a line that begins with `{name}`, as `text.block` of the map says"),
+        })
+    }
+
+    /// The lines before the header.
+    fn preamble(&mut self) -> Result<Vec<NumberedLine>, DataError> {
+        let mut preamble: Vec<NumberedLine> = self.block.clone().into_iter().collect();
+        for _ in 0..self.format.skip_lines {
+            let Some((index, line)) = self.lines.next() else { break };
+            // A lone quotation mark in a title is no fault.
+            preamble.extend(split(self.path, index + 1, line, self.format).ok());
+        }
+        Ok(preamble)
+    }
+}
+
+impl Iterator for TableLines<'_> {
+    type Item = Result<NumberedLine, DataError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        loop {
+            let (index, line) = self.lines.next()?;
+            let mark = self.format.comment.as_ref();
+            if mark.is_some_and(|mark| line.trim_start().starts_with(mark.as_str())) {
+                continue;
+            }
+            let cells = split(self.path, index + 1, line, self.format);
+            match &cells {
+                Ok((_, cells)) if self.format.block.is_some() && is_blank(cells) => return None,
+                _ if line.trim().is_empty() => continue,
+                _ => return Some(cells),
+            }
+        }
+    }
+}
+
+fn is_blank(cells: &[String]) -> bool {
+    cells.iter().all(String::is_empty)
+}
+
+/// Names of two lines of a header: an upper name is that of the empty cells to its right, too.
+fn joined_names(upper: Vec<String>, lower: Vec<String>) -> Vec<String> {
+    let mut group = String::new();
+    let mut names = Vec::new();
+    for place in 0..upper.len().max(lower.len()) {
+        if let Some(name) = upper.get(place).filter(|name| !name.is_empty()) {
+            group.clone_from(name);
+        }
+        let lower = lower.get(place).map_or("", String::as_str);
+        names.push(format!("{group} {lower}").trim().to_owned());
+    }
+    names
+}
+
 /// Number of the line, and its cells without spaces and quotation marks around them.
 fn split(
     path: &Path,
     number: usize,
     line: &str,
     format: &TextFormat,
-) -> Result<(usize, Vec<String>), DataError> {
+) -> Result<NumberedLine, DataError> {
     let delimiter = format.delimiter.chars().next().unwrap_or(',');
     let cells: Vec<&str> = if delimiter == ' ' {
         line.split_whitespace().collect()

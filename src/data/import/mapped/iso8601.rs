@@ -26,15 +26,7 @@ impl IsoTime {
             None => (rest, None),
             Some(place) => (rest[..place].trim_end(), Some(zone_s(&rest[place..])?)),
         };
-        let (clock, fraction) = time.split_once(['.', ',']).unwrap_or((time, ""));
-        let seconds = clock_s(clock)?;
-        // A fraction follows seconds, and a decimal sign is followed by one.
-        let has_seconds = clock.len() == 8 || clock.len() == 6;
-        if clock.len() < time.len() && (fraction.is_empty() || !has_seconds) {
-            return None;
-        }
-        let local_ns =
-            (i128::from(86_400 * days + seconds)) * NS + i128::from(fraction_ns(fraction)?);
+        let local_ns = i128::from(86_400 * days) * NS + i128::from(clock_ns(time)?);
         Some(IsoTime { local_ns: i64::try_from(local_ns).ok()?, ahead_s })
     }
 
@@ -116,6 +108,37 @@ fn date_days(text: &str) -> Option<i64> {
     Some(year_days + month_days + day - 1 - 719_162)
 }
 
+/// Nanoseconds since midnight of a time of day with a colon: `9:59:59.600`, `21:05`, `9:05:00 PM`.
+pub(crate) fn time_of_day_ns(text: &str) -> Option<i64> {
+    const NOON_NS: i64 = 43_200 * NS as i64;
+    let text = text.trim();
+    let half = text.get(text.len().saturating_sub(2)..).unwrap_or_default().to_ascii_uppercase();
+    let is_halved = half == "AM" || half == "PM";
+    let clock = if is_halved { text[..text.len() - 2].trim_end() } else { text };
+    // Hours before ten may have one digit.
+    let hours = clock.find(':')?;
+    let ns = if hours == 1 { clock_ns(&format!("0{clock}"))? } else { clock_ns(clock)? };
+    match half.as_str() {
+        _ if !is_halved => Some(ns),
+        // 12 AM is midnight, 12 PM is noon.
+        _ if !(1..=12).contains(&(clock[..hours].parse::<i64>().ok()?)) => None,
+        "PM" => Some(ns % NOON_NS + NOON_NS),
+        _ => Some(ns % NOON_NS),
+    }
+}
+
+/// Nanoseconds since midnight of a time of day with or without a fraction of a second.
+fn clock_ns(time: &str) -> Option<i64> {
+    let (clock, fraction) = time.split_once(['.', ',']).unwrap_or((time, ""));
+    let seconds = clock_s(clock)?;
+    // A fraction follows seconds, and a decimal sign is followed by one.
+    let has_seconds = clock.len() == 8 || clock.len() == 6;
+    if clock.len() < time.len() && (fraction.is_empty() || !has_seconds) {
+        return None;
+    }
+    Some(seconds * NS as i64 + fraction_ns(fraction)?)
+}
+
 /// Seconds since midnight of `hh:mm`, `hh:mm:ss`, `hhmm` or `hhmmss`; a second may be a leap
 /// second.
 fn clock_s(text: &str) -> Option<i64> {
@@ -167,6 +190,24 @@ mod tests {
             IsoTime::parse("2024-03-01T10:15:30").unwrap().utc_ns(3600),
             Some(1_709_284_530_000_000_000)
         );
+    }
+
+    #[test]
+    fn times_of_day_have_two_writings() {
+        let ns = |seconds: f64| Some((seconds * 1e9).round() as i64);
+        for (text, seconds) in [
+            ("09:59:59.600", 35_999.6),
+            ("9:59:59,6", 35_999.6),
+            ("00:00", 0.0),
+            ("12:00:01 AM", 1.0),
+            ("12:30:00 pm", 45_000.0),
+            ("9:05:00.5PM", 75_900.5),
+        ] {
+            assert_eq!(time_of_day_ns(text), ns(seconds), "{text}");
+        }
+        for bad in ["", "9", "095959", "25:00:00", "13:00:00 PM", "0:10:00 AM", "9:5:00", "PM"] {
+            assert_eq!(time_of_day_ns(bad), None, "{bad}");
+        }
     }
 
     #[test]

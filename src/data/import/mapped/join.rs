@@ -3,13 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use super::clock_fit::{self, ClockFit};
-use super::commands::{NS, TRIAL_NAME, TimedCommands};
+use super::commands::{TRIAL_NAME, TimedCommands};
 use super::map::{ClockMap, FrameChoice, TrackingMap};
+use super::time::NS;
 use super::tip_motion::CommandSteps;
 use super::tracking::MappedBodies;
-use super::{MappedImport, TrialClock};
+use super::{MappedImport, RepeatedRows, TrialClock};
 use crate::base::Point3;
-use crate::data::import::motive::{Body, Export};
+use crate::data::import::{Body, Export};
 use crate::data::import::{
     ImportOptions, ImportedBodies, Log, TipFrame, check_overlap, import, log, resample,
 };
@@ -36,11 +37,28 @@ pub(super) fn without_tracking(
     parts: Vec<(PathBuf, TimedCommands)>,
     names: Option<&[String]>,
 ) -> Result<MappedImport, DataError> {
+    let repeated = RepeatedRows {
+        commands: parts.iter().map(|(_, commands)| commands.repeated).sum(),
+        poses: 0,
+    };
+    let at_rest = parts.iter().all(|(_, commands)| commands.at_rest);
     let (files, recordings): (Vec<PathBuf>, Vec<Recording>) =
         parts.into_iter().map(|(file, commands)| (file, commands.recording)).unzip();
     let recording = joined_commands(&files, &recordings, names)?;
-    Ok(MappedImport { recording, imported: None, clocks: Vec::new(), passed_over: Vec::new() })
+    Ok(MappedImport {
+        recording,
+        imported: None,
+        clocks: Vec::new(),
+        passed_over: Vec::new(),
+        repeated,
+        at_rest,
+    })
 }
+
+/// What sets clocks right.
+const CLOCK_HINT: &str = " (`tracking.clock` of the map says how the clocks stand: \
+                          `{first_row_after_s: 0}` where both begin together; messages of a bag \
+                          have `time: {column: log_time, unit: ns}`)";
 
 /// Joins the logs. `same_rows`: row by row, whatever the times.
 pub(super) fn join(
@@ -50,6 +68,11 @@ pub(super) fn join(
     names: Option<&[String]>,
 ) -> Result<MappedImport, DataError> {
     let several = logs.len() > 1;
+    let repeated = RepeatedRows {
+        commands: logs.iter().map(|log| log.commands.repeated).sum(),
+        poses: logs.iter().map(|log| log.bodies.repeated).sum(),
+    };
+    let at_rest = logs.iter().all(|log| log.commands.at_rest);
     let mut clocks = Vec::new();
     let mut placed = Vec::new();
     let max_gap_s = if same_rows { 0.0 } else { map.max_gap_s };
@@ -64,7 +87,7 @@ pub(super) fn join(
             clocks.extend(fit.map(|fit| TrialClock { trial, fit }));
             at_s
         };
-        check_overlap(&log.bodies.time_s, &log.file, &at_s)?;
+        check_overlap(&log.bodies.time_s, &log.file, &at_s, CLOCK_HINT)?;
         placed.push(PlacedLog { log, at_s });
     }
     let (log, bodies, tracking_file) = one_after_another(placed, max_gap_s, names)?;
@@ -84,9 +107,17 @@ pub(super) fn join(
     }
     if same_rows {
         imported.doubts.onset_s = None;
+        imported.doubts.jumps_m = None;
     }
     let recording = imported.recording.clone();
-    Ok(MappedImport { recording, imported: Some(imported), clocks, passed_over: Vec::new() })
+    Ok(MappedImport {
+        recording,
+        imported: Some(imported),
+        clocks,
+        passed_over: Vec::new(),
+        repeated,
+        at_rest,
+    })
 }
 
 /// Time of each command on the clock of the bodies, and the offset where it is estimated.
@@ -96,7 +127,7 @@ fn on_one_clock(
 ) -> Result<(Vec<f64>, Option<ClockFit>), DataError> {
     let JoinedLog {
         file,
-        commands: TimedCommands { recording, stamps_ns, is_zoned },
+        commands: TimedCommands { recording, stamps_ns, is_zoned, .. },
         tracking_file,
         bodies,
     } = log;
@@ -111,6 +142,10 @@ fn on_one_clock(
             0.0
         }
         ClockMap::OffsetS(offset_s) => *offset_s,
+        ClockMap::FirstRowAfterS(after_s) => {
+            let since_first_s = since(stamps_ns[0]).into_iter().map(|at_s| at_s - after_s);
+            return Ok((since_first_s.collect(), None));
+        }
         ClockMap::Estimate(range) => {
             // From the first stamp of each clock, so that their different origins take no digits.
             let origin_s = (stamps_ns[0] - bodies.first_ns) as f64 / NS;

@@ -5,8 +5,10 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::cell_value::CellValue;
 use super::columns::ColumnName;
 use super::units::{AngleUnit, CommandUnit, LengthUnit, MassUnit, TimeUnit};
+use crate::data::import::Axes;
 
 /// A map from the columns of a logger's files, or from the topics of a bag, to a recording.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -44,11 +46,19 @@ pub struct TextFormat {
     pub decimal: String,
     /// Lines that begin so are comments.
     pub comment: Option<String>,
+    /// The table begins after the line whose first cell is this, and ends at an empty line; by
+    /// default the whole file is the table.
+    pub block: Option<String>,
     /// Lines before the header that are passed over.
     pub skip_lines: usize,
     /// Whether the first line holds the names of the columns; without, columns are named by their
     /// numbers.
     pub header: bool,
+    /// Lines of the header. The names of a column in them are joined by a space; a name in an upper
+    /// line is that of the empty cells to its right, too: `tip` above `TX` is `tip TX`.
+    pub header_lines: usize,
+    /// Whether a line of units follows the header. They are compared with those of the map.
+    pub units_line: bool,
 }
 
 impl Default for TextFormat {
@@ -57,8 +67,11 @@ impl Default for TextFormat {
             delimiter: ",".into(),
             decimal: ".".into(),
             comment: None,
+            block: None,
             skip_lines: 0,
             header: true,
+            header_lines: 1,
+            units_line: false,
         }
     }
 }
@@ -74,8 +87,16 @@ pub struct CommandsMap {
     pub topic: Option<String>,
     /// How this file is written, in place of the map's `text`.
     pub text: Option<TextFormat>,
-    /// When each row was; needed for text files.
-    pub time: Option<TimeColumn>,
+    /// The rows of a table of several things that hold commands: the cells that they have.
+    #[serde(default, rename = "where")]
+    #[schemars(with = "BTreeMap<String, CellValue>")]
+    pub conditions: RowConditions,
+    /// When each row was; by default that of a bag's messages. Rows of a text file without times
+    /// are poses at rest.
+    pub time: Option<TimeMap>,
+    /// What to do with rows at one time.
+    #[serde(default)]
+    pub repeated: RepeatedStamps,
     /// Column with the number or name of the trial; by default all rows are one trial.
     pub trial: Option<ColumnName>,
     /// A new trial begins after a gap of more than this between rows, s.
@@ -95,17 +116,59 @@ fn first() -> usize {
     1
 }
 
-/// A column of times.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct TimeColumn {
-    /// The column.
-    pub column: ColumnName,
-    /// Its unit.
-    #[serde(default)]
+/// When each row was: a column of times, a sum of columns, or frames at a rate.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct TimeMap {
+    /// The column of times; with `rate_hz` that of frame numbers.
+    pub column: Option<ColumnName>,
+    /// Unit of the times.
     pub unit: TimeUnit,
     /// Zone of dates that are written without one, such as `+01:00` or `Z`.
     pub zone: Option<String>,
+    /// Columns whose times are added up, in place of `column`: seconds and nanoseconds, or hours,
+    /// minutes and seconds, which begin anew at midnight.
+    pub sum: Vec<TimePart>,
+    /// The rows are frames at this rate, Hz.
+    pub rate_hz: Option<FrameRate>,
+    /// Number of the frame at time 0; by default that of the first row.
+    pub first_frame: Option<i64>,
+}
+
+/// A column that holds a part of the time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TimePart {
+    /// The column.
+    pub column: ColumnName,
+    /// Its unit.
+    pub unit: TimeUnit,
+}
+
+/// The rate of frames.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(untagged)]
+pub enum FrameRate {
+    /// Hz.
+    Hz(f64),
+    /// The first number after this cell in the lines before the header.
+    Word(String),
+}
+
+/// Conditions on the cells of a row: each column holds this text or number.
+pub type RowConditions = BTreeMap<ColumnName, CellValue>;
+
+/// What to do with rows of commands at one time.
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
+)]
+#[serde(rename_all = "snake_case")]
+pub enum RepeatedStamps {
+    /// They are an error.
+    #[default]
+    Refuse,
+    /// The last row counts.
+    Last,
 }
 
 /// A column of masses.
@@ -200,7 +263,7 @@ pub struct TrackingMap {
     /// How this file is written, in place of the map's `text`.
     pub text: Option<TextFormat>,
     /// When each row was; without it the rows are those of the commands.
-    pub time: Option<TimeColumn>,
+    pub time: Option<TimeMap>,
     /// Unit of positions.
     #[serde(default)]
     pub unit: LengthUnit,
@@ -242,7 +305,7 @@ pub struct TrackingMap {
 }
 
 fn same_axes() -> String {
-    "x=+x,y=+y,z=+z".to_owned()
+    Axes::SAME.to_owned()
 }
 
 fn bridged() -> f64 {
@@ -250,13 +313,17 @@ fn bridged() -> f64 {
 }
 
 /// A tracked body.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BodyMap {
     /// Topic of a bag, where it is not that of `tracking`.
     pub topic: Option<String>,
-    /// Name of the child frame, in a topic of transforms.
+    /// Name of the child frame, or of the item of a list, in a message that holds several.
     pub child: Option<String>,
+    /// The rows of a table of several bodies that hold this one: the cells that they have.
+    #[serde(default, rename = "where")]
+    #[schemars(with = "BTreeMap<String, CellValue>")]
+    pub conditions: RowConditions,
     /// Columns of x, y and z; by default those of the topic's kind of message.
     pub position: Option<[ColumnName; 3]>,
     /// Columns of the unit quaternion; by default those of the topic's kind of message, if it has
@@ -343,6 +410,8 @@ pub enum ClockMap {
     Same,
     /// Seconds that are added to the tracker's times.
     OffsetS(f64),
+    /// The tracker's first row is this many seconds after the first command.
+    FirstRowAfterS(f64),
     /// The offset is estimated from the motion, within these limits.
     Estimate(OffsetRange),
 }

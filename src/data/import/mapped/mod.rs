@@ -3,7 +3,7 @@
 //! times.
 
 mod bag;
-mod cdr;
+mod cell_value;
 mod check;
 mod clock_fit;
 mod columns;
@@ -14,7 +14,9 @@ mod fit_sums;
 mod iso8601;
 mod join;
 mod map;
+mod ros_message;
 mod step_response;
+mod time;
 mod tip_motion;
 mod tracking;
 mod trial_files;
@@ -23,18 +25,21 @@ mod units;
 use std::path::{Path, PathBuf};
 
 pub use bag::import_bag;
+pub use cell_value::CellValue;
 pub use check::SourceKind;
 pub use clock_fit::ClockFit;
 pub use columns::ColumnName;
+pub(crate) use columns::LogTable;
+pub(super) use delimited::parse as parse_delimited;
 pub use map::{
     BodyMap, ClockMap, CommandsMap, DriveMap, EulerMap, EulerOrder, EulerRotation, FrameChoice,
-    ImportMap, LoadColumn, OffsetRange, QuaternionOrder, TendonMeasure, TendonsMap, TextFormat,
-    TimeColumn, TrackingMap, TrialFilesMap, ZeroAt,
+    FrameRate, ImportMap, LoadColumn, OffsetRange, QuaternionOrder, RepeatedStamps, RowConditions,
+    TendonMeasure, TendonsMap, TextFormat, TimeMap, TimePart, TrackingMap, TrialFilesMap, ZeroAt,
 };
 pub use trial_files::LogFiles;
 pub use units::{AngleUnit, CommandUnit, LengthUnit, MassUnit, TimeUnit};
 
-use super::Imported;
+use super::{Imported, SettingNames};
 use crate::data::{DataError, Recording};
 use commands::TimedCommands;
 use join::{JoinedLog, join, without_tracking};
@@ -52,6 +57,60 @@ pub struct MappedImport {
     pub clocks: Vec<TrialClock>,
     /// Files whose names fit no pattern of the map.
     pub passed_over: Vec<PathBuf>,
+    /// Rows that do not count.
+    pub repeated: RepeatedRows,
+    /// Whether the rows are poses at rest, as the map names no times.
+    pub at_rest: bool,
+}
+
+/// What notes call the keys of a map.
+const KEYS: SettingNames = SettingNames {
+    axes: "`tracking.axes` ",
+    bodies: "`tracking.base` and `tracking.tip`",
+    clock: "add it to `tracking.clock.offset_s`",
+    rows: "; `tracking.tip.where` chooses those of the tip",
+};
+
+impl MappedImport {
+    /// Sentences about files and rows that do not count, and about what looks like a mistake.
+    pub fn notes(&self) -> Vec<String> {
+        let mut notes = Vec::new();
+        if let Some(first) = self.passed_over.first() {
+            let (count, first) = (self.passed_over.len(), first.display());
+            notes.push(format!(
+                "the names of {count} files fit no pattern of `trial_files` (the first is {first}); \
+                 they were not read"
+            ));
+        }
+        if self.at_rest {
+            notes.push(format!(
+                "the map names no times: the {} rows are poses at rest, for commands with --static",
+                self.recording.len()
+            ));
+        }
+        let RepeatedRows { commands, poses } = self.repeated;
+        if commands > 0 {
+            notes.push(format!(
+                "{commands} rows of commands have the time of the row after them, which counts"
+            ));
+        }
+        if poses > 0 {
+            notes.push(format!(
+                "{poses} tracked rows repeat the time and the pose of the row before; they count once"
+            ));
+        }
+        notes.extend(self.imported.iter().flat_map(|imported| imported.notes(&KEYS)));
+        notes
+    }
+}
+
+/// Rows that do not count because another has their time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RepeatedRows {
+    /// Rows of commands that a later one has replaced.
+    pub commands: usize,
+    /// Tracked rows that repeat the pose of the row before.
+    pub poses: usize,
 }
 
 /// An estimated offset of clocks.

@@ -1,10 +1,10 @@
 //! Tracked bodies of tables.
 
 use super::columns::{ColumnName, LogTable};
-use super::commands::{NS, Stamps, stamps};
 use super::map::{BodyMap, EulerMap, QuaternionOrder, TrackingMap};
+use super::time::{self, NS, Stamps};
 use crate::data::DataError;
-use crate::data::import::motive::Body;
+use crate::data::import::Body;
 use crate::data::recording::{Pose, unit_length};
 
 /// Tracked bodies at common times.
@@ -21,6 +21,8 @@ pub(crate) struct MappedBodies {
     pub(crate) points: Vec<(String, Body)>,
     /// Whether the times were dates, and then whether in a known zone.
     pub(crate) is_zoned: Option<bool>,
+    /// Rows that repeat the time and the pose of the row before.
+    pub(crate) repeated: usize,
 }
 
 /// The poses of one body with their times, nanoseconds.
@@ -28,6 +30,7 @@ struct Track {
     has_orientation: bool,
     is_zoned: Option<bool>,
     poses: Vec<(i64, Option<Pose>)>,
+    repeated: usize,
 }
 
 /// Reads all bodies. `table_of` gives the table of a body of the map.
@@ -80,6 +83,7 @@ pub(crate) fn read(
         tip: body("tip", &tip),
         points: points.iter().map(|(name, track)| ((*name).clone(), body(name, track))).collect(),
         is_zoned: tip.is_zoned,
+        repeated: all().map(|track| track.repeated).sum(),
     })
 }
 
@@ -113,6 +117,9 @@ fn columns(
         ["x", "y", "z"].map(|name| ColumnName::Name(name.to_owned()))
     });
     let position = find(&position, "position")?;
+    let unit = map.unit.of_commands();
+    let told = format!("{} as `tracking.unit`", unit.word());
+    table.check_units(&position, unit.spellings(), &told)?;
     let named_orientation = body.orientation.clone().map(|[a, b, c, d]| match map.quaternion {
         QuaternionOrder::Wxyz => [a, b, c, d],
         QuaternionOrder::Xyzw => [d, a, b, c],
@@ -144,30 +151,62 @@ fn track(
     body: &BodyMap,
     path: &str,
 ) -> Result<Track, DataError> {
+    let chosen = table.rows_where(&body.conditions, &format!("{path}.where"))?;
+    let table: &LogTable = &chosen;
     let columns = columns(table, map, body, path)?;
-    let rows = 0..table.rows.len();
-    let (time, stamps_ns, is_zoned) = if map.time.is_some() || table.is_topic() {
-        let Stamps { column, ns, is_zoned } =
-            stamps(table, map.time.as_ref(), "tracking.time.column")?;
-        (Some(column), ns, is_zoned)
+    let has_time = map.time.is_some() || table.is_topic();
+    let stamps = if has_time {
+        time::stamps(table, map.time.as_ref(), "tracking.time")?
     } else {
         // Rows that hold both commands and poses are told by their numbers.
-        (None, rows.clone().map(|row| row as i64).collect(), None)
+        Stamps::of_rows(table, 1)
     };
     let mut poses: Vec<(i64, Option<Pose>)> = Vec::new();
-    for row in rows {
+    let mut repeated = 0;
+    // Row of the pose that was read last.
+    let mut last_row = 0;
+    for (row, &stamp_ns) in stamps.ns.iter().enumerate() {
         let pose = pose(table, map, &columns, row)?;
-        match (poses.last_mut(), time) {
-            (Some((last_ns, _)), Some(time)) if *last_ns > stamps_ns[row] => {
-                return Err(table.wrong(time, row, "no earlier time than in the row before"));
+        match poses.last_mut() {
+            Some((last_ns, _)) if *last_ns > stamp_ns => {
+                let expected = "no earlier time than in the row before";
+                return Err(stamps.wrong(table, row, None, expected));
             }
-            (Some((last_ns, last_pose)), Some(_)) if *last_ns == stamps_ns[row] => {
-                *last_pose = last_pose.or(pose)
-            }
-            _ => poses.push((stamps_ns[row], pose)),
+            Some((last_ns, last_pose)) if *last_ns == stamp_ns => match (&last_pose, &pose) {
+                (Some(last), Some(pose)) if last != pose => {
+                    return Err(two_at_once(table, &stamps, last_row, row, path));
+                }
+                (Some(_), _) => repeated += usize::from(pose.is_some()),
+                (None, _) => *last_pose = pose,
+            },
+            _ => poses.push((stamp_ns, pose)),
+        }
+        if pose.is_some() {
+            last_row = row;
         }
     }
-    Ok(Track { has_orientation: columns.orientation.is_some(), is_zoned, poses })
+    let Stamps { is_zoned, .. } = stamps;
+    Ok(Track { has_orientation: columns.orientation.is_some(), is_zoned, poses, repeated })
+}
+
+/// The error for two poses of one body at one time.
+fn two_at_once(
+    table: &LogTable,
+    stamps: &Stamps,
+    before: usize,
+    row: usize,
+    path: &str,
+) -> DataError {
+    let found = format!(
+        "another pose than in {} at the same time ({} s)",
+        table.place(before),
+        stamps.ns[row] as f64 / NS
+    );
+    let expected = format!(
+        "one pose a time: `{path}.where` of the map chooses the rows of one body (`{{COLUMN: \
+         TEXT}}`), and `tracking.time.rate_hz` counts frames where times are rounded"
+    );
+    stamps.wrong(table, row, Some(found), expected)
 }
 
 /// The pose in a row; none where tracking was lost.

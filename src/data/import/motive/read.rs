@@ -3,13 +3,14 @@
 use std::borrow::Cow;
 use std::path::Path;
 
+use super::ExportLine;
 use super::header;
 use super::header::{BodyColumns, ExportLayout};
 use super::meta;
 use super::meta::{Meta, Rotation};
-use super::{Body, Export, ExportLine};
 use crate::data::csv::line_error;
 use crate::data::error::shown;
+use crate::data::import::{Body, Export};
 use crate::data::recording::{Pose, unit_length};
 use crate::data::{DataError, csv};
 
@@ -215,7 +216,8 @@ impl Frames<'_> {
             bodies,
             markers,
             promised_frames: self.meta.frames,
-            names_line: self.layout.names_line,
+            unread_orientations: Vec::new(),
+            names_place: format!("line {}", self.layout.names_line),
         })
     }
 }

@@ -1,0 +1,78 @@
+//! What imports say about what looks like a mistake in a log.
+
+use super::Imported;
+
+/// The tip follows a command after this at the latest, seconds; later the clocks may be apart.
+const MAX_ONSET_S: f64 = 0.08;
+/// … and never this much before it, seconds.
+const MAX_LEAD_S: f64 = 0.02;
+
+/// What notes call the settings that would mend a mistake.
+#[derive(Clone, Copy, Debug)]
+pub struct SettingNames {
+    /// Prefix of the axes.
+    pub axes: &'static str,
+    /// The two bodies.
+    pub bodies: &'static str,
+    /// How to shift the clock by a time.
+    pub clock: &'static str,
+    /// How to choose the rows of a body, where they can be chosen.
+    pub rows: &'static str,
+}
+
+impl Imported {
+    /// Sentences about rows without tracking and about what looks like a mistake.
+    pub fn notes(&self, names: &SettingNames) -> Vec<String> {
+        let rows = self.recording.len();
+        let lost = (self.lost > 0)
+            .then(|| format!("{} of {rows} rows were not tracked; they have valid = 0", self.lost));
+        lost.into_iter().chain(self.doubts(names)).collect()
+    }
+
+    fn doubts(&self, names: &SettingNames) -> Vec<String> {
+        let SettingNames { axes: key, bodies, clock, rows } = names;
+        let (doubts, recording) = (&self.doubts, &self.recording);
+        let mut notes = Vec::new();
+        if doubts.exchanged {
+            notes.push(format!(
+                "the base body moves and the tip body hardly does; are {bodies} exchanged?"
+            ));
+        }
+        if let (Some(home_m), Some(axes)) = (doubts.home_m, doubts.axes) {
+            let [x, y, z] = home_m.map(|x| 1e3 * x);
+            notes.push(format!(
+                "at the start of the trials the tip is at ({x:.0}, {y:.0}, {z:.0}) mm, where no \
+                 robot that lies along z has it; {key}{axes} would turn it along z, or {bodies} are \
+                 exchanged"
+            ));
+        }
+        if let Some((away_m, row)) = doubts.base_moves {
+            let (trial, time_s) = (recording.trial[row], recording.time_s[row]);
+            notes.push(format!(
+                "the base moves by up to {:.1} mm (trial {trial} at {time_s} s); the robot's \
+                 model has a base at rest",
+                1e3 * away_m
+            ));
+        }
+        if let Some(jumps_m) = doubts.jumps_m {
+            notes.push(format!(
+                "the tip jumps by {:.0} mm or more from row to row and comes back each time, as \
+                 where the rows of several bodies are taken for one{rows}",
+                1e3 * jumps_m
+            ));
+        }
+        match doubts.onset_s {
+            Some(onset_s) if onset_s < -MAX_LEAD_S => notes.push(format!(
+                "the tip begins to move {:.2} s before its commands: the tracker's clock is \
+                 ahead of the log's by at least that ({clock})",
+                -onset_s
+            )),
+            Some(onset_s) if onset_s > MAX_ONSET_S => notes.push(format!(
+                "the tip begins to follow its commands {onset_s:.2} s late: the tracker's clock \
+                 is behind the log's, or the drive is late"
+            )),
+            _ => {}
+        }
+        notes
+    }
+}
