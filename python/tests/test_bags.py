@@ -89,6 +89,33 @@ def multi_array(stamp_ns: int, numbers: NDArray[np.float64]) -> Message:
     return "/motors", message.__msgtype__, stamp_ns, message
 
 
+def float_array(stamp_ns: int, numbers: NDArray[np.float64]) -> Message:
+    layout = kind("std_msgs/msg/MultiArrayLayout")(dim=[], data_offset=0)
+    message = kind("std_msgs/msg/Float32MultiArray")(layout=layout, data=np.asarray(numbers, dtype=np.float32))
+    return "/motors", message.__msgtype__, stamp_ns, message
+
+
+STORE.register(typesys.get_types_from_msg("string name\nfloat32 error\ngeometry_msgs/Pose pose", "lab_msgs/msg/Body"))
+STORE.register(typesys.get_types_from_msg("std_msgs/Header header\nBody[] bodies", "lab_msgs/msg/Bodies"))
+
+
+def named_bodies(stamp_ns: int, position: NDArray[np.float64]) -> Message:
+    bodies = [kind("lab_msgs/msg/Body")(name, 0.1, pose(place)) for name, place in [("base", 0 * position), ("tip", position)]]
+    message = kind("lab_msgs/msg/Bodies")(header=header(stamp_ns), bodies=bodies)
+    return "/tip", message.__msgtype__, stamp_ns + 999, message
+
+
+def pose_array(stamp_ns: int, position: NDArray[np.float64]) -> Message:
+    message = kind("geometry_msgs/msg/PoseArray")(header=header(stamp_ns), poses=[pose(0 * position), pose(position)])
+    return "/tip", message.__msgtype__, stamp_ns + 999, message
+
+
+def transforms(stamp_ns: int, position: NDArray[np.float64]) -> Message:
+    both = [transform_stamped(stamp_ns, place)[3] for place in (0 * position, position)]
+    both[0].child_frame_id = "base"
+    return "/tip", "tf2_msgs/msg/TFMessage", stamp_ns + 999, kind("tf2_msgs/msg/TFMessage")(transforms=both)
+
+
 def by_rosbags(file: Path, messages: list[Message], compression: str) -> Path:
     """A bag of rosbags; returns its MCAP file."""
     folder = file.with_suffix("")
@@ -199,6 +226,35 @@ def test_bags_of_others_are_read(
     np.testing.assert_allclose(frame["tip_z_m"], tips[:, 2], atol=1e-9)
     turn = frame[["tip_qw", "tip_qx", "tip_qy", "tip_qz"]].to_numpy()
     np.testing.assert_allclose(np.abs(turn), [[np.sqrt(0.5), 0.0, 0.0, np.sqrt(0.5)]] * 10, atol=1e-9)
+
+
+@pytest.mark.parametrize("write", [by_rosbags, by_mcap, by_mcap_ros2])
+@pytest.mark.parametrize(
+    ("tracked", "body"),
+    [
+        (named_bodies, {"child": "tip"}),
+        (named_bodies, {"position": [f"bodies[tip].pose.position.{axis}" for axis in "xyz"]}),
+        (pose_array, {"position": [f"poses[1].position.{axis}" for axis in "xyz"]}),
+        (transforms, {"child": "tip"}),
+    ],
+)
+def test_any_message_is_read_by_its_definition(
+    tmp_path: Path, write: Callable[[Path, list[Message], str], Path], tracked: Of, body: dict[str, Any]
+) -> None:
+    bag = write(tmp_path / "bag.mcap", motion(float_array, tracked), "")
+    by = map_of(["data[0]", "data[1]"])
+    by["tracking"]["tip"] = body
+    found = spinebench.import_mcap(bag, by)
+    frame = found.recording
+    assert len(frame) == 10 and (frame["valid"] == 1).all()
+    tips = np.array([tip(0.2 * k) for k in range(10)]) * 1e-3
+    np.testing.assert_allclose(frame[["tip_x_m", "tip_y_m"]], np.c_[tips[:, 1], -tips[:, 0]], atol=1e-9)
+    np.testing.assert_allclose(frame["tendon_2_m"], -0.001 * np.arange(10), atol=1e-9)
+    # Several positions, and a name that nothing has.
+    for wrong, words in [({}, "the positions"), ({"child": "hand"}, "no child `hand`")]:
+        by["tracking"]["tip"] = wrong
+        with pytest.raises(InputError, match=words):
+            spinebench.import_mcap(bag, by)
 
 
 def test_an_unknown_offset_is_estimated(tmp_path: Path) -> None:

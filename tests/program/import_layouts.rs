@@ -222,6 +222,11 @@ fn times_are_frames_sums_or_times_of_day() {
     let tsv = "text: {delimiter: \"\\t\", skip_lines: 2, header: false}";
     let tip = "tip: {position: [1, 2, 3]}, origin: [0, 0, 0]";
     bench.gives_the_motion(&header, &format!("{tsv}, time: {{rate_hz: FREQUENCY}}, {tip}"));
+    let comment = log("# recorded at 100 Hz\nx,y,z\n", ",", |_| String::new());
+    bench.gives_the_motion(
+        &comment,
+        &format!("text: {{comment: '#'}}, time: {{rate_hz: recorded at}}, {TIP}"),
+    );
     // Missing frames leave a gap, and a first frame is where it is.
     let some = |frame: usize| frame < 30 || frame > 45;
     let lines: Vec<String> = frames.lines().map(str::to_owned).collect();
@@ -250,7 +255,7 @@ fn faults_of_times_name_what_helps() {
         ("{column: time, first_frame: 3}", "`rate_hz` beside it"),
         ("{column: time, sum: [{column: x, unit: s}]}", "one of the two"),
         ("{unit: s}", "the column of times, or `sum`, or `rate_hz`"),
-        ("{rate_hz: SPEED}", "no cell `SPEED`"),
+        ("{rate_hz: SPEED}", "no word `SPEED`"),
         ("{column: x, rate_hz: 100}", "a whole number"),
     ] {
         let said = bench.refused(&format!("time: {time}, {TIP}"));

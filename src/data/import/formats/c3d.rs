@@ -55,11 +55,16 @@ fn export(path: &Path, points: &Points) -> Result<Export, DataError> {
         let found = format!("{frames} frames of {} markers", points.labels.len());
         return Err(refuse("the header", found, "at least one of both"));
     }
+    let columns = points.points.cols();
+    if columns > points.labels.len() {
+        let expected = format!("one for each of the {columns} markers");
+        return Err(refuse("POINT:LABELS", format!("{} names", points.labels.len()), &expected));
+    }
     // Frames count from 1.
     let first = f64::from(points.first_frame.max(1)) - 1.0;
     let time_s = (0..frames).map(|frame| (first + frame as f64) / rate_hz).collect();
     let mut export = Export::of_times(path.to_owned(), time_s);
-    let markers = points.labels.iter().take(points.points.cols()).enumerate();
+    let markers = points.labels.iter().take(columns).enumerate();
     export.markers = markers
         .map(|(column, label)| Body {
             name: label.trim().to_owned(),

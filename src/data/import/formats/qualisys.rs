@@ -35,12 +35,16 @@ pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Export, DataError> {
         ..TextFormat::default()
     };
     let table = parse_delimited(path, bytes, &format)?;
-    let value = |key: &str| table.preamble.iter().find(|(_, cells)| cells[0] == key);
+    let value = |key: &str| {
+        let mut lines = table.preamble.iter();
+        lines.find_map(|(line, text)| Some((*line, text.strip_prefix(key)?.strip_prefix('\t')?)))
+    };
     let has_bodies = value("BODY_NAMES").is_some();
     let Some((line, names)) = value("BODY_NAMES").or_else(|| value("MARKER_NAMES")) else {
         return Err(csv::line_error(path, 1, format!("the keys {}", listed(&table)), EXPECTED));
     };
-    let names: Vec<&String> = names[1..].iter().filter(|name| !name.is_empty()).collect();
+    let names = names.split('\t').map(|name| name.trim().trim_matches('"'));
+    let names: Vec<&str> = names.filter(|name| !name.is_empty()).collect();
     let width = if has_bodies { BODY_COLUMNS } else { MARKER_COLUMNS };
     let before = table.columns.len().checked_sub(width * names.len());
     // Frame and time stand before the bodies, or nothing does.
@@ -58,7 +62,7 @@ pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Export, DataError> {
     let columns = names.iter().enumerate().map(|(place, name)| {
         let first = before + place * width;
         BodyColumns {
-            name: (*name).clone(),
+            name: (*name).to_owned(),
             position: std::array::from_fn(|axis| first + axis),
             unit_m: 1e-3,
             orientation: if has_bodies {
@@ -72,7 +76,7 @@ pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Export, DataError> {
     });
     let bodies = TableBodies { table: &table, time_s, columns: columns.collect() };
     let mut export = frames::export(&[bodies], format!("line {line}"))?;
-    let promised = value("NO_OF_FRAMES").and_then(|(_, cells)| cells.get(1)?.parse().ok());
+    let promised = value("NO_OF_FRAMES").and_then(|(_, text)| text.trim().parse().ok());
     export.promised_frames = promised;
     Ok(export)
 }
@@ -83,8 +87,8 @@ fn is_lower_key(line: &&str) -> bool {
 }
 
 fn listed(table: &LogTable) -> String {
-    let keys: Vec<String> =
-        table.preamble.iter().map(|(_, cells)| format!("`{}`", cells[0])).collect();
+    let first = |text: &String| format!("`{}`", text.split('\t').next().unwrap_or_default());
+    let keys: Vec<String> = table.preamble.iter().map(|(_, text)| first(text)).collect();
     if keys.is_empty() { "of none".to_owned() } else { keys.join(", ") }
 }
 

@@ -94,8 +94,8 @@ pub(crate) enum LogCells {
 pub(crate) struct LogTable {
     /// The file.
     pub(crate) file: PathBuf,
-    /// Lines before the header, with their cells.
-    pub(crate) preamble: Vec<(usize, Vec<String>)>,
+    /// Lines before the header, and comments, with their numbers.
+    pub(crate) preamble: Vec<(usize, String)>,
     /// Units in the line after the header, one a column, with that line's number.
     pub(crate) units: Option<(usize, Vec<String>)>,
     /// Where the header stands: `line 3`, or the topic.
@@ -259,27 +259,24 @@ impl LogTable {
         }
     }
 
-    /// The first number after the cell `word` in the lines before the header: further right, or at
-    /// the beginning of the next line.
+    /// The first number after `word` in the lines before the header: in its line, or in the next.
     ///
     /// # Errors
     /// [`DataError::Line`] when there is none above 0.
     pub(crate) fn number_in_preamble(&self, word: &str, key: &str) -> Result<f64, DataError> {
-        let is_word = |cell: &String| cell.trim_end_matches(':').eq_ignore_ascii_case(word);
-        let number_after = |line: usize| {
-            let cells = &self.preamble[line].1;
-            let place = cells.iter().position(is_word)?;
-            let below = self.preamble.get(line + 1).and_then(|(_, cells)| cells.first());
-            Some(cells[place + 1..].iter().chain(below).find_map(|cell| cell.parse::<f64>().ok()))
+        let after_word = |line: usize| {
+            let rest = after(&self.preamble[line].1, word)?;
+            let next = self.preamble.get(line + 1).map_or("", |(_, text)| text.as_str());
+            Some(first_number(rest).or_else(|| first_number(next)))
         };
-        let found = (0..self.preamble.len()).find_map(number_after);
+        let found = (0..self.preamble.len()).find_map(after_word);
         match found {
             Some(Some(number)) if number.is_finite() && number > 0.0 => Ok(number),
             _ => Err(DataError::Line {
                 file: self.file.clone(),
-                place: format!("the lines before the header ({})", self.header),
+                place: format!("before the header in {}", self.header),
                 found: match found {
-                    None => format!("no cell `{word}`"),
+                    None => format!("no word `{word}`"),
                     Some(None) => format!("no number after `{word}`"),
                     Some(Some(number)) => format!("{number} after `{word}`"),
                 },
@@ -310,6 +307,30 @@ impl LogTable {
             }
         }
         Ok(())
+    }
+
+    /// The columns that the key `key` of the map names; all that are missing are told at once.
+    ///
+    /// # Errors
+    /// As [`LogTable::column`].
+    pub(crate) fn find_all(
+        &self,
+        names: &[ColumnName],
+        key: &str,
+    ) -> Result<Vec<usize>, DataError> {
+        let found: Vec<Result<usize, DataError>> =
+            names.iter().map(|name| self.column(name, key)).collect();
+        let missing = names.iter().zip(&found).filter(|(_, found)| found.is_err());
+        let missing: Vec<String> = missing.map(|(name, _)| name.to_string()).collect();
+        let first = found.into_iter().collect::<Result<Vec<usize>, DataError>>();
+        match first {
+            Err(DataError::Line { file, place, found, .. }) if missing.len() > 1 => {
+                let expected =
+                    format!("the columns {} that `{key}` of the map names", missing.join(", "));
+                Err(DataError::Line { file, place, found, expected })
+            }
+            other => other,
+        }
     }
 
     /// The column of this name. Errors as [`LogTable::column`].
@@ -440,5 +461,36 @@ impl LogTable {
         let found = found.unwrap_or_else(|| shown(&self.text(column, row)));
         let (place, column) = (self.place(row), self.columns[column].0.clone());
         DataError::Cell { file: self.file.clone(), place, column, found, expected: expected.into() }
+    }
+}
+
+/// What follows a word in a text, upper and lower case alike.
+fn after<'a>(text: &'a str, word: &str) -> Option<&'a str> {
+    let (lower, word) = (text.to_ascii_lowercase(), word.to_ascii_lowercase());
+    let is_letter = |c: char| c.is_alphanumeric() || c == '_';
+    lower.match_indices(&word).find_map(|(start, _)| {
+        let rest = &text[start + word.len()..];
+        let is_whole = !lower[..start].ends_with(is_letter) && !rest.starts_with(is_letter);
+        is_whole.then_some(rest)
+    })
+}
+
+/// The first number in a text.
+fn first_number(text: &str) -> Option<f64> {
+    let is_other = |c: char| !(c.is_ascii_digit() || matches!(c, '.' | '-' | '+' | 'e' | 'E'));
+    text.split(is_other).find_map(|part| part.parse().ok())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_is_found_after_a_whole_word() {
+        let number = |text: &str, word: &str| after(text, word).map(first_number);
+        assert_eq!(number("# Sample rate: 59.94Hz", "sample rate"), Some(Some(59.94)));
+        assert_eq!(number("ANALOG_FREQUENCY\t1000", "FREQUENCY"), None);
+        assert_eq!(number("FREQUENCY\t120\t1", "FREQUENCY"), Some(Some(120.0)));
+        assert_eq!(number("rate fast", "rate"), Some(None));
     }
 }

@@ -229,6 +229,7 @@ fn tendon_rows(
     let default_zero =
         if map.measure == TendonMeasure::Length { ZeroAt::FirstRow } else { ZeroAt::Zero };
     let sign = if map.measure == TendonMeasure::Pulled { 1.0 } else { -1.0 };
+    table.find_all(&map.columns, "commands.tendons.columns")?;
     let mut columns = Vec::new();
     for (tendon, name) in map.columns.iter().enumerate() {
         let numbers = numbers(table, name, "commands.tendons.columns", map.unit)?;

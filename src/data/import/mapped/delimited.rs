@@ -20,7 +20,7 @@ pub(crate) fn read(path: &Path, format: &TextFormat) -> Result<LogTable, DataErr
 pub(crate) fn parse(path: &Path, bytes: &[u8], format: &TextFormat) -> Result<LogTable, DataError> {
     let text = csv::decode(path, bytes)?;
     let mut lines = TableLines::new(path, &text, format)?;
-    let preamble = lines.preamble()?;
+    lines.pass_preamble();
     let Some(first) = lines.next() else {
         let expected = "a header and at least one row";
         return Err(DataError::Empty { file: path.to_owned(), found: "no such lines", expected });
@@ -39,6 +39,7 @@ pub(crate) fn parse(path: &Path, bytes: &[u8], format: &TextFormat) -> Result<Lo
     }
     let names = first.1;
     let units = if format.units_line { lines.next().transpose()? } else { None };
+    let preamble = std::mem::take(&mut lines.preamble);
     let mut rows = Vec::new();
     let mut columns: Vec<Vec<String>> = vec![Vec::new(); names.len()];
     for line in data_line.map(Ok).into_iter().chain(lines) {
@@ -91,8 +92,8 @@ struct TableLines<'a> {
     path: &'a Path,
     format: &'a TextFormat,
     lines: std::iter::Enumerate<std::str::Lines<'a>>,
-    /// The line that names the block, where there is one.
-    block: Option<NumberedLine>,
+    /// The line that names the block, lines that are passed over, and comments.
+    preamble: Vec<(usize, String)>,
 }
 
 impl<'a> TableLines<'a> {
@@ -101,7 +102,8 @@ impl<'a> TableLines<'a> {
         text: &'a str,
         format: &'a TextFormat,
     ) -> Result<TableLines<'a>, DataError> {
-        let mut lines = TableLines { path, format, lines: text.lines().enumerate(), block: None };
+        let mut lines =
+            TableLines { path, format, lines: text.lines().enumerate(), preamble: Vec::new() };
         let Some(name) = &format.block else { return Ok(lines) };
         let mut starts: Vec<String> = Vec::new();
         let mut is_start = true;
@@ -109,7 +111,7 @@ impl<'a> TableLines<'a> {
             let cells = split(path, index + 1, line, format)?.1;
             let first = cells.first().cloned().unwrap_or_default();
             if first == *name {
-                lines.block = Some((index + 1, cells));
+                lines.preamble.push((index + 1, line.to_owned()));
                 return Ok(lines);
             }
             if is_start && !first.is_empty() {
@@ -125,15 +127,10 @@ impl<'a> TableLines<'a> {
         })
     }
 
-    /// The lines before the header.
-    fn preamble(&mut self) -> Result<Vec<NumberedLine>, DataError> {
-        let mut preamble: Vec<NumberedLine> = self.block.clone().into_iter().collect();
-        for _ in 0..self.format.skip_lines {
-            let Some((index, line)) = self.lines.next() else { break };
-            // A lone quotation mark in a title is no fault.
-            preamble.extend(split(self.path, index + 1, line, self.format).ok());
-        }
-        Ok(preamble)
+    /// Passes over the lines before the header.
+    fn pass_preamble(&mut self) {
+        let lines = self.lines.by_ref().take(self.format.skip_lines);
+        self.preamble.extend(lines.map(|(index, line)| (index + 1, line.to_owned())));
     }
 }
 
@@ -145,6 +142,7 @@ impl Iterator for TableLines<'_> {
             let (index, line) = self.lines.next()?;
             let mark = self.format.comment.as_ref();
             if mark.is_some_and(|mark| line.trim_start().starts_with(mark.as_str())) {
+                self.preamble.push((index + 1, line.to_owned()));
                 continue;
             }
             let cells = split(self.path, index + 1, line, self.format);

@@ -151,7 +151,7 @@ pub struct TimePart {
 pub enum FrameRate {
     /// Hz.
     Hz(f64),
-    /// The first number after this cell in the lines before the header.
+    /// The first number after this word in the lines before the header, or in comments there.
     Word(String),
 }
 

@@ -109,9 +109,7 @@ fn columns(
     path: &str,
 ) -> Result<PoseColumns, DataError> {
     let (message_position, message_orientation) = table.own_pose();
-    let find = |names: &[ColumnName], key: &str| -> Result<Vec<usize>, DataError> {
-        names.iter().map(|name| table.column(name, &format!("{path}.{key}"))).collect()
-    };
+    let find = |names: &[ColumnName], key: &str| table.find_all(names, &format!("{path}.{key}"));
     let position = body.position.clone().or(message_position).unwrap_or_else(|| {
         // Refused below as a column that is not there.
         ["x", "y", "z"].map(|name| ColumnName::Name(name.to_owned()))
