@@ -130,6 +130,19 @@ fn the_rows_of_a_body_are_chosen_by_a_column() {
         ),
         "{said}"
     );
+    // Frames are those of the file, also where the tip was seen later than the base.
+    let mut framed = "tool,frame,x,y,z\n".to_owned();
+    for frame in 0..FRAMES + 3 {
+        writeln!(framed, "base,{},100,20,-50", frame + 1).unwrap();
+        if frame >= 3 {
+            let [x, y, z] = tip_mm(frame - 3);
+            writeln!(framed, "tip,{},{},{},{}", frame + 1, x + 100.0, y + 20.0, z - 50.0).unwrap();
+        }
+    }
+    let time = "time: {column: frame, rate_hz: 100}, clock: {offset_s: -0.03}";
+    let both = format!("{time}, tip: {}, base: {}", body("tip"), body("base"));
+    bench.gives_the_motion(&framed, &both);
+    bench.put("log.csv", &long_log(0.0));
     let said = bench.refused(&format!("tip: {}, origin: [0, 0, 0]", body("tip")));
     assert!(said.contains("tracking.time"), "{said}");
 }

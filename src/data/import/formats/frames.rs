@@ -9,20 +9,20 @@ use crate::data::recording::{Pose, unit_length};
 
 /// Columns of a body.
 #[derive(Clone, Debug)]
-pub(super) struct BodyColumns {
+pub(super) struct ExportColumns {
     pub(super) name: String,
     /// x, y and z.
     pub(super) position: [usize; 3],
     /// Metres in the unit of the position.
     pub(super) unit_m: f64,
-    pub(super) orientation: OrientationColumns,
+    pub(super) orientation: OrientationCells,
     /// A column, and the texts in it (in lower case) of a tracked body.
     pub(super) status: Option<(usize, &'static [&'static str])>,
 }
 
 /// Columns of an orientation.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum OrientationColumns {
+pub(super) enum OrientationCells {
     /// A single marker.
     None,
     /// w, x, y, z.
@@ -35,7 +35,7 @@ pub(super) enum OrientationColumns {
 pub(super) struct TableBodies<'a> {
     pub(super) table: &'a LogTable,
     pub(super) time_s: Vec<f64>,
-    pub(super) columns: Vec<BodyColumns>,
+    pub(super) columns: Vec<ExportColumns>,
 }
 
 /// The bodies of tables of one clock as an export.
@@ -69,7 +69,7 @@ pub(super) fn export(tables: &[TableBodies], names_place: String) -> Result<Expo
             for (row, place) in places.iter().enumerate() {
                 poses[*place] = pose(table, body, row)?;
             }
-            let has_orientation = !matches!(body.orientation, OrientationColumns::None);
+            let has_orientation = !matches!(body.orientation, OrientationCells::None);
             let kind = if has_orientation { &mut bodies } else { &mut markers };
             kind.push(Body { name: body.name.clone(), has_orientation, poses });
         }
@@ -81,7 +81,7 @@ pub(super) fn export(tables: &[TableBodies], names_place: String) -> Result<Expo
 }
 
 /// The pose of a body in a row. Systems leave the cells of a lost body empty or set them to 0.
-fn pose(table: &LogTable, body: &BodyColumns, row: usize) -> Result<Option<Pose>, DataError> {
+fn pose(table: &LogTable, body: &ExportColumns, row: usize) -> Result<Option<Pose>, DataError> {
     if let Some((column, tracked)) = body.status {
         let status = table.text(column, row).trim().to_lowercase();
         if !tracked.contains(&status.as_str()) {
@@ -90,19 +90,19 @@ fn pose(table: &LogTable, body: &BodyColumns, row: usize) -> Result<Option<Pose>
     }
     let Some(position) = numbers(table, &body.position, row)? else { return Ok(None) };
     let quaternion = match &body.orientation {
-        OrientationColumns::None => Some([1.0, 0.0, 0.0, 0.0]),
-        OrientationColumns::Quaternion(columns) => {
+        OrientationCells::None => Some([1.0, 0.0, 0.0, 0.0]),
+        OrientationCells::Quaternion(columns) => {
             let parts =
                 numbers(table, columns, row)?.filter(|parts| parts.iter().any(|x| *x != 0.0));
             parts.map(|parts| unit(table, columns[0], row, parts)).transpose()?
         }
-        OrientationColumns::Matrix(columns) => {
+        OrientationCells::Matrix(columns) => {
             let parts =
                 numbers(table, columns, row)?.filter(|parts| parts.iter().any(|x| *x != 0.0));
             parts.map(|parts| from_matrix(table, columns[0], row, &parts)).transpose()?
         }
     };
-    let is_lost = matches!(body.orientation, OrientationColumns::None) && position == [0.0; 3];
+    let is_lost = matches!(body.orientation, OrientationCells::None) && position == [0.0; 3];
     let pose = |quaternion| Pose { position_m: position.map(|x| x * body.unit_m), quaternion };
     Ok(quaternion.filter(|_| !is_lost).map(pose))
 }

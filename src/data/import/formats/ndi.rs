@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use super::frames::{self, BodyColumns, OrientationColumns, TableBodies};
+use super::frames::{self, ExportColumns, OrientationCells, TableBodies};
 use crate::data::import::Export;
 use crate::data::import::mapped::{LogTable, TextFormat, parse_delimited};
 use crate::data::{DataError, csv};
@@ -30,13 +30,13 @@ pub(super) fn parse(path: &Path, bytes: &[u8], rate_hz: Option<f64>) -> Result<E
 }
 
 /// The columns of all tools.
-fn tools(table: &LogTable, header: usize) -> Result<Vec<BodyColumns>, DataError> {
+fn tools(table: &LogTable, header: usize) -> Result<Vec<ExportColumns>, DataError> {
     let is = |column: usize, name: &str| {
         table.columns.get(column).is_some_and(|(known, _)| known.eq_ignore_ascii_case(name))
     };
     let starts: Vec<usize> = (0..table.columns.len()).filter(|&column| is(column, "Q0")).collect();
     let mut begin = 0;
-    let mut tools: Vec<BodyColumns> = Vec::new();
+    let mut tools: Vec<ExportColumns> = Vec::new();
     for q0 in starts {
         let names = ["Qx", "Qy", "Qz", "Tx", "Ty", "Tz"];
         if !names.iter().enumerate().all(|(place, name)| is(q0 + 1 + place, name)) {
@@ -52,11 +52,11 @@ fn tools(table: &LogTable, header: usize) -> Result<Vec<BodyColumns>, DataError>
         };
         let name = name(table, before(&["porthandle", "port", "tool"]), tools.len() + 1);
         let twice = tools.iter().filter(|tool| tool.name == name).count();
-        tools.push(BodyColumns {
+        tools.push(ExportColumns {
             name: if twice == 0 { name } else { format!("{name} {}", tools.len() + 1) },
             position: std::array::from_fn(|axis| q0 + 4 + axis),
             unit_m: 1e-3,
-            orientation: OrientationColumns::Quaternion(std::array::from_fn(|part| q0 + part)),
+            orientation: OrientationCells::Quaternion(std::array::from_fn(|part| q0 + part)),
             status: before(&["transformstatus", "state", "status"]).map(|column| (column, TRACKED)),
         });
         begin = q0 + 7;

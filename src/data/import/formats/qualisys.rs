@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use super::frames::{self, BodyColumns, OrientationColumns, TableBodies};
+use super::frames::{self, ExportColumns, OrientationCells, TableBodies};
 use crate::data::import::Export;
 use crate::data::import::mapped::{LogTable, TextFormat, parse_delimited};
 use crate::data::{DataError, csv};
@@ -61,15 +61,15 @@ pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Export, DataError> {
     let time_s = time_s.collect::<Result<Vec<f64>, DataError>>()?;
     let columns = names.iter().enumerate().map(|(place, name)| {
         let first = before + place * width;
-        BodyColumns {
+        ExportColumns {
             name: (*name).to_owned(),
             position: std::array::from_fn(|axis| first + axis),
             unit_m: 1e-3,
             orientation: if has_bodies {
                 // After the angles and the residual.
-                OrientationColumns::Matrix(std::array::from_fn(|element| first + 7 + element))
+                OrientationCells::Matrix(std::array::from_fn(|element| first + 7 + element))
             } else {
-                OrientationColumns::None
+                OrientationCells::None
             },
             status: None,
         }

@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use super::frames::{self, BodyColumns, OrientationColumns, TableBodies};
+use super::frames::{self, ExportColumns, OrientationCells, TableBodies};
 use crate::data::import::Export;
 use crate::data::import::mapped::{LogTable, TextFormat, parse_delimited};
 use crate::data::{DataError, csv};
@@ -59,7 +59,7 @@ fn times_s(table: &LogTable, rate_hz: f64) -> Result<Vec<f64>, DataError> {
 }
 
 /// The bodies of a block: their columns are called `NAME TX`, or `NAME X` of a marker.
-fn bodies_of(table: &LogTable, unread: &mut Vec<String>) -> Result<Vec<BodyColumns>, DataError> {
+fn bodies_of(table: &LogTable, unread: &mut Vec<String>) -> Result<Vec<ExportColumns>, DataError> {
     let mut bodies = Vec::new();
     for (x, (name, _)) in table.columns.iter().enumerate() {
         let Some((body, axis)) = name.rsplit_once(' ') else { continue };
@@ -77,15 +77,15 @@ fn bodies_of(table: &LogTable, unread: &mut Vec<String>) -> Result<Vec<BodyColum
         let position = [x, part('Y')?, part('Z')?];
         let rotation = ["RW", "RX", "RY", "RZ"].map(column);
         let orientation = match rotation {
-            [Some(w), Some(x), Some(y), Some(z)] => OrientationColumns::Quaternion([w, x, y, z]),
+            [Some(w), Some(x), Some(y), Some(z)] => OrientationCells::Quaternion([w, x, y, z]),
             [None, Some(_), ..] => {
                 unread.push(body.to_owned());
-                OrientationColumns::None
+                OrientationCells::None
             }
-            _ => OrientationColumns::None,
+            _ => OrientationCells::None,
         };
         let unit_m = table.length_unit_m(x)?;
-        bodies.push(BodyColumns {
+        bodies.push(ExportColumns {
             name: body.to_owned(),
             position,
             unit_m,

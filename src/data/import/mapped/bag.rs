@@ -6,10 +6,12 @@ use std::path::Path;
 use super::columns::{LogCells, LogTable, TopicColumns};
 use super::join::{JoinedLog, join, without_tracking};
 use super::map::{BodyMap, ImportMap, TrackingMap};
-use super::ros_message::{Leaf, Leaves, MessageDefinition, all_names, items_named};
+use super::ros_message::{
+    MessageDefinition, MessageLeaf, MessageLeaves, Value, all_names, items_named,
+};
 use super::{MappedImport, commands, tracking};
 use crate::data::DataError;
-use crate::data::mcap::{Bag, BagMessage};
+use crate::data::mcap::{Bag, BagMessage, MessageKind};
 
 /// Imports topics of a bag by a checked map.
 ///
@@ -59,7 +61,8 @@ struct Row<'a> {
     /// Number of the message, from 1.
     number: usize,
     message: &'a BagMessage,
-    leaves: Leaves,
+    /// Of the item, and then of the whole message.
+    leaves: MessageLeaves,
     /// How many of the leaves are those of the item.
     own: usize,
 }
@@ -74,45 +77,29 @@ fn table(bag: &Bag, topic: &str, body: Option<&BodyMap>) -> Result<LogTable, Dat
         let all = format!("one of {}", listed(bag.topics.keys().map(String::as_str)));
         return Err(refuse(bag, topic, "no such topic".to_owned(), all));
     };
-    let [kind] = &bag_topic.kinds[..] else {
-        let found = listed(bag_topic.kinds.iter().map(|kind| kind.name.as_str()));
-        return Err(refuse(
-            bag,
-            topic,
-            format!("messages of types {found}"),
-            "one type".to_owned(),
-        ));
-    };
+    let kind = kind_of(bag, topic, &bag_topic.kinds)?;
     let definition = MessageDefinition::of(kind).map_err(|found| {
         let expected = "messages in `cdr` with their definition in `ros2msg`, as `ros2 bag record` \
                         writes them";
         refuse(bag, topic, found, expected.to_owned())
     })?;
-    let mut rows: Vec<Row> = Vec::new();
-    let mut others: BTreeSet<String> = BTreeSet::new();
+    let mut values = Vec::new();
     for (index, message) in bag_topic.messages.iter().enumerate() {
-        let value = definition.decode(&message.data).ok_or_else(|| {
+        values.push(definition.decode(&message.data).ok_or_else(|| {
             let found = format!("{} bytes in message {}", message.data.len(), index + 1);
             refuse(bag, topic, found, kind.name.clone())
-        })?;
-        let items = match body.and_then(|body| body.child.as_deref()) {
-            None => vec![&value],
-            Some(child) => items_named(&value, child),
-        };
-        if items.is_empty() {
-            others.extend(all_names(&value).into_iter().map(str::to_owned));
-        }
-        rows.extend(items.into_iter().map(|item| {
-            let own = Leaves::of(item).0.len();
-            Row { number: index + 1, message, leaves: Leaves::of_item(item, &value), own }
-        }));
+        })?);
     }
-    if let (true, Some(child)) = (rows.is_empty(), body.and_then(|body| body.child.as_ref())) {
-        let expected = format!("one of {}", listed(others.iter().map(String::as_str)));
-        return Err(refuse(bag, topic, format!("no child `{child}`"), expected));
-    }
+    let child = body.and_then(|body| body.child.as_deref());
+    let rows = rows(&bag_topic.messages, &values, child);
     let Some(first) = rows.first() else {
-        return Err(refuse(bag, topic, "no messages".to_owned(), "at least one".to_owned()));
+        let names = listed(values.iter().flat_map(all_names));
+        return Err(match child {
+            Some(child) if !values.is_empty() => {
+                refuse(bag, topic, format!("no child `{child}`"), format!("one of {names}"))
+            }
+            _ => refuse(bag, topic, "no messages".to_owned(), "at least one".to_owned()),
+        });
     };
     let mut topic_columns = TopicColumns { time: time_of(&first.leaves), ..Default::default() };
     if let Some(body) = body.filter(|body| body.position.is_none()) {
@@ -122,10 +109,43 @@ fn table(bag: &Bag, topic: &str, body: Option<&BodyMap>) -> Result<LogTable, Dat
     Ok(columns(bag, topic, topic_columns, &rows))
 }
 
+/// The only type of a topic's messages; one of several recorders may have written its definition.
+fn kind_of<'a>(
+    bag: &Bag,
+    topic: &str,
+    kinds: &'a [MessageKind],
+) -> Result<&'a MessageKind, DataError> {
+    let same =
+        |kind: &MessageKind| (&kind.name, &kind.encoding) == (&kinds[0].name, &kinds[0].encoding);
+    if kinds.is_empty() || !kinds.iter().all(same) {
+        let names = listed(kinds.iter().map(|kind| kind.name.as_str()));
+        let expected = "one type".to_owned();
+        return Err(refuse(bag, topic, format!("messages of the types {names}"), expected));
+    }
+    Ok(kinds.iter().find(|kind| !kind.definition.is_empty()).unwrap_or(&kinds[0]))
+}
+
+/// The messages, or the items in them that are called `child`.
+fn rows<'a>(messages: &'a [BagMessage], values: &[Value], child: Option<&str>) -> Vec<Row<'a>> {
+    let mut rows = Vec::new();
+    for (index, (message, value)) in messages.iter().zip(values).enumerate() {
+        let items = child.map_or_else(|| vec![value], |child| items_named(value, child));
+        for item in items {
+            let mut leaves = MessageLeaves::of(item);
+            let own = leaves.0.len();
+            if !std::ptr::eq(item, value) {
+                leaves.0.extend(MessageLeaves::of(value).0);
+            }
+            rows.push(Row { number: index + 1, message, leaves, own });
+        }
+    }
+    rows
+}
+
 /// The time of a message that has several.
-fn time_of(leaves: &Leaves) -> String {
+fn time_of(leaves: &MessageLeaves) -> String {
     let is_time = |path: &&str| {
-        leaves.0.iter().any(|(known, leaf)| known == path && matches!(leaf, Leaf::Time(_)))
+        leaves.0.iter().any(|(known, leaf)| known == path && matches!(leaf, MessageLeaf::Time(_)))
     };
     [STAMP, "stamp"].into_iter().find(is_time).unwrap_or(LOG_TIME).to_owned()
 }
@@ -136,7 +156,7 @@ fn check_one_child(bag: &Bag, topic: &str, rows: &[Row], body: &BodyMap) -> Resu
     let first = child(&rows[0]);
     let other = rows.iter().map(child).find(|other| *other != first).flatten();
     match (first, other) {
-        (Some((_, Leaf::Text(first))), Some((_, Leaf::Text(other))))
+        (Some((_, MessageLeaf::Text(first))), Some((_, MessageLeaf::Text(other))))
             if body.conditions.is_empty() =>
         {
             let found = format!("the child frames `{first}` and `{other}`");
@@ -184,25 +204,25 @@ fn pose_of(bag: &Bag, topic: &str, row: &Row) -> Result<[Option<String>; 2], Dat
 }
 
 /// The leaves of one path in all rows.
-fn cells(leaves: &[Option<&Leaf>]) -> Option<LogCells> {
+fn cells(leaves: &[Option<&MessageLeaf>]) -> Option<LogCells> {
     match leaves.iter().flatten().next()? {
-        Leaf::Number(_) => {
-            let number = |leaf: &Option<&Leaf>| match leaf {
-                Some(Leaf::Number(number)) => *number,
+        MessageLeaf::Number(_) => {
+            let number = |leaf: &Option<&MessageLeaf>| match leaf {
+                Some(MessageLeaf::Number(number)) => *number,
                 _ => f64::NAN,
             };
             Some(LogCells::Numbers(leaves.iter().map(number).collect()))
         }
-        Leaf::Text(_) => {
-            let text = |leaf: &Option<&Leaf>| match leaf {
-                Some(Leaf::Text(text)) => text.clone(),
+        MessageLeaf::Text(_) => {
+            let text = |leaf: &Option<&MessageLeaf>| match leaf {
+                Some(MessageLeaf::Text(text)) => text.clone(),
                 _ => String::new(),
             };
             Some(LogCells::Text(leaves.iter().map(text).collect()))
         }
-        Leaf::Time(_) => {
-            let time = |leaf: &Option<&Leaf>| match leaf {
-                Some(Leaf::Time(time_ns)) => Some(*time_ns),
+        MessageLeaf::Time(_) => {
+            let time = |leaf: &Option<&MessageLeaf>| match leaf {
+                Some(MessageLeaf::Time(time_ns)) => Some(*time_ns),
                 _ => None,
             };
             leaves.iter().map(time).collect::<Option<_>>().map(LogCells::Nanoseconds)
@@ -220,7 +240,7 @@ fn columns(bag: &Bag, topic: &str, topic_columns: TopicColumns, rows: &[Row]) ->
         ("publish_time".to_owned(), times(|message| message.publish_ns)),
     ];
     let mut paths: Vec<&str> = Vec::new();
-    let mut by_path: BTreeMap<&str, Vec<Option<&Leaf>>> = BTreeMap::new();
+    let mut by_path: BTreeMap<&str, Vec<Option<&MessageLeaf>>> = BTreeMap::new();
     for (place, row) in rows.iter().enumerate() {
         for (path, leaf) in &row.leaves.0 {
             let leaves = by_path.entry(path).or_insert_with(|| {
@@ -243,6 +263,7 @@ fn columns(bag: &Bag, topic: &str, topic_columns: TopicColumns, rows: &[Row]) ->
         rows: rows.iter().map(|row| row.number).collect(),
         row_word: format!("topic `{topic}`, message"),
         topic: Some(topic_columns),
+        first_of_all: None,
     }
 }
 
@@ -250,7 +271,7 @@ fn columns(bag: &Bag, topic: &str, topic_columns: TopicColumns, rows: &[Row]) ->
 mod tests {
     use super::*;
     use crate::data::import::mapped::time;
-    use crate::data::mcap::{BagTopic, MessageKind};
+    use crate::data::mcap::BagTopic;
 
     /// A message in plain CDR, little-endian: what is aligned is aligned after the first four
     /// bytes.
@@ -440,7 +461,7 @@ mod tests {
         let table = table(&bag, "/p", Some(&BodyMap::default())).unwrap();
         let said = time::stamps(&table, None, "tracking.time").map(|_| ()).unwrap_err().to_string();
         assert!(said.contains("column `header.stamp`: found `0`, expected a time that was set"));
-        assert!(said.contains("`time: {column: log_time, unit: ns}`"), "{said}");
+        assert!(said.contains("`time: {column: log_time}`"), "{said}");
     }
 
     #[test]

@@ -142,7 +142,7 @@ impl TrialFilesMap {
 }
 
 impl TimeMap {
-    fn check(&self, path: &str) -> Result<(), Fault> {
+    fn check(&self, path: &str, source: SourceKind) -> Result<(), Fault> {
         let ways = [self.column.is_some(), !self.sum.is_empty()];
         match (ways, &self.rate_hz) {
             ([true, true], _) => {
@@ -157,7 +157,7 @@ impl TimeMap {
             }
             _ => {}
         }
-        self.check_frames(path)?;
+        self.check_frames(path, source)?;
         if let Some(part) = self.sum.iter().find(|part| part.unit == TimeUnit::Iso8601) {
             let expected = "times that can be added; dates stand in one column";
             return Err(fault(path, "sum", format!("{} as a date", part.column), expected));
@@ -179,8 +179,12 @@ impl TimeMap {
         }
     }
 
-    fn check_frames(&self, path: &str) -> Result<(), Fault> {
+    fn check_frames(&self, path: &str, source: SourceKind) -> Result<(), Fault> {
         match self.rate_hz {
+            Some(_) if source == SourceKind::Bag && self.first_frame.is_none() => {
+                let expected = "the number of the frame at time 0: topics begin at several";
+                Err(fault(path, "first_frame", "no such key", expected))
+            }
             Some(FrameRate::Hz(rate_hz)) if !(rate_hz.is_finite() && rate_hz > 0.0) => {
                 Err(fault(path, "rate_hz", rate_hz.to_string(), "frames a second, above 0"))
             }
@@ -270,7 +274,7 @@ impl CommandsMap {
             text.check("commands.text")?;
         }
         if let Some(time) = &self.time {
-            time.check("commands.time")?;
+            time.check("commands.time", source)?;
         }
         if let Some(gap_s) = self.trial_gap_s {
             if self.time.is_none() && source != SourceKind::Bag {
@@ -447,7 +451,7 @@ impl TrackingMap {
             text.check("tracking.text")?;
         }
         if let Some(time) = &self.time {
-            time.check("tracking.time")?;
+            time.check("tracking.time", source)?;
         }
         self.to_axes()?;
         self.check_bodies(source)?;

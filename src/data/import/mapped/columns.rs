@@ -110,6 +110,8 @@ pub(crate) struct LogTable {
     pub(crate) row_word: String,
     /// What the kind of message says, for a topic.
     pub(crate) topic: Option<TopicColumns>,
+    /// The first row of the whole table, where these are some of its rows.
+    pub(crate) first_of_all: Option<Box<LogTable>>,
 }
 
 /// Columns of a kind of message that need no map.
@@ -235,6 +237,12 @@ impl LogTable {
 
     /// Some of the rows.
     pub(crate) fn select(&self, rows: &[usize]) -> LogTable {
+        let first = self.first_of_all.clone();
+        let first_of_all = Some(first.unwrap_or_else(|| Box::new(self.copy(&[0]))));
+        LogTable { first_of_all, ..self.copy(rows) }
+    }
+
+    fn copy(&self, rows: &[usize]) -> LogTable {
         fn of<T: Clone>(cells: &[T], rows: &[usize]) -> Vec<T> {
             rows.iter().map(|&row| cells[row].clone()).collect()
         }
@@ -256,6 +264,7 @@ impl LogTable {
             rows: of(&self.rows, rows),
             row_word: self.row_word.clone(),
             topic: self.topic.clone(),
+            first_of_all: None,
         }
     }
 

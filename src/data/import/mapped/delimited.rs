@@ -81,6 +81,7 @@ pub(crate) fn parse(path: &Path, bytes: &[u8], format: &TextFormat) -> Result<Lo
         rows,
         row_word: "line".to_owned(),
         topic: None,
+        first_of_all: None,
     })
 }
 

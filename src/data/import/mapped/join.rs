@@ -58,7 +58,7 @@ pub(super) fn without_tracking(
 /// What sets clocks right.
 const CLOCK_HINT: &str = " (`tracking.clock` of the map says how the clocks stand: \
                           `{first_row_after_s: 0}` where both begin together; messages of a bag \
-                          have `time: {column: log_time, unit: ns}`)";
+                          have `time: {column: log_time}`)";
 
 /// Joins the logs. `same_rows`: row by row, whatever the times.
 pub(super) fn join(

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::cell_value::CellValue;
+use super::cell_match::CellMatch;
 use super::columns::ColumnName;
 use super::units::{AngleUnit, CommandUnit, LengthUnit, MassUnit, TimeUnit};
 use crate::data::import::Axes;
@@ -89,7 +89,7 @@ pub struct CommandsMap {
     pub text: Option<TextFormat>,
     /// The rows of a table of several things that hold commands: the cells that they have.
     #[serde(default, rename = "where")]
-    #[schemars(with = "BTreeMap<String, CellValue>")]
+    #[schemars(with = "BTreeMap<String, CellMatch>")]
     pub conditions: RowConditions,
     /// When each row was; by default that of a bag's messages. Rows of a text file without times
     /// are poses at rest.
@@ -131,7 +131,7 @@ pub struct TimeMap {
     pub sum: Vec<TimePart>,
     /// The rows are frames at this rate, Hz.
     pub rate_hz: Option<FrameRate>,
-    /// Number of the frame at time 0; by default that of the first row.
+    /// Number of the frame at time 0; by default that of the first row of the file.
     pub first_frame: Option<i64>,
 }
 
@@ -156,7 +156,7 @@ pub enum FrameRate {
 }
 
 /// Conditions on the cells of a row: each column holds this text or number.
-pub type RowConditions = BTreeMap<ColumnName, CellValue>;
+pub type RowConditions = BTreeMap<ColumnName, CellMatch>;
 
 /// What to do with rows of commands at one time.
 #[derive(
@@ -322,7 +322,7 @@ pub struct BodyMap {
     pub child: Option<String>,
     /// The rows of a table of several bodies that hold this one: the cells that they have.
     #[serde(default, rename = "where")]
-    #[schemars(with = "BTreeMap<String, CellValue>")]
+    #[schemars(with = "BTreeMap<String, CellMatch>")]
     pub conditions: RowConditions,
     /// Columns of x, y and z; by default those of the topic's kind of message.
     pub position: Option<[ColumnName; 3]>,

@@ -3,7 +3,7 @@
 //! times.
 
 mod bag;
-mod cell_value;
+mod cell_match;
 mod check;
 mod clock_fit;
 mod columns;
@@ -25,7 +25,7 @@ mod units;
 use std::path::{Path, PathBuf};
 
 pub use bag::import_bag;
-pub use cell_value::CellValue;
+pub use cell_match::CellMatch;
 pub use check::SourceKind;
 pub use clock_fit::ClockFit;
 pub use columns::ColumnName;

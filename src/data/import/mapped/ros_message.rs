@@ -3,10 +3,11 @@
 
 use std::collections::BTreeMap;
 
-use re_cdr::{BigEndian, CdrReader, LittleEndian};
+use re_cdr::{BigEndian, CdrEndian, CdrReader, LittleEndian};
 use re_ros_msg::MessageSchema;
+pub(super) use re_ros_msg::deserialize::Value;
 use re_ros_msg::deserialize::primitive_array::PrimitiveArray;
-use re_ros_msg::deserialize::{MapResolver, Value, decode_message};
+use re_ros_msg::deserialize::{MapResolver, decode_message};
 use re_ros_msg::message_spec::MessageSpecification;
 
 use crate::data::mcap::MessageKind;
@@ -52,16 +53,20 @@ impl MessageDefinition {
     /// The fields of a message in CDR; none when it is damaged.
     pub(super) fn decode(&self, message: &[u8]) -> Option<Value> {
         let (head, body) = message.split_at_checked(4)?;
-        let all = self.others.iter().map(|spec| (plain(&spec.name), spec));
-        let resolver = MapResolver::new(all);
         match head[..2] {
-            [0, 0] => decode_message(&mut CdrReader::<BigEndian>::new(body), &self.main, &resolver),
-            [0, 1] => {
-                decode_message(&mut CdrReader::<LittleEndian>::new(body), &self.main, &resolver)
-            }
-            _ => return None,
+            [0, 0] => self.decode_body::<BigEndian>(body),
+            [0, 1] => self.decode_body::<LittleEndian>(body),
+            _ => None,
         }
-        .ok()
+    }
+
+    fn decode_body<Order: CdrEndian>(&self, body: &[u8]) -> Option<Value> {
+        /// Messages are padded to a multiple of this, at most.
+        const PADDING_BYTES: usize = 8;
+        let resolver = MapResolver::new(self.others.iter().map(|spec| (plain(&spec.name), spec)));
+        let mut reader = CdrReader::<Order>::new(body);
+        let value = decode_message(&mut reader, &self.main, &resolver).ok()?;
+        (reader.remaining() < PADDING_BYTES).then_some(value)
     }
 }
 
@@ -85,7 +90,7 @@ fn common(name: &str) -> Option<String> {
 
 /// What stands at a path.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Leaf {
+pub(super) enum MessageLeaf {
     Number(f64),
     Text(String),
     /// Nanoseconds.
@@ -94,27 +99,17 @@ pub(super) enum Leaf {
 
 /// The leaves of a message by their paths.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Leaves(pub(super) Vec<(String, Leaf)>);
+pub(super) struct MessageLeaves(pub(super) Vec<(String, MessageLeaf)>);
 
-impl Leaves {
+impl MessageLeaves {
     /// The leaves of a message.
-    pub(super) fn of(message: &Value) -> Leaves {
-        let mut leaves = Leaves::default();
+    pub(super) fn of(message: &Value) -> MessageLeaves {
+        let mut leaves = MessageLeaves::default();
         leaves.add(String::new(), message);
         leaves
     }
 
-    /// The leaves of an item of a message, and those of the message that the item lacks.
-    pub(super) fn of_item(item: &Value, message: &Value) -> Leaves {
-        let mut leaves = Leaves::of(item);
-        if !std::ptr::eq(item, message) {
-            let outer = Leaves::of(message).0;
-            outer.into_iter().for_each(|(path, leaf)| leaves.push(path, leaf));
-        }
-        leaves
-    }
-
-    fn push(&mut self, path: String, leaf: Leaf) {
+    fn push(&mut self, path: String, leaf: MessageLeaf) {
         self.0.push((path, leaf));
     }
 
@@ -125,14 +120,14 @@ impl Leaves {
             Value::PrimitiveArray(list) | Value::PrimitiveSeq(list) => {
                 self.add_list(&path, list, &[]);
             }
-            Value::String(text) => self.push(path, Leaf::Text(text.clone())),
-            number => self.push(path, Leaf::Number(self::number(number))),
+            Value::String(text) => self.push(path, MessageLeaf::Text(text.clone())),
+            number => self.push(path, MessageLeaf::Number(self::number(number))),
         }
     }
 
     fn add_fields(&mut self, path: &str, fields: &BTreeMap<String, Value>) {
         if let Some(time_ns) = time_ns(fields) {
-            self.push(path.to_owned(), Leaf::Time(time_ns));
+            self.push(path.to_owned(), MessageLeaf::Time(time_ns));
         }
         let names = item_names(fields);
         for (field, value) in fields {
@@ -168,7 +163,7 @@ impl Leaves {
     fn add_list(&mut self, path: &str, list: &PrimitiveArray, names: &[String]) {
         if let PrimitiveArray::String(texts) = list {
             for (place, text) in texts.iter().enumerate().take(MAX_ITEMS) {
-                self.push(format!("{path}[{place}]"), Leaf::Text(text.clone()));
+                self.push(format!("{path}[{place}]"), MessageLeaf::Text(text.clone()));
             }
             return;
         }
@@ -177,9 +172,9 @@ impl Leaves {
             return;
         }
         for (place, number) in numbers.into_iter().enumerate() {
-            self.push(format!("{path}[{place}]"), Leaf::Number(number));
+            self.push(format!("{path}[{place}]"), MessageLeaf::Number(number));
             if let Some(name) = names.get(place).filter(|name| !name.is_empty()) {
-                self.push(format!("{path}[{name}]"), Leaf::Number(number));
+                self.push(format!("{path}[{name}]"), MessageLeaf::Number(number));
             }
         }
     }

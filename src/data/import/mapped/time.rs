@@ -89,7 +89,7 @@ fn check_set(table: &LogTable, column: usize, ns: &[i64]) -> Result<(), DataErro
     let is_stamp = matches!(table.columns[column].1, LogCells::Nanoseconds(_));
     let unset = ns.iter().position(|stamp| *stamp == 0).filter(|_| is_stamp);
     unset.map_or(Ok(()), |row| {
-        let expected = "a time that was set; `time: {column: log_time, unit: ns}` of the map \
+        let expected = "a time that was set; `time: {column: log_time}` of the map \
                         takes the time at which the message was recorded";
         Err(table.wrong(column, row, expected))
     })
@@ -178,7 +178,11 @@ fn frames(
         },
     };
     let numbers = (0..table.rows.len()).map(number).collect::<Result<Vec<i64>, _>>()?;
-    let first = time.first_frame.or(numbers.first().copied()).unwrap_or(0);
+    // Bodies and commands of one file count from the same frame, whichever rows are theirs.
+    let first_of_all = table.first_of_all.as_ref().zip(column);
+    let first_of_all = first_of_all.and_then(|(first, column)| first.finite(column, 0).ok());
+    let first = time.first_frame.or(first_of_all.map(|number| number as i64));
+    let first = first.or(numbers.first().copied()).unwrap_or(0);
     let ns = numbers.iter().map(|number| ((number - first) as f64 / rate_hz * NS).round() as i64);
     Ok(Stamps { column, ns: ns.collect(), is_zoned: None })
 }

@@ -9,9 +9,9 @@ use serde::{Deserialize, Serialize};
 /// A text, or a number however it is written.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(transparent)]
-pub struct CellValue(String);
+pub struct CellMatch(String);
 
-impl CellValue {
+impl CellMatch {
     /// Whether a cell holds it.
     pub(crate) fn is_in(&self, cell: &str) -> bool {
         let number = |text: &str| text.trim().parse::<f64>().ok();
@@ -20,49 +20,49 @@ impl CellValue {
     }
 }
 
-impl fmt::Display for CellValue {
+impl fmt::Display for CellMatch {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "`{}`", self.0)
     }
 }
 
-impl<'de> Deserialize<'de> for CellValue {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<CellValue, D::Error> {
+impl<'de> Deserialize<'de> for CellMatch {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<CellMatch, D::Error> {
         struct Scalar;
         impl Visitor<'_> for Scalar {
-            type Value = CellValue;
+            type Value = CellMatch;
 
             fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
                 f.write_str("the text or number in a cell")
             }
 
-            fn visit_str<E: de::Error>(self, text: &str) -> Result<CellValue, E> {
-                Ok(CellValue(text.to_owned()))
+            fn visit_str<E: de::Error>(self, text: &str) -> Result<CellMatch, E> {
+                Ok(CellMatch(text.to_owned()))
             }
 
-            fn visit_bool<E: de::Error>(self, flag: bool) -> Result<CellValue, E> {
-                Ok(CellValue(flag.to_string()))
+            fn visit_bool<E: de::Error>(self, flag: bool) -> Result<CellMatch, E> {
+                Ok(CellMatch(flag.to_string()))
             }
 
-            fn visit_u64<E: de::Error>(self, number: u64) -> Result<CellValue, E> {
-                Ok(CellValue(number.to_string()))
+            fn visit_u64<E: de::Error>(self, number: u64) -> Result<CellMatch, E> {
+                Ok(CellMatch(number.to_string()))
             }
 
-            fn visit_i64<E: de::Error>(self, number: i64) -> Result<CellValue, E> {
-                Ok(CellValue(number.to_string()))
+            fn visit_i64<E: de::Error>(self, number: i64) -> Result<CellMatch, E> {
+                Ok(CellMatch(number.to_string()))
             }
 
-            fn visit_f64<E: de::Error>(self, number: f64) -> Result<CellValue, E> {
-                Ok(CellValue(number.to_string()))
+            fn visit_f64<E: de::Error>(self, number: f64) -> Result<CellMatch, E> {
+                Ok(CellMatch(number.to_string()))
             }
         }
         deserializer.deserialize_any(Scalar)
     }
 }
 
-impl schemars::JsonSchema for CellValue {
+impl schemars::JsonSchema for CellMatch {
     fn schema_name() -> Cow<'static, str> {
-        "CellValue".into()
+        "CellMatch".into()
     }
 
     fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
