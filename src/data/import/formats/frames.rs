@@ -88,36 +88,23 @@ fn pose(table: &LogTable, body: &ExportColumns, row: usize) -> Result<Option<Pos
             return Ok(None);
         }
     }
-    let Some(position) = numbers(table, &body.position, row)? else { return Ok(None) };
+    let Some(position) = table.numbers(&body.position, row)? else { return Ok(None) };
     let quaternion = match &body.orientation {
         OrientationCells::None => Some([1.0, 0.0, 0.0, 0.0]),
         OrientationCells::Quaternion(columns) => {
             let parts =
-                numbers(table, columns, row)?.filter(|parts| parts.iter().any(|x| *x != 0.0));
+                table.numbers(columns, row)?.filter(|parts| parts.iter().any(|x| *x != 0.0));
             parts.map(|parts| unit(table, columns[0], row, parts)).transpose()?
         }
         OrientationCells::Matrix(columns) => {
             let parts =
-                numbers(table, columns, row)?.filter(|parts| parts.iter().any(|x| *x != 0.0));
+                table.numbers(columns, row)?.filter(|parts| parts.iter().any(|x| *x != 0.0));
             parts.map(|parts| from_matrix(table, columns[0], row, &parts)).transpose()?
         }
     };
     let is_lost = matches!(body.orientation, OrientationCells::None) && position == [0.0; 3];
     let pose = |quaternion| Pose { position_m: position.map(|x| x * body.unit_m), quaternion };
     Ok(quaternion.filter(|_| !is_lost).map(pose))
-}
-
-fn numbers<const N: usize>(
-    table: &LogTable,
-    columns: &[usize; N],
-    row: usize,
-) -> Result<Option<[f64; N]>, DataError> {
-    let mut numbers = [0.0; N];
-    for (value, &column) in numbers.iter_mut().zip(columns) {
-        let Some(number) = table.number(column, row)? else { return Ok(None) };
-        *value = number;
-    }
-    Ok(Some(numbers))
 }
 
 fn unit(

@@ -399,6 +399,21 @@ impl LogTable {
         }
     }
 
+    /// The numbers of some columns in a row; none where one is missing. Errors as
+    /// [`LogTable::number`].
+    pub(crate) fn numbers<const N: usize>(
+        &self,
+        columns: &[usize; N],
+        row: usize,
+    ) -> Result<Option<[f64; N]>, DataError> {
+        let mut numbers = [0.0; N];
+        for (value, &column) in numbers.iter_mut().zip(columns) {
+            let Some(number) = self.number(column, row)? else { return Ok(None) };
+            *value = number;
+        }
+        Ok(Some(numbers))
+    }
+
     /// The number in a cell that must hold one. Errors as [`LogTable::number`].
     pub(crate) fn finite(&self, column: usize, row: usize) -> Result<f64, DataError> {
         self.number(column, row)?.ok_or_else(|| self.wrong(column, row, "a number"))

@@ -219,7 +219,7 @@ fn pose(
     {
         return Ok(None);
     }
-    let Some(position) = numbers(table, &columns.position, row)? else { return Ok(None) };
+    let Some(position) = table.numbers(&columns.position, row)? else { return Ok(None) };
     if map.lost_value.is_some_and(|lost| position.iter().all(|x| *x == lost)) {
         return Ok(None);
     }
@@ -239,11 +239,11 @@ fn orientation(
 ) -> Result<Option<[f64; 4]>, DataError> {
     match columns {
         OrientationColumns::Angles(columns, euler) => {
-            Ok(numbers(table, columns, row)?.map(|angles| euler.quaternion(angles)))
+            Ok(table.numbers(columns, row)?.map(|angles| euler.quaternion(angles)))
         }
         OrientationColumns::Quaternion(columns) => {
             let quaternion =
-                numbers(table, columns, row)?.filter(|parts| parts.iter().any(|part| *part != 0.0));
+                table.numbers(columns, row)?.filter(|parts| parts.iter().any(|part| *part != 0.0));
             let Some(quaternion) = quaternion else { return Ok(None) };
             unit_length(&quaternion).map_err(|length| {
                 let expected =
@@ -253,18 +253,4 @@ fn orientation(
             Ok(Some(quaternion))
         }
     }
-}
-
-/// The numbers of some columns in a row; none where one is missing.
-fn numbers<const N: usize>(
-    table: &LogTable,
-    columns: &[usize; N],
-    row: usize,
-) -> Result<Option<[f64; N]>, DataError> {
-    let mut numbers = [0.0; N];
-    for (value, &column) in numbers.iter_mut().zip(columns) {
-        let Some(number) = table.number(column, row)? else { return Ok(None) };
-        *value = number;
-    }
-    Ok(Some(numbers))
 }
