@@ -33,6 +33,10 @@ pub enum PlantError {
     /// A real robot was stopped: why, and how to continue.
     #[error("robot stopped: {0}")]
     Stopped(String),
+    /// A tick of a real robot was late, so that a row would not be measured at its time: by how
+    /// much, and how to continue.
+    #[error("tick late: {0}")]
+    Late(String),
     /// The tip was not tracked, also when the command was repeated.
     #[error("tracking lost: the tip was not seen in {steps} further steps with the same command")]
     Unseen {

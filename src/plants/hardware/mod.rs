@@ -3,6 +3,7 @@
 
 pub(crate) mod diagnostics;
 pub(crate) mod dry_run;
+mod lateness;
 mod opening;
 pub mod operator;
 mod options;
@@ -43,6 +44,10 @@ pub struct Hardware {
     /// Start of the trial and due time of its next tick, on the rig's clock, s.
     trial_s: f64,
     due_s: f64,
+    /// Events until the end of the last tick.
+    seen_events: usize,
+    /// How long the last observation waited for its pose, s.
+    pose_wait_s: f64,
     timing: LoopTiming,
     /// The simulators behind the drivers, in a rehearsal.
     rehearsal: Option<Rehearsal>,

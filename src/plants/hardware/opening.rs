@@ -103,6 +103,8 @@ impl Hardware {
             patience_s: PATIENCE_S + options.safety.hold_stop_s.max(options.motion.reply_timeout_s),
             trial_s: 0.0,
             due_s: 0.0,
+            seen_events: 0,
+            pose_wait_s: 0.0,
             timing: LoopTiming::default(),
             rehearsal: None,
             lock: None,
