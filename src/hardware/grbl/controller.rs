@@ -244,6 +244,7 @@ impl Controller {
     /// Decelerates all axes to a standstill, which keeps the position. Queued moves wait.
     pub fn hold(&mut self, now_s: f64) {
         self.holding = true;
+        self.pending.iter_mut().for_each(|pending| pending.hold(now_s));
         self.resumption.hold(now_s);
         if matches!(self.state.mode, Mode::Hold { .. }) {
             // The axes may have moved again since the last report.

@@ -86,6 +86,27 @@ fn a_termination_holds_the_robot() {
     interrupted_by("TERM");
 }
 
+/// A program that is paused, as a suspended computer pauses it, measures rows at other times than
+/// they say: the trial is not kept. The robot has done nothing wrong.
+#[test]
+fn a_pause_ends_the_trial() {
+    let bench = bench();
+    // More than a busy computer is late by, and less than the pause.
+    let plant = bench.text("plant.yaml").replace("max_late_ticks: 50", "max_late_ticks: 4");
+    bench.put("plant.yaml", &plant);
+    let served = bench.serve("plant.yaml", "served.yaml");
+    let collect = bench.start(COLLECT);
+    in_the_second_trial(&bench, &served);
+    collect.signal("STOP");
+    std::thread::sleep(std::time::Duration::from_secs(2));
+    collect.signal("CONT");
+    let words = ["trial 1: tick late: ", "expected at most 800 ms", "1 of 3 trials are kept"];
+    collect.end().is(1, &words);
+    stands_within_the_last_tick(&served.stands());
+    assert!(!bench.is_latched() && !bench.is_distrusted(), "a pause is no fault of the robot");
+    goes_on(&bench);
+}
+
 #[test]
 fn a_killed_program_leaves_a_robot_that_ends_its_tick() {
     let bench = bench();
