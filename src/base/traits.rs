@@ -67,6 +67,10 @@ pub trait Plant: Send {
     fn reset(&mut self, seed: Seed) -> Result<Observation, PlantError>;
     /// Applies the commands for one step and observes the robot at its end.
     fn drive(&mut self, commands: &[TendonCommand]) -> Result<Observation, PlantError>;
+    /// Checks after a trial that what it measured can be trusted. A simulated robot needs no check.
+    fn verify(&mut self) -> Result<(), PlantError> {
+        Ok(())
+    }
     /// [`Plant::drive`] with every tendon pulled to a displacement in metres.
     fn step(&mut self, pulls_m: &[f64]) -> Result<Observation, PlantError> {
         let commands: Vec<TendonCommand> =

@@ -51,6 +51,8 @@ pub struct Controller {
     pub(super) last_move: Option<([f64; 4], f64)>,
     /// When held moves were last resumed, s; status reports may lag behind.
     pub(super) resumed_s: f64,
+    /// Since when the controller is in a hold that this program did not request, s.
+    pub(super) foreign_hold_s: Option<f64>,
     pub(super) setup_acknowledged: bool,
     /// Whether the controller reports itself as homed; most reports leave this out.
     pub(super) reported_homed: bool,
@@ -97,6 +99,7 @@ impl Controller {
             resumption: Resumption::default(),
             last_move: None,
             resumed_s: f64::NEG_INFINITY,
+            foreign_hold_s: None,
             setup_acknowledged: false,
             reported_homed: false,
             homing_required: false,
@@ -278,6 +281,7 @@ impl Controller {
         self.pending = None;
         self.query_sent_s = None;
         self.homing = HomingPhase::No;
+        self.foreign_hold_s = None;
         self.setup_acknowledged = false;
         self.commanded_path.discard();
         self.last_move = None;

@@ -51,7 +51,8 @@ pub(super) fn identify_controller(
     settings: &MotionSettings,
     clock: &dyn Clock,
 ) -> Result<(ControllerInfo, StatusReport), MotionFault> {
-    let mut handshake = Handshake { port, clock, timeout_s: settings.reply_timeout_s };
+    let timeout_s = settings.reply_timeout_s;
+    let mut handshake = Handshake { port, clock, timeout_s, pushed_alarm: Mode::Unknown };
     // A controller that restarts when its port is opened, or is reset, may do so during the
     // handshake.
     for _ in 0..2 {
@@ -67,6 +68,8 @@ struct Handshake<'a> {
     port: &'a mut Port,
     clock: &'a dyn Clock,
     timeout_s: f64,
+    /// The last alarm that the controller has pushed: a status report may leave out its number.
+    pushed_alarm: Mode,
 }
 
 impl Handshake<'_> {
@@ -205,6 +208,7 @@ impl Handshake<'_> {
             Reply::Status(_) => Some(Err(MotionFault::no_position())),
             _ => None,
         })
+        .map(|status| StatusReport { mode: status.mode.with_alarm_of(self.pushed_alarm), ..status })
     }
 
     /// The fault for an answer that has not arrived. An unreadable line may have been the answer.
@@ -258,6 +262,15 @@ impl Handshake<'_> {
         self.clock.sleep_until(self.clock.now_s() + READ_INTERVAL_S);
         let (received_lines, gone) = self.port.read();
         gone.map_err(|error| MotionFault::unplugged(&error))?;
+        for received in &received_lines {
+            let ReceivedLine::Line(line) = received else { continue };
+            match parse(line) {
+                Some(Reply::Alarm(code)) => self.pushed_alarm = Mode::Alarm(Some(code)),
+                // What was pushed before a restart is over.
+                Some(Reply::Boot(_)) => self.pushed_alarm = Mode::Unknown,
+                _ => {}
+            }
+        }
         Ok(received_lines)
     }
 

@@ -21,6 +21,14 @@ pub fn slowest_axis_mm_min(limits: &SafetyLimits, duration_s: f64) -> f64 {
     limits.step_m(duration_s) * 1e3 / (MOVING_SHARE * duration_s) * 60.0
 }
 
+/// Acceleration that every axis must reach for the largest step in `duration_s`, mm/s²: it speeds up
+/// and slows down in the rest of the tick.
+pub fn min_acceleration_mm_s2(limits: &SafetyLimits, duration_s: f64) -> f64 {
+    // A move of length s at speed v takes s / v + v / a from rest to rest.
+    let speed_mm_s = slowest_axis_mm_min(limits, duration_s) / 60.0;
+    speed_mm_s / ((1.0 - MOVING_SHARE) * duration_s)
+}
+
 /// Why a command was not executed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MoveError {

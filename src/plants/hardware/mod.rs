@@ -1,6 +1,7 @@
 //! A real robot as a plant: four lead screws, a tracker, and the guard between the policy and the
 //! motors.
 
+mod axis_response;
 pub(crate) mod diagnostics;
 pub(crate) mod dry_run;
 mod lateness;
@@ -13,6 +14,8 @@ mod rehearsal;
 pub(crate) mod served_simulator;
 pub(crate) mod supervised_rig;
 mod timing;
+mod trial_log;
+mod verification;
 
 pub use diagnostics::Diagnostics;
 pub use dry_run::{DryRun, RefusedRow, dry_run};
@@ -28,6 +31,7 @@ use crate::hardware::safety::SafetyLimits;
 
 use operator::RobotLock;
 use supervised_rig::SupervisedRig;
+use trial_log::TrialLog;
 
 /// A real robot, or a rehearsal of one, as a [`Plant`](crate::base::Plant).
 pub struct Hardware {
@@ -48,6 +52,11 @@ pub struct Hardware {
     seen_events: usize,
     /// How long the last observation waited for its pose, s.
     pose_wait_s: f64,
+    /// The robot has rested at home since it last moved.
+    rests_at_home: bool,
+    /// Where the tip rested first at home under the present weight, metres.
+    first_home_m: Option<Point3>,
+    trial: TrialLog,
     timing: LoopTiming,
     /// The simulators behind the drivers, in a rehearsal.
     rehearsal: Option<Rehearsal>,

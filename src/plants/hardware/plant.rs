@@ -1,6 +1,7 @@
 //! Control of the robot in ticks: homing, commands, observations.
 
 use super::Hardware;
+use super::trial_log::{LoggedStep, TrialLog};
 use crate::base::{Observation, Plant, PlantError, Seed, TendonCommand};
 use crate::hardware::axes::AXES;
 use crate::hardware::realtime::{Priority, RealTime};
@@ -18,6 +19,7 @@ const MAX_UNSHIFTED_SHARE: f64 = 0.3;
 impl Hardware {
     /// Homes the robot unless it is homed, and moves its tendons home.
     pub(super) fn go_home(&mut self) -> Result<(), PlantError> {
+        self.rests_at_home = false;
         self.supervised.rig().set_expected_tip(None);
         let deadline_s = self.supervised.clock.now_s() + MAX_HOMING_S;
         if *self.supervised.rig().state() == GuardState::Idle {
@@ -47,7 +49,11 @@ impl Hardware {
 
     /// Waits until the robot is active and, if it was held after its first `events` events, has
     /// ended its moves; true if it was held.
-    fn wait_until_active(&self, events: usize, deadline_s: f64) -> Result<bool, PlantError> {
+    pub(super) fn wait_until_active(
+        &self,
+        events: usize,
+        deadline_s: f64,
+    ) -> Result<bool, PlantError> {
         let ended = self.supervised.wait(deadline_s, |rig, _| {
             let was_held = rig.events().iter().skip(events).any(|event| event.state == "held");
             match rig.state() {
@@ -59,7 +65,7 @@ impl Hardware {
     }
 
     /// Number of events so far.
-    fn event_count(&self) -> usize {
+    pub(super) fn event_count(&self) -> usize {
         self.supervised.rig().events().len()
     }
 
@@ -168,7 +174,7 @@ impl Hardware {
 }
 
 /// The error of a stopped robot.
-fn stop_error(state: &GuardState) -> Option<PlantError> {
+pub(super) fn stop_error(state: &GuardState) -> Option<PlantError> {
     let GuardState::Stopped { reason, .. } = state else { return None };
     Some(PlantError::Stopped(format!("{}; {}", reason.what, reason.remedy)))
 }
@@ -197,17 +203,23 @@ impl Plant for Hardware {
         if let Some(rehearsal) = &self.rehearsal {
             rehearsal.with_simulator(|simulator| simulator.reseed(seed));
         }
-        self.go_home()?;
-        self.model.home()?;
-        let (events, rested_s) =
-            (self.event_count(), self.supervised.clock.now_s() + self.settle_s);
-        self.supervised.clock.sleep_until(rested_s);
-        self.wait_until_active(events, rested_s + self.patience_s)?;
-        let home = [TendonCommand::Pull(0.0); AXES];
-        self.supervised.rig().set_expected_tip(Some(self.model.observation(&home, 0.0).tip_m));
+        self.rest_at_home()?;
+        self.check_home_tip()?;
+        let home_m = self.expected_m();
+        self.supervised.rig().set_expected_tip(Some(home_m));
         self.trial_s = self.now_s();
         (self.due_s, self.seen_events) = (self.trial_s, self.event_count());
-        Ok(self.observe(vec![0.0; AXES]))
+        let seen = self.observe(vec![0.0; AXES]);
+        let measured_home_m = seen.valid.then_some(seen.tip_m);
+        self.trial = TrialLog { home_m, measured_home_m, steps: Vec::new() };
+        Ok(seen)
+    }
+
+    /// The tip rests where it did first, and every axis has moved its tendon.
+    fn verify(&mut self) -> Result<(), PlantError> {
+        self.check_axes()?;
+        self.rest_at_home()?;
+        self.check_home_tip()
     }
 
     fn drive(&mut self, commands: &[TendonCommand]) -> Result<Observation, PlantError> {
@@ -237,6 +249,7 @@ impl Plant for Hardware {
             self.safety.check_command(&pulls_m, &last_m, self.step_s * ticks as f64, ticks);
         admitted.map_err(|refusal| PlantError::Refused(refusal.to_string()))?;
         self.model = model;
+        self.rests_at_home = false;
         self.supervised.rig().set_expected_tip(Some(predicted.tip_m));
         let unshifted_s = self.pose_wait_s + MAX_UNSHIFTED_SHARE * self.step_s;
         let in_time = now_s <= self.due_s + unshifted_s;
@@ -244,6 +257,10 @@ impl Plant for Hardware {
         if self.drive_in_ticks(&pulls_m, now_s, begin_s)? {
             self.timing.held += 1;
         }
-        Ok(self.observe(pulls_m))
+        let seen = self.observe(pulls_m);
+        let pulls_m = std::array::from_fn(|axis| seen.pulls_m[axis]);
+        let measured_m = seen.valid.then_some(seen.tip_m);
+        self.trial.steps.push(LoggedStep { pulls_m, predicted_m: predicted.tip_m, measured_m });
+        Ok(seen)
     }
 }

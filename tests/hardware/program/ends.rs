@@ -157,6 +157,24 @@ fn a_pulled_cable_stops_until_somebody_has_looked() {
     assert!(log.contains("stopped: ") && log.contains("armed by the operator"), "{log}");
 }
 
+/// A motor loses steps, and its controller does not know: home is elsewhere, and the trial is not
+/// kept.
+#[test]
+fn a_trial_in_which_steps_are_lost_is_not_kept() {
+    let bench = bench();
+    let mut served = bench.serve("plant.yaml", "served.yaml");
+    let collect = bench.start(COLLECT);
+    in_the_second_trial(&bench, &served);
+    served.wish("miss X 2");
+    collect
+        .end()
+        .is(1, &["trial 1: robot stopped: the tip rests at home ", "1 of 3 trials are kept"]);
+    assert!(bench.is_latched() && bench.is_distrusted());
+    bench.run("arm --plant served.yaml").is(0, &["armed: `robot`", "homed before it moves"]);
+    goes_on(&bench);
+    assert_eq!(served.homings(), 2);
+}
+
 /// Steps may have been lost although the controller says that it is homed: another program homes
 /// the robot, however often it is armed.
 #[test]
