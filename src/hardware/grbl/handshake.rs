@@ -3,7 +3,7 @@
 use super::check;
 use super::check::SettingsTable;
 use super::fault::MotionFault;
-use super::gcode::RESET;
+use super::gcode::{FULL_REPORT, RESET};
 use super::parser::{ReceivedLine, Reply, StatusReport, parse};
 use super::port::Port;
 use super::settings::MotionSettings;
@@ -96,6 +96,9 @@ impl Handshake<'_> {
             (numbers(110), numbers(120), numbers(130));
         // Reports leave out values that have been reported before.
         let mut last = self.status()?;
+        if last.mode == Mode::Alarm(None) {
+            last.mode = self.alarm_mode()?;
+        }
         last.homed = last.homed.or(first.homed);
         Ok((info, last))
     }
@@ -201,8 +204,23 @@ impl Handshake<'_> {
         answer
     }
 
+    /// The mode of a controller whose reports leave out the number of its alarm, which was raised
+    /// before it was connected: grblHAL names it in a full report, other firmware does not answer.
+    fn alarm_mode(&mut self) -> Result<Mode, MotionFault> {
+        match self.query_report(FULL_REPORT) {
+            Ok(status) => Ok(status.mode),
+            Err(MotionFault::Silent { .. }) => Ok(Mode::Alarm(None)),
+            Err(fault) => Err(fault),
+        }
+    }
+
     fn query_status(&mut self) -> Result<StatusReport, MotionFault> {
-        self.port.send_byte(b'?').map_err(|error| MotionFault::unplugged(&error))?;
+        self.query_report(b'?')
+    }
+
+    /// Asks for a status report with the real-time byte `query`.
+    fn query_report(&mut self, query: u8) -> Result<StatusReport, MotionFault> {
+        self.port.send_byte(query).map_err(|error| MotionFault::unplugged(&error))?;
         self.wait_for("a status query", |reply| match reply {
             Reply::Status(status) if status.position_mm.is_some() => Some(Ok(status)),
             Reply::Status(_) => Some(Err(MotionFault::no_position())),

@@ -30,7 +30,8 @@ pub struct SafetyLimits {
     pub tip_from_model_m: f64,
     /// Largest plausible speed of the tip, m/s.
     pub tip_speed_m_s: f64,
-    /// Largest distance of the tip at rest at home from where it rested first, metres.
+    /// Largest motion of the tip at rest at home over a trial, metres; twice as much since it rested
+    /// there first.
     pub home_tolerance_m: f64,
     /// Delay of a command or of a measurement above which the trial ends, in ticks; holds apart.
     pub max_late_ticks: f64,
@@ -50,7 +51,7 @@ impl Default for SafetyLimits {
             most_holds: 5,
             tip_from_model_m: 0.08,
             tip_speed_m_s: 5.0,
-            home_tolerance_m: 0.002,
+            home_tolerance_m: 0.0025,
             max_late_ticks: 0.3,
         }
     }

@@ -1,7 +1,8 @@
 //! Finds an axis that counts its steps and does not move its tendon, by the tips of a whole trial.
 //!
 //! The model plays the trial once more for each axis, as if that axis had stood at home. If one of
-//! these tips fits the measured ones much better than those of four moving axes, that axis stood.
+//! these tips fits the measured ones much better than those of four moving axes, that axis stood. A
+//! tendon only pulls: an axis that lets out and stands hardly changes the tip, and is not found.
 
 use std::fmt;
 
@@ -82,19 +83,22 @@ pub(super) fn find_blocked(
 }
 
 /// Distance of the tips from those of a model whose `axis` stands at home, metres rms; none if it
-/// finds no equilibrium.
+/// finds no equilibrium at home.
 fn if_blocked_m(model: &DrivenModel, trial: &TrialLog, step_s: f64, axis: usize) -> Option<f64> {
     let mut model = model.clone();
     model.home().ok()?;
     let home_m = model.observation(&[TendonCommand::Pull(0.0); AXES], 0.0).tip_m;
     let stride = trial.steps.len().div_ceil(MAX_PLAYED);
-    let mut tips_m = Vec::new();
+    let (mut tip_m, mut tips_m) = (home_m, Vec::new());
     for step in trial.steps.iter().step_by(stride) {
         let mut pulls_m = step.pulls_m;
         pulls_m[axis] = 0.0;
         let commands = pulls_m.map(TendonCommand::Pull);
-        model.advance(&commands, step_s * stride as f64).ok()?;
-        tips_m.push(model.observation(&commands, 0.0).tip_m);
+        // A rod without an equilibrium keeps its shape, as if stuck.
+        if model.advance(&commands, step_s * stride as f64).is_ok() {
+            tip_m = model.observation(&commands, 0.0).tip_m;
+        }
+        tips_m.push(tip_m);
     }
     distance_rms_m(trial, stride, &home_m, &tips_m)
 }

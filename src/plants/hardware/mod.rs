@@ -32,6 +32,7 @@ use crate::hardware::safety::SafetyLimits;
 use operator::RobotLock;
 use supervised_rig::SupervisedRig;
 use trial_log::TrialLog;
+use verification::HomeTips;
 
 /// A real robot, or a rehearsal of one, as a [`Plant`](crate::base::Plant).
 pub struct Hardware {
@@ -54,8 +55,8 @@ pub struct Hardware {
     pose_wait_s: f64,
     /// The robot has rested at home since it last moved.
     rests_at_home: bool,
-    /// Where the tip rested first at home under the present weight, metres.
-    first_home_m: Option<Point3>,
+    /// Where the tip rested at home.
+    home_tips: Option<HomeTips>,
     trial: TrialLog,
     timing: LoopTiming,
     /// The simulators behind the drivers, in a rehearsal.

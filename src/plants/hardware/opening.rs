@@ -111,7 +111,7 @@ impl Hardware {
             seen_events: 0,
             pose_wait_s: 0.0,
             rests_at_home: false,
-            first_home_m: None,
+            home_tips: None,
             trial: TrialLog::default(),
             timing: LoopTiming::default(),
             rehearsal: None,

@@ -260,6 +260,11 @@ impl SimulatedController {
         let line = String::from_utf8_lossy(&bytes).trim().to_owned();
         self.log_received(line.clone());
         self.lines.push_back(if too_long { Err(11) } else { Ok(line) });
+        // Real-time bytes take effect after the lines before them, but before G-code: grblHAL reads
+        // it only in its main loop.
+        if !self.next_is_gcode() {
+            self.execute_lines();
+        }
     }
 
     /// Executes lines until the state requires to wait.
@@ -277,10 +282,14 @@ impl SimulatedController {
     /// A held grblHAL leaves the G-code that it receives unread. Settings and `$` commands are
     /// answered here, for programs that find the controller held.
     fn waits_for_resume(&self) -> bool {
+        matches!(self.activity, Activity::Holding) && self.next_is_gcode()
+    }
+
+    fn next_is_gcode(&self) -> bool {
         let is_gcode = |line: &Result<String, u16>| {
             line.as_ref().is_ok_and(|line| !line.is_empty() && !line.starts_with('$'))
         };
-        matches!(self.activity, Activity::Holding) && self.lines.front().is_some_and(is_gcode)
+        self.lines.front().is_some_and(is_gcode)
     }
 
     fn reply(&mut self, text: &str) {

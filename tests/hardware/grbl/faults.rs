@@ -230,6 +230,23 @@ fn an_alarm_has_the_number_that_was_pushed() {
     assert_eq!(controller.alarm(), Some(3), "after reports without a number");
 }
 
+/// An alarm from before the controller was connected: nobody has heard its number.
+#[test]
+fn an_alarm_from_before_is_asked_for() {
+    for (plain, number) in [(false, 3), (true, 0)] {
+        let mut settings = robot_settings();
+        settings.insert(10, "511".to_owned());
+        let options = ControllerOptions { settings, plain, ..ControllerOptions::default() };
+        let bench = Bench::new(options);
+        bench.home_beforehand();
+        bench.inject(ControllerFault::SpuriousAlarm(3));
+        bench.sleep_until(bench.now_s() + 1.0);
+        bench.forget_received();
+        let controller = bench.open();
+        assert_eq!(controller.alarm(), Some(number), "plain: {plain}");
+    }
+}
+
 /// As a report was measured that grblHAL's simulator composed while the axes moved.
 #[test]
 fn one_report_of_axes_read_at_different_moments_stops_nothing() {
