@@ -83,7 +83,7 @@ fn serve() -> Child {
   model: {ROOT}/models/nominal.yaml
   settle_s: 1.0
   motion: {{late_s: 2, reply_timeout_s: 5}}
-  safety: {{tracking_hold_s: 1, hold_stop_s: 5}}
+  safety: {{tracking_hold_s: 1, hold_stop_s: 5, max_late_ticks: 5}}
   rehearsal: {{model: {ROOT}/models/real.yaml, noise_m: 0.0005, loss: 0.01}}
 "
     );

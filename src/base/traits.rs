@@ -33,6 +33,10 @@ pub enum PlantError {
     /// A real robot was stopped: why, and how to continue.
     #[error("robot stopped: {0}")]
     Stopped(String),
+    /// A tick of a real robot was late, so that a row would not be measured at its time: by how
+    /// much, and how to continue.
+    #[error("tick late: {0}")]
+    Late(String),
     /// The tip was not tracked, also when the command was repeated.
     #[error("tracking lost: the tip was not seen in {steps} further steps with the same command")]
     Unseen {
@@ -63,6 +67,10 @@ pub trait Plant: Send {
     fn reset(&mut self, seed: Seed) -> Result<Observation, PlantError>;
     /// Applies the commands for one step and observes the robot at its end.
     fn drive(&mut self, commands: &[TendonCommand]) -> Result<Observation, PlantError>;
+    /// Checks after a trial that what it measured can be trusted. A simulated robot needs no check.
+    fn verify(&mut self) -> Result<(), PlantError> {
+        Ok(())
+    }
     /// [`Plant::drive`] with every tendon pulled to a displacement in metres.
     fn step(&mut self, pulls_m: &[f64]) -> Result<Observation, PlantError> {
         let commands: Vec<TendonCommand> =

@@ -1,6 +1,6 @@
 //! Time as the drivers see it: the wall clock with a real robot, a clock of its own in rehearsals.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Seconds since an arbitrary instant, and a way to wait for a later one.
 pub trait Clock: Send + Sync {
@@ -19,17 +19,33 @@ pub trait Clock: Send + Sync {
     }
 }
 
-/// The computer's monotonic clock.
+/// The computer's monotonic clock. On Linux it also counts the time during which the computer is
+/// suspended: the robot and its tracker go on meanwhile.
 #[derive(Clone, Copy, Debug)]
 pub struct WallClock {
-    start: Instant,
+    start: Duration,
 }
 
 impl WallClock {
     /// A clock that reads 0 now.
     pub fn new() -> WallClock {
-        WallClock { start: Instant::now() }
+        WallClock { start: monotonic() }
     }
+}
+
+#[cfg(target_os = "linux")]
+fn monotonic() -> Duration {
+    use nix::time::{ClockId, clock_gettime};
+    // Linux 2.6.39 and later have this clock, and it cannot fail.
+    clock_gettime(ClockId::CLOCK_BOOTTIME).map_or(Duration::ZERO, Duration::from)
+}
+
+#[cfg(not(target_os = "linux"))]
+fn monotonic() -> Duration {
+    use std::sync::OnceLock;
+    use std::time::Instant;
+    static FIRST: OnceLock<Instant> = OnceLock::new();
+    FIRST.get_or_init(Instant::now).elapsed()
 }
 
 impl Default for WallClock {
@@ -44,7 +60,7 @@ impl Clock for WallClock {
     }
 
     fn now_s(&self) -> f64 {
-        self.start.elapsed().as_secs_f64()
+        monotonic().saturating_sub(self.start).as_secs_f64()
     }
 
     fn sleep_until(&self, time_s: f64) {

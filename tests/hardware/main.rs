@@ -12,3 +12,4 @@ mod plant;
 mod program;
 mod table1;
 mod tracking;
+mod verification;

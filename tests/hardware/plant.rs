@@ -4,6 +4,7 @@ use crate::support::rehearsal::{STEP_S, open, options, shipped};
 use spinebench::base::{Plant, PlantError, Seed, distance_m};
 use spinebench::hardware::safety::GuardState;
 use spinebench::plants::{Simulated, SimulatedOptions};
+use spinebench::simulators::{Simulator, TrackerFault};
 use spinebench::tasks::{ExploreOptions, explore};
 
 /// What lead screws that take most of a tick, and a pose up to a frame old, make of a step of 3 mm,
@@ -117,4 +118,33 @@ fn lost_frames_do_not_hold_the_robot() {
     let lost = plant.with_rig(|rig| rig.tracking().status().lost);
     assert!(lost > 20, "{lost}");
     assert_eq!((plant.timing().missed, plant.timing().held), (0, 0));
+}
+
+/// Whoever decides has taken too long: the next row would be measured later than it says.
+#[test]
+fn a_late_tick_ends_the_trial_and_a_hold_does_not() {
+    let mut plant = open(&options(), 5);
+    plant.reset(Seed(0)).unwrap();
+    plant.step(&[0.002, 0.0, -0.002, 0.0]).unwrap();
+    plant.run_diagnostics(0.05);
+    plant.step(&[0.003, 0.0, -0.003, 0.0]).unwrap();
+    plant.run_diagnostics(0.5);
+    let late = plant.step(&[0.004, 0.0, -0.004, 0.0]).unwrap_err();
+    assert!(matches!(late, PlantError::Late(_)) && late.to_string().contains("500 ms"), "{late}");
+    // The robot is as it was, and the next trial is a new one.
+    plant.reset(Seed(0)).unwrap();
+    assert!(plant.with_rig(|rig| *rig.state() == GuardState::Active));
+    plant.step(&[0.002, 0.0, -0.002, 0.0]).unwrap();
+    // A robot that is held waits: nothing is late.
+    let now_s = plant.now_s();
+    plant.rehearsal().unwrap().with_simulator(|simulator| {
+        let silent = |simulator: &mut Simulator| simulator.tracker.inject(TrackerFault::Silent);
+        simulator.schedule(now_s + 0.1, Box::new(silent));
+        let clear = |simulator: &mut Simulator| simulator.tracker.clear_faults();
+        simulator.schedule(now_s + 0.3, Box::new(clear));
+    });
+    for k in 0..5 {
+        plant.step(&[0.002 + 0.001 * f64::from(k), 0.0, -0.002, 0.0]).unwrap();
+    }
+    assert!(plant.timing().held > 0);
 }

@@ -8,6 +8,11 @@ use std::path::{Path, PathBuf};
 
 /// Bytes of a row of a recording in full precision, at most.
 const ROW_BYTES: usize = 1000;
+/// Cells of a measured row besides commands and further columns: trial, time, position, orientation,
+/// validity, load, gravity and pattern, and the tip's force.
+const MEASURED_CELLS: usize = 18;
+/// Bytes of a cell in full precision, at most.
+const CELL_BYTES: usize = 25;
 /// Bytes of a report with its figures and tables, at most.
 pub(crate) const REPORT_BYTES: usize = 4 << 20;
 /// Bytes of a model or plant file, at most.
@@ -21,6 +26,20 @@ const YAML_BYTES: usize = 64 << 10;
 pub(crate) fn check_recording(file: &Path, rows: usize) -> CommandResult {
     Recording::check_name(file).map_err(CommandError::bad_input)?;
     check_file(file, rows * ROW_BYTES)
+}
+
+/// Checks that what a plant measures under `commands` can be written to `file`. Errors as
+/// [`check_recording`].
+pub(crate) fn check_measured(file: &Path, commands: &Recording) -> CommandResult {
+    Recording::check_name(file).map_err(CommandError::bad_input)?;
+    check_file(file, measured_bytes(commands))
+}
+
+/// Bytes of a recording of `commands` with the tip, at most.
+fn measured_bytes(commands: &Recording) -> usize {
+    let given = commands.tendons() + commands.drives.len() + commands.extra.len();
+    let cells = (commands.len() + 1) * (given + MEASURED_CELLS);
+    cells * CELL_BYTES
 }
 
 /// Checks that a YAML file can be written to `file`. Errors as [`check_recording`].
@@ -94,12 +113,48 @@ fn write_probe(folder: &Path, bytes: usize) -> io::Result<()> {
             made => break made?,
         }
     };
-    let block = [0x5a; 1 << 16];
-    let written = (0..bytes.div_ceil(block.len()))
-        .try_for_each(|_| file.write_all(&block))
-        .and_then(|()| file.sync_all());
+    let written = write_bytes(&mut file, bytes).and_then(|()| file.sync_all());
     // A process with the same id on another machine may have removed the file already.
     let removed = std::fs::remove_file(&probe)
         .or_else(|error| if probe.exists() { Err(error) } else { Ok(()) });
     written.and(removed)
+}
+
+/// Writes as many bytes and no more: a small file fits on a disk that is nearly full.
+fn write_bytes(file: &mut std::fs::File, bytes: usize) -> io::Result<()> {
+    let block = [0x5a; 1 << 16];
+    (0..bytes)
+        .step_by(block.len())
+        .try_for_each(|from| file.write_all(&block[..block.len().min(bytes - from)]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use spinebench::data::Actuation;
+
+    /// Room for 60 KB: enough for a short recording.
+    #[test]
+    fn a_short_recording_needs_little_room() {
+        let mut commands = Recording::new(Actuation::Lengths, 4);
+        for row in 0..60 {
+            commands.commands.push(&[0.0; 4]);
+            commands.trial.push(0);
+            commands.time_s.push(0.2 * f64::from(row));
+        }
+        let bytes = measured_bytes(&commands);
+        assert!((10_000..60_000).contains(&bytes), "{bytes}");
+    }
+
+    /// A probe takes no more room than what is to be written.
+    #[test]
+    fn a_probe_has_the_size_of_the_output() {
+        let folder = tempfile::tempdir().unwrap();
+        for bytes in [0, 1, 10_000, 1 << 16, (1 << 16) + 1] {
+            let name = folder.path().join("probe");
+            let mut file = std::fs::File::create(&name).unwrap();
+            write_bytes(&mut file, bytes).unwrap();
+            assert_eq!(std::fs::metadata(&name).unwrap().len(), bytes as u64);
+        }
+    }
 }

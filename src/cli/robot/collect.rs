@@ -2,7 +2,7 @@
 
 use super::session::{RecordedPlant, RecordingSession};
 use crate::cli::models::simulate::{failures, nothing_solved, written};
-use crate::cli::program::outputs::check_recording;
+use crate::cli::program::outputs::check_measured;
 use crate::cli::{CommandError, CommandResult};
 use clap::Args;
 use spinebench::base::Seed;
@@ -68,7 +68,7 @@ impl CollectCommand {
         commands
             .check_points(&self.commands, &plant.model.tracking.names())
             .map_err(CommandError::bad_input)?;
-        check_recording(out, commands.len())?;
+        check_measured(out, commands)?;
         let options = SimulationOptions {
             at_rest: self.at_rest,
             noise_m: plant.noise_m,

@@ -142,6 +142,13 @@ fn closed_text(axes: &str) -> String {
     )
 }
 
+/// Names the body that is hidden, or whatever else is wrong with the frames.
+fn untracked_text(tracking: &TrackingStatus) -> String {
+    let why = tracking.fault.as_deref().or(tracking.unseen);
+    let why = why.map(|why| format!(" ({why})")).unwrap_or_default();
+    format!("tip: not tracked{why}, expected both bodies in view")
+}
+
 fn report(diagnostics: &Diagnostics, options: &HardwareOptions) -> usize {
     let (rate_hz, near_m) = (options.tracking.rate_hz, options.safety.tip_from_model_m);
     let Diagnostics {
@@ -177,7 +184,7 @@ fn report(diagnostics: &Diagnostics, options: &HardwareOptions) -> usize {
     wrong += print_check(true, &format!("tracker: {server}"));
     wrong += report_frames(tracking, rate_hz);
     match tip {
-        None => wrong += print_check(false, "tip: not tracked, expected both bodies in view"),
+        None => wrong += print_check(false, &untracked_text(tracking)),
         Some(tip_m) => {
             let off_m = distance_m(tip_m, home_m);
             let place = tip_m.map(|x| format!("{:.1}", x * 1e3)).join(", ");

@@ -1,6 +1,6 @@
 //! What the commands for robots share: the plant, and a resumable recording, trial by trial.
 
-use crate::cli::program::outputs::check_recording;
+use crate::cli::program::outputs::check_measured;
 use crate::cli::{CommandError, CommandResult};
 use spinebench::base::{Plant, PlantError, Seed};
 use spinebench::data::Recording;
@@ -100,7 +100,7 @@ impl<'a> RecordingSession<'a> {
         out: &'a Path,
         commands: &'a Recording,
     ) -> Result<RecordingSession<'a>, CommandError> {
-        check_recording(out, commands.len())?;
+        check_measured(out, commands)?;
         let extension = out
             .extension()
             .map_or("csv".into(), |extension| extension.to_string_lossy().into_owned());

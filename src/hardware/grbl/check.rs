@@ -118,18 +118,16 @@ fn rules(settings: &MotionSettings, plain: bool) -> Vec<SettingRule> {
             Requirement::Exactly(255.0),
         ));
     }
-    let min_speed_mm_min = settings.min_speed_mm_min;
+    let at_least = |min: f64, recommended: f64| {
+        if min > 0.0 { Requirement::AtLeast(min) } else { Requirement::Positive(recommended) }
+    };
     for axis in 0..4 {
-        let speed = if min_speed_mm_min > 0.0 {
-            Requirement::AtLeast(min_speed_mm_min)
-        } else {
-            Requirement::Positive(3000.0)
-        };
+        let speed = at_least(settings.min_speed_mm_min, 3000.0);
         rules.push(rule(110 + axis, "maximum speed of an axis, mm/min", speed));
         rules.push(rule(
             120 + axis,
             "maximum acceleration of an axis, mm/s²",
-            Requirement::Positive(500.0),
+            at_least(settings.min_acceleration_mm_s2, 500.0),
         ));
         rules.push(rule(
             130 + axis,

@@ -51,6 +51,8 @@ pub struct Controller {
     pub(super) last_move: Option<([f64; 4], f64)>,
     /// When held moves were last resumed, s; status reports may lag behind.
     pub(super) resumed_s: f64,
+    /// Since when the controller is in a hold that this program did not request, s.
+    pub(super) foreign_hold_s: Option<f64>,
     pub(super) setup_acknowledged: bool,
     /// Whether the controller reports itself as homed; most reports leave this out.
     pub(super) reported_homed: bool,
@@ -97,6 +99,7 @@ impl Controller {
             resumption: Resumption::default(),
             last_move: None,
             resumed_s: f64::NEG_INFINITY,
+            foreign_hold_s: None,
             setup_acknowledged: false,
             reported_homed: false,
             homing_required: false,
@@ -244,6 +247,7 @@ impl Controller {
     /// Decelerates all axes to a standstill, which keeps the position. Queued moves wait.
     pub fn hold(&mut self, now_s: f64) {
         self.holding = true;
+        self.pending.iter_mut().for_each(|pending| pending.hold(now_s));
         self.resumption.hold(now_s);
         if matches!(self.state.mode, Mode::Hold { .. }) {
             // The axes may have moved again since the last report.
@@ -277,6 +281,7 @@ impl Controller {
         self.pending = None;
         self.query_sent_s = None;
         self.homing = HomingPhase::No;
+        self.foreign_hold_s = None;
         self.setup_acknowledged = false;
         self.commanded_path.discard();
         self.last_move = None;

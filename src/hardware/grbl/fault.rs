@@ -177,6 +177,18 @@ pub enum MotionFault {
         /// Target, mm.
         target_mm: f64,
     },
+    /// None of several axes moves.
+    #[error(
+        "no axis moves: position {reached_mm:.3?} mm, target {target_mm:.3?} mm; the motors are off \
+         or do not turn: check their power supply, the enable input of their drivers and whether \
+         the controller runs, then reset and home again"
+    )]
+    NoAxisMoves {
+        /// Positions, mm.
+        reached_mm: [f64; 4],
+        /// Targets, mm.
+        target_mm: [f64; 4],
+    },
     /// An axis is at a position that no command led to.
     #[error(
         "axis {} is at {position_mm:.3} mm, expected {low_mm:.3} to {high_mm:.3} mm as commanded; \

@@ -9,6 +9,8 @@ pub(super) const HOLD: u8 = b'!';
 pub(super) const RESUME: u8 = b'~';
 /// Real-time byte: soft reset (Ctrl-X).
 pub(super) const RESET: u8 = 0x18;
+/// Real-time byte: a status report with everything that grblHAL can report.
+pub(super) const FULL_REPORT: u8 = 0x87;
 
 /// Slowest feed that is sent, mm/min.
 const MIN_FEED_MM_MIN: f64 = 0.1;

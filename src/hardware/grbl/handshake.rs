@@ -3,7 +3,7 @@
 use super::check;
 use super::check::SettingsTable;
 use super::fault::MotionFault;
-use super::gcode::RESET;
+use super::gcode::{FULL_REPORT, RESET};
 use super::parser::{ReceivedLine, Reply, StatusReport, parse};
 use super::port::Port;
 use super::settings::MotionSettings;
@@ -51,7 +51,8 @@ pub(super) fn identify_controller(
     settings: &MotionSettings,
     clock: &dyn Clock,
 ) -> Result<(ControllerInfo, StatusReport), MotionFault> {
-    let mut handshake = Handshake { port, clock, timeout_s: settings.reply_timeout_s };
+    let timeout_s = settings.reply_timeout_s;
+    let mut handshake = Handshake { port, clock, timeout_s, pushed_alarm: Mode::Unknown };
     // A controller that restarts when its port is opened, or is reset, may do so during the
     // handshake.
     for _ in 0..2 {
@@ -67,6 +68,8 @@ struct Handshake<'a> {
     port: &'a mut Port,
     clock: &'a dyn Clock,
     timeout_s: f64,
+    /// The last alarm that the controller has pushed: a status report may leave out its number.
+    pushed_alarm: Mode,
 }
 
 impl Handshake<'_> {
@@ -93,6 +96,9 @@ impl Handshake<'_> {
             (numbers(110), numbers(120), numbers(130));
         // Reports leave out values that have been reported before.
         let mut last = self.status()?;
+        if last.mode == Mode::Alarm(None) {
+            last.mode = self.alarm_mode()?;
+        }
         last.homed = last.homed.or(first.homed);
         Ok((info, last))
     }
@@ -198,13 +204,29 @@ impl Handshake<'_> {
         answer
     }
 
+    /// The mode of a controller whose reports leave out the number of its alarm, which was raised
+    /// before it was connected: grblHAL names it in a full report, other firmware does not answer.
+    fn alarm_mode(&mut self) -> Result<Mode, MotionFault> {
+        match self.query_report(FULL_REPORT) {
+            Ok(status) => Ok(status.mode),
+            Err(MotionFault::Silent { .. }) => Ok(Mode::Alarm(None)),
+            Err(fault) => Err(fault),
+        }
+    }
+
     fn query_status(&mut self) -> Result<StatusReport, MotionFault> {
-        self.port.send_byte(b'?').map_err(|error| MotionFault::unplugged(&error))?;
+        self.query_report(b'?')
+    }
+
+    /// Asks for a status report with the real-time byte `query`.
+    fn query_report(&mut self, query: u8) -> Result<StatusReport, MotionFault> {
+        self.port.send_byte(query).map_err(|error| MotionFault::unplugged(&error))?;
         self.wait_for("a status query", |reply| match reply {
             Reply::Status(status) if status.position_mm.is_some() => Some(Ok(status)),
             Reply::Status(_) => Some(Err(MotionFault::no_position())),
             _ => None,
         })
+        .map(|status| StatusReport { mode: status.mode.with_alarm_of(self.pushed_alarm), ..status })
     }
 
     /// The fault for an answer that has not arrived. An unreadable line may have been the answer.
@@ -258,6 +280,15 @@ impl Handshake<'_> {
         self.clock.sleep_until(self.clock.now_s() + READ_INTERVAL_S);
         let (received_lines, gone) = self.port.read();
         gone.map_err(|error| MotionFault::unplugged(&error))?;
+        for received in &received_lines {
+            let ReceivedLine::Line(line) = received else { continue };
+            match parse(line) {
+                Some(Reply::Alarm(code)) => self.pushed_alarm = Mode::Alarm(Some(code)),
+                // What was pushed before a restart is over.
+                Some(Reply::Boot(_)) => self.pushed_alarm = Mode::Unknown,
+                _ => {}
+            }
+        }
         Ok(received_lines)
     }
 

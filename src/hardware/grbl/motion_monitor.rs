@@ -62,7 +62,10 @@ impl CommandedPath {
     ) -> Result<(), MotionFault> {
         let Some(&target_mm) = self.targets_mm.back() else { return Ok(()) };
         for axis in 0..4 {
-            self.check_axis(axis, position_mm[axis], standing)?;
+            self.check_axis(axis, position_mm[axis], standing).map_err(|fault| match fault {
+                MotionFault::NotMoving { axis, .. } => self.not_moving(axis, &position_mm),
+                other => other,
+            })?;
         }
         let off_line = if standing { Ok(()) } else { self.check_line(&position_mm) };
         // Two reports in a row: a single one may have read its axes while they moved.
@@ -116,6 +119,24 @@ impl CommandedPath {
         let axis = (0..4).max_by(|&a, &b| behind_mm(a).total_cmp(&behind_mm(b))).unwrap_or(0);
         let target_mm = self.targets_mm.back().map_or(place[axis], |target_mm| target_mm[axis]);
         Err(MotionFault::NotMoving { axis, reached_mm: position_mm[axis], target_mm })
+    }
+
+    /// The fault of an axis that does not move towards its target; all axes are named if none does.
+    pub(crate) fn not_moving(&self, axis: usize, position_mm: &[f64; 4]) -> MotionFault {
+        let (Some(start_mm), Some(&target_mm)) = (self.targets_mm.front(), self.targets_mm.back())
+        else {
+            let (reached_mm, target_mm) = (position_mm[axis], position_mm[axis]);
+            return MotionFault::NotMoving { axis, reached_mm, target_mm };
+        };
+        let apart = |a: f64, b: f64| (a - b).abs() > POSITION_TOLERANCE_MM;
+        let due: Vec<usize> = (0..4).filter(|&k| apart(start_mm[k], target_mm[k])).collect();
+        let stands = |&k: &usize| {
+            apart(position_mm[k], target_mm[k]) && !apart(position_mm[k], self.last_mm[k])
+        };
+        if due.len() > 1 && due.iter().all(stands) {
+            return MotionFault::NoAxisMoves { reached_mm: *position_mm, target_mm };
+        }
+        MotionFault::NotMoving { axis, reached_mm: position_mm[axis], target_mm: target_mm[axis] }
     }
 
     fn check_axis(&self, axis: usize, position_mm: f64, standing: bool) -> Result<(), MotionFault> {

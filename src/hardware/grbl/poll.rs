@@ -15,11 +15,12 @@ const REPEATED_QUERY_S: [f64; 2] = [0.05, 0.25];
 const SETUP: &str = "G21 G90 G94 G54";
 
 impl Controller {
-    /// Records a fault for every deadline that has passed.
+    /// Records a fault for every deadline that has passed. A held controller reads no further lines,
+    /// and its answers to queries prove that it is there.
     pub(crate) fn check_deadlines(&mut self, now_s: f64) {
         let reply_s = self.settings.reply_timeout_s;
         if let Some(pending) = &self.pending {
-            let waited_s = now_s - pending.sent_s;
+            let waited_s = pending.waited_s(now_s);
             if pending.purpose == LinePurpose::Homing {
                 if waited_s > self.settings.homing_timeout_s {
                     self.record_fault(MotionFault::HomingTimeout { waited_s });
@@ -56,15 +57,13 @@ impl Controller {
     }
 
     /// How long an answer has been outstanding, s; 0 when none is, or during homing, when the
-    /// controller may be silent.
+    /// controller may be silent. A held controller answers queries only: the time of a line stands
+    /// still.
     pub fn waiting_s(&self, now_s: f64) -> f64 {
         let line = self.pending.as_ref().filter(|pending| pending.purpose != LinePurpose::Homing);
-        let since_s = line
-            .map(|pending| pending.sent_s)
-            .into_iter()
-            .chain(self.query_sent_s)
-            .fold(now_s, f64::min);
-        now_s - since_s
+        let line_s = line.map(|pending| pending.waited_s(now_s));
+        let query_s = self.query_sent_s.map(|sent_s| now_s - sent_s);
+        line_s.into_iter().chain(query_s).fold(0.0, f64::max)
     }
 
     /// Sends what is due.
@@ -121,7 +120,7 @@ impl Controller {
 
     pub(super) fn send(&mut self, line: String, purpose: LinePurpose, now_s: f64) {
         let sent = self.port.send(&line);
-        self.pending = Some(PendingLine { line, sent_s: now_s, purpose });
+        self.pending = Some(PendingLine::new(line, purpose, now_s));
         self.state.unacknowledged = 1;
         self.state.sent += 1;
         if let Err(error) = sent {

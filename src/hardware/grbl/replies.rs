@@ -15,6 +15,9 @@ const GARBLED_S: f64 = 10.0;
 /// applies if it is longer. Reports come every 50 ms, and the slowest move turns a screw by a step
 /// in less than 0.15 s.
 const MIN_STALL_S: f64 = 0.3;
+/// Time for which a hold that this program did not request may precede an alarm, s: grblHAL stops
+/// the axes before it reports a target outside the travel.
+const HOLD_BEFORE_ALARM_S: f64 = 0.3;
 
 impl Controller {
     /// Processes everything that has arrived.
@@ -134,7 +137,7 @@ impl Controller {
     }
 
     pub(super) fn apply_status(&mut self, status: &StatusReport, now_s: f64) {
-        let status = &self.with_hold_completed(status);
+        let status = &self.with_alarm_number(&self.with_hold_completed(status));
         self.query_sent_s = None;
         // The oldest query: a report is at least as new as that.
         self.answered_query_s = self.query_times_s.pop_front().unwrap_or(f64::NEG_INFINITY);
@@ -182,6 +185,11 @@ impl Controller {
         StatusReport { mode, ..*status }
     }
 
+    /// Some reports name no alarm: its number was pushed when it was raised.
+    fn with_alarm_number(&self, status: &StatusReport) -> StatusReport {
+        StatusReport { mode: status.mode.with_alarm_of(self.state.mode), ..*status }
+    }
+
     fn count_blocks(&mut self, status: &StatusReport, before: Mode) {
         if let Some(free) = status.free_blocks {
             // Blocks in use are moves in the queue, the running one included.
@@ -205,6 +213,15 @@ impl Controller {
         if let Some(percent) = status.feed_override.filter(|&percent| percent != 100.0) {
             return Err(MotionFault::Override { percent });
         }
+        // The controller's own hold button was pressed, or the resume byte was lost.
+        let is_foreign = matches!(status.mode, Mode::Hold { .. })
+            && !self.holding
+            && now_s - self.resumed_s > self.settings.reply_timeout_s;
+        let foreign_s =
+            if is_foreign { *self.foreign_hold_s.get_or_insert(now_s) } else { f64::INFINITY };
+        if !is_foreign {
+            self.foreign_hold_s = None;
+        }
         match status.mode {
             Mode::Alarm(code) => {
                 self.homing_required = true;
@@ -214,10 +231,7 @@ impl Controller {
             }
             _ if homing_lost => Err(MotionFault::Alarm { code: HOMING_REQUIRED }),
             Mode::Home if self.homing == HomingPhase::Settling => Ok(()),
-            // The controller's own hold button was pressed, or the resume byte was lost.
-            mode @ Mode::Hold { .. }
-                if !self.holding && now_s - self.resumed_s > self.settings.reply_timeout_s =>
-            {
+            mode @ Mode::Hold { .. } if now_s - foreign_s >= HOLD_BEFORE_ALARM_S => {
                 Err(MotionFault::UnexpectedMode { mode })
             }
             Mode::Idle | Mode::Run | Mode::Hold { .. } => Ok(()),
@@ -279,9 +293,7 @@ impl Controller {
             return Ok(());
         }
         match self.commanded_path.farthest_axis(&position_mm) {
-            Some((axis, target_mm)) => {
-                Err(MotionFault::NotMoving { axis, reached_mm: position_mm[axis], target_mm })
-            }
+            Some((axis, _)) => Err(self.commanded_path.not_moving(axis, &position_mm)),
             None => Ok(()),
         }
     }

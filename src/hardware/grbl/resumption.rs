@@ -4,7 +4,8 @@
 //! A grblHAL executes 100 ms of computed motion before it decelerates (`Hold:1`), ignores `~` until
 //! it stands (`Hold:0`), and may drop the rest of a short move: it is idle before the target, and
 //! executes the rest only with the next move of at least one step. The same target again is no move
-//! to it.
+//! to it. While it is held it reads no lines: a move that it was sent just before is answered after
+//! the hold.
 
 use super::controller::Controller;
 use super::fault::MotionFault;
@@ -96,6 +97,8 @@ impl Controller {
                 self.resumption.requested_s = None;
                 self.holding = false;
                 self.resumed_s = now_s;
+                // The controller reads a line that it was sent before the hold only now.
+                self.pending.iter_mut().for_each(|pending| pending.resume(now_s));
                 self.stall_detector.restart(now_s);
             }
             mode if now_s - requested_s > RESUME_LIMIT_S => {

@@ -37,6 +37,11 @@ pub struct MotionSettings {
     #[serde(skip)]
     #[schemars(skip)]
     pub min_speed_mm_min: f64,
+    /// Acceleration that every axis must reach, mm/s²: follows from the limits of the commands, 0
+    /// if there are none.
+    #[serde(skip)]
+    #[schemars(skip)]
+    pub min_acceleration_mm_s2: f64,
 }
 
 impl Default for MotionSettings {
@@ -52,6 +57,7 @@ impl Default for MotionSettings {
             homing_directions: 15,
             hold_when_idle: true,
             min_speed_mm_min: 0.0,
+            min_acceleration_mm_s2: 0.0,
         }
     }
 }

@@ -39,6 +39,16 @@ pub enum Mode {
     Unknown,
 }
 
+impl Mode {
+    /// This mode; an alarm without a number has that of `earlier`, if that is an alarm.
+    pub(super) fn with_alarm_of(self, earlier: Mode) -> Mode {
+        match (self, earlier) {
+            (Mode::Alarm(None), Mode::Alarm(_)) => earlier,
+            _ => self,
+        }
+    }
+}
+
 impl fmt::Display for Mode {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

@@ -6,7 +6,7 @@ mod stop_reasons;
 mod tip_following;
 mod tracking_loss;
 
-pub use motion::{MoveError, slowest_axis_mm_min};
+pub use motion::{MoveError, min_acceleration_mm_s2, slowest_axis_mm_min};
 
 use crate::base::{Point3, distance_m};
 
@@ -254,9 +254,12 @@ impl Rig {
 
     /// Stops a robot that did not execute a command in time, for later programs as well.
     pub fn stop(&mut self, what: String, now_s: f64) {
-        let action = self
-            .guard
-            .request_stop(StopReason { kind: "controller", what, remedy: ARM.to_owned() }, now_s);
+        self.stop_for(StopReason { kind: "controller", what, remedy: ARM.to_owned() }, now_s);
+    }
+
+    /// Stops the robot for `reason`, for later programs as well.
+    pub fn stop_for(&mut self, reason: StopReason, now_s: f64) {
+        let action = self.guard.request_stop(reason, now_s);
         self.apply_action(action, now_s);
         if action != SafetyAction::Nothing {
             self.log_state(now_s);
@@ -288,6 +291,11 @@ impl Rig {
             distance_m(&pose.position_m, expected_m) <= self.parts.limits.tip_from_model_m
         };
         self.expected_m.as_ref().is_none_or(near)
+    }
+
+    /// Mean tip position since `since_s`, metres; none without tracking.
+    pub fn mean_tip(&self, since_s: f64) -> Option<Point3> {
+        self.parts.tracking.mean_since(since_s)
     }
 
     /// The last pose, if it was fresh enough at `time_s` not to hold the robot.

@@ -12,9 +12,21 @@ const MIN_FEED_MM_MIN: f64 = 6.0;
 /// Shorter moves are not sent, millimetres: they would round to nothing.
 const MIN_MOVE_MM: f64 = 5e-4;
 
+/// Share of `tracking_hold_s` above which the age of the last pose delays a command: the hold that
+/// is about to come would leave the move without an answer.
+const MAX_POSE_AGE_SHARE: f64 = 0.5;
+
 /// Speed that every axis must reach for the largest step in `duration_s`, mm/min.
 pub fn slowest_axis_mm_min(limits: &SafetyLimits, duration_s: f64) -> f64 {
     limits.step_m(duration_s) * 1e3 / (MOVING_SHARE * duration_s) * 60.0
+}
+
+/// Acceleration that every axis must reach for the largest step in `duration_s`, mm/s²: it speeds up
+/// and slows down in the rest of the tick.
+pub fn min_acceleration_mm_s2(limits: &SafetyLimits, duration_s: f64) -> f64 {
+    // A move of length s at speed v takes s / v + v / a from rest to rest.
+    let speed_mm_s = slowest_axis_mm_min(limits, duration_s) / 60.0;
+    speed_mm_s / ((1.0 - MOVING_SHARE) * duration_s)
 }
 
 /// Why a command was not executed.
@@ -29,12 +41,25 @@ pub enum MoveError {
     /// The controller's motion queue is full.
     #[error("motion queue full (2 moves pending)")]
     Busy,
+    /// The last pose is so old that the robot is about to be held.
+    #[error("the last valid pose is {:.0} ms old, expected a newer one before a move", age_s * 1e3)]
+    OldPose {
+        /// Its age, s.
+        age_s: f64,
+    },
     /// The robot is not active.
     #[error("the robot is {0}")]
     NotActive(&'static str),
     /// The controller is in an alarm whose cause a person has to remove; nothing was sent.
     #[error("the controller is in alarm {0}: {meaning} Then start the program again.", meaning = grbl::codes::alarm(*.0))]
     Alarm(u16),
+}
+
+impl MoveError {
+    /// True if the same command may be accepted a moment later.
+    pub fn is_temporary(&self) -> bool {
+        matches!(self, MoveError::Busy | MoveError::OldPose { .. } | MoveError::NotActive(_))
+    }
 }
 
 impl Rig {
@@ -85,6 +110,14 @@ impl Rig {
         Ok(share == 0.0)
     }
 
+    /// Refuses a move shortly before the robot is held for lost tracking.
+    fn check_pose_age(&self, now_s: f64) -> Result<(), MoveError> {
+        let age_s = self.parts.tracking.age_s(now_s);
+        let max_age_s = MAX_POSE_AGE_SHARE * self.parts.limits.tracking_hold_s;
+        // An age that is not a number delays the move, too.
+        if age_s <= max_age_s { Ok(()) } else { Err(MoveError::OldPose { age_s }) }
+    }
+
     fn send_move(
         &mut self,
         pulls_m: [f64; AXES],
@@ -96,6 +129,7 @@ impl Rig {
         let length_mm =
             from_mm.iter().zip(&to_mm).map(|(from, to)| (to - from).powi(2)).sum::<f64>().sqrt();
         if length_mm >= MIN_MOVE_MM {
+            self.check_pose_age(now_s)?;
             // GRBL's feed is along the path in all four axes.
             let feed_mm_min = (length_mm / (MOVING_SHARE * duration_s) * 60.0).max(MIN_FEED_MM_MIN);
             match self.parts.controller.move_to(to_mm, feed_mm_min, now_s) {

@@ -30,6 +30,11 @@ pub struct SafetyLimits {
     pub tip_from_model_m: f64,
     /// Largest plausible speed of the tip, m/s.
     pub tip_speed_m_s: f64,
+    /// Largest motion of the tip at rest at home over a trial, metres; twice as much since it rested
+    /// there first.
+    pub home_tolerance_m: f64,
+    /// Delay of a command or of a measurement above which the trial ends, in ticks; holds apart.
+    pub max_late_ticks: f64,
 }
 
 impl Default for SafetyLimits {
@@ -46,6 +51,8 @@ impl Default for SafetyLimits {
             most_holds: 5,
             tip_from_model_m: 0.08,
             tip_speed_m_s: 5.0,
+            home_tolerance_m: 0.0025,
+            max_late_ticks: 0.3,
         }
     }
 }
@@ -106,7 +113,9 @@ impl SafetyLimits {
         BadOption::unless_positive("hold_stop_s", self.hold_stop_s)?;
         BadOption::unless_counted("most_holds", self.most_holds)?;
         BadOption::unless_positive("tip_from_model_m", self.tip_from_model_m)?;
-        BadOption::unless_positive("tip_speed_m_s", self.tip_speed_m_s)
+        BadOption::unless_positive("tip_speed_m_s", self.tip_speed_m_s)?;
+        BadOption::unless_positive("home_tolerance_m", self.home_tolerance_m)?;
+        BadOption::unless_positive("max_late_ticks", self.max_late_ticks)
     }
 
     /// Largest change of a displacement in `duration_s`, metres.

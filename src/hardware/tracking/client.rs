@@ -9,6 +9,7 @@ use super::settings::{TrackingSettings, Transport};
 use super::sockets::TrackerSockets;
 use super::status::TrackingStatus;
 use super::stream::{FrameStream, Received};
+use crate::base::Point3;
 use crate::hardware::clock::Clock;
 
 /// Interval of keep-alive messages to a unicast server, s.
@@ -140,6 +141,11 @@ impl TrackerClient {
     /// else none.
     pub fn pose_at(&self, time_s: f64) -> Option<TipPose> {
         self.stream.pose_at(time_s)
+    }
+
+    /// Mean tip position of the valid samples since a local time, metres; none without one.
+    pub fn mean_since(&self, since_s: f64) -> Option<Point3> {
+        self.stream.mean_since(since_s)
     }
 
     /// The newest valid sample.

@@ -17,6 +17,7 @@ use super::sequence_numbers::{FrameOrder, FrameSequence, FrameStamp};
 use super::settings::TrackingSettings;
 use super::status::TrackingStatus;
 use super::tip_buffer::TipBuffer;
+use crate::base::Point3;
 
 /// Number of frames over which the rate is measured.
 const RATE_FRAMES: usize = 128;
@@ -266,6 +267,11 @@ impl FrameStream {
     /// else none.
     pub fn pose_at(&self, time_s: f64) -> Option<TipPose> {
         self.samples.at(time_s)
+    }
+
+    /// Mean tip position of the valid samples since a local time, metres.
+    pub fn mean_since(&self, since_s: f64) -> Option<Point3> {
+        self.samples.mean_since(since_s)
     }
 
     /// The newest valid sample.

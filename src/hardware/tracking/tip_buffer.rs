@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 
 use super::pose::{RigidPose, TipPose};
+use crate::base::Point3;
 
 /// Capacity: five seconds at 100 Hz.
 const MAX_POSES: usize = 512;
@@ -52,6 +53,16 @@ impl TipBuffer {
     /// The newest sample.
     pub(super) fn latest(&self) -> Option<&TipPose> {
         self.samples.back()
+    }
+
+    /// Mean tip position of the samples since a local time, metres; none without one.
+    pub(super) fn mean_since(&self, since_s: f64) -> Option<Point3> {
+        let recent = self.samples.iter().rev().take_while(|sample| sample.time_s >= since_s);
+        let (count, sum_m) =
+            recent.fold((0, [0.0; 3]), |(count, sum_m): (usize, Point3), sample| {
+                (count + 1, std::array::from_fn(|axis| sum_m[axis] + sample.position_m[axis]))
+            });
+        (count > 0).then(|| sum_m.map(|sum_m| sum_m / count as f64))
     }
 
     /// The pose at a local time: interpolated between its neighbours if they are close together,

@@ -1,8 +1,10 @@
 //! A real robot as a plant: four lead screws, a tracker, and the guard between the policy and the
 //! motors.
 
+mod axis_response;
 pub(crate) mod diagnostics;
 pub(crate) mod dry_run;
+mod lateness;
 mod opening;
 pub mod operator;
 mod options;
@@ -12,6 +14,8 @@ mod rehearsal;
 pub(crate) mod served_simulator;
 pub(crate) mod supervised_rig;
 mod timing;
+mod trial_log;
+mod verification;
 
 pub use diagnostics::Diagnostics;
 pub use dry_run::{DryRun, RefusedRow, dry_run};
@@ -27,6 +31,8 @@ use crate::hardware::safety::SafetyLimits;
 
 use operator::RobotLock;
 use supervised_rig::SupervisedRig;
+use trial_log::TrialLog;
+use verification::HomeTips;
 
 /// A real robot, or a rehearsal of one, as a [`Plant`](crate::base::Plant).
 pub struct Hardware {
@@ -43,6 +49,15 @@ pub struct Hardware {
     /// Start of the trial and due time of its next tick, on the rig's clock, s.
     trial_s: f64,
     due_s: f64,
+    /// Events until the end of the last tick.
+    seen_events: usize,
+    /// How long the last observation waited for its pose, s.
+    pose_wait_s: f64,
+    /// The robot has rested at home since it last moved.
+    rests_at_home: bool,
+    /// Where the tip rested at home.
+    home_tips: Option<HomeTips>,
+    trial: TrialLog,
     timing: LoopTiming,
     /// The simulators behind the drivers, in a rehearsal.
     rehearsal: Option<Rehearsal>,

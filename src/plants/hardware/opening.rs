@@ -4,13 +4,14 @@ use std::sync::Arc;
 
 use super::operator::RobotLock;
 use super::supervised_rig::SupervisedRig;
+use super::trial_log::TrialLog;
 use super::{Hardware, HardwareOptions, LoopTiming, Rehearsal};
 use crate::base::Seed;
 use crate::effects::DrivenModel;
 use crate::hardware::clock::{Clock, WallClock};
 use crate::hardware::grbl::{Controller, MotionSettings};
 use crate::hardware::interrupt::Interrupt;
-use crate::hardware::rig::{Rig, RigParts, slowest_axis_mm_min};
+use crate::hardware::rig::{Rig, RigParts, min_acceleration_mm_s2, slowest_axis_mm_min};
 use crate::hardware::safety::Latch;
 use crate::hardware::serial::{SerialLine, TtyLine};
 use crate::hardware::tracking::{TrackerClient, TrackingSettings};
@@ -27,7 +28,8 @@ impl Hardware {
     pub fn open(options: &HardwareOptions, step_s: f64, seed: Seed) -> Result<Hardware, String> {
         match &options.rehearsal {
             Some(rehearsal) => {
-                let (rehearsal, serial, tracking) = Rehearsal::open(options, rehearsal, seed)?;
+                let (rehearsal, serial, tracking) =
+                    Rehearsal::open(options, rehearsal, step_s, seed)?;
                 let clock = rehearsal.clock();
                 let parts =
                     OpenedDevices { serial, clock, latch: None, interrupt: rehearsal.interrupt() };
@@ -72,8 +74,11 @@ impl Hardware {
     ) -> Result<Hardware, String> {
         let OpenedDevices { serial, clock, latch, interrupt } = opened;
         // Every axis has to be fast enough for the largest step in a tick.
-        let min_speed_mm_min = slowest_axis_mm_min(&options.safety, step_s);
-        let motion = MotionSettings { min_speed_mm_min, ..options.motion.clone() };
+        let motion = MotionSettings {
+            min_speed_mm_min: slowest_axis_mm_min(&options.safety, step_s),
+            min_acceleration_mm_s2: min_acceleration_mm_s2(&options.safety, step_s),
+            ..options.motion.clone()
+        };
         let controller =
             Controller::open(serial, &motion, clock.as_ref()).map_err(|fault| fault.to_string());
         let tracking = TrackerClient::open(tracking.clone(), clock.as_ref())
@@ -103,6 +108,11 @@ impl Hardware {
             patience_s: PATIENCE_S + options.safety.hold_stop_s.max(options.motion.reply_timeout_s),
             trial_s: 0.0,
             due_s: 0.0,
+            seen_events: 0,
+            pose_wait_s: 0.0,
+            rests_at_home: false,
+            home_tips: None,
+            trial: TrialLog::default(),
             timing: LoopTiming::default(),
             rehearsal: None,
             lock: None,

@@ -33,6 +33,7 @@ impl Hardware {
         let load: Vec<EffectSpec> =
             (load_kg > 0.0).then(|| EffectSpec::tip_load(load_kg)).into_iter().collect();
         self.model = DrivenModel::new(&self.unloaded_model, &load);
+        (self.rests_at_home, self.home_tips) = (false, None);
         self.supervised.rig().set_expected_tip(None);
         Ok(())
     }

@@ -8,6 +8,7 @@ use crate::effects::{DrivenModel, EffectSpec, Model};
 use crate::hardware::axes::AXES;
 use crate::hardware::clock::Clock;
 use crate::hardware::interrupt::Interrupt;
+use crate::hardware::rig::min_acceleration_mm_s2;
 use crate::hardware::serial::SerialLine;
 use crate::hardware::tracking::{Mounting, RigidPose, TrackingSettings};
 use crate::simulators::{
@@ -17,9 +18,11 @@ use crate::simulators::{
 
 use super::options::{HardwareOptions, RehearsalOptions};
 
-/// Speed (mm/min) and acceleration (mm/s²) of the simulated axes, sufficient for steps of 3 mm at 5
-/// Hz.
-const AXIS_SETTINGS: [(u16, &str); 2] = [(110, "3000"), (120, "500")];
+/// Speed (mm/min) of the simulated axes.
+const AXIS_SPEED_MM_MIN: f64 = 3000.0;
+/// Acceleration (mm/s²) of the simulated axes, sufficient for steps of 3 mm at 5 Hz; shorter ticks
+/// take more.
+const AXIS_ACCELERATION_MM_S2: f64 = 500.0;
 
 /// Interval of gaps of the simulated tracker, s.
 const GAP_INTERVAL_S: f64 = 3.0;
@@ -39,6 +42,7 @@ impl Rehearsal {
     pub(super) fn open(
         options: &HardwareOptions,
         rehearsal: &RehearsalOptions,
+        step_s: f64,
         seed: Seed,
     ) -> Result<(Rehearsal, Box<dyn SerialLine>, TrackingSettings), String> {
         let clock: Arc<dyn Clock> = Arc::new(RehearsalClock::default());
@@ -46,7 +50,7 @@ impl Rehearsal {
         // it.
         let (simulator_end, driver_end) = pipe();
         let (simulator, tracking) =
-            build_simulator(options, rehearsal, Box::new(simulator_end), seed)?;
+            build_simulator(options, rehearsal, step_s, Box::new(simulator_end), seed)?;
         clock.join();
         let running = RunningSimulator::start(simulator, Arc::clone(&clock))
             .map_err(|error| error.to_string())?;
@@ -73,19 +77,23 @@ impl Rehearsal {
     }
 }
 
-/// Simulated motors at the other end of `serial`, a simulated robot and tracker, and the settings
-/// of the tracker's client.
+/// Simulated motors at the other end of `serial` that are fast enough for ticks of `step_s`, a
+/// simulated robot and tracker, and the settings of the tracker's client.
 pub(super) fn build_simulator(
     options: &HardwareOptions,
     rehearsal: &RehearsalOptions,
+    step_s: f64,
     serial: Box<dyn SerialLine>,
     seed: Seed,
 ) -> Result<(Simulator, TrackingSettings), String> {
     let mut controller_options = ControllerOptions { seed: seed.0, ..ControllerOptions::default() };
-    for (first, value) in AXIS_SETTINGS {
+    let acceleration_mm_s2 = min_acceleration_mm_s2(&options.safety, step_s).ceil();
+    let axis_settings =
+        [(110, AXIS_SPEED_MM_MIN), (120, AXIS_ACCELERATION_MM_S2.max(acceleration_mm_s2))];
+    for (first, value) in axis_settings {
         controller_options
             .settings
-            .extend((first..first + 4).map(|number| (number, value.to_owned())));
+            .extend((first..first + 4).map(|number| (number, value.to_string())));
     }
     controller_options.settings.insert(23, options.motion.homing_directions.to_string());
     let controller = SimulatedController::new(serial, controller_options);

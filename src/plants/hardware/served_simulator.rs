@@ -10,6 +10,9 @@ use crate::simulators::Simulator;
 
 /// Time step of the simulators, s.
 const STEP_S: f64 = 0.002;
+/// Ticks that the simulated motors are fast enough for, s: programs with shorter ones have to raise
+/// their acceleration, as that of real ones.
+const TICK_S: f64 = 0.2;
 
 /// Simulators that advance while [`ServedSimulator::step`] is called.
 pub struct ServedSimulator {
@@ -31,7 +34,8 @@ impl ServedSimulator {
             .ok_or("found no `rehearsal`, expected the model to simulate")?;
         let (serial, port) =
             TtyLine::served().map_err(|error| format!("cannot open a pseudo-terminal: {error}"))?;
-        let (simulator, tracking) = build_simulator(options, rehearsal, Box::new(serial), seed)?;
+        let (simulator, tracking) =
+            build_simulator(options, rehearsal, TICK_S, Box::new(serial), seed)?;
         let mut plant =
             HardwareOptions { tracking, rehearsal: None, attached: Vec::new(), ..options.clone() };
         plant.motion.port = port;

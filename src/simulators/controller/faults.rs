@@ -45,6 +45,8 @@ pub enum ControllerFault {
     Babble,
     /// The counted position of an axis jumps by this many millimetres.
     WrongPosition(usize, f64),
+    /// A motor loses steps: its screw is this many millimetres from where the controller counts it.
+    LostSteps(usize, f64),
     /// A work offset of an axis, millimetres.
     WorkOffset(usize, f64),
     /// A setting has another value.
@@ -123,6 +125,7 @@ impl SimulatedController {
             ControllerFault::Reboot => self.reboot(),
             ControllerFault::Unplugged => self.serial = None,
             ControllerFault::WrongPosition(axis, way_mm) => self.axes.counted_mm[axis] += way_mm,
+            ControllerFault::LostSteps(axis, way_mm) => self.axes.screws_mm[axis] += way_mm,
             ControllerFault::WorkOffset(axis, offset_mm) => self.offset_mm[axis] = offset_mm,
             ControllerFault::HoldButton => self.hold(),
             ControllerFault::FeedOverride(percent) => injected.feed_percent = Some(percent),

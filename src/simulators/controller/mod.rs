@@ -260,8 +260,11 @@ impl SimulatedController {
         let line = String::from_utf8_lossy(&bytes).trim().to_owned();
         self.log_received(line.clone());
         self.lines.push_back(if too_long { Err(11) } else { Ok(line) });
-        // Real-time bytes take effect after the lines before them.
-        self.execute_lines();
+        // Real-time bytes take effect after the lines before them, but before G-code: grblHAL reads
+        // it only in its main loop.
+        if !self.next_is_gcode() {
+            self.execute_lines();
+        }
     }
 
     /// Executes lines until the state requires to wait.
@@ -269,10 +272,24 @@ impl SimulatedController {
         while !matches!(self.activity, Activity::Homing(_))
             && self.axes.queued() < MAX_QUEUED_MOVES
             && !self.flushing
+            && !self.waits_for_resume()
         {
             let Some(line) = self.lines.pop_front() else { return };
             self.execute_line(line);
         }
+    }
+
+    /// A held grblHAL leaves the G-code that it receives unread. Settings and `$` commands are
+    /// answered here, for programs that find the controller held.
+    fn waits_for_resume(&self) -> bool {
+        matches!(self.activity, Activity::Holding) && self.next_is_gcode()
+    }
+
+    fn next_is_gcode(&self) -> bool {
+        let is_gcode = |line: &Result<String, u16>| {
+            line.as_ref().is_ok_and(|line| !line.is_empty() && !line.starts_with('$'))
+        };
+        self.lines.front().is_some_and(is_gcode)
     }
 
     fn reply(&mut self, text: &str) {

@@ -26,6 +26,7 @@ impl SimulatedController {
             0x18 => self.reset(),
             0x19 => self.stop(),
             0x85 => self.cancel_jog(),
+            0x87 if !self.plain => self.full_report(),
             0x80..=0xff => {}
             _ => return false,
         }

@@ -17,11 +17,13 @@ pub(crate) struct ReportState {
     homed: bool,
     pub(crate) modes_changed: bool,
     pub(crate) alarmed: bool,
+    /// It has to name the alarm, whatever `$10` says.
+    full: bool,
 }
 
 impl Default for ReportState {
     fn default() -> Self {
-        ReportState { count: 0, homed: false, modes_changed: true, alarmed: false }
+        ReportState { count: 0, homed: false, modes_changed: true, alarmed: false, full: false }
     }
 }
 
@@ -51,6 +53,13 @@ impl SimulatedController {
             let text = self.modes.text();
             self.reply(&text);
         }
+    }
+
+    /// Answers 0x87.
+    pub(crate) fn full_report(&mut self) {
+        self.reporting.full = true;
+        self.report();
+        self.reporting.full = false;
     }
 
     fn status(&mut self) -> String {
@@ -133,7 +142,7 @@ impl SimulatedController {
     }
 
     fn mode(&self) -> String {
-        let substates = table::bits(&self.settings, 10) & 1024 != 0;
+        let substates = table::bits(&self.settings, 10) & 1024 != 0 || self.reporting.full;
         match self.activity {
             Activity::Ready if self.axes.queued() == 0 => "Idle".to_owned(),
             Activity::Ready if self.jogging => "Jog".to_owned(),

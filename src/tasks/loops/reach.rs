@@ -159,6 +159,7 @@ impl ReachRun {
             let pulls_m = std::mem::take(&mut observation.pulls_m);
             observation = self.step(plant, &pulls_m)?;
         }
+        plant.verify()?;
         Ok(())
     }
 

@@ -137,5 +137,6 @@ fn follow(
             }
         }
     }
+    plant.verify()?;
     Ok(())
 }

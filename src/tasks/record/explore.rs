@@ -107,6 +107,7 @@ pub fn explore_trajectory(
         samples.push(&tip_m, &after);
         tip_m = after.tip_m;
     }
+    plant.verify()?;
     Ok(samples)
 }
 
@@ -151,6 +152,7 @@ pub fn replay_trajectory(
         replayed.push(&tip_m, &after);
         tip_m = after.tip_m;
     }
+    plant.verify()?;
     Ok(replayed)
 }
 

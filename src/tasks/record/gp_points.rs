@@ -213,6 +213,7 @@ pub fn gp_points(
             real_m.push(&observation.tip_m);
         }
     }
+    robot.verify()?;
     Ok(GpPool { steps: visited.steps, kept: visited.kept, real_m })
 }
 
@@ -262,6 +263,10 @@ impl Plant for Recorder<'_> {
         let observation = self.plant.reset(seed)?;
         self.tip_m = observation.tip_m;
         Ok(observation)
+    }
+
+    fn verify(&mut self) -> Result<(), crate::base::PlantError> {
+        self.plant.verify()
     }
 
     fn drive(

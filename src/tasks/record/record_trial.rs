@@ -64,6 +64,7 @@ pub fn record_trial(
     for row in rows.start..rows.end - 1 {
         observations.push(plant.step(commands.commands.row(row))?);
     }
+    plant.verify()?;
     Ok(measured_rows(commands, rows, &observations, &plant.points()))
 }
 

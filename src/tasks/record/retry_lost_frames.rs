@@ -57,6 +57,10 @@ impl Plant for RetryLostFrames<'_> {
         self.until_valid(first, &home)
     }
 
+    fn verify(&mut self) -> Result<(), PlantError> {
+        self.0.verify()
+    }
+
     fn drive(&mut self, commands: &[TendonCommand]) -> Result<Observation, PlantError> {
         let first = self.0.drive(commands)?;
         self.until_valid(first, commands)

@@ -124,6 +124,7 @@ pub fn record_static_poses(
         from_m = to_m.to_vec();
         observations.push(averaged(looks));
     }
+    plant.verify()?;
     Ok(measured_rows(planned, rows, &observations, &plant.points()))
 }
 

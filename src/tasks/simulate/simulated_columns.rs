@@ -79,6 +79,7 @@ impl SimulatedColumns {
             PlantError::Solver(name) => name.as_str(),
             PlantError::Refused(_) => "refused",
             PlantError::Stopped(_) => "stopped",
+            PlantError::Late(_) => "late",
             PlantError::Unseen { .. } => "unseen",
             PlantError::NotRecorded(_) => "not_recorded",
         };

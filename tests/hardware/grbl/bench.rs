@@ -104,6 +104,13 @@ impl Bench {
         self.sleep_until(self.now_s() + 8.0);
     }
 
+    /// Discards what the controller has said before anybody listened.
+    pub(crate) fn forget_received(&self) {
+        let mut serial = self.serial.lock().unwrap();
+        let mut buffer = [0; 1024];
+        while serial.as_mut().unwrap().read(&mut buffer).unwrap() > 0 {}
+    }
+
     /// A controller that is homed and ready for a move.
     pub(crate) fn ready(&self) -> Controller {
         self.ready_with(&MotionSettings::default())

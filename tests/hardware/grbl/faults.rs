@@ -3,7 +3,7 @@
 
 use spinebench::hardware::clock::Clock;
 use spinebench::hardware::grbl::{Controller, Mode, MotionFault, MotionSettings, MoveRefusal};
-use spinebench::simulators::{ControllerFault, ControllerOptions};
+use spinebench::simulators::{ControllerFault, ControllerOptions, robot_settings};
 
 use super::bench::{Bench, near};
 
@@ -112,9 +112,9 @@ fn no_answers() {
 #[test]
 fn motion_that_freezes() {
     let found = moving(ControllerFault::Frozen);
-    assert!(matches!(found, MotionFault::NotMoving { target_mm: 50.0, .. }), "{found}");
+    assert!(matches!(found, MotionFault::NoAxisMoves { .. }), "{found}");
     let found = on_the_next_move(ControllerFault::Frozen);
-    assert!(matches!(found, MotionFault::NotMoving { .. }), "{found}");
+    assert!(matches!(found, MotionFault::NoAxisMoves { .. }), "{found}");
     let found = in_the_middle_of_homing(ControllerFault::Frozen);
     assert!(matches!(found, MotionFault::HomingTimeout { .. }), "{found}");
     // As slow as it may be told to be is not frozen.
@@ -188,6 +188,63 @@ fn axes_that_do_not_follow() {
     assert!(matches!(found, MotionFault::OutsideTravel { axis: 0, .. }), "{found}");
     let found = standing(ControllerFault::WorkOffset(0, 1.0));
     assert!(matches!(found, MotionFault::WorkOffset { .. }), "{found}");
+}
+
+/// Four axes that stand are not one axis that stands.
+#[test]
+fn motors_that_are_off_are_called_that() {
+    let bench = Bench::new(ControllerOptions::default());
+    let mut controller = bench.ready();
+    (0..4).for_each(|axis| bench.inject(ControllerFault::DeadAxis(axis)));
+    bench.go(&mut controller, [7.0; 4], 600.0).unwrap();
+    let words = bench.run(&mut controller, 3.0).unwrap_err().to_string();
+    assert!(
+        words.starts_with("no axis moves: ") && words.contains("the motors are off"),
+        "{words}"
+    );
+}
+
+/// grblHAL holds before it reports a target outside the travel, which another program has sent.
+#[test]
+fn a_hold_before_an_alarm_is_called_by_the_alarm() {
+    let bench = Bench::new(ControllerOptions::default());
+    let mut controller = bench.ready();
+    bench.make_noise(b"<Hold:1|MPos:0.000,0.000,0.000,0.000|Bf:100,1023|FS:0,0>\r\n");
+    bench.run(&mut controller, 0.06).unwrap();
+    bench.make_noise(b"ALARM:2\r\n");
+    let found = bench.run(&mut controller, 0.2).unwrap_err();
+    assert_eq!(found, MotionFault::Alarm { code: 2 });
+}
+
+/// Without its number in the status reports (`$10=511`), an alarm has the number that was pushed.
+#[test]
+fn an_alarm_has_the_number_that_was_pushed() {
+    let mut settings = robot_settings();
+    settings.insert(10, "511".to_owned());
+    let bench = Bench::new(ControllerOptions { settings, ..ControllerOptions::default() });
+    bench.home_beforehand();
+    bench.inject(ControllerFault::SpuriousAlarm(3));
+    let mut controller = bench.open();
+    assert_eq!(controller.alarm(), Some(3));
+    bench.run(&mut controller, 1.0).unwrap();
+    assert_eq!(controller.alarm(), Some(3), "after reports without a number");
+}
+
+/// An alarm from before the controller was connected: nobody has heard its number.
+#[test]
+fn an_alarm_from_before_is_asked_for() {
+    for (plain, number) in [(false, 3), (true, 0)] {
+        let mut settings = robot_settings();
+        settings.insert(10, "511".to_owned());
+        let options = ControllerOptions { settings, plain, ..ControllerOptions::default() };
+        let bench = Bench::new(options);
+        bench.home_beforehand();
+        bench.inject(ControllerFault::SpuriousAlarm(3));
+        bench.sleep_until(bench.now_s() + 1.0);
+        bench.forget_received();
+        let controller = bench.open();
+        assert_eq!(controller.alarm(), Some(number), "plain: {plain}");
+    }
 }
 
 /// As a report was measured that grblHAL's simulator composed while the axes moved.

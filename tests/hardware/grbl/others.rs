@@ -69,7 +69,7 @@ fn another_controller_is_found_out_as_well() {
     bench.inject(ControllerFault::Frozen);
     bench.go(&mut controller, [9.0; 4], 600.0).unwrap();
     let found = bench.run(&mut controller, 2.0).unwrap_err();
-    assert!(matches!(found, MotionFault::NotMoving { .. }), "{found}");
+    assert!(matches!(found, MotionFault::NoAxisMoves { .. }), "{found}");
 }
 
 /// What cannot be read is what the error names, not a silence.

@@ -84,6 +84,41 @@ fn a_move_that_a_hold_ends_short_is_sent_again() {
     assert!((3..25).contains(&completed), "{completed}");
 }
 
+/// A held controller reads no lines, but it answers queries: nothing is wrong.
+#[test]
+fn a_move_sent_just_before_a_hold_is_answered_after_it() {
+    let bench = fast();
+    let mut controller = bench.ready();
+    bench.go(&mut controller, [3.0; 4], 1125.0).unwrap();
+    bench.run(&mut controller, 0.15).unwrap();
+    bench.go(&mut controller, [6.0; 4], 1125.0).unwrap();
+    controller.hold(bench.now_s());
+    let began_s = bench.now_s();
+    while bench.now_s() < began_s + 1.0 {
+        bench.run(&mut controller, 0.01).unwrap();
+        let waiting_s = controller.waiting_s(bench.now_s());
+        assert!(waiting_s <= MotionSettings::default().late_s, "{waiting_s} s");
+    }
+    assert_eq!(controller.state().unacknowledged, 1, "the move is answered while it is held");
+    controller.resume(bench.now_s());
+    bench.run(&mut controller, 2.0).unwrap();
+    assert!(near(bench.position_mm(), [6.0; 4], 0.02), "{:?}", bench.position_mm());
+}
+
+/// A line that stays without an answer after a hold is noticed.
+#[test]
+fn an_answer_that_does_not_come_after_a_hold_is_missed() {
+    let bench = fast();
+    let mut controller = bench.ready();
+    bench.go(&mut controller, [3.0; 4], 1125.0).unwrap();
+    bench.inject(ControllerFault::LostOk);
+    controller.hold(bench.now_s());
+    bench.run(&mut controller, 0.5).unwrap();
+    controller.resume(bench.now_s());
+    let found = bench.run(&mut controller, 3.0).unwrap_err();
+    assert!(matches!(found, MotionFault::Silent { .. }), "{found}");
+}
+
 /// An axis that is blocked is not told to move for ever.
 #[test]
 fn an_axis_that_stays_short_is_found() {

@@ -63,7 +63,7 @@ impl Bench {
   settle_s: 0.4
   motion: {{late_s: 5, reply_timeout_s: 10}}
   tracking: {{connect_s: 20}}
-  safety: {{tracking_hold_s: 5, hold_stop_s: 10}}
+  safety: {{tracking_hold_s: 5, hold_stop_s: 10, max_late_ticks: 50}}
   rehearsal: {{model: {ROOT}/models/nominal.yaml, {rehearsal}}}
 "
         );

@@ -53,6 +53,16 @@ fn every_wrong_setting_is_reported() {
         &["error: setting $110 (maximum speed of an axis, mm/min) of the controller: found 300, \
            expected at least 1125"],
     );
+    served.wish("set 110 3000");
+    // As grblHAL comes from the factory.
+    served.wish("set 120 10");
+    bench.run("doctor --plant served.yaml").is(
+        1,
+        &["error: setting $120 (maximum acceleration of an axis, mm/s²) of the controller: found \
+           10, expected at least 469"],
+    );
+    served.wish("set 120 500");
+    served.wish("set 110 300");
     served.wish("set 21 0");
     served.wish("set 22 0");
     served.wish("set 44 4");
@@ -71,6 +81,22 @@ fn every_wrong_setting_is_reported() {
         .run("doctor --plant both.yaml")
         .is(1, &["error: 4 settings are wrong", "; and ", "127.0.0.9"]);
     assert_eq!(served.moves(), 0);
+}
+
+/// A body that the cameras do not see is named.
+#[test]
+fn a_hidden_body_is_named() {
+    let bench = Bench::new();
+    bench.put_rehearsal("plant.yaml", "noise_m: 0.0002");
+    let mut served = bench.serve("plant.yaml", "served.yaml");
+    for (body, words) in [
+        ("base", "WRONG  tip: not tracked (the base is not tracked), expected both bodies in view"),
+        ("tip", "WRONG  tip: not tracked (the tip is not tracked), expected both bodies in view"),
+    ] {
+        served.wish(&format!("hide {body}"));
+        bench.run("doctor --plant served.yaml").is(1, &[words]);
+        served.wish("repair");
+    }
 }
 
 /// A controller that alarms while nothing moves: `doctor` names the alarm, `collect` resets and

@@ -86,6 +86,27 @@ fn a_termination_holds_the_robot() {
     interrupted_by("TERM");
 }
 
+/// A program that is paused, as a suspended computer pauses it, measures rows at other times than
+/// they say: the trial is not kept. The robot has done nothing wrong.
+#[test]
+fn a_pause_ends_the_trial() {
+    let bench = bench();
+    // More than a busy computer is late by, and less than the pause.
+    let plant = bench.text("plant.yaml").replace("max_late_ticks: 50", "max_late_ticks: 4");
+    bench.put("plant.yaml", &plant);
+    let served = bench.serve("plant.yaml", "served.yaml");
+    let collect = bench.start(COLLECT);
+    in_the_second_trial(&bench, &served);
+    collect.signal("STOP");
+    std::thread::sleep(std::time::Duration::from_secs(2));
+    collect.signal("CONT");
+    let words = ["trial 1: tick late: ", "expected at most 800 ms", "1 of 3 trials are kept"];
+    collect.end().is(1, &words);
+    stands_within_the_last_tick(&served.stands());
+    assert!(!bench.is_latched() && !bench.is_distrusted(), "a pause is no fault of the robot");
+    goes_on(&bench);
+}
+
 #[test]
 fn a_killed_program_leaves_a_robot_that_ends_its_tick() {
     let bench = bench();
@@ -134,6 +155,24 @@ fn a_pulled_cable_stops_until_somebody_has_looked() {
     goes_on(&bench);
     let log = bench.text("spinebench/robot.log");
     assert!(log.contains("stopped: ") && log.contains("armed by the operator"), "{log}");
+}
+
+/// A motor loses steps, and its controller does not know: home is elsewhere, and the trial is not
+/// kept.
+#[test]
+fn a_trial_in_which_steps_are_lost_is_not_kept() {
+    let bench = bench();
+    let mut served = bench.serve("plant.yaml", "served.yaml");
+    let collect = bench.start(COLLECT);
+    in_the_second_trial(&bench, &served);
+    served.wish("miss X 2");
+    collect
+        .end()
+        .is(1, &["trial 1: robot stopped: the tip rests at home ", "1 of 3 trials are kept"]);
+    assert!(bench.is_latched() && bench.is_distrusted());
+    bench.run("arm --plant served.yaml").is(0, &["armed: `robot`", "homed before it moves"]);
+    goes_on(&bench);
+    assert_eq!(served.homings(), 2);
 }
 
 /// Steps may have been lost although the controller says that it is homed: another program homes

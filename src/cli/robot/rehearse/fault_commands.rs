@@ -24,6 +24,7 @@ jump M           displace the measured tip, metres
 swap             interchange the two bodies
 dead AXIS        block an axis (X, Y, Z, A)
 slip AXIS        let an axis count its steps without turning
+miss AXIS MM     let an axis lose steps: its screw is MM millimetres from where it is counted
 torn             let one report during a move read its last axis 6 ms before the others
 press AXIS       close a limit switch
 alarm N          stop the controller with alarm N
@@ -77,6 +78,7 @@ fn of_motors(words: &[&str]) -> Result<Intervention, String> {
         ["slow", late] => motors(ControllerFault::SlowReplies(number(late)?.max(0.0))),
         ["dead", name] => motors(ControllerFault::DeadAxis(axis(name)?)),
         ["slip", name] => motors(ControllerFault::SlippingAxis(axis(name)?)),
+        ["miss", name, way_mm] => motors(ControllerFault::LostSteps(axis(name)?, number(way_mm)?)),
         ["torn"] => motors(ControllerFault::TornReport(TORN_S)),
         ["press", name] => motors(ControllerFault::HardLimit(axis(name)?)),
         ["alarm", code] => motors(ControllerFault::SpuriousAlarm(whole(code)?)),
