@@ -52,6 +52,7 @@ impl CampaignEntry {
             files.insert(path, bytes);
             notices = self.draw(&[FIGURE.to_owned()], &published, &folder, &mut files);
         }
+        notices.extend(self.range_ends_notice(&parts));
         let name = &self.experiment.name;
         let others = self.experiment.figures.iter().filter(|figure| *figure != FIGURE);
         notices.extend(

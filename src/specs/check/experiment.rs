@@ -134,6 +134,12 @@ impl Checker<'_> {
             option("population", population.check())?;
         }
         self.learn("gp", spec.gp.check())?;
+        let prior = KeyPath::default().key("gp").key("noise_prior");
+        self.unless(
+            spec.gp.noise_prior.is_none() || spec.gp_config().noise_prior.is_some_and(|prior| prior.std_m.is_some()),
+            &prior,
+            "`std_m`, the standard deviation of the tracking noise along an axis: the options of this `plant` do not tell it",
+        )?;
         self.learn("gp", spec.gp.kernel.check_inputs(spec.model.tendons() + POSITION_INPUTS))?;
         self.learn("network", spec.network.check())?;
         let stop = KeyPath::default().key("network").key("stop_at_validation_mae_m");
