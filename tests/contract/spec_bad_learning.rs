@@ -38,6 +38,11 @@ const BAD: &[(&str, &str)] = &[
         "policies: {a_online: {leaves: newest}}",
         "bad.yaml:2:31: policies.a_online.leaves: found the unknown name `newest`, expected",
     ),
+    (
+        "gp: {noise_prior: {std_m: -1}}",
+        "bad.yaml:2:27: gp.noise_prior.std_m: found -1, expected 0 or more",
+    ),
+    ("plant: {replay: {recording: rec.csv}}", "experiments/smoke.yaml:"),
 ];
 
 #[test]

@@ -9,3 +9,4 @@ mod import_map;
 mod import_notes;
 mod several;
 pub(super) mod simulate;
+mod unusual_number;

@@ -1,11 +1,10 @@
-//! Hyper-parameters at an end of the range of their search: the data, alone, would have gone on.
+//! Hyper-parameters at an end of the range of their search: the data alone would have gone on.
 
 use super::Gp;
-use super::coordinates::to_search_coordinates;
 
-/// Distance from an end, in the search's coordinates, within which a hyper-parameter is at it. A
-/// step of the search that would leave the box ends on its border.
-const END_TOLERANCE: f64 = 1e-6;
+/// A hyper-parameter within this factor of an end is at it: where the likelihood hardly slopes, a
+/// search ends before it has reached the end.
+const END_FACTOR: f64 = 2.0;
 
 /// A hyper-parameter at an end of its range.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -24,30 +23,19 @@ impl RangeEnd {
     pub fn describe(&self) -> String {
         format!("{} {}", self.name, if self.is_upper { "high" } else { "low" })
     }
-
-    /// Whether it is the noise at its least, which makes intervals too narrow.
-    pub fn is_least_noise(&self) -> bool {
-        self.name == "noise variance" && !self.is_upper
-    }
 }
 
 impl Gp {
     /// The hyper-parameters at an end of their range, output by output.
     pub fn range_ends(&self) -> Vec<RangeEnd> {
         let parameters = self.covariance.hyperparameters(self.config.noise_floor);
-        let lengths: Vec<bool> = parameters.iter().map(|parameter| parameter.is_length).collect();
-        let coordinates = |theta: &[f64]| to_search_coordinates(&lengths, theta);
-        let ends = |end: fn(&(f64, f64)) -> f64| -> Vec<f64> {
-            let theta: Vec<f64> = parameters.iter().map(|one| end(&one.bounds).ln()).collect();
-            coordinates(&theta)
-        };
-        let (low, high) = (ends(|bounds| bounds.0), ends(|bounds| bounds.1));
         let mut found = Vec::new();
         for (output, theta) in self.theta.iter().enumerate() {
-            for (k, u) in coordinates(theta).into_iter().enumerate() {
-                let is_upper = u > high[k] - END_TOLERANCE;
-                if is_upper || u < low[k] + END_TOLERANCE {
-                    found.push(RangeEnd { output, name: parameters[k].name.clone(), is_upper });
+            for (parameter, ln_value) in parameters.iter().zip(theta) {
+                let (low, high) = parameter.bounds;
+                let is_upper = *ln_value >= (high / END_FACTOR).ln();
+                if is_upper || *ln_value <= (low * END_FACTOR).ln() {
+                    found.push(RangeEnd { output, name: parameter.name.clone(), is_upper });
                 }
             }
         }

@@ -5,10 +5,10 @@ use std::collections::BTreeMap;
 use crate::data::TableRow;
 use crate::rows::experiment::GpRow;
 
-/// Kinds of ends that are told, most frequent first; the table holds all.
-const MAX_TOLD: usize = 4;
 /// How a table tells the noise at its least.
 const LEAST_NOISE: &str = "noise variance low";
+/// What length-scales at their most are.
+const WITHOUT_INFLUENCE: &str = "length-scales of inputs without influence";
 
 /// The sentence about the processes `rows` of an experiment; none where no hyper-parameter is at an
 /// end of its range.
@@ -18,44 +18,44 @@ pub(super) fn notice<'a>(
     rows: impl Iterator<Item = &'a GpRow> + Clone,
 ) -> Option<String> {
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
-    for end in rows.clone().flat_map(|row| ends(row)) {
+    for end in rows.clone().flat_map(ends) {
         *counts.entry(end).or_default() += 1;
     }
-    let processes = rows.clone().filter(|row| ends(row).next().is_some()).count();
-    if processes == 0 {
+    if counts.is_empty() {
         return None;
     }
+    let without_noise = counts.contains_key(LEAST_NOISE);
     let mut told: Vec<(&str, usize)> = counts.into_iter().collect();
-    // What harms comes first, then what is frequent.
-    told.sort_by_key(|(end, count)| (*end != LEAST_NOISE, std::cmp::Reverse(*count)));
-    let further = told.len().saturating_sub(MAX_TOLD);
-    told.truncate(MAX_TOLD);
-    let mut list: Vec<String> =
-        told.iter().map(|(end, count)| format!("{end}, {count} times")).collect();
-    if further > 0 {
-        list.push(format!("{further} others"));
-    }
-    let advice = match told.first() {
-        Some((LEAST_NOISE, _)) if !has_prior => {
-            "; with the noise at its least, intervals are too narrow: the tracker's noise as a prior, \
-             `gp: {noise_prior: {}}`, prevents it"
+    // What harms comes first, what is as it should be last.
+    told.sort_by_key(|(end, count)| {
+        (*end != LEAST_NOISE, *end == WITHOUT_INFLUENCE, std::cmp::Reverse(*count))
+    });
+    let list: Vec<String> = told.iter().map(|(end, count)| format!("{end}: {count}")).collect();
+    let advice = match (without_noise, has_prior) {
+        (false, _) => "",
+        (true, true) => "; with the noise at its least, intervals are too narrow",
+        (true, false) => {
+            "; with the noise at its least, intervals are too narrow, which the tracker's noise as \
+             a prior prevents: `gp: {noise_prior: {}}`"
         }
-        Some((LEAST_NOISE, _)) => "; with the noise at its least, intervals are too narrow",
-        _ => "",
     };
     Some(format!(
-        "{experiment}: in {processes} of {} Gaussian processes a hyper-parameter is at an end of its \
-         range ({}; column `at_range_end` of {}){advice}",
-        rows.count(),
-        list.join("; "),
+        "{experiment}: of {} Gaussian processes, hyper-parameters at an end of their range are {} \
+         (column `at_range_end` of {}){advice}",
+        rows.clone().count(),
+        list.join(", "),
         GpRow::TABLE.file
     ))
 }
 
-/// The ends of a process without their axes.
+/// The ends of a process without their axes; all length-scales at their most are one kind.
 fn ends(row: &GpRow) -> impl Iterator<Item = &str> {
     let texts = row.score.at_range_end.split("; ").filter(|text| !text.is_empty());
-    texts.map(|text| text.split_once(' ').map_or(text, |(_, end)| end))
+    let ends = texts.map(|text| text.split_once(' ').map_or(text, |(_, end)| end));
+    ends.map(|end| {
+        let is_long = end.starts_with("length") && end.ends_with("high");
+        if is_long { WITHOUT_INFLUENCE } else { end }
+    })
 }
 
 #[cfg(test)]
@@ -81,17 +81,18 @@ mod tests {
     fn one_sentence_counts_the_ends_and_the_noise_comes_first() {
         let rows = [
             row("x length 3 high; y noise variance low"),
+            row("z signal variance high"),
+            row("x length 3 high; z length 4 high"),
             row(""),
-            row("x length 3 high; z length 3 high"),
         ];
         assert_eq!(
             notice("one", false, rows.iter()).unwrap(),
-            "one: in 2 of 3 Gaussian processes a hyper-parameter is at an end of its range (noise \
-             variance low, 1 times; length 3 high, 3 times; column `at_range_end` of gp.csv); with \
-             the noise at its least, intervals are too narrow: the tracker's noise as a prior, `gp: \
-             {noise_prior: {}}`, prevents it"
+            "one: of 4 Gaussian processes, hyper-parameters at an end of their range are noise \
+             variance low: 1, signal variance high: 1, length-scales of inputs without influence: \
+             3 (column `at_range_end` of gp.csv); with the noise at its least, intervals are too \
+             narrow, which the tracker's noise as a prior prevents: `gp: {noise_prior: {}}`"
         );
         assert!(!notice("one", true, rows.iter()).unwrap().contains("noise_prior"));
-        assert!(notice("one", false, rows[1..2].iter()).is_none());
+        assert!(notice("one", false, rows[3..].iter()).is_none());
     }
 }

@@ -2,6 +2,7 @@
 //! another.
 
 use super::claims::{evaluate, per_robot};
+use super::failed_cells::{FailedCell, failed_cells};
 use super::gp_range_ends;
 use super::metrics::Tables;
 use crate::data::{DataError, TableRow, tables, write_atomic_batch};
@@ -39,6 +40,8 @@ pub struct Publication {
     pub claims: Vec<ClaimRow>,
     /// Trials and tracking runs that failed.
     pub failed: usize,
+    /// Cells of which every trial failed.
+    pub failed_cells: Vec<FailedCell>,
     /// What a user must know: figures that could not be made, and why (with failed stages their rows
     /// may be missing), and fits that ended at an end of their range.
     pub notices: Vec<String>,
@@ -85,7 +88,8 @@ impl CampaignEntry {
         let failed = tables.published.failed();
         // Those of many robots are not about the paper's setting.
         let claims = if self.experiment.population.is_some() { Vec::new() } else { claims };
-        Ok(Publication { files, claims, failed, notices })
+        let failed_cells = failed_cells(&tables.published);
+        Ok(Publication { files, claims, failed, failed_cells, notices })
     }
 
     /// The sentence about hyper-parameters of Gaussian processes at an end of their range.
