@@ -18,17 +18,17 @@ pub struct FailedCell {
 }
 
 /// The outcomes of the trials of each cell.
-type Outcomes<'a> = BTreeMap<String, Vec<&'a Outcome>>;
+type CellOutcomes<'a> = BTreeMap<String, Vec<&'a Outcome>>;
 
 /// The cells of one point of a sweep, or of an experiment without one, in which every goal-reaching
 /// trial, response, lap or path failed.
 pub(super) fn failed_cells(published: &Published) -> Vec<FailedCell> {
-    let mut all: Vec<Outcomes> = vec![
+    let mut all: Vec<CellOutcomes> = vec![
         by_cell("reach", &published.trials),
         by_cell("response", &published.responses),
         by_cell("pace", &published.paces),
     ];
-    let mut paths = Outcomes::new();
+    let mut paths = CellOutcomes::new();
     for row in &published.tracks {
         // The last sample of a path tells what became of it: an earlier one is `ok`.
         let path = format!("track: policy {}, training {}", row.policy, row.training);
@@ -43,8 +43,8 @@ pub(super) fn failed_cells(published: &Published) -> Vec<FailedCell> {
     all.into_iter().flatten().filter_map(|(cell, outcomes)| failed(cell, &outcomes)).collect()
 }
 
-fn by_cell<'a, T: CellValue>(run: &str, rows: &'a [CellRow<T>]) -> Outcomes<'a> {
-    let mut cells = Outcomes::new();
+fn by_cell<'a, T: CellValue>(run: &str, rows: &'a [CellRow<T>]) -> CellOutcomes<'a> {
+    let mut cells = CellOutcomes::new();
     for row in rows {
         let mut name = format!(
             "{run}: policy {}, mode {}, training {}",
