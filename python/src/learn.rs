@@ -145,6 +145,13 @@ impl PyGp {
         self.0.noise_std()
     }
 
+    /// Hyper-parameters at an end of their range: output, name, `low` or `high`.
+    #[getter]
+    fn range_ends(&self) -> Vec<(usize, String, &'static str)> {
+        let ends = self.0.range_ends().into_iter();
+        ends.map(|end| (end.output, end.name, if end.is_upper { "high" } else { "low" })).collect()
+    }
+
     /// Everything, as text.
     fn dump(&self) -> PyResult<String> {
         Ok(serde_json::to_string(&self.0).map_err(Fault::words)?)

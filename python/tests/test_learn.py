@@ -56,6 +56,18 @@ def test_a_fixed_kernel_predicts_what_scikit_learn_does(kernel: str, theirs: Any
     np.testing.assert_allclose(ours.noise_std_, np.sqrt(0.02))
 
 
+def test_noise_at_its_least_is_warned_of_and_prevented_by_its_prior() -> None:
+    inputs = np.linspace(-1.0, 1.0, 12)[:, None]
+    values = np.sin(2.0 * inputs[:, 0])
+    with pytest.warns(UserWarning, match="noise variance of output 0 low"):
+        free = GaussianProcess().fit(inputs, values)
+    assert (0, "noise variance", "low") in free.range_ends_
+    known = GaussianProcess(noise_prior=0.05).fit(inputs, values)
+    assert known.noise_std_[0] > 0.01 and not any(name == "noise variance" for _, name, _ in known.range_ends_)
+    with pytest.raises(InputError, match="noise_prior"):
+        GaussianProcess(noise_prior=-1.0).fit(inputs, values)
+
+
 @pytest.mark.parametrize("approximation", ["sgpr", "fitc"])
 def test_inducing_points_come_near_the_exact_process(approximation: str) -> None:
     inputs, values = samples(400, outputs=2)

@@ -36,6 +36,8 @@ pub(super) fn findings(
         let solved = positions.iter().filter(|at| at.is_some()).count();
         (problem.residual_m(&positions).norm_squared() / solved.max(1) as f64).sqrt()
     });
+    let mut limitations = limitations(problem, fitted, uncertain, blocks, &numbers);
+    limitations.extend(held_out.iter().flat_map(range_ends));
     CalibrationFindings {
         trade_offs: trade_offs(problem.numbers, uncertain),
         rows: problem.comparison.rows(),
@@ -56,7 +58,7 @@ pub(super) fn findings(
         held_out,
         residual_groups: residuals::groups(problem.comparison, blocks, best),
         stages: Vec::new(),
-        limitations: limitations(problem, fitted, uncertain, blocks, &numbers),
+        limitations,
         numbers,
     }
 }
@@ -155,6 +157,17 @@ fn limitations(
         told.push("The fit stopped before it converged.".to_owned());
     }
     told
+}
+
+/// What became of the hyper-parameters of the models that this one is compared with.
+fn range_ends(held_out: &HeldOutError) -> impl Iterator<Item = String> {
+    held_out.models.iter().filter(|model| !model.at_range_end.is_empty()).map(|model| {
+        let (name, ends) = (&model.name, &model.at_range_end);
+        format!(
+            "The {name} beside it has hyper-parameters at an end of their range, with the number of \
+             its fits: {ends}."
+        )
+    })
 }
 
 fn widening(uncertain: &Uncertain, blocks: &Blocks) -> String {

@@ -47,6 +47,10 @@ pub struct ModelError {
     pub rms_without_mean_m: f64,
     /// Root mean square distance of each tracked point, metres.
     pub by_point_m: Vec<f64>,
+    /// Hyper-parameters that ended at an end of their range, and in how many of its fits: one fit
+    /// an axis, a tracked point and a part held out.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub at_range_end: String,
 }
 
 /// Errors on what the fits have not seen.

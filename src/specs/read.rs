@@ -20,7 +20,11 @@ pub fn read_model(file: &Path) -> Result<Model, SpecError> {
     let document = Document::read(file, &[], &[])?;
     let model = document.parse::<Model>()?;
     // A wrong unit first: other numbers are judged against it.
-    model.check_units().map_err(|(path, error)| refusal(&document, &path, &error))?;
+    let faults: Vec<SpecError> =
+        model.unit_faults().iter().map(|(path, error)| refusal(&document, path, error)).collect();
+    if !faults.is_empty() {
+        return Err(SpecError::of_all(faults));
+    }
     model.check().map_err(|(path, error)| refusal(&document, &path, &error))?;
     Ok(model)
 }

@@ -1,5 +1,7 @@
 //! Values written as YAML, in the form in which specs are read.
 
+use super::document::merge_keys;
+use super::document::mismatch::deserialize;
 use crate::data::read_text;
 use crate::effects::{EffectSpec, Model};
 use serde::Serialize;
@@ -52,10 +54,10 @@ pub fn extended_text(
         model.effects[model.effects.len() - added..].iter().map(line).collect::<Result<_, _>>()?;
     let extended = with_effects(&written, &lines);
     let reads_back = |text: &String| {
-        let read: Result<Model, _> = serde_yaml::with::singleton_map_recursive::deserialize(
-            serde_yaml::Deserializer::from_str(text),
-        );
-        read.is_ok_and(|read| read == *model)
+        let value = merge_keys::read(text);
+        value
+            .and_then(|value| deserialize::<Model>(&value, &[]).ok())
+            .is_some_and(|read| read == *model)
     };
     extended.filter(reads_back).map_or_else(|| model_text(model), Ok)
 }

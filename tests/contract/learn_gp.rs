@@ -3,7 +3,9 @@
 use spinebench::base::{Rows, Seed};
 use spinebench::learn::LearnError;
 use spinebench::learn::gp::kernels::{self, KERNELS, Lengths};
-use spinebench::learn::gp::{FoldOrder, Gp, GpConfig, KernelExpression, Lambda};
+use spinebench::learn::gp::{
+    Approximation, FoldOrder, Gp, GpConfig, KernelExpression, Lambda, NoisePrior,
+};
 
 use rand::RngExt;
 
@@ -298,6 +300,57 @@ fn what_is_written_is_read_back_to_the_bit() {
     assert!(serde_json::from_str::<Gp>(&text.replacen("\"width\":4", "\"width\":3", 1)).is_err());
 }
 
+fn with_prior(std_m: f64, relative_std: f64) -> GpConfig {
+    let prior = NoisePrior { std_m: Some(std_m), relative_std };
+    GpConfig { noise_prior: Some(prior), ..GpConfig::default() }
+}
+
+/// A prior says that noise is not below what is known; it does not hold down what is larger.
+#[test]
+fn a_prior_of_the_noise_bounds_it_from_below_only() {
+    let (inputs, outputs) = samples(60, 0.0003);
+    let noise = |config: &GpConfig| Gp::fit(&inputs, &outputs, config).unwrap().noise_std();
+    let free = noise(&GpConfig::default());
+    for (small, free) in noise(&with_prior(0.00003, 0.25)).iter().zip(&free) {
+        assert!((small / free - 1.0).abs() < 0.02, "{small} {free}");
+    }
+    // Far above what the data say, the prior and they meet.
+    for (large, free) in noise(&with_prior(0.003, 0.25)).iter().zip(&free) {
+        assert!(*large > 1.5 * free && *large < 0.003, "{large} {free}");
+    }
+    let fitted = Gp::fit(&inputs, &outputs, &with_prior(0.0003, 0.25)).unwrap();
+    let back: Gp = serde_json::from_str(&serde_json::to_string(&fitted).unwrap()).unwrap();
+    assert_eq!(back.config(), fitted.config());
+}
+
+#[test]
+fn an_approximation_takes_the_prior_too() {
+    let (inputs, outputs) = samples(80, 0.0003);
+    for approximation in [Approximation::Sgpr, Approximation::Fitc] {
+        let sparse = GpConfig { approximation, inducing_points: 40, ..GpConfig::default() };
+        let noise = |config: &GpConfig| Gp::fit(&inputs, &outputs, config).unwrap().noise_std();
+        let prior = with_prior(0.003, 0.25).noise_prior;
+        let (free, held) = (noise(&sparse), noise(&GpConfig { noise_prior: prior, ..sparse }));
+        assert!(held.iter().zip(&free).all(|(held, free)| *held > 1.5 * free), "{held:?} {free:?}");
+    }
+}
+
+#[test]
+fn hyper_parameters_at_an_end_of_their_range_are_told() {
+    let config = GpConfig::default();
+    let (inputs, outputs) = samples(30, 0.0003);
+    let floor = 2.0 * config.noise_floor.ln();
+    let theta = vec![
+        vec![0.0, 0.0, 0.0, 0.0, 990.0_f64.ln(), floor + 0.2],
+        vec![0.0, 0.0, 0.0, 0.0, 400.0_f64.ln(), floor + 1.0],
+    ];
+    let gp = Gp::condition(&inputs, &outputs, &config, theta, 0).unwrap();
+    let told: Vec<(usize, String)> =
+        gp.range_ends().iter().map(|end| (end.output, end.describe())).collect();
+    let expected = [(0, "length 4 high".to_owned()), (0, "noise variance low".to_owned())];
+    assert_eq!(told, expected);
+}
+
 #[test]
 fn settings_are_strict() {
     let config: GpConfig =
@@ -318,6 +371,8 @@ fn settings_are_strict() {
         ("noise_floor", GpConfig { noise_floor: 0.0, ..GpConfig::default() }),
         ("tolerance", GpConfig { tolerance: f64::NAN, ..GpConfig::default() }),
         ("folds", GpConfig { folds: 1, ..GpConfig::default() }),
+        ("noise_prior.std_m", with_prior(-1.0, 0.25)),
+        ("noise_prior.relative_std", with_prior(1.0, 0.0)),
     ] {
         let refused = Gp::fit(&inputs, &outputs, &config).unwrap_err();
         assert!(

@@ -150,6 +150,18 @@ fn faults_are_named_with_line_column_found_and_expected() {
             "rec.csv, line 1, column `time_s`: found only trial, time, tendon_1_m",
         ),
         (cell("tip_y_m", "tip_y_mm"), "expected a column `tip_y_m`"),
+        (
+            cell("time_s", "t").replacen("tip_y_m,tip_z_m", "y,z", 1),
+            "rec.csv, line 1, column `time_s`: found only trial, t, tendon_1_m, tendon_2_m, \
+             tendon_3_m, tendon_4_m, tip_x_m, y, z, expected the columns `time_s`, `tip_y_m`, \
+             `tip_z_m`",
+        ),
+        (
+            cell("tendon_1_m", "tendon_9_m").replacen("tip_x_m", "base_x_m", 1),
+            "expected the columns `tendon_1_m`, `tendon_5_m`, `tendon_6_m`, `tendon_7_m`, \
+             `tendon_8_m`, `tip_x_m`, `base_y_m`, `base_z_m`, `base_qw`, `base_qx`, `base_qy`, \
+             `base_qz`",
+        ),
         (cell("tendon_2_m", "tendon_5_m"), "expected a column `tendon_2_m`"),
         (cell("tendon_2_m", "tendon_1_m"), "column `tendon_1_m`: found the name twice"),
         (cell("tendon_2_m", "tendon_2_n"), "found commands as lengths and as tensions"),

@@ -38,6 +38,14 @@ const BAD: &[(&str, &str)] = &[
         "policies: {a_online: {leaves: newest}}",
         "bad.yaml:2:31: policies.a_online.leaves: found the unknown name `newest`, expected",
     ),
+    (
+        "gp: {noise_prior: {std_m: -1}}",
+        "bad.yaml:2:27: gp.noise_prior.std_m: found -1, expected 0 or more",
+    ),
+    (
+        "plant: {replay: {recording: rec.csv}}\ngp: {noise_prior: {relative_std: 0.3}}",
+        "bad.yaml:3:19: gp.noise_prior: found a mapping, expected `std_m`, the standard deviation",
+    ),
 ];
 
 #[test]

@@ -182,6 +182,14 @@ fn what_cannot_be_fitted_is_refused_with_what_was_meant() {
             .contains("tracked positions: found 4, expected at least")
     );
     let guess = std::fs::read_to_string(lab.0.path().join("guess.yaml")).unwrap();
+    // A modulus in another unit: the model cannot follow, and its key is named.
+    lab.put(
+        "guess.yaml",
+        &guess.replacen("youngs_modulus_pa: 2.33e9", "youngs_modulus_pa: 8e3", 1),
+    );
+    let soft = words("tendons.radius_m");
+    assert!(soft.contains("cannot simulate these commands"), "{soft}");
+    assert!(soft.contains("guess.yaml: robot.backbone.youngs_modulus_pa: found 8000"), "{soft}");
     let piece = "pieces: [{end_m: 0.22, bending_stiffness_n_m2: 0.03, axial_stiffness_n: 1e4, \
                  shear_stiffness_n: 1e4, torsion_stiffness_n_m2: 0.02}], length_m: 0.22";
     lab.put("guess.yaml", &guess.replacen("length_m: 0.22", piece, 1));

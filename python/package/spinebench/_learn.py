@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import inspect
 import json
+import warnings
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -154,6 +155,10 @@ class GaussianProcess(_Regressor):
     starts: starting points of the search for hyper-parameters.
     start_rows: rows on which the starts compete when there are more.
     noise_floor: smallest noise standard deviation, as a share of the output's standard deviation.
+    noise_prior: standard deviation of the measurement noise in y's unit, the same for all outputs, where it is known: the fitted
+        noise is then hardly below it, and above it the likelihood alone decides. None: it decides everywhere, which takes few
+        samples for free of noise now and then.
+    noise_prior_width: how well `noise_prior` is known: standard deviation of its logarithm.
     tolerance: improvement of the log marginal likelihood (nats) below which the search ends.
     theta: natural logarithms of fixed hyper-parameters (each,) or (outputs, each), in the order of
         `hyperparameter_names_` and in standardised units; no search is made.
@@ -169,6 +174,9 @@ class GaussianProcess(_Regressor):
     """Log marginal likelihood of the standardised outputs (`sgpr`: its lower bound), nats, summed over outputs."""
     noise_std_: Array
     """Noise standard deviation of each output, in its unit."""
+    range_ends_: list[tuple[int, str, str]]
+    """Hyper-parameters at an end of their range: output, name, `low` or `high`. `fit` warns of them. Noise at its least makes
+    intervals too narrow; a length-scale at its most is that of an input without influence."""
 
     def __init__(
         self,
@@ -180,6 +188,8 @@ class GaussianProcess(_Regressor):
         starts: int = 8,
         start_rows: int = 100,
         noise_floor: float = 1e-3,
+        noise_prior: float | None = None,
+        noise_prior_width: float = 0.25,
         tolerance: float = 1e-4,
         theta: ArrayLike | None = None,
     ) -> None:
@@ -190,6 +200,8 @@ class GaussianProcess(_Regressor):
         self.starts = starts
         self.start_rows = start_rows
         self.noise_floor = noise_floor
+        self.noise_prior = noise_prior
+        self.noise_prior_width = noise_prior_width
         self.tolerance = tolerance
         self.theta = theta
 
@@ -197,13 +209,19 @@ class GaussianProcess(_Regressor):
         """Fit (samples, features) to (samples,) or (samples, outputs). Raises InputError; returns the estimator."""
         inputs, outputs = self._training(X, y)
         names = ("kernel", "mean", "approximation", "inducing_points", "starts", "start_rows", "noise_floor", "tolerance")
-        config = json.dumps({name: getattr(self, name) for name in names}, default=float)
+        settings = {name: getattr(self, name) for name in names}
+        if self.noise_prior is not None:
+            settings["noise_prior"] = {"std_m": self.noise_prior, "relative_std": self.noise_prior_width}
+        config = json.dumps(settings, default=float)
         theta = self.theta
         if theta is not None:
             given = np.atleast_2d(np.asarray(theta, dtype=np.float64))
             theta = np.broadcast_to(given, (outputs.shape[1], given.shape[1])) if len(given) == 1 else given
         self._core = _core._Gp.fit(inputs, outputs, config, theta)
         self._describe()
+        if theta is None and self.range_ends_:
+            ends = ", ".join(f"{name} of output {output} {end}" for output, name, end in self.range_ends_)
+            warnings.warn(f"hyper-parameters at an end of their range: {ends} (`range_ends_`)", stacklevel=2)
         return self
 
     def _describe(self) -> None:
@@ -211,6 +229,7 @@ class GaussianProcess(_Regressor):
         self.hyperparameter_names_ = self._core.hyperparameter_names
         self.log_marginal_likelihood_value_ = float(sum(self._core.log_marginal_likelihood))
         self.noise_std_ = np.array(self._core.noise_std)
+        self.range_ends_ = self._core.range_ends
 
     def predict(self, X: ArrayLike, return_std: bool = False) -> Any:
         """Posterior mean (samples,) or (samples, outputs); with `return_std` a pair of it and the standard deviation of the

@@ -1,6 +1,8 @@
 //! What a laboratory would use instead of a rod: maps from commands to positions, fitted to the
 //! same rows.
 
+use std::cell::RefCell;
+
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use super::constant_curvature;
@@ -8,7 +10,7 @@ use crate::base::{Point3, Rows};
 use crate::calibration::compare::blocks::SightingSplit;
 use crate::calibration::compare::comparison::Comparison;
 use crate::effects::Model;
-use crate::learn::gp::{Gp, GpConfig};
+use crate::learn::gp::{Gp, GpConfig, RangeEnd};
 
 /// Rows to which the hyper-parameters of a Gaussian process are fitted, and rows that it is
 /// conditioned on.
@@ -25,6 +27,15 @@ pub(crate) struct Reference {
     pub(crate) numbers: usize,
     /// Predictions in the order of the asked sightings; none where it could not be fitted.
     pub(crate) positions: Option<Vec<Point3>>,
+    /// Hyper-parameters at an end of their range, in words.
+    pub(crate) range_ends: Vec<String>,
+}
+
+impl Reference {
+    /// One whose fit has no hyper-parameters.
+    fn plain(name: &'static str, numbers: usize, positions: Option<Vec<Point3>>) -> Reference {
+        Reference { name, numbers, positions, range_ends: Vec::new() }
+    }
 }
 
 /// Every reference model, fitted to the sightings `fitted` and asked for the sightings `asked`.
@@ -40,22 +51,24 @@ pub(crate) fn references(
     };
     let (linear_m, linear_numbers) = linear(false);
     let (quadratic_m, quadratic_numbers) = linear(true);
-    let gp = data.each_marker(split, &|x, y, query| gaussian_process(x, y, query));
+    let range_ends = RefCell::new(Vec::new());
+    let gp = data.each_marker(split, &|x, y, query| {
+        let (positions, ends) = gaussian_process(x, y, query)?;
+        range_ends.borrow_mut().extend(ends);
+        Some((positions, 0))
+    });
     let arcs = constant_curvature::predictions(model, comparison, &data.commands, split);
     let (arcs_m, arcs_numbers) =
         arcs.map_or((None, 0), |(positions, numbers)| (Some(positions), numbers));
     vec![
-        Reference { name: "constant curvature", numbers: arcs_numbers, positions: arcs_m },
-        Reference { name: "linear regression", numbers: linear_numbers, positions: linear_m },
-        Reference {
-            name: "quadratic regression",
-            numbers: quadratic_numbers,
-            positions: quadratic_m,
-        },
+        Reference::plain("constant curvature", arcs_numbers, arcs_m),
+        Reference::plain("linear regression", linear_numbers, linear_m),
+        Reference::plain("quadratic regression", quadratic_numbers, quadratic_m),
         Reference {
             name: "Gaussian process",
             numbers: 0,
             positions: gp.map(|(positions, _)| positions),
+            range_ends: range_ends.into_inner(),
         },
     ]
 }
@@ -194,8 +207,12 @@ fn ridge_weights(design: &DMatrix<f64>, targets: &DMatrix<f64>) -> Option<DMatri
 }
 
 /// A Gaussian process (squared exponential, one length a command): hyper-parameters from some rows,
-/// conditioned on all.
-fn gaussian_process(x: &[&[f64]], y: &[Point3], query: &[&[f64]]) -> Option<(Vec<Point3>, usize)> {
+/// conditioned on all. Beside its answers the hyper-parameters at an end of their range, in words.
+fn gaussian_process(
+    x: &[&[f64]],
+    y: &[Point3],
+    query: &[&[f64]],
+) -> Option<(Vec<Point3>, Vec<String>)> {
     let table = |rows: &[usize]| {
         let (mut inputs, mut outputs) = (Rows::new(x.first()?.len()), Rows::new(3));
         rows.iter().for_each(|&row| {
@@ -215,7 +232,8 @@ fn gaussian_process(x: &[&[f64]], y: &[Point3], query: &[&[f64]]) -> Option<(Vec
     let (inputs, outputs) = table(&evenly(MAX_ROWS))?;
     let gp = Gp::condition(&inputs, &outputs, &config, searched.theta().to_vec(), 0).ok()?;
     let answer = |row: &&[f64]| -> Option<Point3> { gp.mean(row).ok()?.try_into().ok() };
-    Some((query.iter().map(answer).collect::<Option<_>>()?, 0))
+    let ends = searched.range_ends().iter().map(RangeEnd::describe).collect();
+    Some((query.iter().map(answer).collect::<Option<_>>()?, ends))
 }
 
 #[cfg(test)]

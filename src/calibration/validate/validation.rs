@@ -1,5 +1,7 @@
 //! The error on rows that the fit has not seen, beside that of what a laboratory would use instead.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{DVector, Vector3};
 
 use super::baselines::{Reference, references};
@@ -20,6 +22,8 @@ struct Unseen {
     positions: Vec<(usize, Option<Point3>)>,
     /// Whether it could be fitted in every part.
     complete: bool,
+    /// Hyper-parameters at an end of their range, of all parts.
+    range_ends: Vec<String>,
 }
 
 /// Blocked cross-validation. For each part the numbers are those of a fit without it, from one
@@ -111,21 +115,22 @@ fn add_references(
     comparison: &Comparison,
     split: SightingSplit,
 ) {
-    for Reference { name, numbers, positions } in references(model, comparison, split) {
+    for Reference { name, numbers, positions, range_ends } in references(model, comparison, split) {
         let positions = positions.map(|all| all.into_iter().map(Some).collect());
-        add(all, name, numbers, split.unseen, positions);
+        add(all, name, numbers, split.unseen, positions).range_ends.extend(range_ends);
     }
 }
 
-fn add(
-    all: &mut Vec<Unseen>,
+fn add<'a>(
+    all: &'a mut Vec<Unseen>,
     name: &'static str,
     numbers: usize,
     unseen: &[usize],
     positions: Option<Positions>,
-) {
+) -> &'a mut Unseen {
     let place = all.iter().position(|one| one.name == name).unwrap_or_else(|| {
-        all.push(Unseen { name, numbers, positions: Vec::new(), complete: true });
+        let (positions, range_ends) = (Vec::new(), Vec::new());
+        all.push(Unseen { name, numbers, positions, complete: true, range_ends });
         all.len() - 1
     });
     let one = &mut all[place];
@@ -134,6 +139,7 @@ fn add(
         Some(positions) => one.positions.extend(unseen.iter().copied().zip(positions)),
         None => one.complete = false,
     }
+    one
 }
 
 fn error(
@@ -162,6 +168,7 @@ fn error(
                 &by_marker.iter().flat_map(|errors_m| centred(errors_m)).collect::<Vec<_>>(),
             )),
             by_point_m: by_marker.iter().map(|errors_m| if_complete(rms_m(errors_m))).collect(),
+            at_range_end: counted(&one.range_ends),
         }
     };
     let rows = all.first().map_or(0, |one| one.positions.len());
@@ -172,6 +179,15 @@ fn error(
         points: comparison.markers.clone(),
         models: all.iter().map(model).collect(),
     }
+}
+
+/// Each text once, with how often it is there: `noise variance low (2)`.
+fn counted(texts: &[String]) -> String {
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    texts.iter().for_each(|text| *counts.entry(text).or_default() += 1);
+    let each: Vec<String> =
+        counts.into_iter().map(|(text, count)| format!("{text} ({count})")).collect();
+    each.join("; ")
 }
 
 /// Root mean square length.

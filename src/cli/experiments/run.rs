@@ -7,8 +7,8 @@ use crate::cli::program::shared::{CacheArgs, ResultsArg, SpecArgs, ThreadArgs};
 use crate::cli::{CommandError, CommandResult};
 use clap::{Args, ValueEnum};
 use spinebench::runner::{
-    self, Campaign, CampaignEntry, Outcomes, Progress, Publication, RunFacts, RunOptions,
-    StageTimes,
+    self, Campaign, CampaignEntry, FailedCell, Outcomes, Progress, Publication, RunFacts,
+    RunOptions, StageTimes,
 };
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -31,8 +31,8 @@ pub(crate) struct RunCommand {
     executor: Executor,
     #[command(flatten)]
     cluster: SlurmArgs,
-    /// Exit with status 1 when a claim is not reproduced or a trial failed (a failed stage always
-    /// does).
+    /// Exit with status 1 when a claim is not reproduced or a trial failed (a failed stage, and a
+    /// cell of which every trial failed, always does).
     #[arg(long)]
     strict: bool,
 }
@@ -115,6 +115,18 @@ impl RunCommand {
             .collect();
         if self.strict && failed > 0 {
             return Err(CommandError::Failed(format!("{failed} trials failed")));
+        }
+        let failed_cells: Vec<&FailedCell> =
+            published.iter().flat_map(|publication| &publication.failed_cells).collect();
+        if let [FailedCell { cell, trials, why }, further @ ..] = failed_cells.as_slice() {
+            let others = match further.len() {
+                0 => String::new(),
+                1 => ", and of 1 other cell".to_owned(),
+                count => format!(", and of {count} other cells"),
+            };
+            let words =
+                format!("every trial failed of {cell} ({trials} in all, the first: {why}){others}");
+            return Err(CommandError::Failed(words));
         }
         if self.strict && !denied.is_empty() {
             return Err(CommandError::Failed(format!("not reproduced: {}", denied.join(", "))));

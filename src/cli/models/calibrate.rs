@@ -1,6 +1,7 @@
 //! `spinebench calibrate`.
 
 use super::several::{mismatch, refuse_twins};
+use super::unusual_number::unusual_number;
 use crate::cli::program::interrupted::exit_on_interrupt;
 use crate::cli::program::outputs::{REPORT_BYTES, check_folder, check_yaml};
 use crate::cli::program::shared::StartsArg;
@@ -12,6 +13,7 @@ use spinebench::calibration::{
 };
 use spinebench::data::calibration::{CalibrationFindings, HeldOutError};
 use spinebench::data::{Recording, write_atomic};
+use spinebench::effects::Model;
 use spinebench::report::calibration::{CalibrationReport, calibration_artifacts};
 use spinebench::report::write;
 use spinebench::runner::Progress;
@@ -82,8 +84,8 @@ impl CalibrateCommand {
         self.report.as_ref().map_or(Ok(()), |folder| check_folder(folder, REPORT_BYTES))?;
         exit_on_interrupt("interrupted; nothing was written, and the same command begins again");
         progress.step("fitting");
-        let calibration =
-            calibrate(&model, &measured, &self.options()).map_err(|error| self.refusal(&error))?;
+        let calibration = calibrate(&model, &measured, &self.options())
+            .map_err(|error| self.refusal(&error, &model))?;
         progress.done();
         let text = model_text(&calibration.model).map_err(CommandError::failed)?;
         let report = CalibrationReport {
@@ -102,6 +104,9 @@ impl CalibrateCommand {
             println!("{words}");
         }
         print(&calibration);
+        if let Some(words) = unusual_number(&self.model, &model) {
+            println!("note: {words}");
+        }
         if let Some(folder) = &self.report {
             println!("{}", folder.join("report.html").display());
         }
@@ -132,7 +137,7 @@ impl CalibrateCommand {
     }
 
     /// An error with the file or the argument that it is about.
-    fn refusal(&self, error: &CalibrationError) -> CommandError {
+    fn refusal(&self, error: &CalibrationError, model: &Model) -> CommandError {
         let place = match error {
             CalibrationError::Entry { .. } | CalibrationError::Repeated(_) => "--fit".to_owned(),
             CalibrationError::Unknown { .. }
@@ -145,7 +150,12 @@ impl CalibrateCommand {
                 files.join(", ")
             }
         };
-        CommandError::BadInput(format!("{place}: {error}"))
+        let unusual = match error {
+            CalibrationError::NotSimulated { .. } => unusual_number(&self.model, model),
+            _ => None,
+        };
+        let hint = unusual.map_or_else(String::new, |words| format!("; {words}"));
+        CommandError::BadInput(format!("{place}: {error}{hint}"))
     }
 }
 

@@ -1,6 +1,7 @@
 //! `spinebench discover`.
 
 use super::several::{mismatch, refuse_twins};
+use super::unusual_number::unusual_number;
 use crate::cli::program::interrupted::exit_on_interrupt;
 use crate::cli::program::outputs::{REPORT_BYTES, check_folder};
 use crate::cli::program::shared::StartsArg;
@@ -110,6 +111,7 @@ impl DiscoverCommand {
             answer.findings.limitations.push(OWN_BASELINE.to_owned());
         }
         answer.findings.limitations.extend(model.tracking.starts.told().map(str::to_owned));
+        answer.findings.limitations.extend(unusual_number(&self.model, &written));
         // The model is written as it was given, whatever `--starts` says.
         answer.model.tracking.clone_from(&written.tracking);
         self.write(&written, &answer, &recorded)?;
@@ -221,7 +223,9 @@ impl DiscoverCommand {
             || discover_until_named(question, measured, self.rounds as usize, record),
         )
         .map_err(|error| match error {
-            RoundsError::Discovery { error, measured } => self.refusal(&error, &measured, &trials),
+            RoundsError::Discovery { error, measured } => {
+                self.refusal(&error, question.model, &measured, &trials)
+            }
             RoundsError::Mismatch(error) => CommandError::failed(error),
             RoundsError::Record(never) => match never {},
         })?;
@@ -235,11 +239,19 @@ impl DiscoverCommand {
     fn refusal(
         &self,
         error: &DiscoveryError,
+        model: &Model,
         measured: &Recording,
         trials: &[(PathBuf, u64)],
     ) -> CommandError {
+        let hint = match error {
+            DiscoveryError::CannotFollow(_) | DiscoveryError::Baseline(_) => {
+                unusual_number(&self.model, model)
+            }
+            _ => None,
+        };
+        let hint = hint.map_or_else(String::new, |words| format!("; {words}"));
         let refused = |file: &Path, error: &DiscoveryError| {
-            CommandError::BadInput(format!("{}: {error}", file.display()))
+            CommandError::BadInput(format!("{}: {error}{hint}", file.display()))
         };
         let all = || {
             self.measured
@@ -262,7 +274,7 @@ impl DiscoverCommand {
                     Some((file, number_there)) => {
                         refused(file, &DiscoveryError::CannotFollow(*number_there))
                     }
-                    None => CommandError::BadInput(format!("{}: {error}", all())),
+                    None => CommandError::BadInput(format!("{}: {error}{hint}", all())),
                 }
             }
             _ => CommandError::BadInput(format!("{}: {error}", all())),

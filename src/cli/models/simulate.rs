@@ -1,5 +1,6 @@
 //! `spinebench simulate`.
 
+use super::unusual_number::unusual_number;
 use crate::cli::program::outputs::check_recording;
 use crate::cli::program::shared::StartsArg;
 use crate::cli::{CommandError, CommandResult};
@@ -82,27 +83,25 @@ pub(crate) fn nothing_solved(
     out: &Path,
     played: &Recording,
 ) -> CommandError {
-    let (out, file, rows) = (out.display(), file.display(), played.len());
+    let (out, name, rows) = (out.display(), file.display(), played.len());
     let statuses = statuses(played);
     let all_are = |name: SolveStatus| {
         !statuses.is_empty() && statuses.iter().all(|status| status == name.name())
     };
     let too_coarse = all_are(SolveStatus::UnderResolved);
-    let suspect = match model.robot.suspect() {
-        Some((key, value)) => {
-            format!("{file}: {key}: found {value}, which few robots have; check its unit")
-        }
+    let suspect = match unusual_number(file, model) {
+        Some(words) => words,
         None if too_coarse => format!(
-            "{file}: robot.resolution.static_tolerance_m: found {}, which the finest grid does not \
+            "{name}: robot.resolution.static_tolerance_m: found {}, which the finest grid does not \
              reach where a robot bends this sharply; expected ten times as much",
             model.robot.resolution.static_tolerance_m
         ),
         None if all_are(SolveStatus::Flutters) => format!(
-            "{file}: robot.loads: oscillations grow about every rest under these follower loads; \
+            "{name}: robot.loads: oscillations grow about every rest under these follower loads; \
              expected smaller loads, or a simulation without --static, in which they grow"
         ),
         None => format!(
-            "no number of {file} is unusual; check the sizes of the commands against the robot's"
+            "no number of {name} is unusual; check the sizes of the commands against the robot's"
         ),
     };
     CommandError::Failed(format!(

@@ -3,6 +3,7 @@
 //! columns; see `docs/outputs.md`.
 
 mod check;
+mod columns;
 mod drives;
 pub mod exclusions;
 mod extra;

@@ -50,6 +50,14 @@ pub(super) fn name_of(column: &str) -> Option<&str> {
     (!name.is_empty() && (POSITION.contains(&part) || QUATERNION.contains(&part))).then_some(name)
 }
 
+/// The columns of a point: its position, and its orientation where the file `has` a part of it.
+pub(super) fn columns(name: &str, has: impl Fn(&str) -> bool) -> Vec<String> {
+    let [position, orientation] = [&POSITION[..], &QUATERNION[..]]
+        .map(|parts| parts.iter().map(|part| column(name, part)).collect::<Vec<String>>());
+    let is_turned = orientation.iter().any(|column| has(column));
+    position.into_iter().chain(if is_turned { orientation } else { Vec::new() }).collect()
+}
+
 /// `NAME_x_m` as `NAME` and `x_m`, `NAME_qw` as `NAME` and `qw`.
 fn split_part(text: &str) -> Option<(&str, &str)> {
     let ends = POSITION.iter().chain(&QUATERNION);

@@ -2,7 +2,7 @@
 
 use super::optional::{self, ColumnGroup};
 use super::{Actuation, DriveTrack, Extra, Pose, RecordedWrench, Recording};
-use super::{drives, points};
+use super::{columns, drives, points};
 use crate::base::Rows;
 use crate::data::table::{Cells, Table};
 use crate::data::{DataError, RecordingSource};
@@ -36,6 +36,7 @@ pub(super) fn recording(
         let (found, expected) = ("no rows", "at least one row");
         return Err(DataError::Empty { file: table.file.clone(), found, expected });
     }
+    columns::refuse_missing(table, expected)?;
     let trial = trials(table)?;
     let time_s = times(table, &trial, expected.in_time)?;
     let drives = drives::read(table)?;
@@ -231,7 +232,7 @@ fn commands(table: &Table, drives: &[DriveTrack]) -> Result<(Actuation, Rows), D
 }
 
 /// The highest tendon number among the columns of this kind of command; 0 when there is none.
-fn highest_tendon(table: &Table, actuation: Actuation) -> usize {
+pub(super) fn highest_tendon(table: &Table, actuation: Actuation) -> usize {
     table.columns.iter().filter_map(|(name, _)| tendon_number(name, actuation)).max().unwrap_or(0)
 }
 

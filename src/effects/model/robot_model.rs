@@ -75,9 +75,15 @@ impl Model {
     /// # Errors
     /// As [`Model::check`].
     pub fn check_units(&self) -> Result<(), (String, BadOption)> {
-        self.robot.check_units().map_err(|(path, error)| (below("robot", &path), error))?;
-        check_effect_units(&self.effects)
-            .map_err(|(index, name, error)| (format!("effects[{index}].{name}"), error))
+        self.unit_faults().into_iter().next().map_or(Ok(()), Err)
+    }
+
+    /// All numbers that no robot has, each with its path; of the effects the first.
+    pub fn unit_faults(&self) -> Vec<(String, BadOption)> {
+        let robot = self.robot.unit_faults().into_iter();
+        let effects = check_effect_units(&self.effects)
+            .map_err(|(index, name, error)| (format!("effects[{index}].{name}"), error));
+        robot.map(|(path, error)| (below("robot", &path), error)).chain(effects.err()).collect()
     }
 
     /// Both checks; the path of the key begins with `at`.

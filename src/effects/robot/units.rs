@@ -162,12 +162,28 @@ impl Robot {
     /// # Errors
     /// As [`Robot::check`].
     pub fn check_units(&self) -> Checked {
-        for (path, key, value, quantity) in self.quantities() {
-            at(&path, quantity.check(key, value))?;
+        self.unit_faults().into_iter().next().map_or(Ok(()), Err)
+    }
+
+    /// All numbers that no robot has, each with its path; where every number by itself is one that
+    /// robots have, those that do not go together.
+    pub fn unit_faults(&self) -> Vec<(String, BadOption)> {
+        let checked = self
+            .quantities()
+            .into_iter()
+            .filter_map(|(path, key, value, quantity)| at(&path, quantity.check(key, value)).err());
+        let mut faults: Vec<(String, BadOption)> = Vec::new();
+        for (path, fault) in checked {
+            // Of a list one number tells the unit.
+            if !faults.iter().any(|(other, told)| *other == path && told.key == fault.key) {
+                faults.push((path, fault));
+            }
         }
-        self.check_slender()?;
-        self.check_disk_mass()?;
-        self.check_angles()
+        if faults.is_empty() {
+            let checks = [self.check_slender(), self.check_disk_mass(), self.check_angles()];
+            faults.extend(checks.into_iter().filter_map(Result::err));
+        }
+        faults
     }
 
     /// The key that is furthest outside the range of most robots, and its value; `None` where all
@@ -395,6 +411,16 @@ mod tests {
             let said = refused(change);
             assert!(said.contains(place) && said.contains(meant), "{said}");
         }
+    }
+
+    #[test]
+    fn all_wrong_units_are_told_at_once() {
+        let mut robot = Robot::default();
+        robot.backbone.youngs_modulus_pa = 4.0;
+        robot.tendons.radius_m = 15.0;
+        robot.gravity_m_s2 = [-9810.0, 500.0, 0.0];
+        let keys: Vec<&str> = robot.unit_faults().iter().map(|(_, fault)| fault.key).collect();
+        assert_eq!(keys, ["youngs_modulus_pa", "radius_m", "gravity_m_s2"]);
     }
 
     #[test]

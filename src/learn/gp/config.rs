@@ -5,6 +5,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 use super::expression::KernelExpression;
 use super::kernels;
 use super::mean::MeanFunction;
+use super::noise_prior::NoisePrior;
 use crate::base::is_default;
 use crate::learn::LearnError;
 use crate::learn::selection::Selection;
@@ -109,6 +110,10 @@ pub struct GpConfig {
     pub start_rows: usize,
     /// Smallest noise standard deviation, as a share of the output's standard deviation.
     pub noise_floor: f64,
+    /// What is known of the noise. Without it the likelihood alone decides, which takes few points
+    /// for free of noise now and then.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub noise_prior: Option<NoisePrior>,
     /// Expected improvement of the log marginal likelihood (nats) below which the search ends.
     pub tolerance: f64,
     /// Folds of the cross-validated error.
@@ -154,6 +159,7 @@ impl Default for GpConfig {
             starts: 8,
             start_rows: 100,
             noise_floor: 1e-3,
+            noise_prior: None,
             tolerance: 1e-4,
             folds: 10,
             fold_order: FoldOrder::Blocks,
@@ -170,6 +176,7 @@ impl GpConfig {
         LearnError::unless_setting(start_rows >= 10, "start_rows", start_rows, "at least 10")?;
         let floored = noise_floor > 0.0 && noise_floor < 1.0;
         LearnError::unless_setting(floored, "noise_floor", noise_floor, "above 0 and below 1")?;
+        self.noise_prior.map_or(Ok(()), |prior| prior.check())?;
         LearnError::unless_setting(
             tolerance > 0.0 && tolerance.is_finite(),
             "tolerance",

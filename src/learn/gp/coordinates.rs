@@ -7,6 +7,7 @@
 
 use super::covariance::Covariance;
 use super::likelihood::Likelihood;
+use super::noise_prior::NoisePenalty;
 use crate::math::optimise::Objective;
 
 /// ε: the bend lies at the standardised length-scale 10.
@@ -48,9 +49,13 @@ impl LogLikelihood for Likelihood<'_> {
     }
 }
 
-/// A likelihood as a function of the search's coordinates.
+/// A likelihood, times the prior of the noise where there is one, as a function of the search's
+/// coordinates.
 pub(super) struct SearchObjective<L> {
     likelihood: L,
+    prior: Option<NoisePenalty>,
+    /// `ln σ_n²` at the latest value: the last coordinate, which is no length-scale.
+    log_noise_variance: f64,
     /// Which hyper-parameters are length-scales.
     lengths: Vec<bool>,
     /// `dθ/du` of each hyper-parameter at the latest value.
@@ -65,7 +70,18 @@ impl<L: LogLikelihood> SearchObjective<L> {
             .iter()
             .map(|parameter| parameter.is_length)
             .collect();
-        SearchObjective { lengths, likelihood, stretch: Vec::new() }
+        SearchObjective {
+            lengths,
+            likelihood,
+            prior: None,
+            log_noise_variance: f64::NAN,
+            stretch: Vec::new(),
+        }
+    }
+
+    /// With a prior for the noise.
+    pub(super) fn with_prior(self, prior: Option<NoisePenalty>) -> Self {
+        SearchObjective { prior, ..self }
     }
 }
 
@@ -78,12 +94,17 @@ impl<L: LogLikelihood> Objective for SearchObjective<L> {
         };
         // Kept for the gradient, which is always asked at the latest value.
         self.stretch = theta.iter().zip(&self.lengths).map(stretch).collect();
-        self.likelihood.value(&theta)
+        self.log_noise_variance = theta.last().copied().unwrap_or(f64::NAN);
+        let value = self.likelihood.value(&theta);
+        self.prior.map_or(value, |prior| value + prior.value(self.log_noise_variance))
     }
 
     fn gradient(&mut self, out: &mut [f64]) {
         self.likelihood.gradient(out);
         out.iter_mut().zip(&self.stretch).for_each(|(g, stretch)| *g *= stretch);
+        if let (Some(prior), Some(last)) = (self.prior, out.last_mut()) {
+            *last += prior.slope(self.log_noise_variance);
+        }
     }
 
     fn curvature(&mut self) -> Option<Vec<f64>> {
@@ -92,6 +113,9 @@ impl<L: LogLikelihood> Objective for SearchObjective<L> {
         for (place, value) in information.iter_mut().enumerate() {
             let (i, j) = (place / n, place % n);
             *value = *value * self.stretch[i] * self.stretch[j] + if i == j { RIDGE } else { 0.0 };
+        }
+        if let (Some(prior), Some(last)) = (self.prior, information.last_mut()) {
+            *last += prior.curvature(self.log_noise_variance);
         }
         Some(information)
     }

@@ -15,8 +15,10 @@ mod likelihood;
 mod linear;
 mod mean;
 mod mean_regression;
+mod noise_prior;
 mod online;
 mod posterior;
+mod range_ends;
 mod search;
 mod sparse;
 mod stored;
@@ -27,7 +29,9 @@ pub use config::{Approximation, FoldOrder, GpConfig, Lambda};
 pub use expression::{ExpressionError, KernelExpression};
 pub use leave_one_out::LeaveOneOut;
 pub use mean::MeanFunction;
+pub use noise_prior::NoisePrior;
 pub use online::{Leaving, OnlineGp};
+pub use range_ends::RangeEnd;
 
 use serde::{Deserialize, Serialize};
 
@@ -73,7 +77,7 @@ pub struct Prediction {
 
 impl Gp {
     /// Fits every column of `outputs` (N rows) to `inputs` (N rows) by maximum marginal likelihood,
-    /// on one thread.
+    /// times the prior of the noise where there is one, on one thread.
     ///
     /// # Errors
     /// Numbers that are not finite, fewer than 2 rows, tables of different lengths, settings out of
@@ -84,13 +88,17 @@ impl Gp {
         Self::check_rows(inputs, config)?;
         let covariance = Covariance::new(&config.kernel, inputs.width())?;
         let (points, columns) = Self::prepare(inputs, outputs);
+        let all: Vec<usize> = (0..outputs.len()).collect();
+        let scale = Standardiser::fit(outputs, &all);
         let mut evaluations = 0;
         let mut theta = Vec::with_capacity(columns.len());
         for (output, y) in columns.iter().enumerate() {
             // Outputs differ in smoothness and noise, so each has its own hyper-parameters.
             let search =
                 if config.approximation.is_exact() { search::search } else { sparse::search };
-            let optimum = search(config, &covariance, &points, y)
+            let prior =
+                config.noise_prior.and_then(|prior| prior.standardised(scale.scale(output)));
+            let optimum = search(config, prior, &covariance, &points, y)
                 .ok_or(LearnError::NotPositiveDefinite { output })?;
             evaluations += optimum.evaluations;
             theta.push(optimum.theta);

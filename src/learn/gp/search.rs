@@ -5,6 +5,7 @@ use super::coordinates::{SearchObjective, from_search_coordinates, to_search_coo
 use super::covariance::{Covariance, TrainingPoints};
 use super::kernels::Hyperparameter;
 use super::likelihood::Likelihood;
+use super::noise_prior::NoisePenalty;
 use crate::math::optimise::{Bfgs, Minimum, minimise};
 
 /// Result of the search for one output.
@@ -20,10 +21,11 @@ const COARSE_TOLERANCE: f64 = 0.1;
 /// Candidates kept from one stage to the next; the last stage takes one.
 const MAX_CANDIDATES: usize = 3;
 
-/// Maximises the log marginal likelihood of the standardised output `y`; `None` when no start is
-/// usable.
+/// Maximises the log marginal likelihood of the standardised output `y`, plus the log density of
+/// `prior`; `None` when no start is usable.
 pub(super) fn search(
     config: &GpConfig,
+    prior: Option<NoisePenalty>,
     covariance: &Covariance,
     points: &TrainingPoints,
     y: &[f64],
@@ -45,7 +47,8 @@ pub(super) fn search(
         let last = stage + 1 == sizes.len();
         let (subset, y) = evenly_spaced(points, y, rows);
         let mut likelihood =
-            SearchObjective::new(Likelihood::new(covariance.clone(), config.mean, &subset, &y));
+            SearchObjective::new(Likelihood::new(covariance.clone(), config.mean, &subset, &y))
+                .with_prior(prior);
         let mut climb = |start: &[f64], tolerance: f64| {
             let minimum =
                 minimise(&mut likelihood, start, &limits(&parameters, &lengths, tolerance));

@@ -3,7 +3,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Approximation, FoldOrder, Gp, GpConfig, KernelExpression, Lambda, MeanFunction};
+use super::{
+    Approximation, FoldOrder, Gp, GpConfig, KernelExpression, Lambda, MeanFunction, NoisePrior,
+};
 use crate::base::Rows;
 use crate::learn::selection::Selection;
 use crate::learn::{LearnError, exact};
@@ -34,6 +36,7 @@ struct StoredConfig {
     starts: usize,
     start_rows: usize,
     noise_floor: f64,
+    noise_prior: Option<NoisePrior>,
     tolerance: f64,
     folds: usize,
     fold_order: FoldOrder,

@@ -176,6 +176,7 @@ mod tests {
                 cross_validation_mae_m: error,
                 log_marginal_likelihood: 0.0,
                 noise_x_m: 0.0,
+                at_range_end: String::new(),
                 noise_y_m: 0.0,
                 noise_z_m: 0.0,
             },

@@ -2,6 +2,8 @@
 
 pub(super) mod claims;
 pub(super) mod compare;
+pub(super) mod failed_cells;
+mod gp_range_ends;
 pub(super) mod manifest;
 pub(super) mod merge;
 pub(super) mod metrics;

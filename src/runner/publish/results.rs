@@ -2,6 +2,8 @@
 //! another.
 
 use super::claims::{evaluate, per_robot};
+use super::failed_cells::{FailedCell, failed_cells};
+use super::gp_range_ends;
 use super::metrics::Tables;
 use crate::data::{DataError, TableRow, tables, write_atomic_batch};
 use crate::report::{self, OutputFolder, Published, ReportError};
@@ -38,7 +40,10 @@ pub struct Publication {
     pub claims: Vec<ClaimRow>,
     /// Trials and tracking runs that failed.
     pub failed: usize,
-    /// Figures that could not be made, and why: with failed stages their rows may be missing.
+    /// Cells of which every trial failed.
+    pub failed_cells: Vec<FailedCell>,
+    /// What a user must know: figures that could not be made, and why (with failed stages their rows
+    /// may be missing), and fits that ended at an end of their range.
     pub notices: Vec<String>,
 }
 
@@ -77,11 +82,21 @@ impl CampaignEntry {
         for (name, bytes) in Published::csv_files(&[&tables.published], |_| Vec::new())? {
             files.insert(folder.join(name), bytes);
         }
-        let notices = self.draw(&self.experiment.figures, &tables.published, &folder, &mut files);
+        let mut notices =
+            self.draw(&self.experiment.figures, &tables.published, &folder, &mut files);
+        notices.extend(self.range_ends_notice(&[&tables.published]));
         let failed = tables.published.failed();
         // Those of many robots are not about the paper's setting.
         let claims = if self.experiment.population.is_some() { Vec::new() } else { claims };
-        Ok(Publication { files, claims, failed, notices })
+        let failed_cells = failed_cells(&tables.published);
+        Ok(Publication { files, claims, failed, failed_cells, notices })
+    }
+
+    /// The sentence about hyper-parameters of Gaussian processes at an end of their range.
+    pub(crate) fn range_ends_notice(&self, parts: &[&Published]) -> Option<String> {
+        let has_prior = self.experiment.gp.noise_prior.is_some();
+        let rows = parts.iter().flat_map(|part| &part.gps);
+        gp_range_ends::notice(&self.experiment.name, has_prior, rows)
     }
 
     /// What became of the claims at one point.

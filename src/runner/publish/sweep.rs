@@ -1,6 +1,7 @@
 //! The results of a sweep: the tables of all points one below the other, with a column for each
 //! swept field, a summary of one row a point, and what makes a difference.
 
+use super::failed_cells::failed_cells;
 use super::metrics::Tables;
 use super::results::{Files, Publication, PublishError};
 use crate::data::TableRow;
@@ -52,6 +53,7 @@ impl CampaignEntry {
             files.insert(path, bytes);
             notices = self.draw(&[FIGURE.to_owned()], &published, &folder, &mut files);
         }
+        notices.extend(self.range_ends_notice(&parts));
         let name = &self.experiment.name;
         let others = self.experiment.figures.iter().filter(|figure| *figure != FIGURE);
         notices.extend(
@@ -62,6 +64,7 @@ impl CampaignEntry {
         Ok(Publication {
             files,
             claims: Vec::new(),
+            failed_cells: parts.iter().flat_map(|part| failed_cells(part)).collect(),
             failed: all.iter().map(|tables| tables.published.failed()).sum(),
             notices,
         })

@@ -80,7 +80,7 @@ impl Stages<'_> {
 
     /// Which points a process has and how it is fitted.
     pub(super) fn gp_params(&self, points: usize) -> GpParams {
-        GpParams { config: self.spec.gp.clone(), points, seed: self.seed.child("gp").0 }
+        GpParams { config: self.spec.gp_config(), points, seed: self.seed.child("gp").0 }
     }
 
     /// How good that process is; the row's seed and training are filled in by whoever publishes it.

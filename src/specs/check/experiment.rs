@@ -117,25 +117,38 @@ impl Checker<'_> {
         let option = |name: &str, result: Result<(), BadOption>| {
             self.checked(&KeyPath::default().key(name), result)
         };
-        option("explore", spec.explore.check())?;
-        option("gp_points", spec.gp_points.check())?;
-        option("policies", spec.policies.check())?;
-        outside_policies(self.document, spec)?;
-        option("targets", spec.targets.check())?;
-        option("reach", spec.reach.check())?;
-        option("path", spec.path.check())?;
-        option("track", spec.track.check())?;
-        option("slurm", spec.slurm.check())?;
-        self.plants()?;
+        // Of each module the first fault, all of them at once.
+        let checks = [
+            option("explore", spec.explore.check()),
+            option("gp_points", spec.gp_points.check()),
+            option("policies", spec.policies.check()),
+            outside_policies(self.document, spec),
+            option("targets", spec.targets.check()),
+            option("reach", spec.reach.check()),
+            option("path", spec.path.check()),
+            option("track", spec.track.check()),
+            option("slurm", spec.slurm.check()),
+            self.plants(),
+            self.learn("gp", spec.gp.check()),
+            self.learn("network", spec.network.check()),
+        ];
+        let faults: Vec<SpecError> = checks.into_iter().filter_map(Result::err).collect();
+        if !faults.is_empty() {
+            return Err(SpecError::of_all(faults));
+        }
         if let Some(population) = &spec.population {
             let path = KeyPath::default().key("plant");
             let simulated = matches!(spec.plant, PlantSpec::Simulated(_));
             self.unless(simulated, &path, "a simulated robot, to which `population` adds effects")?;
             option("population", population.check())?;
         }
-        self.learn("gp", spec.gp.check())?;
+        let prior = KeyPath::default().key("gp").key("noise_prior");
+        self.unless(
+            spec.gp.noise_prior.is_none() || spec.gp_config().noise_prior.is_some_and(|prior| prior.std_m.is_some()),
+            &prior,
+            "`std_m`, the standard deviation of the tracking noise along an axis: the options of this `plant` do not tell it",
+        )?;
         self.learn("gp", spec.gp.kernel.check_inputs(spec.model.tendons() + POSITION_INPUTS))?;
-        self.learn("network", spec.network.check())?;
         let stop = KeyPath::default().key("network").key("stop_at_validation_mae_m");
         self.unless(
             spec.network.stop_at_validation_mae_m.is_none(),

@@ -70,7 +70,7 @@ pub enum SpecError {
 
 impl SpecError {
     /// One error for all of these, of which there is at least one.
-    pub(super) fn of_all(mut faults: Vec<SpecError>) -> SpecError {
+    pub(in crate::specs) fn of_all(mut faults: Vec<SpecError>) -> SpecError {
         match faults.len() {
             1 => faults.remove(0),
             _ => SpecError::Several(faults),

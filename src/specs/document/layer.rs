@@ -2,12 +2,14 @@
 
 use super::alias::{RenamedKey, canonical as unaliased, rename_keys, resolve_outside};
 use super::error::{SourceLocation, SpecError};
+use super::invisible;
 use super::locate::{PathEnd, locate};
+use super::merge_keys::{self, MergedKey};
 use super::mismatch::describe;
 use super::path::{KeyPath, Step};
 use super::suggest::nearest;
 use super::sweep_option;
-use super::tree::{get, merge, not_plain, put, remove};
+use super::tree::{get, invisible_key, merge, not_plain, put, remove};
 use crate::data::read_text;
 use serde_yaml::{Mapping, Value};
 use std::path::{Path, PathBuf};
@@ -25,6 +27,8 @@ pub(super) struct Layer {
     pub(super) root: KeyPath,
     /// Whether this layer replaces the value at `root` instead of merging with it.
     pub(super) replaces: bool,
+    /// Keys that merge keys brought.
+    pub(super) merged: Vec<MergedKey>,
     /// Keys that stand in its text under former names.
     pub(super) renamed: Vec<RenamedKey>,
 }
@@ -68,6 +72,7 @@ impl Layer {
             folder,
             root,
             replaces: include.is_some(),
+            merged: Vec::new(),
             renamed: Vec::new(),
         };
         if !layer.value.is_mapping() {
@@ -88,7 +93,8 @@ impl Layer {
         let value = yaml(text, &name)?;
         let (text, folder, renamed) =
             (text.to_owned(), PathBuf::new(), renamed.into_iter().collect());
-        Layer { name, text, value, folder, root, replaces: false, renamed }
+        let merged = Vec::new();
+        Layer { name, text, value, folder, root, replaces: false, merged, renamed }
             .plain()?
             .with_present_names()
     }
@@ -116,8 +122,21 @@ impl Layer {
         })
     }
 
-    /// Refuses keys that are not text, and tags.
-    pub(super) fn plain(self) -> Result<Layer, SpecError> {
+    /// Replaces merge keys by the keys that they stand for; refuses keys that are not text or hold
+    /// invisible characters, and tags.
+    pub(super) fn plain(mut self) -> Result<Layer, SpecError> {
+        self.merged = merge_keys::apply(&mut self.value, &self.root)
+            .map_err(|(path, found)| self.refuse(&path, found, merge_keys::EXPECTED))?;
+        if let Some(path) = invisible_key(&self.value, &self.root)
+            && let Some(Step::Key(key)) = path.0.last()
+        {
+            return Err(SpecError::Key {
+                place: self.place(&path, PathEnd::Key),
+                found: invisible::describe(key).unwrap_or_default(),
+                key: path.parent(),
+                expected: "keys and values of visible characters and plain spaces".to_owned(),
+            });
+        }
         match not_plain(&self.value, &self.root) {
             Some((path, found)) => Err(self.refuse(&path, found, "plain keys and values")),
             None => Ok(self),
@@ -139,6 +158,7 @@ impl Layer {
             folder: PathBuf::new(),
             root,
             replaces: false,
+            merged: Vec::new(),
             renamed: Vec::new(),
         })
     }
@@ -195,7 +215,7 @@ impl Layer {
 
     pub(super) fn refuse(&self, path: &KeyPath, found: String, expected: &str) -> SpecError {
         let (place, expected) = (self.place(path, PathEnd::Value), expected.to_owned());
-        SpecError::Key { place, key: path.clone(), found, expected }
+        SpecError::Key { place, key: path.clone(), found: invisible::named(found), expected }
     }
 
     pub(super) fn place(&self, path: &KeyPath, end: PathEnd) -> SourceLocation {
@@ -207,7 +227,7 @@ impl Layer {
             let below = path.0.strip_prefix(renamed.present.0.as_slice())?;
             Some(KeyPath([renamed.former.0.as_slice(), below].concat()))
         });
-        let path = written.as_ref().unwrap_or(path);
+        let path = &merge_keys::written(&self.merged, written.as_ref().unwrap_or(path));
         let below = path.0.strip_prefix(self.root.0.as_slice()).unwrap_or_default();
         let (line, column) = locate(&self.text, &KeyPath(below.to_vec()), end).unwrap_or((1, 1));
         SourceLocation::File { file: self.name.clone(), line, column }
@@ -263,18 +283,21 @@ fn malformed(option: &str, found: String, expected: String) -> SpecError {
 fn yaml(text: &str, name: &str) -> Result<Value, SpecError> {
     serde_yaml::from_str(text).map_err(|error| {
         let (line, column) = error.location().map_or((1, 1), |at| (at.line(), at.column()));
-        let place = if name.starts_with(SET) {
-            SourceLocation::Option(name.to_owned())
-        } else {
-            SourceLocation::File { file: name.to_owned(), line, column }
+        let place = |line, column| match name.starts_with(SET) {
+            true => SourceLocation::Option(name.to_owned()),
+            false => SourceLocation::File { file: name.to_owned(), line, column },
         };
+        if let Some((line, column, found)) = invisible::near(text, line) {
+            let expected = "YAML of visible characters and plain spaces".to_owned();
+            return SpecError::Syntax { place: place(line, column), found, expected };
+        }
         let at_tab =
             text.lines().nth(line - 1).and_then(|text| text.chars().nth(column - 1)) == Some('\t');
         let (found, expected) = match at_tab {
             true => ("a tab character".to_owned(), "YAML, which is indented by spaces".to_owned()),
             false => syntax(&error.to_string()),
         };
-        SpecError::Syntax { place, found, expected }
+        SpecError::Syntax { place: place(line, column), found, expected }
     })
 }
 

@@ -5,6 +5,7 @@
 //! place.
 
 use super::error::{SourceLocation, SpecError};
+use super::invisible;
 use super::layer::{Layer, canonical};
 use super::locate::{PathEnd, locate};
 use super::mismatch::describe;
@@ -147,7 +148,7 @@ impl Document {
         SpecError::Key {
             place: self.place(path, end),
             key: path.clone(),
-            found,
+            found: invisible::named(found),
             expected: expected.into(),
         }
     }

@@ -4,8 +4,10 @@
 pub(crate) mod alias;
 pub(crate) mod error;
 mod faults;
+mod invisible;
 mod layer;
 pub(crate) mod locate;
+pub(in crate::specs) mod merge_keys;
 pub(crate) mod merged;
 pub(crate) mod mismatch;
 pub(crate) mod path;

@@ -1,5 +1,6 @@
 //! Operations on a tree of YAML values by key path: get, put, remove, merge.
 
+use super::invisible;
 use super::mismatch::describe;
 use super::path::{KeyPath, Step};
 use serde_yaml::{Mapping, Value};
@@ -82,6 +83,22 @@ pub(crate) fn put(tree: &mut Value, steps: &[Step], value: Value) -> Result<(), 
         (other, _) => return Err(describe(other)),
     };
     put(next, below, value)
+}
+
+/// The path of the first key below `path` that holds an invisible character.
+pub(super) fn invisible_key(value: &Value, path: &KeyPath) -> Option<KeyPath> {
+    match value {
+        Value::Mapping(mapping) => mapping.iter().find_map(|(key, value)| {
+            let path = path.key(key.as_str()?);
+            let is_invisible = key.as_str().and_then(invisible::describe).is_some();
+            if is_invisible { Some(path) } else { invisible_key(value, &path) }
+        }),
+        Value::Sequence(items) => items
+            .iter()
+            .enumerate()
+            .find_map(|(index, item)| invisible_key(item, &path.item(index))),
+        _ => None,
+    }
 }
 
 /// The first mapping below `path` with a key that is not text, or the first tag.

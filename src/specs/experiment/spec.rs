@@ -15,8 +15,8 @@ use crate::plants::PlantSpec;
 use crate::policies::{self, EarlyStopping, NetworkDescription, PolicyOptions};
 use crate::report::figures;
 use crate::tasks::{
-    ExploreOptions, GpPointsOptions, LoopMode, PathOptions, ReachOptions, TargetOptions,
-    TrackOptions,
+    ExploreOptions, GpPointsOptions, LoopMode, PathOptions, ReachOptions, SimulatedBy,
+    TargetOptions, TrackOptions,
 };
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -99,6 +99,26 @@ impl Experiment {
     /// The numbers of the repetitions.
     pub fn repetitions(&self) -> std::ops::Range<u64> {
         self.first_seed..self.first_seed + self.seeds
+    }
+
+    /// Standard deviation of the noise in the gap between simulated and measured tip, metres: that
+    /// of `plant`, and of `model` where the simulated tip is measured on it. `None` for a robot
+    /// whose options do not tell it.
+    pub fn gap_noise_m(&self) -> Option<f64> {
+        let model_noise_m = match self.gp_points.p_sim {
+            SimulatedBy::Rod => self.model.noise_m().unwrap_or(0.0),
+            SimulatedBy::Network => 0.0,
+        };
+        self.plant.noise_m().map(|noise_m| noise_m.hypot(model_noise_m))
+    }
+
+    /// The settings of the Gaussian process, with the noise that its prior leaves to the robot.
+    pub fn gp_config(&self) -> GpConfig {
+        let mut gp = self.gp.clone();
+        if let Some(prior) = &mut gp.noise_prior {
+            prior.std_m = prior.std_m.or_else(|| self.gap_noise_m());
+        }
+        gp
     }
 
     /// What the robot of a repetition has beside `plant`, where repetitions differ in their robots.

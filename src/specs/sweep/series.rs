@@ -10,7 +10,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_yaml::{Number, Value};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 
 /// Most values of one field; more indicate a mistyped count.
 pub(crate) const MAX_VALUES: usize = 100_000;
@@ -59,7 +59,7 @@ pub(crate) struct EvenRange {
     count: Option<usize>,
     /// Distance between neighbouring values; or `count`.
     step: Option<f64>,
-    /// Round to whole numbers.
+    /// Round to whole numbers; those that round to the same count once.
     #[serde(default)]
     whole: bool,
 }
@@ -74,7 +74,7 @@ pub(crate) struct LogRange {
     to: f64,
     /// Number of values, at least 2.
     count: usize,
-    /// Round to whole numbers.
+    /// Round to whole numbers; those that round to the same count once.
     #[serde(default)]
     whole: bool,
 }
@@ -92,7 +92,7 @@ pub(crate) struct RandomDraw {
     /// Draw log-uniformly.
     #[serde(default)]
     log: bool,
-    /// Round to whole numbers.
+    /// Round to whole numbers; those that round to the same count once.
     #[serde(default)]
     whole: bool,
     /// Root of the draw; by default the spec's seed.
@@ -254,7 +254,7 @@ fn too_many(below: &str, found: usize) -> Wrong {
 }
 
 fn each_once(values: &[SweepValue]) -> Result<(), Wrong> {
-    let mut names = std::collections::HashSet::new();
+    let mut names = HashSet::new();
     match values.iter().find(|sweep_value| !names.insert(&sweep_value.name)) {
         None => Ok(()),
         Some(repeated) => {
@@ -265,7 +265,8 @@ fn each_once(values: &[SweepValue]) -> Result<(), Wrong> {
 }
 
 /// Computed numbers, rounded to the digits of tables, so that the published values are the ones
-/// that were run; `exact` ones are not rounded. Whole results become integers.
+/// that were run; `exact` ones are not rounded. Whole results become integers, and those that round
+/// to the same are one.
 fn numbers(values: impl Iterator<Item = f64>, whole: bool, exact: [f64; 2]) -> Vec<SweepValue> {
     let rounded = |value: f64| match whole {
         true => value.round(),
@@ -282,7 +283,9 @@ fn numbers(values: impl Iterator<Item = f64>, whole: bool, exact: [f64; 2]) -> V
         let value = Value::Number(number);
         SweepValue { name: name(&value), value, below: None }
     };
-    values.map(rounded).map(sweep_value).collect()
+    let mut names = HashSet::new();
+    let is_new = |one: &SweepValue| !whole || names.insert(one.name.clone());
+    values.map(rounded).map(sweep_value).filter(is_new).collect()
 }
 
 /// A value in one cell of a table.
@@ -327,6 +330,8 @@ mod tests {
             ("{range: {from: 0, to: 1, step: 0.4}}", "0 0.4 0.8"),
             ("{log_range: {from: 1e-3, to: 0.1, count: 3}}", "0.001 0.01 0.1"),
             ("{log_range: {from: 50, to: 1000, count: 4, whole: true}}", "50 136 368 1000"),
+            ("{range: {from: 1, to: 2, count: 9, whole: true}}", "1 2"),
+            ("{log_range: {from: 1, to: 10, count: 9, whole: true}}", "1 2 3 4 6 7 10"),
             ("{log_range: {from: 1e-6, to: 1e-4, count: 3}}", "1e-6 1e-5 0.0001"),
             ("[matern32, 3, 2.5, true, null, [1, 2]]", "matern32 3 2.5 true null [1,2]"),
             ("{named: {none: [], heavy: [{tip_load: {mass_kg: 0.1}}]}}", "none heavy"),
@@ -414,7 +419,6 @@ mod tests {
             ),
             ("{random: {to: 1, count: 3}}", "random.from: found no such key"),
             ("[1, 2, 1.0]", "found `1` twice"),
-            ("{range: {from: 1, to: 2, count: 9, whole: true}}", "found `1` twice"),
         ];
         for (text, expected) in cases {
             let said = names(text).unwrap_err();

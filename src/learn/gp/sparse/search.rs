@@ -7,6 +7,7 @@ use crate::learn::gp::coordinates::{
 };
 use crate::learn::gp::covariance::{Covariance, TrainingPoints};
 use crate::learn::gp::likelihood::Likelihood;
+use crate::learn::gp::noise_prior::NoisePenalty;
 use crate::learn::gp::search::{self, FittedHyperparameters};
 use crate::learn::gp::sparse::greedy_conditional_variance;
 use crate::math::optimise::{Objective, minimise};
@@ -20,10 +21,11 @@ const ROUNDS: usize = 2;
 /// such a likelihood.
 const TOLERANCE: f64 = 0.01;
 
-/// Maximises the likelihood (FITC) or its bound (SGPR) of the standardised output `y`; `None` when
-/// no start is usable.
+/// Maximises the likelihood (FITC) or its bound (SGPR) of the standardised output `y`, with the
+/// density of `prior`; `None` when no start is usable.
 pub(crate) fn search(
     config: &GpConfig,
+    prior: Option<NoisePenalty>,
     covariance: &Covariance,
     points: &TrainingPoints,
     y: &[f64],
@@ -31,7 +33,7 @@ pub(crate) fn search(
     let rows = points.n.min(START_ROWS);
     let (subset, subset_y) = search::evenly_spaced(points, y, rows);
     let FittedHyperparameters { mut theta, mut evaluations } =
-        search::search(config, covariance, &subset, &subset_y)?;
+        search::search(config, prior, covariance, &subset, &subset_y)?;
     let parameters = covariance.hyperparameters(config.noise_floor);
     let lengths: Vec<bool> = parameters.iter().map(|parameter| parameter.is_length).collect();
     let limits = search::limits(&parameters, &lengths, config.tolerance.max(TOLERANCE));
@@ -51,7 +53,7 @@ pub(crate) fn search(
         )
         .with_information(start.information(), points.n as f64 / rows as f64);
         let minimum = minimise(
-            &mut SearchObjective::new(likelihood),
+            &mut SearchObjective::new(likelihood).with_prior(prior),
             &to_search_coordinates(&lengths, &theta),
             &limits,
         );

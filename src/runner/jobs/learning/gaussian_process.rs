@@ -47,6 +47,16 @@ impl GpParams {
     }
 }
 
+/// The hyper-parameters at an end of their range, by axis.
+fn at_range_end(gp: &Gp) -> String {
+    let ends = gp.range_ends();
+    let texts = ends.iter().map(|end| {
+        let axis = ["x", "y", "z"].get(end.output).copied().unwrap_or("");
+        format!("{axis} {}", end.describe())
+    });
+    texts.collect::<Vec<String>>().join("; ")
+}
+
 fn score(gp: &Gp) -> GpScore {
     let noise = gp.noise_std();
     let noise_m = |axis: usize| noise.get(axis).copied().unwrap_or(f64::NAN);
@@ -58,5 +68,6 @@ fn score(gp: &Gp) -> GpScore {
         noise_x_m: noise_m(0),
         noise_y_m: noise_m(1),
         noise_z_m: noise_m(2),
+        at_range_end: at_range_end(gp),
     }
 }
