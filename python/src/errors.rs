@@ -130,6 +130,7 @@ impl From<PlantError> for Fault {
             PlantError::Solver(status) => Fault::Solver { status, message },
             PlantError::Refused(_) => Fault::words(message),
             PlantError::Stopped(_) => Fault::Solver { status: "stopped".into(), message },
+            PlantError::Late(_) => Fault::Solver { status: "late".into(), message },
             PlantError::Unseen { .. } => Fault::Solver { status: "tracking_lost".into(), message },
             PlantError::NotRecorded(_) => Fault::Solver { status: "not_recorded".into(), message },
         }

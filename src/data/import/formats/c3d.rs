@@ -26,9 +26,9 @@ pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Export, DataError> {
         return Err(refuse("another kind of file".to_owned(), "a C3D file"));
     }
     // The crate trusts what a damaged file says of its own sizes.
-    let read = catch_unwind(|| C3d::from_bytes(bytes))
+    let read = catch_unwind(|| C3d::from_bytes(bytes).map_err(|error| error.to_string()))
         .map_err(|_| refuse("a damaged file".to_owned(), "an intact C3D file"))?
-        .map_err(|error| refuse(format!("{error}"), "an intact C3D file"))?;
+        .map_err(|found| refuse(found, "an intact C3D file"))?;
     export(path, &read.points)
 }
 

@@ -78,7 +78,7 @@ fn plain(name: &str) -> String {
 /// The common definition of this name, with all that it may refer to.
 fn common(name: &str) -> Option<String> {
     let sections: Vec<&str> =
-        COMMON.split(|c| c == '=').map(str::trim).filter(|section| !section.is_empty()).collect();
+        COMMON.split('=').map(str::trim).filter(|section| !section.is_empty()).collect();
     let head = format!("MSG: {name}\n");
     let main = sections.iter().find_map(|section| section.strip_prefix(&head))?;
     Some(format!(
