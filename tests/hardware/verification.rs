@@ -74,7 +74,7 @@ fn a_body_that_moves_on_its_mount_is_found_at_home() {
 /// It counts its steps, and home is where it was: only the trial shows it.
 #[test]
 fn a_motor_that_does_not_turn_is_named_by_the_trial() {
-    for (axis, name) in [(0, "X (tendon 1)"), (1, "Y (tendon 2)")] {
+    for (axis, name) in [(0, "X (tendon 1)"), (2, "Z (tendon 3)")] {
         for model in ["nominal", "real"] {
             let mut options = options();
             options.rehearsal.as_mut().unwrap().model = shipped(model);
