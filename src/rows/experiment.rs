@@ -111,7 +111,7 @@ columns! {
         pub noise_y_m: f64,
         /// Fitted noise, metres.
         pub noise_z_m: f64,
-        /// Hyper-parameters within a factor of two of an end of their range, by axis, as `x length 3
+        /// Hyper-parameters at an end of their range (docs/learning.md), by axis, as `x length 3
         /// high; y noise variance low`: noise at its least makes intervals too narrow, a length-scale
         /// at its most is that of an input without influence. Tables of earlier builds do not have
         /// the column.

@@ -194,14 +194,23 @@ fn optional_groups_come_whole_and_plausible() {
     let cases = [
         (with("tip_qw,tip_qx,tip_qy", "1,0,0"), "expected a column `tip_qz`"),
         (with("tip_qw,tip_qx,tip_qy,tip_qz", "1,1,0,0"), "expected a unit quaternion"),
-        (with("base_x_m,base_y_m,base_z_m", "0,0,0"), "expected a column `base_qw`"),
-        (with("base_qw,base_qx,base_qy,base_qz", "1,0,0,0"), "expected a column `base_x_m`"),
+        (
+            with("base_x_m,base_y_m,base_z_m", "0,0,0"),
+            "expected the columns `base_qw`, `base_qx`, `base_qy`, `base_qz`",
+        ),
+        (
+            with("base_qw,base_qx,base_qy,base_qz", "1,0,0,0"),
+            "expected the columns `base_x_m`, `base_y_m`, `base_z_m`",
+        ),
         (
             with("known_load_kg", "-0.02"),
             "line 2, column `known_load_kg`: found `-0.02`, expected kilograms",
         ),
         (with("valid", "yes"), "line 2, column `valid`: found `yes`, expected 1, or 0"),
-        (with("tip_force_x_n", "1"), "expected a column `tip_force_y_n`"),
+        (
+            with("tip_force_x_n", "1"),
+            "expected the columns `tip_force_y_n`, `tip_force_z_n`, `tip_moment_x_nm`",
+        ),
     ];
     for (result, expected) in cases {
         let error = result.expect_err(expected);
@@ -336,7 +345,10 @@ fn points_are_refused_by_column() {
             POINTS.replace("0.01,0.2", "0.01,far"),
             "line 3, column `point_b_z_m`: found `far`, expected a number",
         ),
-        (POINTS.replace("point_b_z_m", "point_b_qw"), "expected a column `point_b_z_m`"),
+        (
+            POINTS.replace("point_b_z_m", "point_b_qw"),
+            "expected the columns `point_b_z_m`, `point_b_qx`, `point_b_qy`, `point_b_qz`",
+        ),
     ];
     for (text, expected) in cases {
         let error = read(&text).expect_err(expected);

@@ -69,12 +69,12 @@ fn specs_plants_and_options_read_merge_keys() {
     let folder = tempfile::tempdir().unwrap();
     let smoke = Path::new(env!("CARGO_MANIFEST_DIR")).join("experiments/smoke.yaml");
     let spec = format!(
-        "extends: {}\nexplore: {{<<: {{points: 120, trajectories: 3}}, points: 90}}\n",
+        "extends: {}\nexplore: {{<<: {{points: 500, trajectories: 3}}, points: 300}}\n",
         smoke.display()
     );
     put(folder.path(), "spec.yaml", &spec);
     let read = ExperimentSet::read(&folder.path().join("spec.yaml"), &[], &[]).unwrap();
-    assert_eq!((read.experiment.explore.points, read.experiment.explore.trajectories), (90, 3));
+    assert_eq!((read.experiment.explore.points, read.experiment.explore.trajectories), (300, 3));
     let model = format!("robot:\n  backbone: {ROD}\n{TENDONS}");
     put(folder.path(), "model.yaml", &model);
     put(folder.path(), "plant.yaml", "simulated: {<<: [{noise_m: 1e-3}], model: model.yaml}\n");

@@ -230,9 +230,12 @@ impl Checker<'_> {
 
     fn learn(&self, name: &str, result: Result<(), LearnError>) -> Result<(), SpecError> {
         result.map_err(|error| match error {
-            LearnError::Setting { key, found, expected } => {
-                self.option(name, key, &found, expected)
-            }
+            LearnError::Setting { key, found, expected } => match key.rsplit_once('.') {
+                None => self.option(name, key, &found, expected),
+                Some((parent, key)) => {
+                    self.option(&format!("{name}.{parent}"), key, &found, expected)
+                }
+            },
             other => self.document.refuse(
                 &KeyPath::default().key(name),
                 PathEnd::Value,
