@@ -71,22 +71,18 @@ fn a_body_that_moves_on_its_mount_is_found_at_home() {
     );
 }
 
-/// It counts its steps, and home is where it was: only the trial shows it.
+/// It counts its steps, and home is where it was: only the trial shows it. The first tendon carries
+/// the weight of a horizontal robot.
 #[test]
 fn a_motor_that_does_not_turn_is_named_by_the_trial() {
-    for (axis, name) in [(0, "X (tendon 1)"), (2, "Z (tendon 3)")] {
-        for model in ["nominal", "real"] {
-            let mut options = options();
-            options.rehearsal.as_mut().unwrap().model = shipped(model);
-            let mut plant = open(&options, 14);
-            plant.reset(Seed(1)).unwrap();
-            plant.rehearsal().unwrap().with_simulator(|simulator| {
-                simulator.controller.inject(ControllerFault::SlippingAxis(axis));
-            });
-            let found = trial(&mut plant, |_| {});
-            println!("{model}, axis {axis}: {found:?}");
-            stopped(found.clone(), "did not move its tendon");
-            assert!(found.unwrap_err().to_string().contains(name));
-        }
+    for model in ["nominal", "real"] {
+        let mut options = options();
+        options.rehearsal.as_mut().unwrap().model = shipped(model);
+        let mut plant = open(&options, 14);
+        plant.reset(Seed(1)).unwrap();
+        plant.rehearsal().unwrap().with_simulator(|simulator| {
+            simulator.controller.inject(ControllerFault::SlippingAxis(0));
+        });
+        stopped(trial(&mut plant, |_| {}), "axis X (tendon 1) did not move its tendon");
     }
 }
