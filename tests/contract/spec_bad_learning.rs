@@ -43,8 +43,9 @@ const BAD: &[(&str, &str)] = &[
         "bad.yaml:2:27: gp.noise_prior.std_m: found -1, expected 0 or more",
     ),
     (
-        "plant: {replay: {recording: rec.csv}}\ngp: {noise_prior: {relative_std: 0.3}}",
-        "bad.yaml:3:19: gp.noise_prior: found a mapping, expected `std_m`, the standard deviation",
+        "plant: {replay: {recording: rec.csv}}\nmodes: {closed_load: {effects: []}}\n\
+         gp: {noise_prior: {relative_std: 0.3}}",
+        "bad.yaml:4:19: gp.noise_prior: found a mapping, expected `std_m`, the standard deviation",
     ),
 ];
 

@@ -147,6 +147,8 @@ fn summarise(
         .iter()
         .flat_map(|publication| &publication.notices)
         .for_each(|notice| progress.notice(notice));
+    let remarks = published.iter().flat_map(|publication| &publication.remarks);
+    remarks.for_each(|remark| progress.say(remark));
     let (computed, cached) = (outcomes.computed, outcomes.cached);
     progress.say(&format!(
         "{computed} stages computed, {cached} read, {failed} trials failed, {wall_s:.1} s"

@@ -10,13 +10,21 @@ const LEAST_NOISE: &str = "noise variance low";
 /// What length-scales at their most are.
 const WITHOUT_INFLUENCE: &str = "length-scales of inputs without influence";
 
+/// What is told of hyper-parameters at an end of their range.
+#[derive(Debug)]
+pub(super) struct RangeEndsNote {
+    pub(super) sentence: String,
+    /// Whether noise is among them, which makes intervals too narrow.
+    pub(super) is_warning: bool,
+}
+
 /// The sentence about the processes `rows` of an experiment; none where no hyper-parameter is at an
 /// end of its range.
-pub(super) fn notice<'a>(
+pub(super) fn note<'a>(
     experiment: &str,
     has_prior: bool,
     rows: impl Iterator<Item = &'a GpRow> + Clone,
-) -> Option<String> {
+) -> Option<RangeEndsNote> {
     let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
     for end in rows.clone().flat_map(ends) {
         *counts.entry(end).or_default() += 1;
@@ -39,13 +47,14 @@ pub(super) fn notice<'a>(
              a prior prevents: `gp: {noise_prior: {}}`"
         }
     };
-    Some(format!(
+    let sentence = format!(
         "{experiment}: of {} Gaussian processes, hyper-parameters at an end of their range are {} \
          (column `at_range_end` of {}){advice}",
         rows.clone().count(),
         list.join(", "),
         GpRow::TABLE.file
-    ))
+    );
+    Some(RangeEndsNote { sentence, is_warning: without_noise })
 }
 
 /// The ends of a process without their axes; all length-scales at their most are one kind.
@@ -86,13 +95,15 @@ mod tests {
             row(""),
         ];
         assert_eq!(
-            notice("one", false, rows.iter()).unwrap(),
+            note("one", false, rows.iter()).unwrap().sentence,
             "one: of 4 Gaussian processes, hyper-parameters at an end of their range are noise \
              variance low: 1, signal variance high: 1, length-scales of inputs without influence: \
              3 (column `at_range_end` of gp.csv); with the noise at its least, intervals are too \
              narrow, which the tracker's noise as a prior prevents: `gp: {noise_prior: {}}`"
         );
-        assert!(!notice("one", true, rows.iter()).unwrap().contains("noise_prior"));
-        assert!(notice("one", false, rows[3..].iter()).is_none());
+        let known = note("one", true, rows.iter()).unwrap();
+        assert!(known.is_warning && !known.sentence.contains("noise_prior"));
+        assert!(!note("one", true, rows[1..].iter()).unwrap().is_warning);
+        assert!(note("one", false, rows[3..].iter()).is_none());
     }
 }

@@ -45,6 +45,8 @@ pub struct Publication {
     /// What a user must know: figures that could not be made, and why (with failed stages their rows
     /// may be missing), and fits that ended at an end of their range.
     pub notices: Vec<String>,
+    /// What a user may like to know, and `--quiet` does not tell.
+    pub remarks: Vec<String>,
 }
 
 impl CampaignEntry {
@@ -84,19 +86,27 @@ impl CampaignEntry {
         }
         let mut notices =
             self.draw(&self.experiment.figures, &tables.published, &folder, &mut files);
-        notices.extend(self.range_ends_notice(&[&tables.published]));
+        let mut remarks = Vec::new();
+        self.tell_range_ends(&[&tables.published], &mut notices, &mut remarks);
         let failed = tables.published.failed();
         // Those of many robots are not about the paper's setting.
         let claims = if self.experiment.population.is_some() { Vec::new() } else { claims };
         let failed_cells = failed_cells(&tables.published);
-        Ok(Publication { files, claims, failed, failed_cells, notices })
+        Ok(Publication { files, claims, failed, failed_cells, notices, remarks })
     }
 
-    /// The sentence about hyper-parameters of Gaussian processes at an end of their range.
-    pub(crate) fn range_ends_notice(&self, parts: &[&Published]) -> Option<String> {
+    /// Adds the sentence about hyper-parameters of Gaussian processes at an end of their range.
+    pub(crate) fn tell_range_ends(
+        &self,
+        parts: &[&Published],
+        notices: &mut Vec<String>,
+        remarks: &mut Vec<String>,
+    ) {
         let has_prior = self.experiment.gp.noise_prior.is_some();
         let rows = parts.iter().flat_map(|part| &part.gps);
-        gp_range_ends::notice(&self.experiment.name, has_prior, rows)
+        if let Some(note) = gp_range_ends::note(&self.experiment.name, has_prior, rows) {
+            if note.is_warning { notices.push(note.sentence) } else { remarks.push(note.sentence) }
+        }
     }
 
     /// What became of the claims at one point.

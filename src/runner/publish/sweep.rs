@@ -53,7 +53,8 @@ impl CampaignEntry {
             files.insert(path, bytes);
             notices = self.draw(&[FIGURE.to_owned()], &published, &folder, &mut files);
         }
-        notices.extend(self.range_ends_notice(&parts));
+        let mut remarks = Vec::new();
+        self.tell_range_ends(&parts, &mut notices, &mut remarks);
         let name = &self.experiment.name;
         let others = self.experiment.figures.iter().filter(|figure| *figure != FIGURE);
         notices.extend(
@@ -67,6 +68,7 @@ impl CampaignEntry {
             failed_cells: parts.iter().flat_map(|part| failed_cells(part)).collect(),
             failed: all.iter().map(|tables| tables.published.failed()).sum(),
             notices,
+            remarks,
         })
     }
 
