@@ -42,11 +42,6 @@ const BAD: &[(&str, &str)] = &[
         "gp: {noise_prior: {std_m: -1}}",
         "bad.yaml:2:27: gp.noise_prior.std_m: found -1, expected 0 or more",
     ),
-    (
-        "plant: {replay: {recording: rec.csv}}\nmodes: {closed_load: {effects: []}}\n\
-         gp: {noise_prior: {relative_std: 0.3}}",
-        "bad.yaml:4:19: gp.noise_prior: found a mapping, expected `std_m`, the standard deviation",
-    ),
 ];
 
 #[test]

@@ -16,7 +16,8 @@ use crate::learn::LearnError;
 #[serde(deny_unknown_fields, default)]
 pub struct NoisePrior {
     /// Standard deviation of the measurement noise, in the outputs' unit: metres in an experiment.
-    /// `null` in an experiment: that of `plant`, and of `model` where the simulated tip is its own.
+    /// `null` in an experiment: that of `plant`, and of `model` where the simulated tip is its own;
+    /// without any, as of hardware, there is no prior.
     pub std_m: Option<f64>,
     /// How well it is known: standard deviation of its logarithm. n repeats tell it to 1/√(2(n−1)),
     /// so that the default, 0.25, is about that of nine.

@@ -102,7 +102,8 @@ impl CampaignEntry {
         notices: &mut Vec<String>,
         remarks: &mut Vec<String>,
     ) {
-        let has_prior = self.experiment.gp.noise_prior.is_some();
+        let prior = self.experiment.gp_config().noise_prior;
+        let has_prior = prior.is_some_and(|prior| prior.std_m.is_some());
         let rows = parts.iter().flat_map(|part| &part.gps);
         if let Some(note) = gp_range_ends::note(&self.experiment.name, has_prior, rows) {
             if note.is_warning { notices.push(note.sentence) } else { remarks.push(note.sentence) }

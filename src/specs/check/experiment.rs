@@ -142,7 +142,6 @@ impl Checker<'_> {
             self.unless(simulated, &path, "a simulated robot, to which `population` adds effects")?;
             option("population", population.check())?;
         }
-        self.noise_prior()?;
         self.learn("gp", spec.gp.kernel.check_inputs(spec.model.tendons() + POSITION_INPUTS))?;
         let stop = KeyPath::default().key("network").key("stop_at_validation_mae_m");
         self.unless(
@@ -150,16 +149,6 @@ impl Checker<'_> {
             &stop,
             "null: `training` sets where networks stop",
         )
-    }
-
-    /// A prior of the noise needs a noise that is known.
-    fn noise_prior(&self) -> Result<(), SpecError> {
-        let path = KeyPath::default().key("gp").key("noise_prior");
-        let is_known =
-            self.experiment.gp_config().noise_prior.is_none_or(|prior| prior.std_m.is_some());
-        let expected = "`std_m`, the standard deviation of the tracking noise along an axis: the \
-                        options of this `plant` do not tell it";
-        self.unless(is_known, &path, expected)
     }
 
     fn plants(&self) -> Result<(), SpecError> {
