@@ -7,6 +7,18 @@ pub(super) fn shown(cell: &str) -> String {
     if cell.is_empty() { "nothing".to_owned() } else { format!("`{cell}`") }
 }
 
+/// Names in a message, at most.
+const MAX_LISTED: usize = 12;
+
+/// Names as a message lists them: the first ones, and how many more there are.
+pub(super) fn listed(shown: impl IntoIterator<Item = String>) -> String {
+    let mut shown = shown.into_iter();
+    let mut first: Vec<String> = shown.by_ref().take(MAX_LISTED).collect();
+    let more = shown.count();
+    first.extend((more > 0).then(|| format!("{more} more")));
+    first.join(", ")
+}
+
 /// Why a file could not be read or written.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum DataError {

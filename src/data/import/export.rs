@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use crate::data::DataError;
+use crate::data::error::listed;
 use crate::data::recording::Pose;
 
 /// A rigid body or a single marker over time.
@@ -77,11 +78,8 @@ impl Export {
 
     fn unclear(&self, expected: String) -> DataError {
         let listed = |bodies: &[Body], what: &str| {
-            let names = bodies.iter().take(MAX_LISTED).map(|body| format!("`{}`", body.name));
-            let more = bodies.len().saturating_sub(MAX_LISTED);
-            let more = (more > 0).then(|| format!("{more} more"));
-            let names: Vec<String> = names.chain(more).collect();
-            (!names.is_empty()).then(|| format!("the {what} {}", names.join(", ")))
+            let names = listed(bodies.iter().map(|body| format!("`{}`", body.name)));
+            (!names.is_empty()).then(|| format!("the {what} {names}"))
         };
         let lists = [listed(&self.bodies, "rigid bodies"), listed(&self.markers, "markers")];
         let found = lists.into_iter().flatten().collect::<Vec<String>>().join(" and ");
@@ -95,6 +93,3 @@ fn only<'a>(bodies: &'a [Body], fits: &dyn Fn(&Body) -> bool) -> Option<&'a Body
     let fitting: Vec<&Body> = bodies.iter().filter(|body| fits(body)).collect();
     if let [body] = fitting[..] { Some(body) } else { None }
 }
-
-/// Most names of one kind in a message.
-const MAX_LISTED: usize = 12;

@@ -11,6 +11,7 @@ use super::ros_message::{
 };
 use super::{MappedImport, commands, tracking};
 use crate::data::DataError;
+use crate::data::error::listed;
 use crate::data::mcap::{Bag, BagMessage, MessageKind};
 
 /// Imports topics of a bag by a checked map.
@@ -37,9 +38,6 @@ fn topic_of<'a>(body: &'a BodyMap, map: &'a TrackingMap) -> &'a str {
 const STAMP: &str = "header.stamp";
 const LOG_TIME: &str = "log_time";
 const CHILD: &str = "child_frame_id";
-/// Names in a message, at most.
-const MAX_LISTED: usize = 12;
-
 /// What positions are called in messages, and orientations beside them.
 const POSES: [[&str; 2]; 4] =
     [["position", "orientation"], ["translation", "rotation"], ["point", ""], ["vector", ""]];
@@ -48,12 +46,11 @@ fn refuse(bag: &Bag, topic: &str, found: String, expected: String) -> DataError 
     DataError::Line { file: bag.file.clone(), place: format!("topic `{topic}`"), found, expected }
 }
 
-fn listed<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
+/// Names without repetition, in alphabetical order.
+fn sorted<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
     let names: BTreeSet<&str> = names.into_iter().filter(|name| !name.is_empty()).collect();
-    let shown = names.iter().take(MAX_LISTED).map(|name| format!("`{name}`"));
-    let more = names.len().saturating_sub(MAX_LISTED);
-    let shown: Vec<String> = shown.chain((more > 0).then(|| format!("{more} more"))).collect();
-    if shown.is_empty() { "none".to_owned() } else { shown.join(", ") }
+    let shown = names.iter().map(|name| format!("`{name}`"));
+    if names.is_empty() { "none".to_owned() } else { listed(shown) }
 }
 
 /// A message, or an item of one.
@@ -74,7 +71,7 @@ struct Row<'a> {
 /// message that cannot be read.
 fn table(bag: &Bag, topic: &str, body: Option<&BodyMap>) -> Result<LogTable, DataError> {
     let Some(bag_topic) = bag.topics.get(topic) else {
-        let all = format!("one of {}", listed(bag.topics.keys().map(String::as_str)));
+        let all = format!("one of {}", sorted(bag.topics.keys().map(String::as_str)));
         return Err(refuse(bag, topic, "no such topic".to_owned(), all));
     };
     let kind = kind_of(bag, topic, &bag_topic.kinds)?;
@@ -93,7 +90,7 @@ fn table(bag: &Bag, topic: &str, body: Option<&BodyMap>) -> Result<LogTable, Dat
     let child = body.and_then(|body| body.child.as_deref());
     let rows = rows(&bag_topic.messages, &values, child);
     let Some(first) = rows.first() else {
-        let names = listed(values.iter().flat_map(all_names));
+        let names = sorted(values.iter().flat_map(all_names));
         return Err(match child {
             Some(child) if !values.is_empty() => {
                 refuse(bag, topic, format!("no child `{child}`"), format!("one of {names}"))
@@ -118,7 +115,7 @@ fn kind_of<'a>(
     let same =
         |kind: &MessageKind| (&kind.name, &kind.encoding) == (&kinds[0].name, &kinds[0].encoding);
     if kinds.is_empty() || !kinds.iter().all(same) {
-        let names = listed(kinds.iter().map(|kind| kind.name.as_str()));
+        let names = sorted(kinds.iter().map(|kind| kind.name.as_str()));
         let expected = "one type".to_owned();
         return Err(refuse(bag, topic, format!("messages of the types {names}"), expected));
     }
@@ -191,7 +188,7 @@ fn pose_of(bag: &Bag, topic: &str, row: &Row) -> Result<[Option<String>; 2], Dat
     let outside_lists: Vec<&str> =
         positions.iter().copied().filter(|stem| !stem.contains('[')).collect();
     let [position] = outside_lists[..] else {
-        let found = format!("the positions {}", listed(positions.iter().copied()));
+        let found = format!("the positions {}", sorted(positions.iter().copied()));
         let expected = "one; `position` of the body in the map names three numbers, `child` the \
                         item of a list";
         return Err(refuse(bag, topic, found, expected.to_owned()));

@@ -12,7 +12,7 @@ use super::iso8601::{IsoTime, time_of_day_ns};
 use super::map::RowConditions;
 use super::units::{LengthUnit, TimeUnit};
 use crate::data::DataError;
-use crate::data::error::shown;
+use crate::data::error::{listed, shown};
 
 /// A column of a table: its name, or its number counted from 1.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -125,9 +125,6 @@ pub(crate) struct TopicColumns {
     pub(crate) orientation: Option<String>,
 }
 
-/// Most names in a message.
-const MAX_LISTED: usize = 12;
-
 impl LogTable {
     /// Place of a row, for messages.
     pub(crate) fn place(&self, row: usize) -> String {
@@ -179,13 +176,10 @@ impl LogTable {
                 expected,
             })
         };
-        let listed = || {
-            let names = self.columns.iter().take(MAX_LISTED).map(|(name, _)| format!("`{name}`"));
-            let more = self.columns.len().saturating_sub(MAX_LISTED);
-            let names: Vec<String> =
-                names.chain((more > 0).then(|| format!("{more} more"))).collect();
-            let hint = if names.len() == 1 { " (is the delimiter another?)" } else { "" };
-            format!("{}{hint}", names.join(", "))
+        let all = || {
+            let names = listed(self.columns.iter().map(|(name, _)| format!("`{name}`")));
+            let hint = if self.columns.len() == 1 { " (is the delimiter another?)" } else { "" };
+            format!("{names}{hint}")
         };
         match name {
             ColumnName::Number(number) if *number <= self.columns.len() => Ok(number - 1),
@@ -197,7 +191,7 @@ impl LogTable {
                 match (fitting.next(), fitting.next()) {
                     (Some(column), None) => Ok(column),
                     (Some(_), Some(_)) => refuse("several columns of this name".to_owned()),
-                    (None, _) => refuse(format!("only {}", listed())),
+                    (None, _) => refuse(format!("only {}", all())),
                 }
             }
         }
@@ -220,11 +214,10 @@ impl LogTable {
                 chosen.iter().map(|&row| self.text(column, row).into_owned()).collect();
             chosen.retain(|&row| value.is_in(&self.text(column, row)));
             if chosen.is_empty() {
-                let listed = before.iter().take(MAX_LISTED).map(|cell| shown(cell));
                 return Err(DataError::Line {
                     file: self.file.clone(),
                     place: format!("column {name}"),
-                    found: format!("only {}", listed.collect::<Vec<String>>().join(", ")),
+                    found: format!("only {}", listed(before.iter().map(|cell| shown(cell)))),
                     expected: format!("rows with {value}, as `{key}` of the map says"),
                 });
             }

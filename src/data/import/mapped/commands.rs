@@ -1,6 +1,6 @@
 //! Commands of a table.
 
-use super::columns::{ColumnName, LogTable};
+use super::columns::LogTable;
 use super::map::{CommandsMap, DriveMap, RepeatedStamps, TendonMeasure, TendonsMap, ZeroAt};
 use super::time::{self, NS, Stamps};
 use super::units::{CommandKind, CommandUnit};
@@ -209,13 +209,7 @@ impl Home<'_> {
 }
 
 /// The finite numbers of a column in a unit.
-fn numbers(
-    table: &LogTable,
-    name: &ColumnName,
-    key: &str,
-    unit: CommandUnit,
-) -> Result<Vec<f64>, DataError> {
-    let column = table.column(name, key)?;
+fn numbers(table: &LogTable, column: usize, unit: CommandUnit) -> Result<Vec<f64>, DataError> {
     table.check_units(&[column], unit.spellings(), &format!("{} as `unit`", unit.word()))?;
     (0..table.rows.len()).map(|row| table.finite(column, row)).collect()
 }
@@ -229,10 +223,10 @@ fn tendon_rows(
     let default_zero =
         if map.measure == TendonMeasure::Length { ZeroAt::FirstRow } else { ZeroAt::Zero };
     let sign = if map.measure == TendonMeasure::Pulled { 1.0 } else { -1.0 };
-    table.find_all(&map.columns, "commands.tendons.columns")?;
+    let found = table.find_all(&map.columns, "commands.tendons.columns")?;
     let mut columns = Vec::new();
-    for (tendon, name) in map.columns.iter().enumerate() {
-        let numbers = numbers(table, name, "commands.tendons.columns", map.unit)?;
+    for (tendon, column) in found.into_iter().enumerate() {
+        let numbers = numbers(table, column, map.unit)?;
         let home_number = map.home.as_ref().map(|home| home[tendon]);
         let home = Home { zero: map.zero.unwrap_or(default_zero), home_number, starts };
         let scale = map
@@ -260,7 +254,8 @@ fn drive_track(
     starts: &[usize],
 ) -> Result<DriveTrack, DataError> {
     let (kind, factor) = map.unit.factor();
-    let numbers = numbers(table, &map.column, &format!("commands.drives.{name}.column"), map.unit)?;
+    let column = table.column(&map.column, &format!("commands.drives.{name}.column"))?;
+    let numbers = numbers(table, column, map.unit)?;
     let home = Home { zero: map.zero, home_number: map.home, starts };
     let scale = factor * map.scale.unwrap_or(1.0);
     let displacement = (0..numbers.len())
