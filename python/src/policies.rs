@@ -5,7 +5,7 @@ use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use spinebench::base::PolicyError;
 use spinebench::policies::{
-    OutsideDecider, OutsideDecision, OutsideView, PythonOptions, provide_python,
+    OutsideDecider, OutsideDecision, OutsideView, PythonHost, PythonOptions, provide_python,
 };
 
 /// An instance of a class of Python.
@@ -26,19 +26,34 @@ fn told(py: Python<'_>, error: &PyErr) -> String {
         Ok(format!(" ({name}, line {line})"))
     };
     let words = error.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
+    // The package's own sentence says what is wrong; its line there helps nobody.
+    if let Some(sentence) = words.strip_prefix("InputError: ") {
+        return sentence.to_owned();
+    }
     format!("{words}{}", place().unwrap_or_default())
 }
 
-fn make(options: &PythonOptions) -> Result<Box<dyn OutsideDecider>, String> {
+/// The result of a function of `_policies.py` that takes a file and the name of a class in it.
+fn of_class<R>(
+    function: &str,
+    options: &PythonOptions,
+    convert: impl FnOnce(Bound<'_, PyAny>) -> PyResult<R>,
+) -> Result<R, String> {
     Python::attach(|py| {
-        let made = py.import("spinebench._policies").and_then(|module| {
-            module.call_method1("_make", (options.file.as_os_str(), &options.class_name))
-        });
-        match made {
-            Ok(policy) => Ok(Box::new(PythonDecider(policy.unbind())) as Box<dyn OutsideDecider>),
-            Err(error) => Err(told(py, &error)),
-        }
+        let arguments = (options.file.as_os_str(), &options.class_name);
+        py.import("spinebench._policies")
+            .and_then(|module| module.call_method1(function, arguments))
+            .and_then(convert)
+            .map_err(|error| told(py, &error))
     })
+}
+
+fn make(options: &PythonOptions) -> Result<Box<dyn OutsideDecider>, String> {
+    of_class("_make", options, |policy| Ok(Box::new(PythonDecider(policy.unbind())) as Box<_>))
+}
+
+fn closed_loop_only(options: &PythonOptions) -> Result<bool, String> {
+    of_class("_closed_loop_only", options, |attribute| attribute.extract())
 }
 
 impl OutsideDecider for PythonDecider {
@@ -78,5 +93,5 @@ impl OutsideDecider for PythonDecider {
 
 /// Tells the library how policies of Python are made.
 pub(crate) fn provide() {
-    provide_python(make);
+    provide_python(PythonHost { make, closed_loop_only });
 }

@@ -42,6 +42,23 @@ class Integral:
         return np.concatenate([self.bend, -self.bend]), settled
 
 
+class ClosedOnly(Integral):
+    """Decides by the measured error."""
+
+    closed_loop_only = True
+
+
+class NoPolicy:
+    """Decides nothing."""
+
+
+class Fails(Integral):
+    """Cannot be made."""
+
+    def __init__(self) -> None:
+        raise OSError("no weights")
+
+
 class Broken(Integral):
     """Raises in the third step."""
 
@@ -113,10 +130,23 @@ def test_faults_are_statuses_of_their_trials(tmp_path: Path, name: str, words: s
     assert len(found) == 3 and found.status.str.contains(words).all(), list(found.status)
 
 
-def test_a_class_that_is_not_there_is_a_failed_stage(tmp_path: Path) -> None:
-    (tmp_path / "mine.yaml").write_text(own(f"{{python: {{file: {__file__}, class: Nobody}}}}"))
-    result = spinebench.run(tmp_path / "mine.yaml", out=tmp_path / "out", cache=tmp_path / "cache")
-    assert len(result.failures) == 1 and "no class `Nobody`" in result.failures[0]
+@pytest.mark.parametrize(
+    ("name", "words"), [("Nobody", "no class `Nobody`"), ("NoPolicy", "without a method act"), ("Fails", "no weights")]
+)
+def test_a_class_is_looked_at_before_anything_runs(tmp_path: Path, name: str, words: str) -> None:
+    with pytest.raises(spinebench.InputError, match=words) as error:
+        run(tmp_path, own(f"{{python: {{file: {__file__}, class: {name}}}}}"))
+    assert error.value.file == str(tmp_path / "mine.yaml") and error.value.key == "policies.outside.mine"
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_class_for_closed_loop_only_has_no_open_loop(tmp_path: Path) -> None:
+    spec = own(f"{{python: {{file: {__file__}, class: ClosedOnly}}}}")
+    spec = spec.replace("modes: {closed", "modes: {open: {feedback: open}, closed")
+    result = run(tmp_path, spec.replace("modes: [closed]", "modes: [open, closed]"))
+    assert set(trials(result, "mine")["mode"]) == {"closed"}
+    for table, cells in (("table1.md", "| N/A |"), ("table1.tex", "mine & N/A &")):
+        assert cells in (tmp_path / "out" / "results" / "mine" / table).read_text()
 
 
 def test_a_network_stands_in_the_table(tmp_path: Path) -> None:

@@ -81,6 +81,12 @@ pub trait PlantOptions:
         None
     }
 
+    /// Whether it may be the paper's robot: false where its length or the place of its tendons is
+    /// another one.
+    fn may_be_paper_robot(&self) -> bool {
+        true
+    }
+
     /// A plant that does the same each time it is built and needs nothing but this program:
     /// contract tests run it.
     fn example() -> Option<Self> {
@@ -172,6 +178,11 @@ macro_rules! plants {
             /// within it.
             pub fn travel_m(&self) -> Option<f64> {
                 match self { $(PlantSpec::$variant(options) => options.travel_m()),* }
+            }
+
+            /// Whether it may be the paper's robot.
+            pub fn may_be_paper_robot(&self) -> bool {
+                match self { $(PlantSpec::$variant(options) => options.may_be_paper_robot()),* }
             }
 
             /// What the robot depends on besides its options: part of the key of its stored

@@ -10,7 +10,7 @@ use super::PlantOptions;
 use crate::base::{
     BadOption, Generator, Observation, Plant, PlantError, Seed, TendonCommand, TendonLayout,
 };
-use crate::effects::{DriveGains, DrivenModel, EffectSpec, Model, Variable, VariationError};
+use crate::effects::{DriveGains, DrivenModel, EffectSpec, Model, Robot, Variable, VariationError};
 use crate::rod::{PoseRates, Rod, RodParams, TipWrench};
 
 /// Settings of a simulated robot besides its model.
@@ -115,6 +115,13 @@ impl PlantOptions for SimulatedSpec {
 
     fn travel_m(&self) -> Option<f64> {
         Some(self.travel_m)
+    }
+
+    fn may_be_paper_robot(&self) -> bool {
+        let (robot, paper) = (&self.model.robot, Robot::default());
+        robot.backbone.length_m == paper.backbone.length_m
+            && robot.tendons.radius_m == paper.tendons.radius_m
+            && robot.tendons.angles_deg == paper.tendons.angles_deg
     }
 
     fn example() -> Option<Self> {

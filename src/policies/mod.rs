@@ -17,7 +17,7 @@ pub use further::mpc::MpcOptions;
 pub use further::online_jacobian::OnlineJacobianOptions;
 pub use outside::{
     OUTSIDE_KINDS, OnnxInput, OnnxOptions, OnnxOutput, OutsideDecider, OutsideDecision,
-    OutsidePolicies, OutsidePolicy, OutsideView, PythonOptions, provide_python,
+    OutsidePolicies, OutsidePolicy, OutsideView, PythonHost, PythonOptions, provide_python,
 };
 pub use paper::a::AOptions;
 pub use paper::c::{AfterBoth, COptions, StartBranch, SwitchCheck};

@@ -32,7 +32,7 @@ use std::path::Path;
 use crate::data::{DataError, write_atomic};
 
 pub use paper::summarise::{OSCILLATION_WINDOW_S, reach_summary, track_summary};
-pub use published::{Published, published_rows};
+pub use published::{FigureContext, Published, published_rows};
 pub use sweep::comparisons::{SweptPoint, comparisons};
 pub use sweep::rows::{SweepCell, SweepTable, gp_sweep, reach_sweep, response_sweep, track_sweep};
 

@@ -3,18 +3,36 @@
 
 use std::path::Path;
 
+use super::paper::summarise::reach_summary;
+use super::style::{self, PAPER_TRAINING};
 use super::sweep::rows::SweepTable;
 use crate::data::findings::{CaseRow, IntervalRow};
 use crate::data::tables::{Beside, as_published, to_csv_beside};
 use crate::data::{DataError, TableRow, packed, tables, write_atomic};
+use crate::policies::OutsidePolicies;
 use crate::rows::experiment::{
-    ClaimRow, GapRow, GpCoverageRow, GpLeaveOneOutRow, GpRow, NetworkRow, PeerRow, ScalingRow,
-    SweepRow, TrackRow, TrialRow, WaypointRow, WorkspaceRow,
+    ClaimRow, GapRow, GpCoverageRow, GpLeaveOneOutRow, GpRow, NetworkRow, PeerRow, ReachSummaryRow,
+    ScalingRow, SweepRow, TrackRow, TrialRow, WaypointRow, WorkspaceRow,
 };
 use crate::rows::learning_peers::LearningPeerRow;
 use crate::rows::population::{RobotClaimRow, RobotRow};
 use crate::rows::repairs::{IdentificationRow, MonitorRow, RepairRow, RepairTrialRow};
 use crate::rows::responses::{PaceRow, ResponseRow};
+
+/// What figures know of an experiment beside its rows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FigureContext {
+    /// The policies from outside.
+    pub outside: OutsidePolicies,
+    /// Whether the robot is the paper's, so that the paper's numbers stand beside its own.
+    pub is_paper_robot: bool,
+}
+
+impl Default for FigureContext {
+    fn default() -> Self {
+        FigureContext { outside: OutsidePolicies::new(), is_paper_robot: true }
+    }
+}
 
 macro_rules! published {
     ($($(#[doc = $about:literal])+ $field:ident: $row:ty,)*) => {
@@ -24,11 +42,13 @@ macro_rules! published {
             $($(#[doc = $about])+ pub $field: Vec<$row>,)*
             /// Points of a sweep (`sweep.csv`).
             pub sweep: SweepTable,
+            /// What the rows do not say of the experiment.
+            pub context: FigureContext,
         }
 
         impl Published {
             fn read_tables(folder: &Path) -> Result<Published, DataError> {
-                Ok(Published { $($field: published_rows(folder)?,)* sweep: SweepTable::default() })
+                Ok(Published { $($field: published_rows(folder)?,)* ..Published::default() })
             }
 
             /// These rows as [`Published::read`] gives them back once they are published.
@@ -39,6 +59,7 @@ macro_rules! published {
                 Ok(Published {
                     $($field: as_published(&folder.join(<$row>::TABLE.file), &self.$field)?,)*
                     sweep: self.sweep.clone(),
+                    context: self.context.clone(),
                 })
             }
 
@@ -123,6 +144,27 @@ published! {
 }
 
 impl Published {
+    /// What a way of training means, in words, for networks that reached where it ends.
+    pub(super) fn training_label(&self, training: &str) -> String {
+        let networks = self.networks.iter().filter(|network| network.training == training);
+        let beyond = |network: &NetworkRow| network.validation_mae_m > network.paper_mae_m;
+        if training == PAPER_TRAINING && networks.clone().any(beyond) {
+            return "networks that did not reach the paper’s errors".to_owned();
+        }
+        style::training_label(training)
+    }
+
+    /// [`reach_summary`] of these trials, with the paper's numbers where the robot is the paper's.
+    pub(super) fn reach_summary(&self, trials: &[TrialRow]) -> Vec<ReachSummaryRow> {
+        let mut summary = reach_summary(trials);
+        if !self.context.is_paper_robot {
+            for row in &mut summary {
+                (row.paper_mean_m, row.paper_sd_m) = (f64::NAN, f64::NAN);
+            }
+        }
+        summary
+    }
+
     /// Reads what a folder of results has; kinds whose file is not there stay empty.
     ///
     /// # Errors

@@ -101,9 +101,12 @@ pub fn policy_latex(policy: &str) -> String {
         .map_or_else(|| super::page::markup::latex(policy), |entry| entry.label.latex.to_owned())
 }
 
+/// The training whose networks stop at the errors that the paper reports.
+pub(crate) const PAPER_TRAINING: &str = "paper";
+
 /// A way of training in two words.
 pub fn training_short(training: &str) -> &str {
-    if training == "paper" { "paper’s errors" } else { training }
+    if training == PAPER_TRAINING { "paper’s errors" } else { training }
 }
 
 /// What a way of training means, as a heading.
@@ -120,7 +123,7 @@ pub(crate) fn capitalised(words: &str) -> String {
 /// What a way of training means, in words.
 pub fn training_label(training: &str) -> String {
     match training {
-        "paper" => "networks stopped at the paper’s errors".to_owned(),
+        PAPER_TRAINING => "networks stopped at the paper’s errors".to_owned(),
         "converged" => "networks trained to convergence".to_owned(),
         other => format!("training: {other}"),
     }

@@ -298,9 +298,11 @@ table_rows! {
         flat left_out: GpLeftOut,
     }
 
-    "claims.csv", key [claim, training]:
+    "claims.csv", key [experiment, claim, training]:
     /// One of the paper's claims and what became of it.
     pub struct ClaimRow {
+        /// The experiment that it is judged on.
+        pub experiment: String,
         /// Short name.
         pub claim: String,
         /// The claim in words.

@@ -11,6 +11,7 @@ const TORCH: &[u8] = include_bytes!("../data/onnx/torch_policy.onnx");
 
 fn options() -> OnnxOptions {
     OnnxOptions {
+        closed_loop_only: false,
         file: PathBuf::from("torch_policy.onnx"),
         inputs: vec![OnnxInput::Tip, OnnxInput::Target, OnnxInput::Pulls],
         output: OnnxOutput::Pulls,
@@ -76,7 +77,10 @@ fn a_network_of_another_size_is_refused_with_both_sizes() {
 
 #[test]
 fn changes_of_commands_are_for_closed_loop_only() {
-    let entry =
-        |output| OutsidePolicy::Onnx(OnnxOptions { output, ..options() }).entry().closed_loop_only;
-    assert!(entry(OnnxOutput::Changes) && !entry(OnnxOutput::Pulls));
+    let entry = |output, closed_loop_only| {
+        let options = OnnxOptions { output, closed_loop_only, ..options() };
+        OutsidePolicy::Onnx(options).entry().closed_loop_only
+    };
+    assert!(entry(OnnxOutput::Changes, false) && !entry(OnnxOutput::Pulls, false));
+    assert!(entry(OnnxOutput::Pulls, true));
 }

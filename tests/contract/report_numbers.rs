@@ -3,8 +3,10 @@
 use crate::support::report_rows::{claims, gaps, published, table, tracks};
 use spinebench::base::Outcome;
 use spinebench::data::tables;
-use spinebench::report::{Published, ReportError, figure, paper, reach_summary, track_summary};
-use spinebench::rows::experiment::{GapSummaryRow, ReachTrial, TrialRow};
+use spinebench::report::{
+    FigureContext, Published, ReportError, figure, paper, reach_summary, track_summary,
+};
+use spinebench::rows::experiment::{GapSummaryRow, NetworkRow, ReachTrial, TrialRow};
 
 fn file(figure_name: &str, rows: &Published, name: &str) -> String {
     let files = (figure(figure_name).unwrap().render)(rows).unwrap();
@@ -87,6 +89,55 @@ fn the_table_prints_as_the_paper_does() {
     assert!(tex.contains("C & N/A & 0.01091(0.00461) & 0.02807(0.00961) \\\\"), "{tex}");
     assert!(tex.is_ascii(), "LaTeX of any age reads it");
     assert_eq!(tex.matches("\\midrule").count(), 3);
+}
+
+#[test]
+fn a_policy_for_closed_loop_only_is_not_applicable_in_open_loop() {
+    let mut rows = trials(&[(0, 0.01), (0, 0.03)]);
+    rows.iter_mut().for_each(|row| row.cell.policy = "mine".into());
+    let outside =
+        r#"{"mine": {"python": {"file": "m.py", "class": "M", "closed_loop_only": true}}}"#;
+    let context = FigureContext {
+        outside: serde_json::from_str(outside).unwrap(),
+        ..FigureContext::default()
+    };
+    let ours = "ours, networks stopped at the paper’s errors";
+    let table = |context: FigureContext| {
+        let rows = Published { trials: rows.clone(), context, ..Published::default() };
+        ["table1.md", "table1.tex"].map(|name| file("table1", &rows, name))
+    };
+    let [markdown, tex] = table(context);
+    assert!(markdown.contains(&format!("| {ours} | N/A | 0.02000(0.01414) | – |")), "{markdown}");
+    assert!(tex.contains("mine & N/A & 0.02000(0.01414) & -- "), "{tex}");
+    let [markdown, _] = table(FigureContext::default());
+    assert!(markdown.contains(&format!("| {ours} | – | 0.02000(0.01414) | – |")), "{markdown}");
+}
+
+#[test]
+fn another_robots_table_has_no_line_of_the_paper() {
+    let context = FigureContext { is_paper_robot: false, ..FigureContext::default() };
+    let mut rows = Published { trials: table(2), context, ..Published::default() };
+    let markdown = file("table1", &rows, "table1.md");
+    assert!(!markdown.contains("| paper |") && !markdown.contains("0.01247"), "{markdown}");
+    assert!(!file("table1", &rows, "table1.tex").contains("emph{paper}"));
+    let summary = file("table1", &rows, "summary.csv");
+    assert!(summary.lines().skip(1).all(|line| line.ends_with(",,")), "{summary}");
+    // What ended before it reached the paper's errors was not stopped by them.
+    rows.networks.push(NetworkRow {
+        seed: 0,
+        training: "paper".into(),
+        network: "inverse".into(),
+        points: 100,
+        epochs: 6,
+        validation_mae_m: 0.009,
+        paper_mae_m: 0.0024,
+    });
+    let markdown = file("table1", &rows, "table1.md");
+    assert!(
+        markdown.contains("ours, networks that did not reach the paper’s errors"),
+        "{markdown}"
+    );
+    assert!(!markdown.contains("stopped at"), "{markdown}");
 }
 
 #[test]

@@ -106,6 +106,7 @@ fn published_rows_are_flat() {
     let gap: Result<Vec<GapRow>, _> = tables::read_csv(Path::new("no such file.csv"));
     assert!(matches!(gap, Err(DataError::Read { .. })));
     let claim = ClaimRow {
+        experiment: "table1".into(),
         claim: "c".to_owned(),
         statement: "words".to_owned(),
         training: "paper".to_owned(),

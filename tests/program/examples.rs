@@ -128,6 +128,12 @@ fn marked_examples_run_as_printed() {
                 assert_eq!(said, block.text, "{}", page.display());
             }
         }
+        let claims = std::fs::read_to_string(folder.path().join("out/results/claims.csv"));
+        assert!(
+            !claims.unwrap_or_default().contains("arm,"),
+            "{}: the paper's claims are judged on another robot",
+            page.display()
+        );
         assert!(
             !folder.path().join("plots").exists(),
             "{}: an example replaced published results",

@@ -58,8 +58,7 @@ def spec_entry(name: str, policy: PolicyClass) -> dict[str, Any]:
 
         file, known = __file__, f"{GIVEN}{name}:{next(_numbers)}:{uuid.uuid4().hex}"
     _given[known] = policy
-    closed = bool(getattr(policy, "closed_loop_only", False))
-    return {"python": {"file": str(Path(file).resolve()), "class": known, "closed_loop_only": closed}}
+    return {"python": {"file": str(Path(file).resolve()), "class": known}}
 
 
 def _make(file: str, class_name: str) -> Any:
@@ -70,8 +69,16 @@ def _make(file: str, class_name: str) -> Any:
         return _given[class_name]()
     module = _module(Path(file))
     if not hasattr(module, class_name):
-        raise InputError(f"{file}: found no class `{class_name}`, expected one with a method act()")
+        raise InputError(f"no class `{class_name}` in {file}")
     return getattr(module, class_name)()
+
+
+def _closed_loop_only(file: str, class_name: str) -> bool:
+    """Whether a class says that open loop means nothing to it. Refuses a class without a method act() before anything runs."""
+    policy = _make(file, class_name)
+    if not callable(getattr(policy, "act", None)):
+        raise InputError(f"class `{class_name}` without a method act()")
+    return bool(getattr(policy, "closed_loop_only", False))
 
 
 def _module(file: Path) -> ModuleType:

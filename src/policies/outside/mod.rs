@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 
 pub use controller::{OutsideDecider, OutsideDecision, OutsideView};
 pub use onnx_policy::{OnnxInput, OnnxOptions, OnnxOutput};
-pub use python::{PythonOptions, provide_python};
+pub use python::{PythonHost, PythonOptions, provide_python};
 
 use super::{PolicyEntry, PolicyOptions};
 use crate::base::{BadOption, Policy};
@@ -43,7 +43,9 @@ impl OutsidePolicy {
     /// Its entry; the name in it is not its own.
     pub fn entry(&self) -> &'static PolicyEntry {
         let closed_only = match self {
-            OutsidePolicy::Onnx(options) => options.output == OnnxOutput::Changes,
+            OutsidePolicy::Onnx(options) => {
+                options.closed_loop_only || options.output == OnnxOutput::Changes
+            }
             OutsidePolicy::Python(options) => options.closed_loop_only,
         };
         if closed_only { &CLOSED_ONLY } else { &OPEN_OR_CLOSED }
@@ -65,6 +67,14 @@ impl OutsidePolicy {
             OutsidePolicy::Python(options) => options.file = file,
         }
         self
+    }
+
+    /// Takes over what its file says of it.
+    pub fn read_attributes(&mut self) {
+        match self {
+            OutsidePolicy::Onnx(_) => {}
+            OutsidePolicy::Python(options) => options.read_attributes(),
+        }
     }
 
     pub(super) fn check(&self) -> Result<(), BadOption> {

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 use super::controller::{OutsideDecider, OutsideDecision, OutsideView};
-use crate::base::{BadOption, PolicyError};
+use crate::base::{BadOption, PolicyError, is_default};
 use crate::learn::onnx::OnnxNetwork;
 
 /// Options of a policy in an ONNX file.
@@ -20,6 +20,10 @@ pub struct OnnxOptions {
     /// What it decides.
     #[serde(default)]
     pub output: OnnxOutput,
+    /// True when it decides by the measured error, so that open loop means nothing to it; so it is
+    /// with changes as `output`.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub closed_loop_only: bool,
     /// Positions are divided by this before the network sees them, metres.
     #[serde(default = "one")]
     pub position_scale_m: f64,

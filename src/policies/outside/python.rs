@@ -19,7 +19,8 @@ pub struct PythonOptions {
     /// Name of the class in it; an instance is made without arguments.
     #[serde(rename = "class")]
     pub class_name: String,
-    /// True when it decides by the measured error, so that open loop means nothing to it.
+    /// True when it decides by the measured error, so that open loop means nothing to it. An
+    /// attribute `closed_loop_only` of the class says the same.
     #[serde(default)]
     pub closed_loop_only: bool,
     /// The policy has settled when the tip is this near to the target, or when it repeats its
@@ -28,15 +29,20 @@ pub struct PythonOptions {
     pub settled_m: f64,
 }
 
-/// Makes an instance of a class.
-type MakePython = fn(&PythonOptions) -> Result<Box<dyn OutsideDecider>, String>;
+/// The interpreter, as far as policies need it. Errors are sentences.
+pub struct PythonHost {
+    /// Makes an instance of a class.
+    pub make: fn(&PythonOptions) -> Result<Box<dyn OutsideDecider>, String>,
+    /// Loads a class, refuses one without a method `act`, and gives its `closed_loop_only`.
+    pub closed_loop_only: fn(&PythonOptions) -> Result<bool, String>,
+}
 
-static PYTHON: OnceLock<MakePython> = OnceLock::new();
+static PYTHON: OnceLock<PythonHost> = OnceLock::new();
 
-/// Says how instances are made: the Python package calls it when it is imported.
-pub fn provide_python(make: MakePython) {
+/// Provides the interpreter: the Python package calls it when it is imported.
+pub fn provide_python(host: PythonHost) {
     // The second import of a process provides the same.
-    let _ = PYTHON.set(make);
+    let _ = PYTHON.set(host);
 }
 
 impl PythonOptions {
@@ -45,21 +51,29 @@ impl PythonOptions {
     }
 
     pub(super) fn check_content(&self, content: &[u8]) -> Result<(), (String, String)> {
-        if PYTHON.get().is_none() {
+        let Some(host) = PYTHON.get() else {
             let expected = "spinebench.run(…) of the Python package (docs/python.md), which runs \
                             policies of Python";
             return Err(("the program without Python".to_owned(), expected.to_owned()));
+        };
+        if std::str::from_utf8(content).is_err() {
+            return Err(("bytes that are no UTF-8".to_owned(), "a file of Python".to_owned()));
         }
-        match std::str::from_utf8(content) {
-            Ok(_) => Ok(()),
-            Err(_) => Err(("bytes that are no UTF-8".to_owned(), "a file of Python".to_owned())),
-        }
+        let expected = || "a class with a method act(tip_m, target_m, pulls_m, time_s)".to_owned();
+        (host.closed_loop_only)(self).map(drop).map_err(|found| (found, expected()))
+    }
+
+    /// Takes over what the class says of itself. A class that cannot be loaded says nothing;
+    /// [`PythonOptions::check_content`] refuses it.
+    pub(super) fn read_attributes(&mut self) {
+        let closed_loop_only = PYTHON.get().map(|host| (host.closed_loop_only)(self));
+        self.closed_loop_only |= closed_loop_only.and_then(Result::ok).unwrap_or(false);
     }
 
     pub(super) fn decider(&self) -> Result<Box<dyn OutsideDecider>, String> {
-        let make = PYTHON
+        let host = PYTHON
             .get()
             .ok_or("policies of Python run through the Python package (docs/python.md)")?;
-        make(self)
+        (host.make)(self)
     }
 }

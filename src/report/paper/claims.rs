@@ -68,6 +68,7 @@ fn markdown(claims: &[ClaimRow]) -> String {
         let shown = shown(row);
         vec![
             row.statement.clone(),
+            row.experiment.clone(),
             training_short(&row.training).to_owned(),
             shown.paper,
             shown.ours,
@@ -77,7 +78,7 @@ fn markdown(claims: &[ClaimRow]) -> String {
             format!("**{}**", row.verdict),
         ]
     };
-    let header = "Claim | Networks | Paper | Ours | 95 % interval | Unit | Seeds | Verdict";
+    let header = "Claim | Experiment | Networks | Paper | Ours | 95 % interval | Unit | Seeds | Verdict";
     let count = |verdict| {
         format!("{} {verdict}", claims.iter().filter(|row| row.verdict == verdict).count())
     };

@@ -2,11 +2,10 @@
 //! policy A against the real points of its Gaussian process. Open and closed loop, bands of one
 //! standard deviation.
 
-use super::summarise::reach_summary;
 use crate::report::drawing::{Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend};
 use crate::report::order::{distinct, trainings};
 use crate::report::style::{
-    BLUE, GREY, INK, Look, MARKER, Marker, PAGE_WIDTH, SMALL, SOLID, TEXT, VERMILION, heading,
+    BLUE, GREY, INK, Look, MARKER, Marker, PAGE_WIDTH, SMALL, SOLID, TEXT, VERMILION, capitalised,
 };
 use crate::report::{Artifact, Figure, Published, ReportError, csv};
 use crate::rows::experiment::ReachSummaryRow;
@@ -60,11 +59,11 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
         .cloned()
         .collect();
     FIGURE.needs("trials.csv of pi_real or a", swept.is_empty())?;
-    let summary = reach_summary(&swept);
-    FIGURE.files(vec![csv("summary.csv", &summary)?], &draw(&summary))
+    let summary = published.reach_summary(&swept);
+    FIGURE.files(vec![csv("summary.csv", &summary)?], &draw(published, &summary))
 }
 
-fn draw(summary: &[ReachSummaryRow]) -> Canvas {
+fn draw(published: &Published, summary: &[ReachSummaryRow]) -> Canvas {
     let columns = trainings(summary.iter().map(|row| row.training.as_str()));
     let parts: Vec<&PolicyPanel> = PARTS
         .iter()
@@ -77,15 +76,18 @@ fn draw(summary: &[ReachSummaryRow]) -> Canvas {
     let mut canvas = Canvas::new(PAGE_WIDTH, top + pitch * parts.len() as f64 - 22.0);
     let mut keys: Vec<(LegendEntry, &str)> =
         LOOKS.iter().map(|(_, name, look)| (LegendEntry::Series(*look), *name)).collect();
-    keys.push((LegendEntry::Marker(Marker::Square, INK, true), "paper, Table I, open"));
-    keys.push((LegendEntry::Marker(Marker::Circle, INK, true), "paper, Table I, closed"));
+    if published.context.is_paper_robot {
+        keys.push((LegendEntry::Marker(Marker::Square, INK, true), "paper, Table I, open"));
+        keys.push((LegendEntry::Marker(Marker::Circle, INK, true), "paper, Table I, closed"));
+    }
     legend(&mut canvas, [left, 16.0], PAGE_WIDTH, &keys);
     let note = "band: ± 1 standard deviation over targets; bar: 95 % interval of the mean over \
                 repetitions";
     canvas.text(Text::new(note, [left, 33.0], SMALL, TextAlign::Left).colour(GREY));
     for (column, training) in columns.iter().enumerate() {
         let middle = left + column as f64 * (width + gap) + width / 2.0;
-        canvas.text(Text::new(heading(training), [middle, 52.0], TEXT, TextAlign::Centre).bold());
+        let heading = capitalised(&published.training_label(training));
+        canvas.text(Text::new(heading, [middle, 52.0], TEXT, TextAlign::Centre).bold());
     }
     for (line, part) in parts.iter().enumerate() {
         let y = errors(summary.iter().filter(|row| row.cell.policy == part.policy));

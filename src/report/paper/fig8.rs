@@ -10,8 +10,8 @@ use crate::report::drawing::{
 use crate::report::order::trainings;
 use crate::report::page::markup::MarkdownTable;
 use crate::report::style::{
-    CLOUD, DASHED, GREY, HAIR, INK, LEFT_MARGIN, Marker, PAGE_WIDTH, SMALL, SOLID, TEXT, heading,
-    policies_in_order, policy_label, policy_look, policy_markdown, training_short,
+    CLOUD, DASHED, GREY, HAIR, INK, LEFT_MARGIN, Marker, PAGE_WIDTH, SMALL, SOLID, TEXT,
+    capitalised, policies_in_order, policy_label, policy_look, policy_markdown, training_short,
 };
 use crate::report::{Artifact, Figure, Published, ReportError, csv, pictures, text};
 use crate::rows::experiment::{TrackRow, TrackSummaryRow};
@@ -118,10 +118,9 @@ fn draw(published: &Published, summary: &[TrackSummaryRow], training: &str) -> C
     let series_top = 74.0 + PICTURE_PITCH[1] * runs.len().div_ceil(2).max(2) as f64;
     let high = series_top + (STRIP_HEIGHT + 12.0) * runs.len() as f64 + 40.0;
     let mut canvas = Canvas::new(PAGE_WIDTH, high.round());
-    canvas.text(
-        Text::new(heading(training), [PAGE_WIDTH - 12.0, 18.0], SMALL, TextAlign::Right)
-            .colour(GREY),
-    );
+    let heading = capitalised(&published.training_label(training));
+    canvas
+        .text(Text::new(heading, [PAGE_WIDTH - 12.0, 18.0], SMALL, TextAlign::Right).colour(GREY));
     target_path(&mut canvas, published, &runs);
     tracked(&mut canvas, &runs, series_top);
     series(&mut canvas, &runs, summary, series_top);

@@ -2,8 +2,7 @@
 //! beside the paper's numbers; as Markdown, LaTeX, CSV and a picture.
 
 use super::printed;
-use super::summarise::reach_summary;
-use crate::policies;
+use crate::policies::{self, OutsidePolicies};
 use crate::report::cells::MODES;
 use crate::report::drawing::{
     Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend, text_width,
@@ -12,7 +11,7 @@ use crate::report::order::trainings;
 use crate::report::page::markup::{MarkdownTable, latex};
 use crate::report::style::{
     BLUE, Colour, GREEN, HAIR, HALF_CAP, INK, MARKER, Marker, ORANGE, PAGE_WIDTH, SMALL,
-    policies_in_order, policy_label, policy_latex, policy_markdown, training_label,
+    policies_in_order, policy_label, policy_latex, policy_markdown,
 };
 use crate::report::{Artifact, Figure, Published, ReportError, csv, text};
 use crate::rows::experiment::ReachSummaryRow;
@@ -23,6 +22,13 @@ pub(super) const FIGURE: Figure = Figure {
     about: "Table I: goal-reaching error of every policy, ours and the paper's",
     render,
 };
+
+/// Room of the panels, hundredths of an inch: where the last one ends, between two, beside the
+/// names of the policies, and least for these.
+const PANELS_RIGHT: f64 = 706.0;
+const PANEL_GAP: f64 = 30.0;
+const NAME_GAP: f64 = 14.0;
+const MIN_LEFT_MARGIN: f64 = 52.0;
 
 const HEADINGS: [&str; 3] = ["Open-loop", "Closed-loop", "Closed-loop with load"];
 
@@ -45,19 +51,30 @@ struct TableEntry {
 fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     let trials = &published.trials;
     FIGURE.needs("trials.csv", trials.is_empty())?;
-    let summary = reach_summary(trials);
+    let summary = published.reach_summary(trials);
     one_size(&summary)?;
-    let names = trainings(trials.iter().map(|row| row.training.as_str()));
-    let sources = sources(&names);
-    let shown = policies_in_order(summary.iter().map(|row| row.cell.policy.as_str()));
+    let table = Table {
+        sources: sources(published),
+        shown: policies_in_order(summary.iter().map(|row| row.cell.policy.as_str())),
+        summary: &summary,
+        outside: &published.context.outside,
+    };
     FIGURE.files(
         vec![
             csv("summary.csv", &summary)?,
-            text("table1.md", markdown(&summary, &sources, &shown)),
-            text("table1.tex", tex(&summary, &sources, &shown)),
+            text("table1.md", table.markdown()),
+            text("table1.tex", table.tex()),
         ],
-        &draw(&summary, &sources, &shown),
+        &table.draw(),
     )
+}
+
+/// What the Markdown, the LaTeX and the picture show.
+struct Table<'a> {
+    summary: &'a [ReachSummaryRow],
+    sources: Vec<Source<'a>>,
+    shown: Vec<&'a str>,
+    outside: &'a OutsidePolicies,
 }
 
 /// A cell of the table averages over one size of data only.
@@ -78,51 +95,47 @@ fn one_size(summary: &[ReachSummaryRow]) -> Result<(), ReportError> {
     Err(ReportError::Mixed { figure: FIGURE.name, found, expected: "size of data for a policy" })
 }
 
-fn sources<'a>(names: &[&'a str]) -> Vec<Source<'a>> {
+fn sources(published: &Published) -> Vec<Source<'_>> {
     let looks = [(BLUE, Marker::Circle), (GREEN, Marker::Diamond), (ORANGE, Marker::Triangle)];
     let paper =
         Source { label: "paper".to_owned(), colour: INK, marker: Marker::Square, training: None };
-    let ours = names.iter().enumerate().map(|(index, &name)| {
+    let names = trainings(published.trials.iter().map(|row| row.training.as_str()));
+    let ours = names.into_iter().enumerate().map(|(index, name)| {
         let (colour, marker) = looks[index % looks.len()];
-        Source {
-            label: format!("ours, {}", training_label(name)),
-            colour,
-            marker,
-            training: Some(name),
-        }
+        let label = format!("ours, {}", published.training_label(name));
+        Source { label, colour, marker, training: Some(name) }
     });
-    std::iter::once(paper).chain(ours).collect()
+    // The paper's numbers are about its robot.
+    published.context.is_paper_robot.then_some(paper).into_iter().chain(ours).collect()
 }
 
-fn entry(
-    summary: &[ReachSummaryRow],
-    source: &Source,
-    policy: &str,
-    mode: &str,
-) -> Option<TableEntry> {
-    let Some(training) = source.training else {
-        let printed = printed::table_1(policy, mode)?;
-        return Some(TableEntry { mean_m: printed.mean_m, sd_m: printed.sd_m, interval_m: None });
-    };
-    let cell = |row: &&ReachSummaryRow| {
-        row.training == training && row.cell.policy == policy && row.cell.mode == mode
-    };
-    let row = summary.iter().find(cell).filter(|row| row.trials > 0)?;
-    let interval_m = row.low_95_m.is_finite().then_some([row.low_95_m, row.high_95_m]);
-    Some(TableEntry { mean_m: row.mean_m, sd_m: row.sd_m, interval_m })
-}
+impl Table<'_> {
+    fn entry(&self, source: &Source, policy: &str, mode: &str) -> Option<TableEntry> {
+        let Some(training) = source.training else {
+            let paper = printed::table_1(policy, mode)?;
+            return Some(TableEntry { mean_m: paper.mean_m, sd_m: paper.sd_m, interval_m: None });
+        };
+        let cell = |row: &&ReachSummaryRow| {
+            row.training == training && row.cell.policy == policy && row.cell.mode == mode
+        };
+        let row = self.summary.iter().find(cell).filter(|row| row.trials > 0)?;
+        let interval_m = row.low_95_m.is_finite().then_some([row.low_95_m, row.high_95_m]);
+        Some(TableEntry { mean_m: row.mean_m, sd_m: row.sd_m, interval_m })
+    }
 
-/// `mean(SD)` in metres as the paper prints it; "N/A" where the policy does not run in that mode, a
-/// dash where it could and was not run.
-fn printed(entry: Option<&TableEntry>, policy: &str, mode: &str) -> String {
-    match entry {
-        Some(entry) => format!("{}({})", decimals(entry.mean_m), decimals(entry.sd_m)),
-        None if mode == "open"
-            && policies::find(policy).is_some_and(|entry| entry.closed_loop_only) =>
-        {
-            "N/A".to_owned()
+    /// `mean(SD)` in metres as the paper prints it.
+    fn printed(&self, source: &Source, policy: &str, mode: &str) -> String {
+        match self.entry(source, policy, mode) {
+            Some(entry) => format!("{}({})", decimals(entry.mean_m), decimals(entry.sd_m)),
+            None => self.absent(policy, mode).to_owned(),
         }
-        None => "–".to_owned(),
+    }
+
+    /// "N/A" where the policy does not run in that mode, a dash where it could and was not run.
+    fn absent(&self, policy: &str, mode: &str) -> &'static str {
+        let entry = policies::find_with(policy, self.outside);
+        let closed_loop_only = entry.is_some_and(|entry| entry.closed_loop_only);
+        if mode == "open" && closed_loop_only { "N/A" } else { "–" }
     }
 }
 
@@ -151,161 +164,153 @@ fn caption(summary: &[ReachSummaryRow]) -> String {
     )
 }
 
-fn markdown(summary: &[ReachSummaryRow], sources: &[Source], shown: &[&str]) -> String {
-    let mut grid = MarkdownTable::default();
-    grid.header.extend(["Controller".to_owned(), String::new()]);
-    grid.header.extend(HEADINGS.map(|heading| format!("{heading} (m)")));
-    for &policy in shown {
-        for (line, source) in sources.iter().enumerate() {
-            let name =
-                if line == 0 { format!("**{}**", policy_markdown(policy)) } else { String::new() };
-            let cells = MODES
-                .map(|mode| printed(entry(summary, source, policy, mode).as_ref(), policy, mode));
-            grid.rows.push([name, source.label.clone()].into_iter().chain(cells).collect());
+impl Table<'_> {
+    fn markdown(&self) -> String {
+        let mut grid = MarkdownTable::default();
+        grid.header.extend(["Controller".to_owned(), String::new()]);
+        grid.header.extend(HEADINGS.map(|heading| format!("{heading} (m)")));
+        for &policy in &self.shown {
+            for (line, source) in self.sources.iter().enumerate() {
+                let name = if line == 0 {
+                    format!("**{}**", policy_markdown(policy))
+                } else {
+                    String::new()
+                };
+                let cells = MODES.map(|mode| self.printed(source, policy, mode));
+                grid.rows.push([name, source.label.clone()].into_iter().chain(cells).collect());
+            }
         }
+        format!("{}\n{}\n", grid.markdown(), caption(self.summary))
     }
-    format!("{}\n{}\n", grid.markdown(), caption(summary))
-}
 
-fn tex(summary: &[ReachSummaryRow], sources: &[Source], shown: &[&str]) -> String {
-    let mut out = String::from(
-        "% needs booktabs\n\\begin{table}\n\\caption{Performance comparison for goal reaching for \
+    fn tex(&self) -> String {
+        let mut out = String::from(
+            "% needs booktabs\n\\begin{table}\n\\caption{Performance comparison for goal reaching for \
          different policies}\n\\begin{tabular*}{\\columnwidth}{@{\\extracolsep{\\fill}} l \
          ccc}\n\\toprule\nController & \\multicolumn{3}{c}{Goal Reaching Error (m)} \
          \\\\\n\\cmidrule{2-4}\n",
-    );
-    out.push_str(&format!(" & {} \\\\\n", HEADINGS.join(" & ")));
-    for source in sources {
-        out.push_str(&format!(
-            "\\midrule\n\\multicolumn{{4}}{{l}}{{\\emph{{{}}}}} \\\\\n",
-            latex(&source.label)
-        ));
-        for &policy in shown {
-            let name = policy_latex(policy);
-            let cells = MODES
-                .map(|mode| printed(entry(summary, source, policy, mode).as_ref(), policy, mode));
-            out.push_str(&format!("{name} & {} \\\\\n", cells.join(" & ").replace('–', "--")));
+        );
+        out.push_str(&format!(" & {} \\\\\n", HEADINGS.join(" & ")));
+        for source in &self.sources {
+            out.push_str(&format!(
+                "\\midrule\n\\multicolumn{{4}}{{l}}{{\\emph{{{}}}}} \\\\\n",
+                latex(&source.label)
+            ));
+            for &policy in &self.shown {
+                let name = policy_latex(policy);
+                let cells = MODES.map(|mode| self.printed(source, policy, mode));
+                out.push_str(&format!("{name} & {} \\\\\n", cells.join(" & ").replace('–', "--")));
+            }
         }
+        out.push_str("\\bottomrule\n\\end{tabular*}\n\n\\smallskip\\scriptsize\n");
+        out.push_str(&latex(&caption(self.summary)));
+        for entry in self
+            .shown
+            .iter()
+            .filter_map(|policy| policies::find(policy))
+            .filter(|entry| !entry.footnote.is_empty())
+        {
+            out.push_str(&format!(" {}: {}", entry.label.latex, entry.footnote));
+        }
+        out.push('\n');
+        out.push_str("\\end{table}\n");
+        out
     }
-    out.push_str("\\bottomrule\n\\end{tabular*}\n\n\\smallskip\\scriptsize\n");
-    out.push_str(&latex(&caption(summary)));
-    for entry in shown
-        .iter()
-        .filter_map(|policy| policies::find(policy))
-        .filter(|entry| !entry.footnote.is_empty())
-    {
-        out.push_str(&format!(" {}: {}", entry.label.latex, entry.footnote));
-    }
-    out.push('\n');
-    out.push_str("\\end{table}\n");
-    out
-}
 
-/// Room of the panels, hundredths of an inch: where the last one ends, between two, beside the
-/// names of the policies, and least for these.
-const PANELS_RIGHT: f64 = 706.0;
-const PANEL_GAP: f64 = 30.0;
-const NAME_GAP: f64 = 14.0;
-const MIN_LEFT_MARGIN: f64 = 52.0;
-
-fn draw(summary: &[ReachSummaryRow], sources: &[Source], shown: &[&str]) -> Canvas {
-    let policy_height = 16.0 * sources.len() as f64 + 10.0;
-    let high = policy_height * shown.len() as f64;
-    let mut canvas = Canvas::new(PAGE_WIDTH, (high + 112.0).round());
-    let keys: Vec<(LegendEntry, &str)> = sources
-        .iter()
-        .map(|source| {
-            (
-                LegendEntry::Marker(source.marker, source.colour, source.training.is_none()),
-                source.label.as_str(),
-            )
-        })
-        .collect();
-    legend(&mut canvas, [52.0, 18.0], PAGE_WIDTH - 10.0, &keys);
-    let entries: Vec<TableEntry> = MODES
-        .iter()
-        .flat_map(|mode| shown.iter().map(|policy| (*policy, *mode)))
-        .flat_map(|(policy, mode)| {
-            sources.iter().filter_map(move |source| entry(summary, source, policy, mode))
-        })
-        .collect();
-    let ends = entries.iter().flat_map(|entry| {
-        [entry.mean_m + entry.sd_m, entry.mean_m - entry.sd_m, entry.mean_m]
-            .map(|value| 1e3 * value)
-    });
-    let x = Axis::covering("goal-reaching error (mm)", ends.chain([0.0]), 4);
-    let longest = shown
-        .iter()
-        .map(|policy| text_width(policy_label(policy), SMALL, false))
-        .fold(0.0, f64::max);
-    let left = (longest + NAME_GAP).max(MIN_LEFT_MARGIN);
-    let wide = (PANELS_RIGHT - left - 2.0 * PANEL_GAP) / 3.0;
-    for (place, (mode, heading)) in MODES.iter().zip(HEADINGS).enumerate() {
-        let names: Vec<String> =
-            shown.iter().rev().map(|policy| policy_label(policy).to_owned()).collect();
-        let named =
-            Axis { low: -0.5, high: shown.len() as f64 - 0.5, ..Axis::categories("", &names) };
-        let panel = canvas.panel(Panel {
-            corner: [left + (wide + PANEL_GAP) * place as f64, 54.0],
-            size: [wide, high],
-            x: x.clone(),
-            y: if place == 0 { named } else { named.bare() },
-            title: heading.to_owned(),
+    fn draw(&self) -> Canvas {
+        let Table { sources, shown, .. } = self;
+        let policy_height = 16.0 * sources.len() as f64 + 10.0;
+        let high = policy_height * shown.len() as f64;
+        let mut canvas = Canvas::new(PAGE_WIDTH, (high + 112.0).round());
+        let keys: Vec<(LegendEntry, &str)> = sources
+            .iter()
+            .map(|source| {
+                (
+                    LegendEntry::Marker(source.marker, source.colour, source.training.is_none()),
+                    source.label.as_str(),
+                )
+            })
+            .collect();
+        legend(&mut canvas, [52.0, 18.0], PAGE_WIDTH - 10.0, &keys);
+        let entries: Vec<TableEntry> = MODES
+            .iter()
+            .flat_map(|mode| shown.iter().map(|policy| (*policy, *mode)))
+            .flat_map(|(policy, mode)| {
+                sources.iter().filter_map(move |source| self.entry(source, policy, mode))
+            })
+            .collect();
+        let ends = entries.iter().flat_map(|entry| {
+            [entry.mean_m + entry.sd_m, entry.mean_m - entry.sd_m, entry.mean_m]
+                .map(|value| 1e3 * value)
         });
-        facet(&mut canvas, &panel, summary, sources, shown, mode);
-    }
-    let note = "thin: ± 1 standard deviation over targets; thick: 95 % interval of the mean over \
-                repetitions";
-    canvas.text(
-        Text::new(note, [PAGE_WIDTH - 10.0, high + 106.0], SMALL, TextAlign::Right)
-            .colour(crate::report::style::GREY),
-    );
-    canvas
-}
-
-/// The dots and intervals of one mode.
-fn facet(
-    canvas: &mut Canvas,
-    panel: &Panel,
-    summary: &[ReachSummaryRow],
-    sources: &[Source],
-    shown: &[&str],
-    mode: &str,
-) {
-    let slot = panel.size[1] / shown.len() as f64;
-    for (row, policy) in shown.iter().enumerate() {
-        let middle = panel.at(panel.x.low, (shown.len() - 1 - row) as f64)[1];
-        if row > 0 {
-            let edge = middle - slot / 2.0;
-            let [left, right] = [panel.corner[0], panel.corner[0] + panel.size[0]];
-            canvas.line(&[[left, edge], [right, edge]], HAIR, INK, &[1.0, 3.0]);
+        let x = Axis::covering("goal-reaching error (mm)", ends.chain([0.0]), 4);
+        let longest = shown
+            .iter()
+            .map(|policy| text_width(policy_label(policy), SMALL, false))
+            .fold(0.0, f64::max);
+        let left = (longest + NAME_GAP).max(MIN_LEFT_MARGIN);
+        let wide = (PANELS_RIGHT - left - 2.0 * PANEL_GAP) / 3.0;
+        for (place, (mode, heading)) in MODES.iter().zip(HEADINGS).enumerate() {
+            let names: Vec<String> =
+                shown.iter().rev().map(|policy| policy_label(policy).to_owned()).collect();
+            let named =
+                Axis { low: -0.5, high: shown.len() as f64 - 0.5, ..Axis::categories("", &names) };
+            let panel = canvas.panel(Panel {
+                corner: [left + (wide + PANEL_GAP) * place as f64, 54.0],
+                size: [wide, high],
+                x: x.clone(),
+                y: if place == 0 { named } else { named.bare() },
+                title: heading.to_owned(),
+            });
+            self.facet(&mut canvas, &panel, mode);
         }
-        for (line, source) in sources.iter().enumerate() {
-            let y = middle + 16.0 * (line as f64 - (sources.len() - 1) as f64 / 2.0);
-            let Some(entry) = entry(summary, source, policy, mode) else {
-                let absent = printed(None, policy, mode);
-                let x = panel.corner[0] + 8.0;
-                canvas.text(
-                    Text::new(absent, [x, y + HALF_CAP * SMALL], SMALL, TextAlign::Left)
-                        .colour(source.colour),
+        let note = "thin: ± 1 standard deviation over targets; thick: 95 % interval of the mean over \
+                repetitions";
+        canvas.text(
+            Text::new(note, [PAGE_WIDTH - 10.0, high + 106.0], SMALL, TextAlign::Right)
+                .colour(crate::report::style::GREY),
+        );
+        canvas
+    }
+
+    /// The dots and intervals of one mode.
+    fn facet(&self, canvas: &mut Canvas, panel: &Panel, mode: &str) {
+        let Table { sources, shown, .. } = self;
+        let slot = panel.size[1] / shown.len() as f64;
+        for (row, policy) in shown.iter().enumerate() {
+            let middle = panel.at(panel.x.low, (shown.len() - 1 - row) as f64)[1];
+            if row > 0 {
+                let edge = middle - slot / 2.0;
+                let [left, right] = [panel.corner[0], panel.corner[0] + panel.size[0]];
+                canvas.line(&[[left, edge], [right, edge]], HAIR, INK, &[1.0, 3.0]);
+            }
+            for (line, source) in sources.iter().enumerate() {
+                let y = middle + 16.0 * (line as f64 - (sources.len() - 1) as f64 / 2.0);
+                let Some(entry) = self.entry(source, policy, mode) else {
+                    let absent = self.absent(policy, mode);
+                    let x = panel.corner[0] + 8.0;
+                    canvas.text(
+                        Text::new(absent, [x, y + HALF_CAP * SMALL], SMALL, TextAlign::Left)
+                            .colour(source.colour),
+                    );
+                    continue;
+                };
+                let place = |value_m: f64| [panel.at(1e3 * value_m, 0.0)[0], y];
+                if entry.sd_m.is_finite() {
+                    let ends = [place(entry.mean_m - entry.sd_m), place(entry.mean_m + entry.sd_m)];
+                    canvas.line(&ends, 1.0, source.colour, &[]);
+                }
+                if let Some([low, high]) = entry.interval_m {
+                    canvas.line(&[place(low), place(high)], 3.6, source.colour, &[]);
+                }
+                canvas.marker(
+                    place(entry.mean_m),
+                    source.marker,
+                    MARKER,
+                    source.colour,
+                    source.training.is_none(),
                 );
-                continue;
-            };
-            let place = |value_m: f64| [panel.at(1e3 * value_m, 0.0)[0], y];
-            if entry.sd_m.is_finite() {
-                let ends = [place(entry.mean_m - entry.sd_m), place(entry.mean_m + entry.sd_m)];
-                canvas.line(&ends, 1.0, source.colour, &[]);
             }
-            if let Some([low, high]) = entry.interval_m {
-                canvas.line(&[place(low), place(high)], 3.6, source.colour, &[]);
-            }
-            canvas.marker(
-                place(entry.mean_m),
-                source.marker,
-                MARKER,
-                source.colour,
-                source.training.is_none(),
-            );
         }
     }
 }

@@ -17,22 +17,25 @@ use crate::specs::{ClaimMetric, PaperClaim, Relation};
 /// Seeds below which no claim is decided.
 pub const SEEDS_NEEDED: usize = 10;
 
-/// Evaluates the claims over these seeds, once per kind of training where networks take part.
+/// Evaluates the claims of an experiment over these seeds, once per kind of training where networks
+/// take part.
 pub fn evaluate(
+    experiment: &str,
     claims: &[PaperClaim],
     tables: &Tables,
     seeds: &[u64],
     trainings: &[String],
 ) -> Vec<ClaimRow> {
+    let judge = |claim, training: &str| judge(experiment, claim, tables, seeds, training);
     let mut rows = Vec::new();
     for claim in claims {
         let depends = |metric: &ClaimMetric| {
             metric.depends_on_training() || depends_on_simulating_network(metric, tables)
         };
         if claim.relation.metrics().iter().any(depends) {
-            rows.extend(trainings.iter().map(|training| judge(claim, tables, seeds, training)));
+            rows.extend(trainings.iter().map(|training| judge(claim, training)));
         } else {
-            rows.push(judge(claim, tables, seeds, ANY_TRAINING));
+            rows.push(judge(claim, ANY_TRAINING));
         }
     }
     rows
@@ -76,7 +79,13 @@ pub(crate) fn per_robot(
         .collect()
 }
 
-fn judge(claim: &PaperClaim, tables: &Tables, seeds: &[u64], training: &str) -> ClaimRow {
+fn judge(
+    experiment: &str,
+    claim: &PaperClaim,
+    tables: &Tables,
+    seeds: &[u64],
+    training: &str,
+) -> ClaimRow {
     let values: Vec<f64> = seeds
         .iter()
         .filter_map(|&seed| seed_value(&claim.relation, tables, seed, training))
@@ -86,6 +95,7 @@ fn judge(claim: &PaperClaim, tables: &Tables, seeds: &[u64], training: &str) -> 
     let decided = interval.filter(|_| values.len() >= SEEDS_NEEDED);
     let range = accepted_range(&claim.relation);
     ClaimRow {
+        experiment: experiment.to_owned(),
         claim: claim.claim.clone(),
         statement: claim.statement.clone(),
         training: training.to_owned(),
@@ -197,7 +207,7 @@ mod tests {
             relation,
         };
         let seeds: Vec<u64> = (0..errors.len() as u64).collect();
-        evaluate(&[claim], &gps(errors), &seeds, &["paper".into()]).remove(0)
+        evaluate("table1", &[claim], &gps(errors), &seeds, &["paper".into()]).remove(0)
     }
 
     #[test]

@@ -6,7 +6,7 @@ use super::failed_cells::{FailedCell, failed_cells};
 use super::gp_range_ends;
 use super::metrics::Tables;
 use crate::data::{DataError, TableRow, tables, write_atomic_batch};
-use crate::report::{self, OutputFolder, Published, ReportError};
+use crate::report::{self, FigureContext, OutputFolder, Published, ReportError};
 use crate::rows::experiment::ClaimRow;
 use crate::rows::population::{RobotClaimRow, RobotRow};
 use crate::runner::campaign::{CampaignEntry, PointStages};
@@ -79,6 +79,10 @@ impl CampaignEntry {
         if self.experiment.population.is_some() {
             tables.published.robot_claims = self.robot_claims(point, &tables);
         }
+        tables.published.context = FigureContext {
+            outside: self.experiment.policies.outside.clone(),
+            is_paper_robot: self.experiment.is_of_paper_robot(),
+        };
         let mut files = Files::new();
         files.insert(folder.join("spec.yaml"), self.spec_yaml());
         for (name, bytes) in Published::csv_files(&[&tables.published], |_| Vec::new())? {
@@ -87,6 +91,12 @@ impl CampaignEntry {
         let mut notices =
             self.draw(&self.experiment.figures, &tables.published, &folder, &mut files);
         let mut remarks = Vec::new();
+        if !self.experiment.claims.is_empty() && !tables.published.context.is_paper_robot {
+            let name = &self.experiment.name;
+            remarks.push(format!(
+                "{name}: no claim is judged: the claims are about the paper's robot"
+            ));
+        }
         self.tell_range_ends(&[&tables.published], &mut notices, &mut remarks);
         let failed = tables.published.failed();
         // Those of many robots are not about the paper's setting.
@@ -110,11 +120,14 @@ impl CampaignEntry {
         }
     }
 
-    /// What became of the claims at one point.
+    /// What became of the claims at one point; none where the robot is not the paper's.
     pub(crate) fn claims(&self, point: &PointStages, tables: &Tables) -> Vec<ClaimRow> {
+        if !point.experiment.is_of_paper_robot() {
+            return Vec::new();
+        }
         let seeds: Vec<u64> = point.repetitions.iter().map(|repetition| repetition.seed).collect();
         let trainings: Vec<String> = point.experiment.training.keys().cloned().collect();
-        evaluate(&self.experiment.claims, tables, &seeds, &trainings)
+        evaluate(&self.experiment.name, &self.experiment.claims, tables, &seeds, &trainings)
     }
 
     /// On how many robots the claims hold, where every repetition has a robot of its own.
@@ -204,7 +217,9 @@ pub fn all_claims(
         );
         let many_robots = folder.path().join(RobotRow::TABLE.file).is_file();
         if !by_experiment.contains_key(&name) && path.is_file() && !many_robots {
-            let (swept, claims) = tables::read_csv_beside(&path, |column| column.contains('.'))?;
+            let table = tables::read_csv_beside(&path, |column| column.contains('.'));
+            // Earlier versions wrote claims without their experiment.
+            let Ok((swept, claims)) = table else { continue };
             // The claims of a sweep are about its points, not about the paper's settings.
             if swept.is_empty() {
                 by_experiment.insert(name, claims);

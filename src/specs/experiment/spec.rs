@@ -87,7 +87,8 @@ pub struct Experiment {
     #[serde(default)]
     #[schemars(schema_with = "figure_names")]
     pub figures: Vec<String>,
-    /// The paper's claims about it.
+    /// The paper's claims about it. They are judged where `model` and `plant` have the length and
+    /// the tendons of the paper's robot.
     #[serde(default)]
     pub claims: Vec<PaperClaim>,
     /// Resources requested from a Slurm cluster.
@@ -99,6 +100,11 @@ impl Experiment {
     /// The numbers of the repetitions.
     pub fn repetitions(&self) -> std::ops::Range<u64> {
         self.first_seed..self.first_seed + self.seeds
+    }
+
+    /// Whether model and robot may be the paper's, so that its claims are about them.
+    pub fn is_of_paper_robot(&self) -> bool {
+        self.model.may_be_paper_robot() && self.plant.may_be_paper_robot()
     }
 
     /// Standard deviation of the noise in the gap between simulated and measured tip, metres: that

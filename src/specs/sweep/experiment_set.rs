@@ -2,6 +2,7 @@
 
 use super::series::{SweepValue, expand};
 use crate::base::Seed;
+use crate::policies::OutsidePolicy;
 use crate::specs::check::experiment::check;
 use crate::specs::document::error::SpecError;
 use crate::specs::document::merged::{Document, Origin, SweptEntry};
@@ -342,7 +343,8 @@ fn at_point(
 
 /// The document as a checked experiment.
 fn checked(document: &Document) -> Result<Experiment, SpecError> {
-    let experiment = document.parse()?;
+    let mut experiment: Experiment = document.parse()?;
+    experiment.policies.outside.values_mut().for_each(OutsidePolicy::read_attributes);
     check(&experiment, document)?;
     Ok(experiment)
 }

@@ -207,6 +207,7 @@ pub(crate) fn claims() -> Vec<ClaimRow> {
             let reference = if paper == 0.0 || !f64::is_finite(paper) { 0.002 } else { paper };
             let (ours, half) = (ratio * reference, 0.35 * reference.abs());
             rows.push(ClaimRow {
+                experiment: "table1".into(),
                 claim: claim.to_owned(),
                 statement: statement.to_owned(),
                 training: training.to_owned(),
