@@ -17,7 +17,8 @@ use spinebench::discovery::{
 use spinebench::runner::{self, Campaign, Progress, RunFacts, RunOptions, Store, Style};
 use spinebench::specs::{ExperimentSet, read_options};
 use spinebench::tasks::{
-    SimulationOptions, read_commands, read_to_calibrate, read_to_explain, simulate_recording,
+    SimulationOptions, are_at_rest, read_commands, read_to_calibrate, read_to_explain,
+    simulate_recording,
 };
 
 use crate::calls::{claim_global_threads, long};
@@ -135,6 +136,8 @@ pub(crate) fn _calibrate(
             |one: &NamedRecording| read_to_calibrate(one.source(), &model.0, options.at_rest);
         let parts: Vec<Recording> = measured.iter().map(read).collect::<Result<_, _>>()?;
         let files: Vec<&Path> = measured.iter().map(|one| one.source().name()).collect();
+        let at_rest = are_at_rest(options.at_rest, files.iter().copied().zip(&parts))?;
+        let options = CalibrationOptions { at_rest, ..options };
         let whole =
             Recordings::new(&files, &parts).map_err(|error| about(files[error.index], &error))?;
         let found = stop
@@ -192,7 +195,13 @@ pub(crate) fn _discover(
         let whole = Recording::joined(&parts)
             .map_err(|error| about(measured[error.index].source().name(), &error))?;
         let baseline = baseline.map(PyRecording::named).transpose()?;
+        let files = measured.iter().chain(&baseline).map(|one| one.source().name());
         let baseline = baseline.as_ref().map(read).transpose()?;
+        let at_rest = are_at_rest(settings.at_rest, files.zip(parts.iter().chain(&baseline)))?;
+        let settings = Options { at_rest, ..settings };
+        let read = |recording: &NamedRecording| {
+            read_to_explain(recording.source(), &model.0, settings.at_rest)
+        };
         let stop = stop.clone();
         // A search that nobody waits for ends at its next step.
         let step = move |_: &str| {

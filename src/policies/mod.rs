@@ -16,8 +16,9 @@ pub use further::model_integral::ModelIntegralOptions;
 pub use further::mpc::MpcOptions;
 pub use further::online_jacobian::OnlineJacobianOptions;
 pub use outside::{
-    OUTSIDE_KINDS, OnnxInput, OnnxOptions, OnnxOutput, OutsideDecider, OutsideDecision,
-    OutsidePolicies, OutsidePolicy, OutsideView, PythonHost, PythonOptions, provide_python,
+    OUTSIDE_KINDS, OnnxInput, OnnxInputs, OnnxOptions, OnnxOutput, OnnxWindow, OutsideDecider,
+    OutsideDecision, OutsidePolicies, OutsidePolicy, OutsideView, PythonHost, PythonOptions,
+    provide_python,
 };
 pub use paper::a::AOptions;
 pub use paper::c::{AfterBoth, COptions, StartBranch, SwitchCheck};

@@ -33,4 +33,6 @@ pub use publish::metrics::Tables;
 pub use publish::provenance::{first_difference, provenance};
 pub use publish::publish_all::{RunFacts, publish_all};
 pub use publish::results::{Files, Publication, PublishError, all_claims, put, write_files};
-pub use store::{EntryLock, EntryState, Lookup, Note, Store, StoreTraffic, StoredEntry};
+pub use store::{
+    EntryLock, EntryState, Lookup, Note, Store, StoreTraffic, StoredEntry, store_folder,
+};

@@ -29,7 +29,7 @@ pub use record::static_poses::{StaticPoseOptions, plan_static_poses, record_stat
 pub use record::targets::{TargetOptions, draw_targets, spread_targets, target_pool};
 pub use simulate::body_lines::body_lines_m;
 pub use simulate::robot_recordings::{
-    check_one_gravity, of_tendons, read_commands, read_to_calibrate, read_to_explain,
+    are_at_rest, check_one_gravity, of_tendons, read_commands, read_to_calibrate, read_to_explain,
 };
 pub use simulate::simulate_recording::{
     RecordingWithRates, simulate_recording, simulate_with_rates,

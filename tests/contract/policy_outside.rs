@@ -3,7 +3,8 @@
 use crate::support::policies::seen;
 use spinebench::base::PolicyError;
 use spinebench::policies::{
-    LimitOptions, OnnxInput, OnnxOptions, OnnxOutput, OutsidePolicy, PolicyOptions,
+    LimitOptions, OnnxInput, OnnxInputs, OnnxOptions, OnnxOutput, OnnxWindow, OutsidePolicy,
+    PolicyOptions,
 };
 use std::path::PathBuf;
 
@@ -13,7 +14,7 @@ fn options() -> OnnxOptions {
     OnnxOptions {
         closed_loop_only: false,
         file: PathBuf::from("torch_policy.onnx"),
-        inputs: vec![OnnxInput::Tip, OnnxInput::Target, OnnxInput::Pulls],
+        inputs: OnnxInputs::default(),
         output: OnnxOutput::Pulls,
         position_scale_m: 0.2,
         pull_scale_m: 0.03,
@@ -60,14 +61,15 @@ fn a_network_of_another_size_is_refused_with_both_sizes() {
     let check = |options: OnnxOptions, tendons| {
         OutsidePolicy::Onnx(options).check_content(TORCH, tendons).unwrap_err()
     };
-    let (found, expected) = check(OnnxOptions { inputs: vec![OnnxInput::Error], ..options() }, 4);
+    let (found, expected) =
+        check(OnnxOptions { inputs: OnnxInputs::Now(vec![OnnxInput::Error]), ..options() }, 4);
     assert!(
         found.contains("10 inputs") && expected.contains("3, the size of `inputs`"),
         "{found}, {expected}"
     );
     // Six tendons with six numbers of positions would be twelve inputs; without positions the
     // outputs do not fit.
-    let ten_pulls = OnnxOptions { inputs: vec![OnnxInput::Pulls], ..options() };
+    let ten_pulls = OnnxOptions { inputs: OnnxInputs::Now(vec![OnnxInput::Pulls]), ..options() };
     let (found, expected) = check(ten_pulls, 10);
     assert!(
         found.contains("4 outputs") && expected.contains("10, one for each tendon"),
@@ -83,4 +85,53 @@ fn changes_of_commands_are_for_closed_loop_only() {
     };
     assert!(entry(OnnxOutput::Changes, false) && !entry(OnnxOutput::Pulls, false));
     assert!(entry(OnnxOutput::Pulls, true));
+}
+
+/// The commands of ten ticks with a tip that moves.
+fn commands(policy: &mut dyn spinebench::base::Policy) -> Vec<Vec<f64>> {
+    let tip = |tick: usize| [0.004 * tick as f64, 0.001, 0.2];
+    let act = |tick| policy.act(&seen(tick, tip(tick)), &[0.05, 0.0, 0.2]).unwrap().pulls_m;
+    (0..10).map(act).collect()
+}
+
+#[test]
+fn a_network_with_memory_remembers_a_trial_and_forgets_it_at_the_next() {
+    const LSTM: &[u8] = include_bytes!("../data/onnx/torch_lstm.onnx");
+    const STATES: &[u8] = include_bytes!("../data/onnx/torch_lstm_states.onnx");
+    const WINDOW: &[u8] = include_bytes!("../data/onnx/torch_gru_window.onnx");
+    let window = OnnxInputs::Past(OnnxWindow {
+        window: 5,
+        each: vec![OnnxInput::Tip, OnnxInput::Target, OnnxInput::Pulls],
+    });
+    for (bytes, inputs) in
+        [(LSTM, OnnxInputs::default()), (STATES, OnnxInputs::default()), (WINDOW, window)]
+    {
+        let options = OnnxOptions { inputs, ..options() };
+        let built = OutsidePolicy::Onnx(options).build(bytes, 4, &PolicyOptions::default());
+        let mut policy = built.unwrap();
+        policy.reset();
+        let first = commands(policy.as_mut());
+        let going_on = commands(policy.as_mut());
+        policy.reset();
+        assert_eq!(commands(policy.as_mut()), first, "a trial begins anew");
+        assert_ne!(going_on, first, "what was before it counts");
+    }
+    // The window of a network without memory: the rows before, the oldest first.
+    let (found, expected) = OutsidePolicy::Onnx(OnnxOptions {
+        inputs: OnnxInputs::Past(OnnxWindow { window: 2, each: vec![OnnxInput::Tip] }),
+        ..options()
+    })
+    .check_content(TORCH, 4)
+    .unwrap_err();
+    assert!(found.contains("10 inputs") && expected.starts_with("6, the size of"), "{expected}");
+}
+
+#[test]
+fn inputs_are_a_list_or_a_window() {
+    let read = |text: &str| serde_json::from_str::<OnnxInputs>(text);
+    assert_eq!(read(r#"["tip"]"#).unwrap(), OnnxInputs::Now(vec![OnnxInput::Tip]));
+    let each = vec![OnnxInput::Tip, OnnxInput::Target, OnnxInput::Pulls];
+    assert_eq!(read(r#"{"window": 3}"#).unwrap(), OnnxInputs::Past(OnnxWindow { window: 3, each }));
+    let error = read(r#"{"windows": 3}"#).unwrap_err().to_string();
+    assert!(error.contains("{window: TICKS, each: [tip, …]}"), "{error}");
 }

@@ -45,7 +45,7 @@ fn a_population_is_run_and_published_with_what_holds_on_how_many_robots() {
         let output = command
             .current_dir(folder.path())
             .args(arguments)
-            .env_remove("SPINEBENCH_CACHE")
+            .env("SPINEBENCH_CACHE", ".spinebench/cache")
             .output()
             .unwrap();
         let said = String::from_utf8_lossy(&output.stderr).into_owned();

@@ -11,7 +11,7 @@ fn run(folder: &Path, text: &str, more: &[&str]) -> Output {
     std::fs::write(folder.join("bad.yaml"), spec).unwrap();
     let mut command = Command::new(env!("CARGO_BIN_EXE_spinebench"));
     command.current_dir(folder).args(["run", "bad.yaml", "--out", "out", "--quiet"]).args(more);
-    command.env_remove("SPINEBENCH_CACHE").output().unwrap()
+    command.env("SPINEBENCH_CACHE", ".spinebench/cache").output().unwrap()
 }
 
 /// The text after `extends:` (which is line 1), and how the error begins after `error: `.

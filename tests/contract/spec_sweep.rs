@@ -41,7 +41,12 @@ fn spinebench(folder: &Path, text: &str, arguments: &[&str]) -> Output {
     let spec = format!("extends: {}/smoke.yaml\n{text}", experiments().display());
     std::fs::write(folder.join("spec.yaml"), spec).unwrap();
     let mut command = Command::new(env!("CARGO_BIN_EXE_spinebench"));
-    command.current_dir(folder).args(arguments).env_remove("SPINEBENCH_CACHE").output().unwrap()
+    command
+        .current_dir(folder)
+        .args(arguments)
+        .env("SPINEBENCH_CACHE", ".spinebench/cache")
+        .output()
+        .unwrap()
 }
 
 #[test]

@@ -63,7 +63,12 @@ fn checkout() -> tempfile::TempDir {
 fn run(folder: &Path, line: &str) -> Output {
     let words: Vec<&str> = line.split('#').next().unwrap().split_whitespace().skip(1).collect();
     let mut command = Command::new(env!("CARGO_BIN_EXE_spinebench"));
-    command.args(words).current_dir(folder).env_remove("SPINEBENCH_CACHE").output().unwrap()
+    command
+        .args(words)
+        .current_dir(folder)
+        .env("SPINEBENCH_CACHE", ".spinebench/cache")
+        .output()
+        .unwrap()
 }
 
 /// The commands of a block with what they print: lines after a prompt `$ `, or all lines where
@@ -93,7 +98,7 @@ fn shell(folder: &Path, line: &str) -> Output {
         .args(["-c", line])
         .env("PATH", path)
         .current_dir(folder)
-        .env_remove("SPINEBENCH_CACHE")
+        .env("SPINEBENCH_CACHE", ".spinebench/cache")
         .output()
         .unwrap()
 }

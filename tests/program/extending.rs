@@ -157,7 +157,7 @@ impl Extended {
         let output = command
             .current_dir(self.folder.path())
             .args(arguments)
-            .env_remove("SPINEBENCH_CACHE")
+            .env("SPINEBENCH_CACHE", ".spinebench/cache")
             .output();
         let output = output.unwrap();
         assert!(output.status.success(), "{arguments:?}: {}", told(&output));

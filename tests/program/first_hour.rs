@@ -78,6 +78,56 @@ fn wrong_units_are_refused_with_the_unit_that_was_meant() {
 }
 
 #[test]
+fn commands_in_millimetres_are_refused() {
+    let desk = desk();
+    let row = |k: u32| format!("0,{:.1},{k},0,0,0", 0.2 * f64::from(k));
+    let rows = std::iter::once(HEADER.to_owned()).chain((0..12).map(row));
+    desk.put("mm.csv", &(rows.collect::<Vec<_>>().join("\n") + "\n"));
+    for command in [
+        "simulate --model m.yaml --commands mm.csv --out out.csv",
+        "simulate --static --model m.yaml --commands mm.csv --out out.csv",
+        "collect --plant plant.yaml --commands mm.csv --out out.csv",
+    ] {
+        let said = desk.refused(command);
+        let place = "mm.csv, line 3, column `tendon_1_m`: found 1, expected metres that a robot of \
+                     0.22 m could be pulled by (are these millimetres?)";
+        assert!(said.contains(place), "{command}: {said}");
+    }
+}
+
+#[test]
+fn poses_at_rest_are_marked_and_read_as_such() {
+    let desk = desk();
+    desk.ok("simulate --static --model m.yaml --commands c.csv --out rest.csv");
+    let rest = std::fs::read_to_string(desk.path("rest.csv")).unwrap();
+    assert!(rest.lines().next().unwrap().contains(",at_rest,"), "{rest}");
+    // Repeated times: poses at rest may have any.
+    let times = rest.lines().map(|line| {
+        let mut cells: Vec<&str> = line.split(',').collect();
+        if cells[1] != "time_s" {
+            cells[1] = "0.0";
+        }
+        cells.join(",") + "\n"
+    });
+    desk.put("rest.csv", &times.collect::<String>());
+    let note = "all rows are marked as poses at rest (`at_rest`): read as with --static";
+    let said = desk.ok("calibrate --model m.yaml --measured rest.csv --out m2.yaml");
+    assert!(said.contains(note), "{said}");
+    assert!(!desk.ok("calibrate --model m.yaml --measured rec.csv --out m2.yaml").contains(note));
+    desk.put("c1.csv", &commands().replace("\n0,", "\n1,"));
+    desk.ok("simulate --model m.yaml --commands c1.csv --out moves.csv");
+    let said = desk.refused("discover --model m.yaml --measured moves.csv rest.csv --out out");
+    assert!(
+        said.contains("rest.csv, line 1, column `at_rest`: found poses at rest beside"),
+        "{said}"
+    );
+    let played = desk.ok("simulate --model m.yaml --commands moves.csv --out again.csv");
+    assert!(played.contains("wrote"));
+    let again = std::fs::read_to_string(desk.path("again.csv")).unwrap();
+    assert!(!again.lines().next().unwrap().contains("at_rest"), "{again}");
+}
+
+#[test]
 fn rows_that_all_fail_are_an_error_that_names_the_suspect() {
     let desk = desk();
     // A backbone of gel: possible, but not with these disks.
@@ -175,6 +225,18 @@ fn set_reaches_the_items_of_lists_and_null_drops_what_was_inherited() {
     );
     let one = desk.ok("plan own.yaml");
     assert_ne!(all, one);
+    // A kind of training that is named beside inherited ones runs beside them, and that is said.
+    assert!(!one.contains("note:"), "{one}");
+    let said = desk.ok("plan own.yaml --set training={converged:{}}");
+    assert!(!said.contains("note:"), "{said}");
+    desk.put(
+        "both.yaml",
+        &format!("extends: {experiments}/smoke.yaml\nname: both\ntraining: {{converged: {{}}}}\n"),
+    );
+    let said = desk.ok("plan both.yaml");
+    let expected = "note: both.yaml:3:1: training: runs the inherited `paper` too; `training: \
+                    {paper: null}` drops it";
+    assert!(said.contains(expected), "{said}");
     let said = desk.refused("plan own.yaml --set modes.open=null");
     assert!(said.contains("found `open`, expected one of"), "{said}");
 }
@@ -292,7 +354,7 @@ fn a_run_that_is_interrupted_says_that_the_same_command_goes_on() {
     command
         .args(["run", smoke, "--log", "json"])
         .current_dir(desk.path("."))
-        .env_remove("SPINEBENCH_CACHE");
+        .env("SPINEBENCH_CACHE", ".spinebench/cache");
     let mut child = command.stderr(std::process::Stdio::piped()).spawn().unwrap();
     let mut lines = std::io::BufRead::lines(std::io::BufReader::new(child.stderr.take().unwrap()));
     // The last results may not be stored yet, the first are.

@@ -22,7 +22,7 @@ fn run(folder: &Path, policies: &str) -> Output {
     command
         .current_dir(folder)
         .args(["run", "mine.yaml"])
-        .env_remove("SPINEBENCH_CACHE")
+        .env("SPINEBENCH_CACHE", ".spinebench/cache")
         .output()
         .unwrap()
 }

@@ -9,7 +9,12 @@ const SMOKE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/experiments/smoke.yaml
 
 fn spinebench(folder: &Path, arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_spinebench"));
-    command.current_dir(folder).args(arguments).env_remove("SPINEBENCH_CACHE").output().unwrap()
+    command
+        .current_dir(folder)
+        .args(arguments)
+        .env("SPINEBENCH_CACHE", ".spinebench/cache")
+        .output()
+        .unwrap()
 }
 
 /// Runs and returns the summary's counts: stages computed and read.

@@ -87,7 +87,7 @@ impl Cluster {
 
     fn spinebench(&self, folder: &Path, arguments: &[&str]) -> Command {
         let mut command = self.command(env!("CARGO_BIN_EXE_spinebench"));
-        command.current_dir(folder).args(arguments).env_remove("SPINEBENCH_CACHE");
+        command.current_dir(folder).args(arguments).env("SPINEBENCH_CACHE", ".spinebench/cache");
         command
     }
 }

@@ -18,7 +18,7 @@ const RUN: [&str; 6] = ["run", SMOKE, "--seeds", "1", "--threads", "2"];
 
 fn command(folder: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_spinebench"));
-    command.current_dir(folder).args(arguments).env_remove("SPINEBENCH_CACHE");
+    command.current_dir(folder).args(arguments).env("SPINEBENCH_CACHE", ".spinebench/cache");
     command
 }
 
@@ -268,8 +268,11 @@ fn a_limit_on_memory_leaves_a_good_store() {
         let script = format!("ulimit -v {kilobytes}; exec \"$@\"");
         let mut command = Command::new("bash");
         command.args(["-c", &script, "bash", env!("CARGO_BIN_EXE_spinebench")]).args(RUN);
-        let output =
-            command.current_dir(folder.path()).env_remove("SPINEBENCH_CACHE").output().unwrap();
+        let output = command
+            .current_dir(folder.path())
+            .env("SPINEBENCH_CACHE", ".spinebench/cache")
+            .output()
+            .unwrap();
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         if !output.status.success() {
             ended += 1;

@@ -25,7 +25,7 @@ impl Desk {
         command
             .args(arguments.split(' '))
             .current_dir(self.0.path())
-            .env_remove("SPINEBENCH_CACHE")
+            .env("SPINEBENCH_CACHE", ".spinebench/cache")
             .output()
             .unwrap()
     }

@@ -1,6 +1,6 @@
 //! `spinebench calibrate`.
 
-use super::several::{mismatch, refuse_twins};
+use super::several::{mismatch, poses_at_rest, refuse_twins};
 use super::unusual_number::unusual_number;
 use crate::cli::program::interrupted::exit_on_interrupt;
 use crate::cli::program::outputs::{REPORT_BYTES, check_folder, check_yaml};
@@ -78,13 +78,15 @@ impl CalibrateCommand {
             .collect::<Result<_, _>>()
             .map_err(CommandError::bad_input)?;
         refuse_twins(&self.measured, &parts)?;
+        let files = self.measured.iter().map(PathBuf::as_path);
+        let at_rest = poses_at_rest(self.at_rest, files.zip(&parts), progress)?;
         let measured = Recordings::new(&self.measured, &parts)
             .map_err(|error| mismatch(&self.measured, &error))?;
         check_yaml(&self.out)?;
         self.report.as_ref().map_or(Ok(()), |folder| check_folder(folder, REPORT_BYTES))?;
         exit_on_interrupt("interrupted; nothing was written, and the same command begins again");
         progress.step("fitting");
-        let calibration = calibrate(&model, &measured, &self.options())
+        let calibration = calibrate(&model, &measured, &self.options(at_rest))
             .map_err(|error| self.refusal(&error, &model))?;
         progress.done();
         let text = model_text(&calibration.model).map_err(CommandError::failed)?;
@@ -114,7 +116,7 @@ impl CalibrateCommand {
         Ok(())
     }
 
-    fn options(&self) -> CalibrationOptions {
+    fn options(&self, at_rest: bool) -> CalibrationOptions {
         let hold_out = match self.hold_out {
             Some(share) => HoldOut::Share(share),
             None if self.hold_out_patterns.is_empty() => HoldOut::CrossValidated,
@@ -129,7 +131,7 @@ impl CalibrateCommand {
         CalibrationOptions {
             fit: self.fit.clone(),
             select,
-            at_rest: self.at_rest,
+            at_rest,
             hold_out,
             likelihood,
             validate,

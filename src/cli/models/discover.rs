@@ -1,6 +1,6 @@
 //! `spinebench discover`.
 
-use super::several::{mismatch, refuse_twins};
+use super::several::{mismatch, poses_at_rest, refuse_twins};
 use super::unusual_number::unusual_number;
 use crate::cli::program::interrupted::exit_on_interrupt;
 use crate::cli::program::outputs::{REPORT_BYTES, check_folder};
@@ -94,6 +94,9 @@ impl DiscoverCommand {
             .map(|file| read_to_explain(file, &model, options.at_rest))
             .transpose();
         let baseline = baseline.map_err(CommandError::bad_input)?;
+        let files = self.measured.iter().chain(&self.baseline).map(PathBuf::as_path);
+        options.at_rest =
+            poses_at_rest(options.at_rest, files.zip(parts.iter().chain(&baseline)), progress)?;
         self.refuse_own_baseline(&measured, baseline.as_ref())?;
         let plant = self.plant.as_ref().map(|file| simulated(file, &model)).transpose()?;
         check_folder(&self.out, REPORT_BYTES)?;

@@ -1,5 +1,6 @@
 //! `spinebench export`.
 
+use super::several::poses_at_rest;
 use crate::cli::program::outputs::{check_ending, check_file};
 use crate::cli::{CommandError, CommandResult};
 use clap::{Args, Subcommand};
@@ -58,8 +59,10 @@ const ROW_BYTES: usize = 8000;
 impl McapExport {
     fn execute(self, progress: &Progress) -> CommandResult {
         check_ending(&self.out, &["mcap"])?;
-        let read = if self.at_rest { Recording::read_poses } else { Recording::read };
+        let read = if self.at_rest { Recording::read_poses } else { Recording::read_as_marked };
         let recording = read(&self.recording).map_err(CommandError::bad_input)?;
+        let at_rest =
+            poses_at_rest(self.at_rest, [(self.recording.as_path(), &recording)], progress)?;
         let model =
             self.model.as_deref().map(read_model).transpose().map_err(CommandError::bad_input)?;
         let residuals = self.residuals.as_deref().map(tables::read_csv::<ResidualRow>).transpose();
@@ -68,19 +71,15 @@ impl McapExport {
         let shape_m = match &model {
             Some(model) => {
                 progress.step("simulating");
-                let lines_m = body_lines_m(&self.recording, &recording, model, self.at_rest);
+                let lines_m = body_lines_m(&self.recording, &recording, model, at_rest);
                 let shape_m = lines_m.map_err(CommandError::bad_input)?;
                 progress.done();
                 shape_m
             }
             None => Vec::new(),
         };
-        let shown = Shown {
-            recording: &recording,
-            at_rest: self.at_rest,
-            shape_m: &shape_m,
-            residuals: &residuals,
-        };
+        let shown =
+            Shown { recording: &recording, at_rest, shape_m: &shape_m, residuals: &residuals };
         write_atomic(&self.out, &to_mcap(&shown)).map_err(CommandError::bad_input)?;
         let (rows, out) = (recording.len(), self.out.display());
         progress.say(&format!("wrote {out}: {rows} row{}", if rows == 1 { "" } else { "s" }));

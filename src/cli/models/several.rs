@@ -3,7 +3,9 @@
 use crate::cli::{CommandError, CommandResult};
 use spinebench::data::Recording;
 use spinebench::data::recording::RecordingMismatch;
-use std::path::PathBuf;
+use spinebench::runner::Progress;
+use spinebench::tasks::are_at_rest;
+use std::path::{Path, PathBuf};
 
 /// Refuses a recording that is given twice: its copy would appear in the held-out trials.
 pub(super) fn refuse_twins(files: &[PathBuf], parts: &[Recording]) -> CommandResult {
@@ -16,6 +18,20 @@ pub(super) fn refuse_twins(files: &[PathBuf], parts: &[Recording]) -> CommandRes
         }
     }
     Ok(())
+}
+
+/// Whether these recordings are of poses at rest, because `--static` says so or because their rows
+/// are marked; the latter is told.
+pub(super) fn poses_at_rest<'a>(
+    option: bool,
+    recordings: impl IntoIterator<Item = (&'a Path, &'a Recording)>,
+    progress: &Progress,
+) -> Result<bool, CommandError> {
+    let at_rest = are_at_rest(option, recordings).map_err(CommandError::bad_input)?;
+    if at_rest && !option {
+        progress.notice("all rows are marked as poses at rest (`at_rest`): read as with --static");
+    }
+    Ok(at_rest)
 }
 
 /// A recording that cannot be concatenated with those before it.

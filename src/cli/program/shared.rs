@@ -3,7 +3,7 @@
 use crate::cli::CommandError;
 use clap::{Args, ValueEnum};
 use spinebench::effects::{Model, Starts};
-use spinebench::runner::{Campaign, Progress, Store, Style};
+use spinebench::runner::{Campaign, Progress, Store, Style, store_folder};
 use spinebench::specs::{ExperimentSet, SpecError};
 use std::collections::BTreeSet;
 use std::io::Write as _;
@@ -58,21 +58,15 @@ impl SpecArgs {
 /// Where results of stages are stored.
 #[derive(Args)]
 pub(crate) struct CacheArgs {
-    /// Folder of stored results [default: $SPINEBENCH_CACHE, else .spinebench/cache].
+    /// Folder of stored results [default: $SPINEBENCH_CACHE, else .spinebench/cache of the
+    /// checkout, elsewhere spinebench in the folder of the user's caches].
     #[arg(long, value_name = "DIR")]
     cache: Option<PathBuf>,
 }
 
 impl CacheArgs {
     pub(crate) fn store(&self) -> Store {
-        let set = || {
-            std::env::var_os("SPINEBENCH_CACHE")
-                .filter(|folder| !folder.is_empty())
-                .map(PathBuf::from)
-        };
-        Store::at(
-            self.cache.clone().or_else(set).unwrap_or_else(|| PathBuf::from(".spinebench/cache")),
-        )
+        Store::at(store_folder(self.cache.as_deref()))
     }
 }
 

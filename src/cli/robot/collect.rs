@@ -69,6 +69,9 @@ impl CollectCommand {
             .check_points(&self.commands, &plant.model.tracking.names())
             .map_err(CommandError::bad_input)?;
         check_measured(out, commands)?;
+        commands
+            .check_travel(&self.commands, plant.model.robot.backbone.length_m)
+            .map_err(CommandError::bad_input)?;
         let options = SimulationOptions {
             at_rest: self.at_rest,
             noise_m: plant.noise_m,

@@ -78,6 +78,7 @@ impl Recording {
         joined.tip_quaternion = column_of_all(parts, |part| part.tip_quaternion.clone());
         joined.base = column_of_some(parts, |part| part.base.clone(), UNSEEN);
         joined.valid = column_of_some(parts, |part| part.valid.clone(), true);
+        joined.at_rest = column_of_some(parts, |part| part.at_rest.clone(), false);
         joined.known_load_kg = column_of_some(parts, |part| part.known_load_kg.clone(), 0.0);
         joined.tip_load =
             column_of_some(parts, |part| part.tip_load.clone(), super::RecordedWrench::default());

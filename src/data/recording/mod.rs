@@ -19,7 +19,7 @@ use std::ops::Range;
 
 use super::{DataError, RecordingSource};
 use crate::base::{Point3, Rows};
-use read::Expected;
+use read::{Expected, Times};
 
 pub use drives::{DriveTrack, DriveUnit};
 pub(crate) use extra::{cell_error, column_error};
@@ -121,6 +121,9 @@ pub struct Recording {
     pub known_load_kg: Option<Vec<f64>>,
     /// False where tracking was lost (`valid` is 0); such rows keep their command.
     pub valid: Option<Vec<bool>>,
+    /// True where the row is a pose at rest under its own command, whatever the times say
+    /// (`at_rest` is 1).
+    pub at_rest: Option<Vec<bool>>,
     /// Load at the tip, applied from the row's time on.
     pub tip_load: Option<Vec<RecordedWrench>>,
     /// Gravity in the world frame, m/s², the same in all rows of a trial, where it is not that of
@@ -148,6 +151,7 @@ impl Recording {
             base: None,
             known_load_kg: None,
             valid: None,
+            at_rest: None,
             tip_load: None,
             gravity_m_s2: None,
             points: Vec::new(),
@@ -162,7 +166,19 @@ impl Recording {
     /// # Errors
     /// [`DataError`] names file, line, column, what was found and what was expected.
     pub fn read<'a>(source: impl Into<RecordingSource<'a>>) -> Result<Recording, DataError> {
-        read::recording(source.into(), &Expected { measured: true, in_time: true })
+        read::recording(source.into(), &Expected { measured: true, times: Times::Increasing })
+    }
+
+    /// Reads a recording as it is marked: poses at rest where every row is (`at_rest`), as
+    /// [`Recording::read`] otherwise.
+    ///
+    /// # Errors
+    /// As [`Recording::read`].
+    pub fn read_as_marked<'a>(
+        source: impl Into<RecordingSource<'a>>,
+    ) -> Result<Recording, DataError> {
+        let times = Times::IncreasingUnlessAtRest;
+        read::recording(source.into(), &Expected { measured: true, times })
     }
 
     /// Reads a recording of poses at rest: as [`Recording::read`], with any times, also repeated or
@@ -171,7 +187,7 @@ impl Recording {
     /// # Errors
     /// As [`Recording::read`].
     pub fn read_poses<'a>(source: impl Into<RecordingSource<'a>>) -> Result<Recording, DataError> {
-        read::recording(source.into(), &Expected { measured: true, in_time: false })
+        read::recording(source.into(), &Expected { measured: true, times: Times::Any })
     }
 
     /// Reads the commands of poses at rest: as [`Recording::read_commands`], with any times.
@@ -181,7 +197,7 @@ impl Recording {
     pub fn read_pose_commands<'a>(
         source: impl Into<RecordingSource<'a>>,
     ) -> Result<Recording, DataError> {
-        read::recording(source.into(), &Expected { measured: false, in_time: false })
+        read::recording(source.into(), &Expected { measured: false, times: Times::Any })
     }
 
     /// Reads commands: a recording whose measured columns may be missing (and are kept when they
@@ -192,7 +208,12 @@ impl Recording {
     pub fn read_commands<'a>(
         source: impl Into<RecordingSource<'a>>,
     ) -> Result<Recording, DataError> {
-        read::recording(source.into(), &Expected { measured: false, in_time: true })
+        read::recording(source.into(), &Expected { measured: false, times: Times::Increasing })
+    }
+
+    /// Number of rows that are marked as poses at rest.
+    pub fn rows_at_rest(&self) -> usize {
+        self.at_rest.iter().flatten().filter(|at_rest| **at_rest).count()
     }
 
     /// Number of rows.

@@ -95,14 +95,18 @@ fn is_blank(cells: &Cells, row: usize) -> bool {
 }
 
 /// A column of 0 and 1.
-pub(super) fn flags(table: &Table, name: &str) -> Result<Option<Vec<bool>>, DataError> {
+pub(super) fn flags(
+    table: &Table,
+    name: &str,
+    expected: &str,
+) -> Result<Option<Vec<bool>>, DataError> {
     let Some(cells) = table.column(name) else { return Ok(None) };
     let flag = |row| match cells {
         Cells::Flags(cells) => Ok(cells[row]),
         _ => match finite(cells, row) {
             Some(0.0) => Ok(false),
             Some(1.0) => Ok(true),
-            _ => Err(table.cell_error(row, name, "1, or 0 where tracking was lost")),
+            _ => Err(table.cell_error(row, name, expected)),
         },
     };
     (0..table.rows).map(flag).collect::<Result<_, _>>().map(Some)

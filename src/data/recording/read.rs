@@ -22,8 +22,19 @@ const START_TOLERANCE_S: f64 = 1e-9;
 pub(super) struct Expected {
     /// The tip or another tracked point.
     pub(super) measured: bool,
-    /// Times that start at 0 and increase in each trial.
-    pub(super) in_time: bool,
+    /// What its times are like.
+    pub(super) times: Times,
+}
+
+/// The times that a file has to have.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Times {
+    /// 0 at the start of each trial, and increasing within it.
+    Increasing,
+    /// The same, unless all rows are marked as poses at rest.
+    IncreasingUnlessAtRest,
+    /// Any.
+    Any,
 }
 
 /// Reads and checks a file, or columns in memory.
@@ -38,10 +49,17 @@ pub(super) fn recording(
     }
     columns::refuse_missing(table, expected)?;
     let trial = trials(table)?;
-    let time_s = times(table, &trial, expected.in_time)?;
+    let at_rest = optional::flags(table, "at_rest", "1 for a pose at rest, else 0")?;
+    let all_at_rest = at_rest.as_ref().is_some_and(|rows| rows.iter().all(|at_rest| *at_rest));
+    let in_time = match expected.times {
+        Times::Increasing => true,
+        Times::IncreasingUnlessAtRest => !all_at_rest,
+        Times::Any => false,
+    };
+    let time_s = times(table, &trial, in_time)?;
     let drives = drives::read(table)?;
     let (actuation, commands) = commands(table, &drives)?;
-    let valid = optional::flags(table, "valid")?;
+    let valid = optional::flags(table, "valid", "1, or 0 where tracking was lost")?;
     let points = points::read(table)?;
     // Where tracking was lost, measured cells may be empty; beside other points also where the tip
     // alone was not seen.
@@ -85,6 +103,7 @@ pub(super) fn recording(
         base,
         known_load_kg,
         valid,
+        at_rest,
         tip_load,
         gravity_m_s2,
         points,
@@ -244,7 +263,7 @@ fn tendon_number(name: &str, actuation: Actuation) -> Option<usize> {
 
 /// Columns beyond the format.
 fn extra(table: &Table, actuation: Actuation, tendons: usize) -> Vec<(String, Extra)> {
-    let single = ["trial", "time_s", "known_load_kg", "valid", "pattern"];
+    let single = ["trial", "time_s", "known_load_kg", "valid", "at_rest", "pattern"];
     let groups: [&[&str]; 7] = [&TIP, &TIP_Q, &BASE, &BASE_Q, &FORCE, &MOMENT, &GRAVITY];
     let is_of_format = |name: &str| {
         single.contains(&name)

@@ -33,6 +33,7 @@ impl Recording {
             base: self.base.as_ref().map(|all| picked(all, rows)),
             known_load_kg: self.known_load_kg.as_ref().map(|all| picked(all, rows)),
             valid: self.valid.as_ref().map(|all| picked(all, rows)),
+            at_rest: self.at_rest.as_ref().map(|all| picked(all, rows)),
             tip_load: self.tip_load.as_ref().map(|all| picked(all, rows)),
             gravity_m_s2: self.gravity_m_s2.as_ref().map(|all| picked(all, rows)),
             points: self.points.iter().map(point).collect(),

@@ -72,10 +72,11 @@ impl Recording {
             |&mass_kg| [mass_kg],
             rows,
         )?;
-        if let Some(valid) = &self.valid {
-            check("valid", valid.len(), rows)?;
-            let cells = valid.iter().map(|&valid| i64::from(valid)).collect();
-            columns.push(("valid".to_owned(), Cells::Integers(cells)));
+        for (name, flags) in [("valid", &self.valid), ("at_rest", &self.at_rest)] {
+            let Some(flags) = flags else { continue };
+            check(name, flags.len(), rows)?;
+            let cells = flags.iter().map(|&flag| i64::from(flag)).collect();
+            columns.push((name.to_owned(), Cells::Integers(cells)));
         }
         group(&mut columns, &FORCE, self.tip_load.as_deref(), |load| load.force_n, rows)?;
         group(&mut columns, &MOMENT, self.tip_load.as_deref(), |load| load.moment_nm, rows)?;

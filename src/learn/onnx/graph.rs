@@ -22,6 +22,7 @@ pub(super) struct Attribute {
     pub(super) float: f64,
     pub(super) integer: i64,
     pub(super) integers: Vec<i64>,
+    pub(super) texts: Vec<String>,
     pub(super) tensor: Option<Tensor>,
 }
 
@@ -29,6 +30,11 @@ impl OnnxNode {
     /// A setting that is a real number.
     pub(super) fn float(&self, key: &str, default: f64) -> f64 {
         self.attributes.get(key).map_or(default, |attribute| attribute.float)
+    }
+
+    /// A setting that is one text or several; none where it is not there.
+    pub(super) fn texts(&self, key: &str) -> &[String] {
+        self.attributes.get(key).map_or(&[], |attribute| &attribute.texts)
     }
 
     /// A setting that is a whole number.
@@ -102,6 +108,7 @@ fn attribute(bytes: &[u8]) -> Result<(String, Attribute), OnnxError> {
             1 => name = value.text()?,
             2 => read.float = value.floats()?.first().copied().unwrap_or_default(),
             3 => read.integer = value.number()?,
+            4 | 9 => read.texts.push(value.text()?),
             5 => read.tensor = Some(tensor(value.bytes()?)?.1),
             8 => read.integers.extend(value.numbers()?),
             _ => {}

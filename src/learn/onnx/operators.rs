@@ -2,6 +2,7 @@
 
 use super::OnnxError;
 use super::graph::OnnxNode;
+use super::shapes;
 use super::tensor::{Tensor, shape};
 
 /// Operators that are known.
@@ -12,23 +13,32 @@ pub const OPERATORS: &[&str] = &[
     "Clip",
     "Concat",
     "Constant",
+    "ConstantOfShape",
     "Div",
     "Dropout",
     "Elu",
     "Exp",
+    "Expand",
     "Flatten",
+    "GRU",
+    "Gather",
     "Gemm",
     "Identity",
+    "LSTM",
     "LeakyRelu",
     "MatMul",
     "Max",
     "Min",
     "Mul",
     "Neg",
+    "RNN",
     "Relu",
     "Reshape",
+    "Shape",
     "Sigmoid",
+    "Slice",
     "Softplus",
+    "Split",
     "Sqrt",
     "Squeeze",
     "Sub",
@@ -37,8 +47,15 @@ pub const OPERATORS: &[&str] = &[
     "Unsqueeze",
 ];
 
-/// What the operator makes of its inputs, of which an empty one may be left out.
-pub(super) fn apply(node: &OnnxNode, inputs: &[Option<&Tensor>]) -> Result<Tensor, OnnxError> {
+/// What an operator without memory makes of its inputs, of which an empty one may be left out.
+pub(super) fn apply(node: &OnnxNode, inputs: &[Option<&Tensor>]) -> Result<Vec<Tensor>, OnnxError> {
+    match shapes::apply(node, inputs)? {
+        Some(outputs) => Ok(outputs),
+        None => computed(node, inputs).map(|output| vec![output]),
+    }
+}
+
+fn computed(node: &OnnxNode, inputs: &[Option<&Tensor>]) -> Result<Tensor, OnnxError> {
     let name = node.operator.as_str();
     let at = |place: usize| {
         let missing = || shape(name, format!("found {} inputs, expected more", inputs.len()));
@@ -73,7 +90,6 @@ pub(super) fn apply(node: &OnnxNode, inputs: &[Option<&Tensor>]) -> Result<Tenso
                 }
             }))
         }
-        "Concat" => concatenated(inputs, node.integer("axis", 0), name),
         "Constant" => {
             let tensor =
                 node.attributes.get("value").and_then(|attribute| attribute.tensor.clone());
@@ -85,9 +101,6 @@ pub(super) fn apply(node: &OnnxNode, inputs: &[Option<&Tensor>]) -> Result<Tenso
         }
         "Gemm" => gemm(node, at(0)?, at(1)?, inputs.get(2).copied().flatten()),
         "MatMul" => at(0)?.times(at(1)?, name),
-        "Transpose" => at(0)?.transposed(name),
-        "Reshape" => reshaped(at(0)?, &at(1)?.values, name),
-        "Flatten" | "Squeeze" | "Unsqueeze" => Ok(with_axes(node, at(0)?)),
         other => Err(OnnxError::Operator(other.to_owned())),
     }
 }
@@ -142,59 +155,4 @@ fn gemm(node: &OnnxNode, a: &Tensor, b: &Tensor, c: Option<&Tensor>) -> Result<T
         Some(bias) => product.with(bias, name, |sum, bias| alpha * sum + beta * bias),
         None => Ok(product.map(|sum| alpha * sum)),
     }
-}
-
-/// The same numbers with other axes.
-fn with_axes(node: &OnnxNode, input: &Tensor) -> Tensor {
-    let dims = match node.operator.as_str() {
-        "Flatten" => {
-            let axis = usize::try_from(node.integer("axis", 1)).unwrap_or(0).min(input.dims.len());
-            vec![input.dims[..axis].iter().product(), input.dims[axis..].iter().product()]
-        }
-        "Squeeze" => input.dims.iter().copied().filter(|&dim| dim != 1).collect(),
-        _ => [vec![1], input.dims.clone()].concat(),
-    };
-    Tensor { dims, values: input.values.clone() }
-}
-
-/// Arrays one after another along the last axis.
-fn concatenated(inputs: &[Option<&Tensor>], axis: i64, name: &str) -> Result<Tensor, OnnxError> {
-    let parts: Vec<&Tensor> = inputs.iter().copied().flatten().collect();
-    let axes = parts.first().map_or(0, |first| first.dims.len());
-    let last = i64::try_from(axes).unwrap_or(0) - 1;
-    let equal = parts.iter().all(|part| {
-        part.dims.len() == axes && axes > 0 && part.dims[..axes - 1] == parts[0].dims[..axes - 1]
-    });
-    if !equal || (axis != -1 && axis != last) {
-        return Err(shape(
-            name,
-            "found arrays of other shapes, expected equal ones joined along their last axis".into(),
-        ));
-    }
-    let rows: usize = parts[0].dims[..axes - 1].iter().product();
-    let width = |part: &Tensor| part.dims[axes - 1];
-    let row = |row: usize| {
-        parts.iter().flat_map(move |part| part.values[row * width(part)..][..width(part)].to_vec())
-    };
-    let values = (0..rows).flat_map(row).collect();
-    let mut dims = parts[0].dims.clone();
-    dims[axes - 1] = parts.iter().map(|part| width(part)).sum();
-    Ok(Tensor { dims, values })
-}
-
-/// The array in another shape, in which 0 keeps an axis and −1 takes what remains.
-fn reshaped(input: &Tensor, requested: &[f64], name: &str) -> Result<Tensor, OnnxError> {
-    let explicit = |(axis, size): (usize, &f64)| {
-        if *size == 0.0 { input.dims.get(axis).map_or(1.0, |&dim| dim as f64) } else { *size }
-    };
-    let sizes: Vec<f64> = requested.iter().enumerate().map(explicit).collect();
-    let explicit_count: f64 = sizes.iter().filter(|size| **size > 0.0).product();
-    let inferred = input.values.len() as f64 / explicit_count;
-    let dims = sizes
-        .iter()
-        .map(|&size| if size < 0.0 { inferred as usize } else { size as usize })
-        .collect();
-    let wrong =
-        || shape(name, format!("found {} numbers for the shape {sizes:?}", input.values.len()));
-    Tensor::new(dims, input.values.clone()).ok_or_else(wrong)
 }

@@ -23,8 +23,13 @@ impl Tensor {
         }
     }
 
+    /// The same numbers in a shape of as many.
+    pub(super) fn reshaped(&self, dims: Vec<usize>) -> Tensor {
+        Tensor { dims, values: self.values.clone() }
+    }
+
     /// Rows and columns of a matrix; a vector is one row.
-    pub(super) fn matrix(&self, operator: &str) -> Result<(usize, usize), OnnxError> {
+    fn matrix(&self, operator: &str) -> Result<(usize, usize), OnnxError> {
         match self.dims.as_slice() {
             [columns] => Ok((1, *columns)),
             [rows, columns] => Ok((*rows, *columns)),
@@ -43,9 +48,11 @@ impl Tensor {
         Ok(Tensor { dims: vec![columns, rows], values })
     }
 
-    /// The product of two matrices.
+    /// The product with a matrix: of a matrix, or of each row of an array of more axes.
     pub(super) fn times(&self, other: &Tensor, operator: &str) -> Result<Tensor, OnnxError> {
-        let ((rows, inner), (given, columns)) = (self.matrix(operator)?, other.matrix(operator)?);
+        let inner = self.dims.last().copied().unwrap_or(0);
+        let rows = self.values.len().checked_div(inner).unwrap_or(0);
+        let (given, columns) = other.matrix(operator)?;
         if inner != given {
             return Err(shape(operator, format!("found {rows}×{inner} times {given}×{columns}")));
         }
@@ -57,7 +64,9 @@ impl Tensor {
                 sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += factor * term);
             }
         }
-        let dims = if self.dims.len() == 1 { vec![columns] } else { vec![rows, columns] };
+        let mut dims = self.dims.clone();
+        dims.pop();
+        dims.push(columns);
         Ok(Tensor { dims, values })
     }
 

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 pub use controller::{OutsideDecider, OutsideDecision, OutsideView};
-pub use onnx_policy::{OnnxInput, OnnxOptions, OnnxOutput};
+pub use onnx_policy::{OnnxInput, OnnxInputs, OnnxOptions, OnnxOutput, OnnxWindow};
 pub use python::{PythonHost, PythonOptions, provide_python};
 
 use super::{PolicyEntry, PolicyOptions};

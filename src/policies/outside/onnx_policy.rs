@@ -1,12 +1,13 @@
 //! A policy that is a network in an ONNX file.
 
+use std::collections::VecDeque;
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
 use super::controller::{OutsideDecider, OutsideDecision, OutsideView};
 use crate::base::{BadOption, PolicyError, is_default};
-use crate::learn::onnx::OnnxNetwork;
+use crate::learn::onnx::{OnnxMemory, OnnxNetwork};
 
 /// Options of a policy in an ONNX file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -14,9 +15,9 @@ use crate::learn::onnx::OnnxNetwork;
 pub struct OnnxOptions {
     /// The file, relative to that of the spec.
     pub file: PathBuf,
-    /// What the network sees, in this order.
-    #[serde(default = "seen")]
-    pub inputs: Vec<OnnxInput>,
+    /// What the network sees.
+    #[serde(default)]
+    pub inputs: OnnxInputs,
     /// What it decides.
     #[serde(default)]
     pub output: OnnxOutput,
@@ -36,6 +37,57 @@ pub struct OnnxOptions {
     #[serde(default = "settled_m")]
     pub settled_m: f64,
 }
+
+/// What a network sees: parts in this order, in the last tick or in several.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(
+    untagged,
+    expecting = "a list of `tip`, `target`, `error` and `pulls`, or `{window: TICKS, each: [tip, …]}`"
+)]
+pub enum OnnxInputs {
+    /// These, as they are now.
+    Now(Vec<OnnxInput>),
+    /// These in each of the last ticks, the oldest first.
+    Past(OnnxWindow),
+}
+
+/// The last ticks of a trial.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct OnnxWindow {
+    /// Number of ticks, 1 to 1000. Before the trial has as many, its first one stands for them.
+    pub window: usize,
+    /// What the network sees of each.
+    #[serde(default = "seen")]
+    pub each: Vec<OnnxInput>,
+}
+
+impl Default for OnnxInputs {
+    fn default() -> Self {
+        OnnxInputs::Now(seen())
+    }
+}
+
+impl OnnxInputs {
+    /// What is seen of a tick.
+    fn each(&self) -> &[OnnxInput] {
+        match self {
+            OnnxInputs::Now(each) => each,
+            OnnxInputs::Past(past) => &past.each,
+        }
+    }
+
+    /// Number of ticks.
+    fn ticks(&self) -> usize {
+        match self {
+            OnnxInputs::Now(_) => 1,
+            OnnxInputs::Past(past) => past.window,
+        }
+    }
+}
+
+/// Most ticks that a network may see.
+const MAX_WINDOW: usize = 1000;
 
 /// A part of what a network sees.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -81,11 +133,14 @@ impl OnnxOptions {
         BadOption::unless_positive("position_scale_m", self.position_scale_m)?;
         BadOption::unless_positive("pull_scale_m", self.pull_scale_m)?;
         BadOption::unless_positive("settled_m", self.settled_m)?;
-        BadOption::unless_counted("inputs", self.inputs.len())
+        let ticks = self.inputs.ticks();
+        BadOption::unless_within("window", ticks, 1..=MAX_WINDOW, "a whole number from 1 to 1000")?;
+        BadOption::unless_counted("inputs", self.inputs.each().len())
     }
 
     fn input_size(&self, tendons: usize) -> usize {
-        self.inputs.iter().map(|input| if *input == OnnxInput::Pulls { tendons } else { 3 }).sum()
+        let size = |input: &OnnxInput| if *input == OnnxInput::Pulls { tendons } else { 3 };
+        self.inputs.ticks() * self.inputs.each().iter().map(size).sum::<usize>()
     }
 }
 
@@ -97,7 +152,7 @@ pub(super) fn read(
 ) -> Result<OnnxNetwork, (String, String)> {
     let size = options.input_size(tendons);
     let network = OnnxNetwork::read(content, size).map_err(|error| {
-        (error.to_string(), "an ONNX file of a feed-forward network (docs/python.md)".to_owned())
+        (error.to_string(), "an ONNX file of a network (docs/python.md)".to_owned())
     })?;
     if network.inputs() != size {
         let expected = format!("{size}, the size of `inputs` for {tendons} tendons");
@@ -114,6 +169,9 @@ pub(super) fn read(
 pub(super) struct OnnxDecider {
     network: OnnxNetwork,
     options: OnnxOptions,
+    memory: OnnxMemory,
+    /// What was seen of the last ticks, the oldest first.
+    past: VecDeque<Vec<f64>>,
 }
 
 impl OnnxDecider {
@@ -122,43 +180,71 @@ impl OnnxDecider {
         content: &[u8],
         tendons: usize,
     ) -> Result<OnnxDecider, (String, String)> {
-        Ok(OnnxDecider { network: read(options, content, tendons)?, options: options.clone() })
+        Ok(OnnxDecider {
+            network: read(options, content, tendons)?,
+            options: options.clone(),
+            memory: OnnxMemory::default(),
+            past: VecDeque::new(),
+        })
     }
-}
 
-impl OutsideDecider for OnnxDecider {
-    fn reset(&mut self) -> Result<(), PolicyError> {
-        Ok(())
-    }
-
-    fn decide(&mut self, view: &OutsideView) -> Result<OutsideDecision, PolicyError> {
+    /// What is seen of this tick.
+    fn seen(&self, view: &OutsideView) -> Vec<f64> {
         let OnnxOptions { position_scale_m, pull_scale_m, .. } = self.options;
-        let mut input = Vec::with_capacity(self.network.inputs());
-        for part in &self.options.inputs {
+        let mut seen = Vec::with_capacity(self.network.inputs());
+        for part in self.options.inputs.each() {
             match part {
                 OnnxInput::Tip => {
-                    input.extend(view.tip_m.iter().map(|value| value / position_scale_m))
+                    seen.extend(view.tip_m.iter().map(|value| value / position_scale_m))
                 }
                 OnnxInput::Target => {
-                    input.extend(view.target_m.iter().map(|value| value / position_scale_m))
+                    seen.extend(view.target_m.iter().map(|value| value / position_scale_m))
                 }
                 OnnxInput::Error => {
-                    input.extend(
+                    seen.extend(
                         (0..3).map(|axis| {
                             (view.target_m[axis] - view.tip_m[axis]) / position_scale_m
                         }),
                     );
                 }
                 OnnxInput::Pulls => {
-                    input.extend(view.pulls_m.iter().map(|value| value / pull_scale_m))
+                    seen.extend(view.pulls_m.iter().map(|value| value / pull_scale_m))
                 }
             }
         }
+        seen
+    }
+
+    /// The network's input: this tick and those before it, as many as it sees.
+    fn input(&mut self, view: &OutsideView) -> Vec<f64> {
+        let seen = self.seen(view);
+        let ticks = self.options.inputs.ticks();
+        self.past.resize(ticks.max(self.past.len()), seen.clone());
+        self.past.pop_front();
+        self.past.push_back(seen);
+        self.past.iter().flatten().copied().collect()
+    }
+}
+
+impl OutsideDecider for OnnxDecider {
+    fn reset(&mut self) -> Result<(), PolicyError> {
+        self.memory = OnnxMemory::default();
+        self.past.clear();
+        Ok(())
+    }
+
+    fn decide(&mut self, view: &OutsideView) -> Result<OutsideDecision, PolicyError> {
+        let input = self.input(view);
+        if matches!(self.options.inputs, OnnxInputs::Past(_)) {
+            // The window holds what is to be remembered.
+            self.memory = OnnxMemory::default();
+        }
         let output = self
             .network
-            .evaluate(&input)
+            .evaluate_next(&input, &mut self.memory)
             .map_err(|error| PolicyError::Outside(error.to_string()))?;
         PolicyError::unless_finite("output of the network", &output)?;
+        let pull_scale_m = self.options.pull_scale_m;
         let pulls_m = output.iter().enumerate().map(|(tendon, value)| match self.options.output {
             OnnxOutput::Pulls => pull_scale_m * value,
             OnnxOutput::Changes => {

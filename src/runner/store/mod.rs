@@ -7,9 +7,11 @@
 
 mod entry_lock;
 mod gc;
+mod place;
 
 pub use entry_lock::EntryLock;
 pub use gc::{EntryState, StoredEntry};
+pub use place::store_folder;
 
 use super::graph::digest::Digest;
 use super::graph::key::Key;

@@ -5,6 +5,7 @@
 //! place.
 
 use super::error::{SourceLocation, SpecError};
+use super::inherited;
 use super::invisible;
 use super::layer::{Layer, canonical};
 use super::locate::{PathEnd, locate};
@@ -26,7 +27,7 @@ pub struct Document {
     pub file: String,
     /// Sources of the swept values in the tree.
     pub(crate) origins: Vec<Origin>,
-    /// What the user should know of it: keys under former names.
+    /// What the user should know of it: keys under former names, inherited kinds of training.
     pub(crate) notes: Vec<String>,
 }
 
@@ -69,7 +70,8 @@ impl Document {
             }
             layer.merge_into(&mut merged)?;
         }
-        let notes = layers.iter().rev().flat_map(Layer::notes).collect();
+        let renamed = layers.iter().rev().flat_map(Layer::notes);
+        let notes = renamed.chain(inherited::note(&layers, &merged)).collect();
         let root_keys: &[&str] = &["extends", "sweep"];
         Ok(Document {
             layers,

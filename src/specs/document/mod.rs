@@ -4,6 +4,7 @@
 pub(crate) mod alias;
 pub(crate) mod error;
 mod faults;
+mod inherited;
 mod invisible;
 mod layer;
 pub(crate) mod locate;

@@ -31,7 +31,7 @@ pub struct ExperimentSet {
     pub sweep: Vec<SweptField>,
     /// All points in a fixed order. Empty without a sweep.
     pub points: Vec<SweepPoint>,
-    /// What the user should know of the spec: keys under former names.
+    /// What the user should know of the spec: keys under former names, inherited kinds of training.
     pub notes: Vec<String>,
     /// The entries of `sweep:` as written, with the content of files in place of their names.
     written: Mapping,

@@ -26,6 +26,7 @@ pub fn read_commands<'a>(
     let expected = model.robot.tendons.angles_deg.len();
     of_tendons(&mut commands, file, &model.drive_gains(), expected)?;
     commands.check_points(file, &model.tracking.names())?;
+    commands.check_travel(file, model.robot.backbone.length_m)?;
     check_one_gravity(file, &commands, model)?;
     Ok(commands)
 }
@@ -44,7 +45,7 @@ pub fn read_to_calibrate<'a>(
     let file = source.name();
     let measured = read_measured(source, model, at_rest)?;
     check_one_gravity(file, &measured, model)?;
-    check_duration(file, &measured, at_rest)?;
+    check_duration(file, &measured, at_rest || measured.rows_at_rest() > 0)?;
     Ok(measured)
 }
 
@@ -61,7 +62,7 @@ pub fn read_to_explain<'a>(
     let source = source.into();
     let file = source.name();
     let measured = read_measured(source, model, at_rest)?;
-    check_duration(file, &measured, at_rest)?;
+    check_duration(file, &measured, at_rest || measured.rows_at_rest() > 0)?;
     measured.check_loads(file)?;
     Ok(measured)
 }
@@ -79,7 +80,7 @@ fn read_measured(
 ) -> Result<Recording, DataError> {
     let file = source.name();
     let mut measured =
-        if at_rest { Recording::read_poses(source) } else { Recording::read(source) }?;
+        if at_rest { Recording::read_poses(source) } else { Recording::read_as_marked(source) }?;
     let tendons = model.robot.tendons.angles_deg.len();
     of_tendons(&mut measured, file, &model.drive_gains(), tendons)?;
     measured.check_points(file, &model.tracking.names())?;
@@ -87,6 +88,36 @@ fn read_measured(
     measured.check_reach(file, model.robot.base_m, length_m)?;
     measured.check_travel(file, length_m)?;
     Ok(measured)
+}
+
+/// Whether these recordings are of poses at rest: by what was `asked`, or by their rows (`at_rest`).
+///
+/// # Errors
+/// [`DataError`] for the first one that is of poses at rest where another row is not.
+pub fn are_at_rest<'a>(
+    asked: bool,
+    recordings: impl IntoIterator<Item = (&'a Path, &'a Recording)>,
+) -> Result<bool, DataError> {
+    if asked {
+        return Ok(true);
+    }
+    let (mut first, mut marked) = (None, None);
+    for (file, recording) in recordings {
+        let (at_rest, rows) = (recording.rows_at_rest(), recording.len());
+        let first_at_rest = *first.get_or_insert(at_rest > 0);
+        marked = marked.or((at_rest > 0).then_some(file));
+        if (at_rest > 0) != first_at_rest || (at_rest > 0 && at_rest < rows) {
+            return Err(DataError::Column {
+                file: marked.unwrap_or(file).to_owned(),
+                place: "line 1",
+                column: "at_rest".to_owned(),
+                found: "poses at rest beside rows in motion".to_owned(),
+                expected: "one kind in all recordings (--static takes all rows as poses at rest)"
+                    .to_owned(),
+            });
+        }
+    }
+    Ok(marked.is_some())
 }
 
 /// Gives a recording the commands of tendons that its drives give with these `gains`, and checks

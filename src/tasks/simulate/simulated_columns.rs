@@ -195,6 +195,7 @@ impl SimulatedColumns {
             tip_m: Some(tips.collect()),
             tip_quaternion: Some(orientations.collect()),
             valid: valid.contains(&false).then_some(valid),
+            at_rest: self.at_rest.then(|| vec![true; commands.len()]),
             points: point_tracks(&self.points, &observed),
             extra,
             ..commands.clone()

@@ -85,6 +85,7 @@ pub(crate) fn read(table: &LogTable, map: &CommandsMap) -> Result<TimedCommands,
         recording.extra.push((TRIAL_NAME.to_owned(), Extra::Text(names)));
     }
     let at_rest = has_no_times(table, map);
+    recording.at_rest = at_rest.then(|| vec![true; rows]);
     Ok(TimedCommands { recording, stamps_ns, is_zoned, repeated, at_rest })
 }
 

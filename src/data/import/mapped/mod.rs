@@ -84,7 +84,7 @@ impl MappedImport {
         }
         if self.at_rest {
             notes.push(format!(
-                "the map names no times: the {} rows are poses at rest, for commands with --static",
+                "the map names no times: the {} rows are poses at rest, and marked so (`at_rest`)",
                 self.recording.len()
             ));
         }
