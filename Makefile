@@ -3,7 +3,7 @@
 SHELL := bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build pack unpack reproduce controllers sweeps population data-efficiency repair check test test-python bench blind campaign peers peers-learning peers-environments scaling real verify
+.PHONY: help build pack unpack reproduce controllers sweeps population data-efficiency repair check test test-python wheel dist bench blind campaign peers peers-learning peers-environments scaling real verify
 
 # Repetitions of every experiment, data and training included. Claims need ten, and only ten replace the published results;
 # any other number is a look, which goes to out/.
@@ -119,6 +119,26 @@ test-python: ## the Python package: build, tests, types (needs Python 3.10 or la
 	cd python && ../$(PYTHON_VENV)/bin/python -m pytest -q
 	$(PYTHON_VENV)/bin/python -m mypy --strict -p spinebench
 	cd python/tests && ../../$(PYTHON_VENV)/bin/python -m mypy --strict .
+
+# What one installs without Rust. `TRIPLE=x86_64-unknown-linux-musl` needs a C compiler for musl.
+DIST := dist
+TRIPLE ?= $(shell rustc -vV | sed -n 's/^host: //p')
+VERSION := $(shell sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -1)
+RELEASE := spinebench-$(VERSION)-$(TRIPLE)
+
+wheel: ## the Python package as a wheel for Python 3.10 and later, into dist/ (needs Python with venv, and PyPI)
+	python3 -m venv $(PYTHON_VENV)
+	$(PYTHON_VENV)/bin/python -m pip install --quiet --disable-pip-version-check "maturin>=1.8,<2"
+	$(PYTHON_VENV)/bin/maturin build --release --locked --manifest-path python/Cargo.toml --out $(DIST)
+
+dist: ## the program, which needs no library on Linux, with models and experiments, into dist/ with checksums
+	RUSTFLAGS="-C target-feature=+crt-static" cargo build --release --locked --target $(TRIPLE)
+	rm -rf $(DIST)/$(RELEASE) && mkdir -p $(DIST)/$(RELEASE)
+	cp -r $${CARGO_TARGET_DIR:-target}/$(TRIPLE)/release/spinebench README.md LICENSE-* docs models experiments $(DIST)/$(RELEASE)
+	strip $(DIST)/$(RELEASE)/spinebench
+	tar -C $(DIST) -czf $(DIST)/$(RELEASE).tar.gz $(RELEASE) && rm -r $(DIST)/$(RELEASE)
+	cd $(DIST) && sha256sum *.tar.gz *.whl 2>/dev/null > SHA256SUMS || [ -s SHA256SUMS ]
+	@echo "$(DIST)/$(RELEASE).tar.gz, $(DIST)/SHA256SUMS"
 
 bench: build ## microbenchmarks, then one repetition of everything from nothing: where the time goes, by stage
 	cargo bench

@@ -10,6 +10,7 @@ pub mod series;
 mod tendon_layout;
 mod tip_model;
 mod traits;
+mod work_share;
 
 pub use interruption::{InterruptRequest, Interrupted, interruption_point};
 pub use observation::{Displacements, Observation, Point3, SeenPoint, distance_m};
@@ -20,6 +21,7 @@ pub use seed::{Generator, Seed};
 pub use tendon_layout::{PlacedTendon, TendonLayout};
 pub use tip_model::{NoRestPose, RestPose, TipModel};
 pub use traits::{Action, Plant, PlantError, Policy, PolicyError, TendonCommand};
+pub use work_share::{report_share, with_share_listener};
 
 /// Whether a setting has its default: specs hold those that do not.
 pub(crate) fn is_default<T: Default + PartialEq>(value: &T) -> bool {

@@ -27,4 +27,4 @@ pub use experiment::spec::{
 pub use read::{files_behind, read_map, read_model, read_options, read_plant};
 pub use schema::{SchemaOf, schema};
 pub use sweep::experiment_set::{ExperimentSet, SweepPoint, SweptField};
-pub use write::{extended_text, model_text, to_yaml};
+pub use write::{differing_keys, extended_text, model_text, to_yaml};

@@ -5,6 +5,7 @@ use super::document::mismatch::deserialize;
 use crate::data::read_text;
 use crate::effects::{EffectSpec, Model};
 use serde::Serialize;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// A value as YAML in the form in which specs are read.
@@ -94,6 +95,14 @@ fn with_effects(written: &str, lines: &str) -> Option<String> {
         joined(&below[..next]),
         joined(&below[next..])
     ))
+}
+
+/// Keys of the root in which two specs in YAML differ; none where one cannot be read.
+pub fn differing_keys(one: &str, other: &str) -> Vec<String> {
+    let read = |text: &str| serde_yaml::from_str::<BTreeMap<String, serde_yaml::Value>>(text).ok();
+    let (Some(one), Some(other)) = (read(one), read(other)) else { return Vec::new() };
+    let all: BTreeSet<&String> = one.keys().chain(other.keys()).collect();
+    all.into_iter().filter(|key| one.get(*key) != other.get(*key)).cloned().collect()
 }
 
 #[cfg(test)]

@@ -227,7 +227,7 @@ fn set_reaches_the_items_of_lists_and_null_drops_what_was_inherited() {
     assert_ne!(all, one);
     // A kind of training that is named beside inherited ones runs beside them, and that is said.
     assert!(!one.contains("note:"), "{one}");
-    let said = desk.ok("plan own.yaml --set training={converged:{}}");
+    let said = desk.ok("plan own.yaml --set training.converged={}");
     assert!(!said.contains("note:"), "{said}");
     desk.put(
         "both.yaml",
@@ -338,6 +338,12 @@ fn a_look_leaves_published_results_alone_and_says_where_it_went() {
     assert!(!desk.path("plots").exists() && desk.path("out/results/claims.md").is_file());
     desk.ok("gather out/results/smoke");
     assert!(!desk.path("plots").exists());
+    // Other settings under the same name are told before they replace what is there.
+    assert!(!desk.ok(&run).contains("other settings"));
+    let other = desk.ok(&format!("{run} --set gp.starts=3"));
+    let replaced =
+        "note: out/results/smoke/ holds results of other settings (`gp`); they are replaced";
+    assert!(other.contains(replaced), "{other}");
     // Who names the folder is obeyed.
     desk.ok(&(run + " --out ."));
     assert!(

@@ -245,7 +245,7 @@ fn a_trial_that_fails_marks_its_rows_and_spares_the_others() {
     let out = bench.simulated(
         "",
         &format!(
-            "{LENGTHS}\n0,0,0,0,0,0\n0,0.2,3,3,3,3\n0,0.4,0,0,0,0\n0,0.6,0,0,0,0\n1,0,0.01,0,-0.01,0\n1,0.2,0,0,0,0\n"
+            "{LENGTHS}\n0,0,0,0,0,0\n0,0.2,0.4,0,0,0\n0,0.4,0,0,0,0\n0,0.6,0,0,0,0\n1,0,0.01,0,-0.01,0\n1,0.2,0,0,0,0\n"
         ),
     );
     assert_eq!(out.valid.as_deref(), Some(&[true, true, false, false, true, true][..]));

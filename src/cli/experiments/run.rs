@@ -10,6 +10,7 @@ use spinebench::runner::{
     self, Campaign, CampaignEntry, FailedCell, Outcomes, Progress, Publication, RunFacts,
     RunOptions, StageTimes,
 };
+use spinebench::specs::differing_keys;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::thread::available_parallelism;
@@ -26,15 +27,15 @@ pub(crate) struct RunCommand {
     cache: CacheArgs,
     #[command(flatten)]
     threads: ThreadArgs,
+    /// Exit with status 1 when a claim is not reproduced or a trial failed (a failed stage, and a
+    /// cell of which every trial failed, always does).
+    #[arg(long)]
+    strict: bool,
     /// Where to run stages.
     #[arg(long, value_enum, default_value_t = Executor::Local)]
     executor: Executor,
     #[command(flatten)]
     cluster: SlurmArgs,
-    /// Exit with status 1 when a claim is not reproduced or a trial failed (a failed stage, and a
-    /// cell of which every trial failed, always does).
-    #[arg(long)]
-    strict: bool,
 }
 
 /// Bytes of the tables and figures of an experiment, about.
@@ -54,6 +55,9 @@ impl RunCommand {
         let campaign = self.specs.campaign(|note| progress.notice(note))?;
         let out = self.results.folder(progress);
         check_folder(&out, campaign.entries.len() * EXPERIMENT_BYTES)?;
+        for entry in &campaign.entries {
+            tell_replaced(progress, entry, &out);
+        }
         // The repository may change during the run.
         let revision = runner::git_revision();
         let began = Instant::now();
@@ -132,6 +136,19 @@ impl RunCommand {
             return Err(CommandError::Failed(format!("not reproduced: {}", denied.join(", "))));
         }
         Ok(())
+    }
+}
+
+/// A note where the results that an experiment replaces are those of other settings.
+fn tell_replaced(progress: &Progress, entry: &CampaignEntry, out: &Path) {
+    let folder = out.join("results").join(&entry.experiment.name);
+    let Ok(there) = std::fs::read_to_string(folder.join("spec.yaml")) else { return };
+    let keys = differing_keys(&there, &String::from_utf8_lossy(&entry.spec_yaml()));
+    if !keys.is_empty() {
+        let (folder, keys) = (folder.display(), keys.join("`, `"));
+        progress.notice(&format!(
+            "{folder}/ holds results of other settings (`{keys}`); they are replaced"
+        ));
     }
 }
 

@@ -6,7 +6,7 @@ use super::mini_batches::MiniBatches;
 use super::samples::TrainingSamples;
 use super::weights::Weights;
 use super::{Epoch, Network, NetworkConfig, Stopped, Trained};
-use crate::base::{Seed, interruption_point};
+use crate::base::{Seed, interruption_point, report_share};
 use crate::learn::LearnError;
 
 /// What an epoch did.
@@ -73,6 +73,7 @@ impl<'a> Session<'a> {
         let mut epochs_on_plateau = 0;
         for epoch in 1..=self.config.max_epochs {
             interruption_point();
+            report_share(epoch - 1, self.config.max_epochs);
             let end = optimiser.epoch(&mut self, epoch, rate)?;
             let validation_mae = self.samples.validation_mae(&self.network)?;
             let EpochEnd { training_loss, rate: learning_rate, .. } = end;

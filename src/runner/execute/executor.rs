@@ -6,6 +6,7 @@ use super::outcomes::{Outcomes, SharingCost, StageOutcome};
 use super::plan::{Need, plan_with};
 use super::progress::{Progress, StageEvent};
 use super::stage_queue::{StageQueue, WorkPlan};
+use crate::base::with_share_listener;
 use crate::runner::graph::key::Key;
 use crate::runner::graph::stage::{AnyResult, InputResults};
 use crate::runner::graph::timing::{Stopwatch, Timing};
@@ -247,13 +248,16 @@ impl<'a> Execution<'a> {
         self.values = values.into_iter().map(Mutex::new).collect();
         wanted.iter().for_each(|&stage| *self.remaining_uses[stage].get_mut() += 1);
         let missing = (0..needs.len()).filter(|&stage| needs[stage] == Need::Compute);
-        let kinds = missing.map(|stage| self.graph.nodes[stage].kind);
         let threads = match self.options.threads {
             0 => available_parallelism().map_or(1, usize::from),
             threads => threads,
         };
-        let stages = kinds.map(|kind| (kind.name, kind.cost_ms));
-        self.options.progress.planned(stages, cached, threads, &|kind| self.store.usual_s(kind));
+        let stages = missing.map(|stage| {
+            let node = &self.graph.nodes[stage];
+            (node.kind.name, node.cost_ms)
+        });
+        let usual = |kind: &str| self.store.seconds_per_cost(kind);
+        self.options.progress.planned(stages, cached, threads, &usual);
         // Parts of stages share as many more; the first run of a process decides.
         let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
         let started_threads = std::thread::scope(|scope| {
@@ -372,10 +376,11 @@ impl<'a> Execution<'a> {
         };
         let key = node.key.short();
         let event = StageEvent {
+            number,
             stage: node.kind.name,
             label: &node.label,
             key: &key,
-            cost_ms: node.kind.cost_ms,
+            cost_ms: node.cost_ms,
         };
         self.options.progress.started(event);
         if self.is_stored(number) {
@@ -390,7 +395,11 @@ impl<'a> Execution<'a> {
         let (outcome, timing) = match inputs {
             Ok(inputs) => {
                 let stopwatch = Stopwatch::start();
-                let computed = compute(node, &inputs);
+                let progress = self.options.progress.of_stage();
+                let computed = with_share_listener(
+                    move |share| progress.advanced(number, share),
+                    || compute(node, &inputs),
+                );
                 let timing = stopwatch.read();
                 let failure = computed.as_ref().err().map(|failure| failure.status.as_str());
                 self.options.progress.finished(event, timing, failure);
@@ -443,7 +452,7 @@ impl<'a> Execution<'a> {
         self.store.note(
             node.kind.name,
             &node.key,
-            &Note { label: node.label.clone(), code, timing },
+            &Note { label: node.label.clone(), code, timing, cost_ms: node.cost_ms },
         );
     }
 

@@ -23,6 +23,8 @@ pub enum Style {
 /// One stage, as it is told of.
 #[derive(Clone, Copy, Debug)]
 pub struct StageEvent<'a> {
+    /// Its number in the graph.
+    pub number: usize,
     /// Kind of stage.
     pub stage: &'a str,
     /// Which of them.
@@ -80,14 +82,14 @@ impl Progress {
     }
 
     /// The work is known: stages to compute on so many threads, each with its kind and rough cost
-    /// in milliseconds, and `cached` that need nothing. `usual_s`: what a stage of a kind took in
-    /// runs before, seconds.
+    /// in milliseconds, and `cached` that need nothing. `usual`: what a stage of a kind took in runs
+    /// before, seconds over its cost.
     pub fn planned<'a>(
         &self,
         compute: impl Iterator<Item = (&'a str, u64)> + Clone,
         cached: usize,
         threads: usize,
-        usual_s: &dyn Fn(&str) -> Option<f64>,
+        usual: &dyn Fn(&str) -> Option<f64>,
     ) {
         let mut planned = StageCounts::default();
         for (kind, _) in compute.clone() {
@@ -95,7 +97,7 @@ impl Progress {
             planned.total += 1;
         }
         if let Ok(mut remaining) = self.remaining.lock() {
-            *remaining = RemainingTime::new(compute, threads, usual_s);
+            *remaining = RemainingTime::new(compute, threads, usual);
         }
         self.event("planned", json!({ "compute": planned.total, "cached": cached }));
         if let Ok(mut counts) = self.counts.lock() {
@@ -126,7 +128,7 @@ impl Progress {
     /// A stage begins.
     pub fn started(&self, event: StageEvent) {
         if let Ok(mut remaining) = self.remaining.lock() {
-            remaining.started(event.stage);
+            remaining.started(event.number, event.stage, event.cost_ms);
         }
         self.event(
             "started",
@@ -150,12 +152,14 @@ impl Progress {
         }
         self.bar.set_message(counts.words(event.stage));
         if let Ok(mut remaining) = self.remaining.lock() {
-            remaining.finished(event.stage, timing.wall_s);
-            let share = remaining.share_done(Instant::now());
-            self.bar.set_position(
-                self.bar.position().max((share * BAR_PARTS as f64) as u64).min(BAR_PARTS),
-            );
+            remaining.finished(event.number, timing.wall_s);
         }
+        self.of_stage().move_bar();
+    }
+
+    /// What a stage at work reports to.
+    pub(crate) fn of_stage(&self) -> StageProgress {
+        StageProgress { bar: self.bar.clone(), remaining: Arc::clone(&self.remaining) }
     }
 
     /// Something that a person should know.
@@ -201,6 +205,33 @@ impl Progress {
             fields["event"] = name.into();
             eprintln!("{fields}");
         }
+    }
+}
+
+/// The bar and the time that is left, for a stage at work.
+#[derive(Clone)]
+pub(crate) struct StageProgress {
+    bar: ProgressBar,
+    remaining: Arc<Mutex<RemainingTime>>,
+}
+
+impl StageProgress {
+    /// This share of stage `number` is done.
+    pub(crate) fn advanced(&self, number: usize, share: f64) {
+        if self.bar.is_hidden() {
+            return;
+        }
+        if let Ok(mut remaining) = self.remaining.lock() {
+            remaining.advanced(number, share);
+        }
+        self.move_bar();
+    }
+
+    /// Moves the bar on, never back.
+    fn move_bar(&self) {
+        let Ok(mut remaining) = self.remaining.lock() else { return };
+        let parts = (remaining.share_done(Instant::now()) * BAR_PARTS as f64) as u64;
+        self.bar.set_position(self.bar.position().max(parts).min(BAR_PARTS));
     }
 }
 

@@ -10,30 +10,45 @@ const EARLIER_RUNS_WEIGHT: f64 = 3.0;
 /// one, less the time since.
 const SMOOTHING_SHARE: f64 = 0.05;
 
+/// Share of a stage from which on its own pace counts.
+const MIN_SHARE: f64 = 0.05;
+
 /// What is left of a run.
 #[derive(Debug)]
 pub(crate) struct RemainingTime {
     kinds: BTreeMap<String, KindOfStage>,
+    /// The stages at work, by their number.
+    running: BTreeMap<usize, RunningStage>,
     threads: f64,
+    /// All stages of the run, and those that are done.
+    stages: usize,
+    done: usize,
     /// The last estimate, seconds, and when it was made.
     last_estimate: Option<(f64, Instant)>,
     began: Instant,
 }
 
-/// The stages of one kind.
+/// The stages of one kind. Costs are those that were expected, seconds.
 #[derive(Debug, Default)]
 struct KindOfStage {
-    /// Stages that are not done, those at work among them.
-    unfinished: usize,
-    /// When the stages at work began.
-    running_since: Vec<Instant>,
+    /// Stages that have not begun.
+    waiting_cost_s: f64,
     /// Stages that were computed in this run, and their seconds.
-    done: usize,
+    done_cost_s: f64,
     done_s: f64,
-    /// Mean in runs before, seconds.
-    usual_s: Option<f64>,
-    /// Rough cost, seconds.
+    /// Seconds over cost in runs before, and the mean cost of a stage of this run.
+    usual: Option<f64>,
+    mean_cost_s: f64,
+}
+
+/// A stage at work.
+#[derive(Debug)]
+struct RunningStage {
+    kind: String,
     cost_s: f64,
+    since: Instant,
+    /// Share of it that is done, where it says so.
+    share: f64,
 }
 
 impl RemainingTime {
@@ -41,47 +56,66 @@ impl RemainingTime {
     pub(crate) fn none() -> RemainingTime {
         RemainingTime {
             kinds: BTreeMap::new(),
+            running: BTreeMap::new(),
             threads: 1.0,
+            stages: 0,
+            done: 0,
             last_estimate: None,
             began: Instant::now(),
         }
     }
 
-    /// The stages to compute, each with its kind and rough cost in milliseconds, on so many
-    /// threads. `usual_s`: what a stage of a kind took in runs before, seconds.
+    /// The stages to compute, each with its kind and expected cost in milliseconds, on so many
+    /// threads. `usual`: seconds over cost of a kind in runs before.
     pub(crate) fn new<'a>(
         stages: impl Iterator<Item = (&'a str, u64)>,
         threads: usize,
-        usual_s: &dyn Fn(&str) -> Option<f64>,
+        usual: &dyn Fn(&str) -> Option<f64>,
     ) -> RemainingTime {
-        let mut kinds: BTreeMap<String, KindOfStage> = BTreeMap::new();
+        let mut kinds: BTreeMap<String, (KindOfStage, usize)> = BTreeMap::new();
         for (kind, cost_ms) in stages {
-            let kind_of_stage = kinds.entry(kind.to_owned()).or_insert_with(|| KindOfStage {
-                usual_s: usual_s(kind),
-                cost_s: cost_ms as f64 * 1e-3,
-                ..KindOfStage::default()
+            let (of_kind, count) = kinds.entry(kind.to_owned()).or_insert_with(|| {
+                (KindOfStage { usual: usual(kind), ..KindOfStage::default() }, 0)
             });
-            kind_of_stage.unfinished += 1;
+            of_kind.waiting_cost_s += seconds(cost_ms);
+            *count += 1;
         }
-        RemainingTime { kinds, threads: threads.max(1) as f64, ..RemainingTime::none() }
+        let stages = kinds.values().map(|(_, count)| count).sum();
+        let with_mean = |(kind, (of_kind, count)): (String, (KindOfStage, usize))| {
+            (kind, KindOfStage { mean_cost_s: of_kind.waiting_cost_s / count as f64, ..of_kind })
+        };
+        let kinds = kinds.into_iter().map(with_mean).collect();
+        RemainingTime { kinds, stages, threads: threads.max(1) as f64, ..RemainingTime::none() }
     }
 
-    /// A stage begins.
-    pub(crate) fn started(&mut self, kind: &str) {
+    /// Stage `number` begins.
+    pub(crate) fn started(&mut self, number: usize, kind: &str, cost_ms: u64) {
+        self.started_at(number, kind, cost_ms, Instant::now());
+    }
+
+    fn started_at(&mut self, number: usize, kind: &str, cost_ms: u64, since: Instant) {
+        let cost_s = seconds(cost_ms);
         if let Some(kind) = self.kinds.get_mut(kind) {
-            kind.running_since.push(Instant::now());
+            kind.waiting_cost_s = (kind.waiting_cost_s - cost_s).max(0.0);
+        }
+        let stage = RunningStage { kind: kind.to_owned(), cost_s, since, share: 0.0 };
+        self.running.insert(number, stage);
+    }
+
+    /// Stage `number` says which share of it is done.
+    pub(crate) fn advanced(&mut self, number: usize, share: f64) {
+        if let Some(stage) = self.running.get_mut(&number) {
+            stage.share = share;
         }
     }
 
-    /// A stage ended after so many seconds; 0 where somebody else had computed it.
-    pub(crate) fn finished(&mut self, kind: &str, wall_s: f64) {
-        let Some(kind) = self.kinds.get_mut(kind) else { return };
-        kind.unfinished = kind.unfinished.saturating_sub(1);
-        if !kind.running_since.is_empty() {
-            kind.running_since.remove(0);
-        }
+    /// Stage `number` ended after so many seconds; 0 where somebody else had computed it.
+    pub(crate) fn finished(&mut self, number: usize, wall_s: f64) {
+        self.done += 1;
+        let Some(stage) = self.running.remove(&number) else { return };
+        let Some(kind) = self.kinds.get_mut(&stage.kind) else { return };
         if wall_s > 0.0 {
-            kind.done += 1;
+            kind.done_cost_s += stage.cost_s;
             kind.done_s += wall_s;
         }
     }
@@ -105,68 +139,84 @@ impl RemainingTime {
         Some(shown_s)
     }
 
-    /// Share of the work that is done, by time.
+    /// Share of the work that is done, by time. However long the first stages take, half of the way
+    /// is that of the number of stages.
     pub(crate) fn share_done(&mut self, now: Instant) -> f64 {
         let passed_s = (now - self.began).as_secs_f64();
-        self.remaining_s(now)
-            .map_or(0.0, |remaining_s| passed_s / (passed_s + remaining_s).max(1e-9))
+        let by_time = self
+            .remaining_s(now)
+            .map_or(0.0, |remaining_s| passed_s / (passed_s + remaining_s).max(1e-9));
+        let by_number = self.done as f64 / self.stages.max(1) as f64;
+        by_time.min(0.5 + 0.5 * by_number)
     }
 
     fn estimate_s(&self, now: Instant) -> Option<f64> {
-        let (mut observed_s, mut cost_s) = (0.0, 0.0);
-        for kind in self.kinds.values() {
-            if let Some(mean_s) = kind.mean_s() {
-                observed_s += mean_s;
-                cost_s += kind.cost_s;
+        let known = self.kinds.values().filter_map(|kind| Some((kind.ratio()?, kind.mean_cost_s)));
+        let (seconds_s, costs_s) = known
+            .fold((0.0, 0.0), |(seconds_s, costs_s), (ratio, cost_s)| {
+                (seconds_s + ratio * cost_s, costs_s + cost_s)
+            });
+        // Kinds of which nothing is known are as much slower as the others.
+        let scale = if costs_s > 0.0 { seconds_s / costs_s } else { 1.0 };
+        let (mut known_s, mut all_s, mut remaining_s, mut longest_s) = (0.0, 0.0, 0.0, 0.0_f64);
+        for (name, kind) in &self.kinds {
+            let running = || self.running.values().filter(|stage| stage.kind == *name);
+            // A stage that outlasts the others of its kind says something of them, too.
+            let slowest = running()
+                .filter(|stage| stage.cost_s > 0.0)
+                .map(|stage| stage.passed_s(now) / stage.cost_s)
+                .fold(0.0, f64::max);
+            let ratio = kind.ratio().unwrap_or(scale).max(slowest);
+            let at_work_s: f64 = running().map(|stage| stage.cost_s).sum();
+            let work_s = ratio * (kind.waiting_cost_s + at_work_s);
+            all_s += work_s;
+            known_s += if kind.ratio().is_some() { work_s } else { 0.0 };
+            remaining_s += ratio * kind.waiting_cost_s;
+            for stage in running() {
+                let stage_s = stage.remaining_s(now, ratio);
+                remaining_s += stage_s;
+                longest_s = longest_s.max(stage_s);
             }
         }
-        let any = self.kinds.values().any(|kind| kind.mean_s().is_some());
-        let scale = if any && cost_s > 0.0 { observed_s / cost_s } else { 1.0 };
-        // A stage that outlasts the others of its kind says something of them, too.
-        let mean_s = |kind: &KindOfStage| {
-            let longest = kind
-                .running_since
-                .iter()
-                .map(|&running_since| (now - running_since).as_secs_f64())
-                .fold(0.0, f64::max);
-            kind.mean_s().unwrap_or(scale * kind.cost_s).max(longest)
-        };
         // Half of the work must be of kinds whose times are known.
-        let work_s = |kind: &KindOfStage| kind.unfinished as f64 * mean_s(kind);
-        let all_s: f64 = self.kinds.values().map(work_s).sum();
-        let known_work_s: f64 =
-            self.kinds.values().filter(|kind| kind.mean_s().is_some()).map(work_s).sum();
-        if known_work_s < 0.5 * all_s {
-            return None;
-        }
-        let remaining_s = |kind: &KindOfStage| {
-            let at_work = kind
-                .running_since
-                .iter()
-                .map(|&running_since| (now - running_since).as_secs_f64().min(mean_s(kind)));
-            (work_s(kind) - at_work.sum::<f64>()).max(0.0)
-        };
-        Some(self.kinds.values().map(remaining_s).sum::<f64>() / self.threads)
+        (known_s >= 0.5 * all_s).then(|| (remaining_s / self.threads).max(longest_s))
     }
 }
 
 impl KindOfStage {
-    /// What a stage takes, seconds, of this run and those before; `None` where neither knows.
-    fn mean_s(&self) -> Option<f64> {
-        let done = self.done as f64;
-        match self.usual_s {
-            Some(usual_s) => {
-                Some((EARLIER_RUNS_WEIGHT * usual_s + self.done_s) / (EARLIER_RUNS_WEIGHT + done))
-            }
-            None => (self.done > 0).then(|| self.done_s / done),
+    /// Seconds over cost, of this run and those before; `None` where neither knows.
+    fn ratio(&self) -> Option<f64> {
+        let weight_s = self.usual.map_or(0.0, |_| EARLIER_RUNS_WEIGHT * self.mean_cost_s);
+        let cost_s = weight_s + self.done_cost_s;
+        (cost_s > 0.0).then(|| (weight_s * self.usual.unwrap_or(0.0) + self.done_s) / cost_s)
+    }
+}
+
+impl RunningStage {
+    fn passed_s(&self, now: Instant) -> f64 {
+        now.saturating_duration_since(self.since).as_secs_f64()
+    }
+
+    /// What is left of it, seconds: by its own share once that means something, else by its cost.
+    fn remaining_s(&self, now: Instant, ratio: f64) -> f64 {
+        let passed_s = self.passed_s(now);
+        if self.share >= MIN_SHARE {
+            passed_s * (1.0 - self.share) / self.share
+        } else {
+            (ratio * self.cost_s - passed_s).max(0.0)
         }
     }
 }
 
-/// A time as a person would say it: `about 40 s`, `about 18 min`, `about 2 h`.
+fn seconds(cost_ms: u64) -> f64 {
+    cost_ms as f64 * 1e-3
+}
+
+/// A time as a person would say it: `a few seconds`, `about 40 s`, `about 18 min`, `about 2 h`.
 pub(crate) fn about(remaining_s: f64) -> String {
     let rounded = |unit_s: f64, step: f64| (remaining_s / unit_s / step).round().max(1.0) * step;
     match remaining_s {
+        s if s < 5.0 => "a few seconds".to_owned(),
         s if s < 90.0 => format!("about {} s", rounded(1.0, 10.0)),
         s if s < 5400.0 => format!("about {} min", rounded(60.0, 1.0)),
         s if s < 36_000.0 => format!("about {} h", rounded(3600.0, 0.5)),
@@ -180,30 +230,57 @@ mod tests {
     use super::*;
     use std::time::Duration;
 
-    /// Many short stages, then a few long ones whose rough costs mislead by a factor of ten.
-    fn run(usual_s: &dyn Fn(&str) -> Option<f64>) -> Vec<(f64, Option<f64>)> {
+    /// Many short stages, then a few long ones whose expected costs mislead by a factor of ten.
+    fn run(usual: &dyn Fn(&str) -> Option<f64>) -> Vec<(f64, Option<f64>)> {
         let stages = (0..40).map(|_| ("short", 1000)).chain((0..10).map(|_| ("long", 1000)));
-        let mut remaining = RemainingTime::new(stages, 1, usual_s);
+        let mut remaining = RemainingTime::new(stages, 1, usual);
         let mut now = remaining.began;
         let mut estimates = Vec::new();
         for (kind, count, wall_s) in [("short", 40, 1.0), ("long", 10, 20.0)] {
-            for _ in 0..count {
-                remaining.kinds.get_mut(kind).unwrap().running_since.push(now);
+            for number in 0..count {
+                remaining.started_at(number, kind, 1000, now);
                 for _ in 0..(wall_s as u64) {
                     now += Duration::from_secs(1);
                     let passed_s = (now - remaining.began).as_secs_f64();
                     estimates.push((240.0 - passed_s, remaining.remaining_s(now)));
                 }
-                remaining.finished(kind, wall_s);
+                remaining.finished(number, wall_s);
             }
         }
         estimates
     }
 
     #[test]
+    fn what_a_small_run_took_says_what_a_large_one_takes() {
+        // Training took 0.4 times its cost in a run of seconds, trials 2 times theirs.
+        let usual = |kind: &str| Some(if kind == "train" { 0.4 } else { 2.0 });
+        let stages = [("train", 300_000), ("reach", 1000), ("reach", 1000)];
+        let mut remaining = RemainingTime::new(stages.into_iter(), 1, &usual);
+        let began = remaining.began;
+        assert_eq!(remaining.remaining_s(began).map(f64::round), Some(124.0));
+        // A third of the training after 20 s: 40 s for what is left of it.
+        remaining.started_at(0, "train", 300_000, began);
+        remaining.advanced(0, 1.0 / 3.0);
+        remaining.last_estimate = None;
+        let now = began + Duration::from_secs(20);
+        assert_eq!(remaining.remaining_s(now).map(f64::round), Some(44.0));
+    }
+
+    #[test]
+    fn the_bar_is_never_full_while_most_stages_wait() {
+        let stages = std::iter::once(("slow", 1)).chain((0..108).map(|_| ("fast", 1)));
+        let mut remaining = RemainingTime::new(stages, 1, &|_| Some(0.001));
+        let began = remaining.began;
+        remaining.started_at(0, "slow", 1, began);
+        remaining.finished(0, 40.0);
+        let share = remaining.share_done(began + Duration::from_secs(40));
+        assert!(share < 0.52, "{share}");
+    }
+
+    #[test]
     fn what_the_store_knows_makes_the_estimate_right_from_the_start() {
-        let usual_s = |kind: &str| Some(if kind == "short" { 1.1 } else { 19.0 });
-        for (truth_s, estimate_s) in run(&usual_s) {
+        let usual = |kind: &str| Some(if kind == "short" { 1.1 } else { 19.0 });
+        for (truth_s, estimate_s) in run(&usual) {
             assert!(
                 (estimate_s.unwrap() - truth_s).abs() < 0.12 * truth_s + 4.0,
                 "{estimate_s:?} for {truth_s}"
@@ -233,10 +310,17 @@ mod tests {
 
     #[test]
     fn times_are_round() {
-        let all = [3.0, 44.0, 1080.0, 9000.0, 400_000.0].map(about);
+        let all = [3.0, 12.0, 44.0, 1080.0, 9000.0, 400_000.0].map(about);
         assert_eq!(
             all,
-            ["about 10 s", "about 40 s", "about 18 min", "about 2.5 h", "about 5 days"]
+            [
+                "a few seconds",
+                "about 10 s",
+                "about 40 s",
+                "about 18 min",
+                "about 2.5 h",
+                "about 5 days"
+            ]
         );
     }
 }

@@ -27,6 +27,8 @@ type AnyJob = Box<dyn Fn(&InputResults) -> Result<AnyResult, String> + Send + Sy
 /// One stage with its key and the numbers of its inputs, all smaller than its own.
 pub(super) struct StageNode {
     pub(super) kind: StageKind,
+    /// Rough cost, milliseconds: that of its kind times its size.
+    pub(super) cost_ms: u64,
     pub(super) key: Key,
     pub(super) label: String,
     pub(super) inputs: Vec<usize>,
@@ -40,11 +42,24 @@ pub(super) struct StageNode {
 pub struct Graph {
     pub(super) nodes: Vec<StageNode>,
     by_key: HashMap<Key, usize>,
+    /// Sizes of the stages that are added next, by kind; those of other kinds have size 1.
+    sizes: BTreeMap<&'static str, f64>,
     /// Digests of the code of the kinds that have been met.
     codes: BTreeMap<&'static str, Digest>,
 }
 
 impl Graph {
+    /// Sizes of the stages that are added from now on, by kind, beside those for which the cost of
+    /// a kind is given.
+    pub(super) fn set_sizes(&mut self, sizes: BTreeMap<&'static str, f64>) {
+        self.sizes = sizes;
+    }
+
+    /// The same for one kind.
+    pub(super) fn set_size(&mut self, kind: &'static str, size: f64) {
+        self.sizes.insert(kind, size);
+    }
+
     /// Adds a stage, or finds the one that is already there. `label` distinguishes it from others
     /// of its kind for a person.
     ///
@@ -70,9 +85,11 @@ impl Graph {
             self.codes.entry(kind.name).or_insert_with(|| source_digest::of_module(kind.module));
         let key = key(kind.name, code, &params, &keys)
             .map_err(|status| Failure { stage: kind.name.to_owned(), status })?;
+        let size = self.sizes.get(kind.name).copied().unwrap_or(1.0);
         let node = *self.by_key.entry(key).or_insert_with(|| {
             self.nodes.push(StageNode {
                 kind,
+                cost_ms: (kind.cost_ms as f64 * size).ceil() as u64,
                 key,
                 label: label.into(),
                 inputs: numbers,
@@ -104,7 +121,7 @@ impl Graph {
 
     /// Rough cost of stage number `node`, in milliseconds.
     pub fn cost_ms(&self, node: usize) -> u64 {
-        self.nodes[node].kind.cost_ms
+        self.nodes[node].cost_ms
     }
 
     /// The digest of the code of stage number `node`.

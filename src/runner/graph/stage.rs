@@ -22,8 +22,8 @@ pub struct StageKind {
     /// The module of its job, as `module_path!()` names it: what the job depends on is derived from
     /// its imports.
     pub module: &'static str,
-    /// Rough cost of one, in milliseconds: it orders work and weighs the progress bar, nothing
-    /// else.
+    /// Rough cost of one of the size that it has in the paper's experiments, in milliseconds: it
+    /// orders work and weighs the progress bar, nothing else.
     pub cost_ms: u64,
 }
 

@@ -140,7 +140,8 @@ impl CampaignMonitor<'_> {
     fn wait(&self, folder: CampaignFolder, missing: Vec<usize>) -> Result<CampaignEnd, String> {
         let graph = &self.campaign.graph;
         let stages = missing.iter().map(|&stage| (graph.describe(stage).0, graph.cost_ms(stage)));
-        self.progress.planned(stages, 0, self.workers.max(1), &|kind| self.store.usual_s(kind));
+        let usual = |kind: &str| self.store.seconds_per_cost(kind);
+        self.progress.planned(stages, 0, self.workers.max(1), &usual);
         let interrupt = Interrupt::of_process().map_err(|error| error.to_string())?;
         let (mut unfinished, mut queue) = (missing, QueueWatch::new(folder.job_name()));
         // Unfinished stages when workers were last submitted, and how often that came to nothing.
@@ -197,7 +198,13 @@ impl CampaignMonitor<'_> {
             return false;
         }
         let short = key.short();
-        let event = StageEvent { stage: kind, label, key: &short, cost_ms: graph.cost_ms(stage) };
+        let event = StageEvent {
+            number: stage,
+            stage: kind,
+            label,
+            key: &short,
+            cost_ms: graph.cost_ms(stage),
+        };
         let timing = self.store.noted(kind, &key).map(|note| note.timing).unwrap_or_default();
         // A failure that it inherits from an input is reported once, for the input.
         let failure =

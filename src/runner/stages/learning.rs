@@ -1,5 +1,6 @@
 //! The stages of networks and Gaussian processes.
 
+use super::sizes::GP_POINTS;
 use super::{Added, Stages, stops};
 use crate::learn::gp::Gp;
 use crate::learn::networks::{NetworkConfig, Trained};
@@ -74,6 +75,7 @@ impl Stages<'_> {
         self.once((GP.kind.name, stops(training), points), |stages| {
             let inputs = (stages.gp_pool()?, stages.simulating_network(training)?);
             let label = stages.label(&format!("Gaussian process, {points} points"));
+            stages.graph.set_size(GP.kind.name, (points as f64 / GP_POINTS).powi(3));
             stages.graph.stage(&GP, label, stages.gp_params(points), inputs)
         })
     }

@@ -6,6 +6,7 @@ mod discovery;
 mod learning;
 mod repair;
 mod shared;
+mod sizes;
 mod trials;
 
 pub(super) use discovery::BlindStages;
@@ -84,6 +85,9 @@ impl<'a> Stages<'a> {
         repetition: u64,
     ) -> Stages<'a> {
         let seed = Seed(spec.seed).child("repetition").index(repetition);
+        let trained =
+            networks().into_iter().filter(|network| network.data != TrainingData::Randomised);
+        graph.set_sizes(sizes::sizes(spec, trained.map(|network| network.stage)));
         Stages { graph, spec, parts, seed, repetition, added: HashMap::new() }
     }
 

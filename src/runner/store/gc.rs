@@ -168,7 +168,7 @@ mod tests {
             store.note(
                 "stage",
                 key,
-                &Note { label: "one".into(), code, timing: Timing::default() },
+                &Note { label: "one".into(), code, timing: Timing::default(), cost_ms: 1 },
             );
         }
         let codes = BTreeMap::from([("stage", Digest::of(b"2"))]);

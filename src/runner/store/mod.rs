@@ -49,6 +49,9 @@ pub struct Note {
     pub code: String,
     /// What it took.
     pub timing: Timing,
+    /// What it was expected to cost, milliseconds; 0 in notes of earlier versions.
+    #[serde(default)]
+    pub cost_ms: u64,
 }
 
 /// What one process has asked of its store.
@@ -203,9 +206,9 @@ impl Store {
         }
     }
 
-    /// Mean time that stages of this kind took when they were computed, seconds, of some of the
-    /// entries.
-    pub fn usual_s(&self, stage: &str) -> Option<f64> {
+    /// What stages of this kind took when they were computed, over what they were expected to cost,
+    /// of some of the entries.
+    pub fn seconds_per_cost(&self, stage: &str) -> Option<f64> {
         let shelves = fs::read_dir(self.root.join(stage)).ok()?.flatten();
         let files =
             shelves.flat_map(|shelf| fs::read_dir(shelf.path()).into_iter().flatten().flatten());
@@ -213,9 +216,11 @@ impl Store {
             .map(|file| file.path())
             .filter(|path| path.extension().is_some_and(|end| end == "note"));
         let read = |path: PathBuf| serde_json::from_slice::<Note>(&fs::read(path).ok()?).ok();
-        let times: Vec<f64> =
-            notes.take(MAX_NOTES_READ).filter_map(read).map(|note| note.timing.wall_s).collect();
-        (!times.is_empty()).then(|| times.iter().sum::<f64>() / times.len() as f64)
+        let notes = notes.take(MAX_NOTES_READ).filter_map(read).filter(|note| note.cost_ms > 0);
+        let (wall_s, cost_s) = notes.fold((0.0, 0.0), |(wall_s, cost_s), note| {
+            (wall_s + note.timing.wall_s, cost_s + 1e-3 * note.cost_ms as f64)
+        });
+        (cost_s > 0.0).then(|| wall_s / cost_s)
     }
 
     /// What was noted beside an entry.

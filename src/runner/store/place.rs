@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 /// Names the folder of the store.
-pub const VARIABLE: &str = "SPINEBENCH_CACHE";
+const VARIABLE: &str = "SPINEBENCH_CACHE";
 
 /// The folder of the store: `given`, else what [`VARIABLE`] names, else `.spinebench/cache` of the
 /// checkout around the current folder, else a folder among the user's caches.

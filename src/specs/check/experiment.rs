@@ -12,7 +12,7 @@ use crate::report::figures;
 use crate::specs::document::error::SpecError;
 use crate::specs::document::locate::PathEnd;
 use crate::specs::document::merged::Document;
-use crate::specs::document::mismatch::one_of;
+use crate::specs::document::mismatch::one_near;
 use crate::specs::document::path::KeyPath;
 use crate::specs::experiment::cells::uses;
 use crate::specs::experiment::claims::Size;
@@ -307,7 +307,7 @@ impl Checker<'_> {
                 &path,
                 "each figure once",
             )?;
-            self.unless(figures.contains(&name.as_str()), &path, &one_of(&figures))?;
+            self.unless(figures.contains(&name.as_str()), &path, &one_near(&figures, name))?;
         }
         self.cells(&runs.reach, &path.key("reach"))?;
         self.fixed_duration(&path)?;
@@ -418,7 +418,8 @@ impl Checker<'_> {
             let outside = self.experiment.policies.outside.keys().map(String::as_str);
             let allowed: Vec<&str> =
                 policies::REGISTRY.iter().map(|entry| entry.name).chain(outside).collect();
-            self.unless(allowed.contains(&name.as_str()), &path.item(index), &one_of(&allowed))?;
+            let expected = one_near(&allowed, name);
+            self.unless(allowed.contains(&name.as_str()), &path.item(index), &expected)?;
             let asks_model =
                 policies::find(name).is_some_and(|entry| entry.model == ModelAccess::AtRest);
             let expected = format!(
@@ -438,7 +439,7 @@ impl Checker<'_> {
 
     fn mode(&self, name: &str, path: &KeyPath) -> Result<(), SpecError> {
         let allowed: Vec<&str> = self.experiment.modes.keys().map(String::as_str).collect();
-        self.unless(allowed.contains(&name), path, &one_of(&allowed))
+        self.unless(allowed.contains(&name), path, &one_near(&allowed, name))
     }
 
     /// Sizes must be given when a policy is built from that part, and none may exceed the data.

@@ -80,15 +80,7 @@ fn unknown(message: &str, path: &KeyPath, root_keys: &[&str]) -> Option<Mismatch
     if kind == "key" && path.0.len() == 1 {
         names.extend(root_keys);
     }
-    let listed = match names.as_slice() {
-        [] => "no key here".to_owned(),
-        [name] => format!("`{name}`"),
-        several => one_of(several),
-    };
-    let expected = match nearest(name, names.iter().copied()) {
-        Some(suggestion) => format!("{listed} (did you mean `{suggestion}`?)"),
-        None => listed,
-    };
+    let expected = if names.is_empty() { "no key here".to_owned() } else { one_near(&names, name) };
     // A variant without settings is a value, not a key.
     let is_key = path.0.last() == KeyPath::default().key(name).0.last();
     let end = if is_key { PathEnd::Key } else { PathEnd::Value };
@@ -157,6 +149,15 @@ pub(crate) fn describe(value: &Value) -> String {
 
 /// ``one of `a`, `b` ``.
 pub(crate) fn one_of(names: &[&str]) -> String {
-    let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
-    format!("one of {}", names.join(", "))
+    let listed: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+    let listed = listed.join(", ");
+    if names.len() == 1 { listed } else { format!("one of {listed}") }
+}
+
+/// The same with the name that is most like the one that was found.
+pub(crate) fn one_near(names: &[&str], found: &str) -> String {
+    match nearest(found, names.iter().copied()) {
+        Some(suggestion) => format!("{} (did you mean `{suggestion}`?)", one_of(names)),
+        None => one_of(names),
+    }
 }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::actuation::BendMap;
 use super::retry_lost_frames::RetryLostFrames;
-use crate::base::{BadOption, Plant, Seed};
+use crate::base::{BadOption, Plant, Seed, report_share};
 use crate::tasks::{TaskError, Transitions};
 
 /// Most points; a table of that size fits in memory.
@@ -96,7 +96,9 @@ pub fn explore_trajectory(
     let mut tip_m = plant.reset(seed.child("plant"))?.tip_m;
     let mut bend_m = map.straight();
     let mut samples = Transitions::begin(plant.tendons());
-    for _ in 0..options.share(index) {
+    let rows = options.share(index);
+    for row in 0..rows {
+        report_share(row, rows);
         for value_m in &mut bend_m {
             let change_m = random.random_range(-options.max_step_m..=options.max_step_m);
             let next_m = *value_m + change_m;
@@ -147,7 +149,8 @@ pub fn replay_trajectory(
     let mut plant = RetryLostFrames(plant);
     let mut tip_m = plant.reset(seed.child("replay").index(index as u64))?.tip_m;
     let mut replayed = Transitions::begin(plant.tendons());
-    for row in range {
+    for row in range.clone() {
+        report_share(row - range.start, range.len());
         let after = plant.step(samples.pulls_m.row(row))?;
         replayed.push(&tip_m, &after);
         tip_m = after.tip_m;

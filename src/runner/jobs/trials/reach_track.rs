@@ -1,6 +1,6 @@
 //! Trials: goal reaching and path tracking of one policy under one condition.
 
-use crate::base::{Plant, Point3, Policy, Seed};
+use crate::base::{Plant, Point3, Policy, Seed, report_share};
 use crate::effects::EffectSpec;
 use crate::learn::gp::Gp;
 use crate::learn::networks::Trained;
@@ -27,6 +27,7 @@ pub(crate) const REACH: Stage<ReachParams, (PartHandles, Handle<Targets>), Vec<R
             let mut trials = Vec::with_capacity(targets.len());
             // The seed of a trial depends on its target's number, never on the policy.
             for (draw, (_, target_m)) in targets.iter().enumerate() {
+                report_share(draw, targets.len());
                 let seed = Seed(condition.seed).index(draw as u64);
                 let (feedback, options) = (condition.feedback, &params.options);
                 let outcome = tasks::reach(

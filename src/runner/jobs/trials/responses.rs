@@ -1,7 +1,7 @@
 //! Trials of fixed duration: responses to targets, and laps of the path in time.
 
 use super::reach_track::{Condition, PartHandles};
-use crate::base::{Point3, Seed};
+use crate::base::{Point3, Seed, report_share};
 use crate::rows::responses::{PaceLap, ResponseTrial};
 use crate::runner::graph::stage::{Handle, Stage, StageKind};
 use crate::runner::jobs::data::targets::Targets;
@@ -23,6 +23,7 @@ pub(crate) const RESPONSE: Stage<
         let mut trials = Vec::with_capacity(targets.len());
         // The seed of a trial depends on its target's number, never on the policy.
         for (draw, (_, target_m)) in targets.iter().enumerate() {
+            report_share(draw, targets.len());
             let seed = Seed(condition.seed).index(draw as u64);
             let response = tasks::response(
                 &mut robot,
