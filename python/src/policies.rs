@@ -8,6 +8,8 @@ use spinebench::policies::{
     OutsideDecider, OutsideDecision, OutsideView, PythonOptions, provide_python,
 };
 
+use crate::errors::Fault;
+
 /// An instance of a class of Python.
 struct PythonDecider(Py<PyAny>);
 
@@ -37,6 +39,18 @@ fn make(options: &PythonOptions) -> Result<Box<dyn OutsideDecider>, String> {
         match made {
             Ok(policy) => Ok(Box::new(PythonDecider(policy.unbind())) as Box<dyn OutsideDecider>),
             Err(error) => Err(told(py, &error)),
+        }
+    })
+}
+
+/// What is wrong with the class of a policy, and what was expected; nothing is made of it.
+pub(crate) fn class_fault(options: &PythonOptions) -> Result<Option<(String, String)>, Fault> {
+    let arguments = (options.file.as_os_str(), &options.class_name);
+    Python::attach(|py| {
+        let check = || py.import("spinebench._policies")?.getattr("_class_fault");
+        match check().and_then(|check| check.call1(arguments)) {
+            Ok(fault) => fault.extract().map_err(|error: PyErr| Fault::Run(error.to_string())),
+            Err(error) => Ok(Some((told(py, &error), "a file that can be imported".to_owned()))),
         }
     })
 }

@@ -113,12 +113,6 @@ def test_faults_are_statuses_of_their_trials(tmp_path: Path, name: str, words: s
     assert len(found) == 3 and found.status.str.contains(words).all(), list(found.status)
 
 
-def test_a_class_that_is_not_there_is_a_failed_stage(tmp_path: Path) -> None:
-    (tmp_path / "mine.yaml").write_text(own(f"{{python: {{file: {__file__}, class: Nobody}}}}"))
-    result = spinebench.run(tmp_path / "mine.yaml", out=tmp_path / "out", cache=tmp_path / "cache")
-    assert len(result.failures) == 1 and "no class `Nobody`" in result.failures[0]
-
-
 def test_a_network_stands_in_the_table(tmp_path: Path) -> None:
     # Pulls of 0.1 times the target's x and y: the network sees the target alone.
     weights = 0.1 * np.array([[1.0, 0, 0], [0, 1.0, 0], [-1.0, 0, 0], [0, -1.0, 0]])

@@ -46,6 +46,8 @@ def spec_entry(name: str, policy: PolicyClass) -> dict[str, Any]:
     anything else are never read again."""
     if not callable(policy):
         raise InputError(f"policies: found a {type(policy).__name__} for {name!r}, expected a class with a method act()")
+    if inspect.isclass(policy) and not callable(getattr(policy, "act", None)):
+        raise InputError(f"policies: found the class {policy.__name__} for {name!r}, expected one with a method act()")
     file: str | None = None
     if inspect.isclass(policy):
         try:
@@ -72,6 +74,23 @@ def _make(file: str, class_name: str) -> Any:
     if not hasattr(module, class_name):
         raise InputError(f"{file}: found no class `{class_name}`, expected one with a method act()")
     return getattr(module, class_name)()
+
+
+def _class_fault(file: str, class_name: str) -> tuple[str, str] | None:
+    """What is wrong with a class that a spec names, and what was expected; nothing is made of it."""
+    if class_name.startswith(GIVEN):
+        return None
+    module = _module(Path(file))
+    classes = [name for name, value in vars(module).items() if inspect.isclass(value) and hasattr(value, "act")]
+    expected = f"a class with a method act(), such as {', '.join(f'`{name}`' for name in classes)}"
+    if not classes:
+        expected = "a class with a method act()"
+    made = getattr(module, class_name, None)
+    if made is None:
+        return f"`{class_name}`, which {Path(file).name} does not define", expected
+    if not callable(made) or (inspect.isclass(made) and not callable(getattr(made, "act", None))):
+        return f"`{class_name}`, which has no method act()", expected
+    return None
 
 
 def _module(file: Path) -> ModuleType:
