@@ -189,9 +189,7 @@ class RobotEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         return told[0], told[4]
 
     def step(self, action: NDArray[np.float32]) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        task = self._task
-        if task is None:
-            task = self.task
+        task = self.task
         told = task.robots.step_alone(action)
         if not callable(task.reward):
             return told
