@@ -10,12 +10,14 @@ use cargo_lock::{Lockfile, Package};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 use std::{env, fs};
 
 fn main() {
     for path in ["src", "build", "Cargo.lock", "Cargo.toml"] {
         println!("cargo:rerun-if-changed={path}");
     }
+    println!("cargo:rustc-env=SPINEBENCH_REVISION={}", revision());
     let files = dependencies::read_sources(Path::new("src")).expect("the sources can be read");
     let manifest = fs::read_to_string("Cargo.toml").expect("the manifest can be read");
     let direct = dependencies::direct_dependencies(&manifest);
@@ -54,6 +56,26 @@ fn main() {
     text += "];\n";
     let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo names the folder"));
     fs::write(out.join("sources.rs"), text).expect("cargo's folder can be written");
+}
+
+/// The revision as the local part of a version, `+489860f7`, with `.modified` where the sources were
+/// changed since; empty outside the repository. It is looked up when the sources change, and a commit
+/// alone compiles nothing anew.
+fn revision() -> String {
+    let git = |arguments: &[&str]| {
+        let output = Command::new("git").args(arguments).output().ok()?;
+        let text = output.status.success().then(|| String::from_utf8(output.stdout).ok())??;
+        Some(text.trim().to_owned())
+    };
+    // Sources that were copied into another repository have no revision there.
+    let tracked = git(&["ls-files", "--error-unmatch", "build.rs"]);
+    let Some(revision) = tracked.and_then(|_| git(&["rev-parse", "--short=8", "HEAD"])) else {
+        return String::new();
+    };
+    let sources = ["src", "build", "build.rs", "Cargo.toml", "Cargo.lock"];
+    let status = ["status", "--porcelain", "--untracked-files=no", "--"];
+    let changes = git(&[&status[..], &sources].concat()).unwrap_or_default();
+    format!("+{revision}{}", if changes.is_empty() { "" } else { ".modified" })
 }
 
 /// The named dependencies of the crate and all that they depend on, with version and checksum.

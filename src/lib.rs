@@ -28,3 +28,8 @@ pub mod runner;
 pub mod simulators;
 pub mod specs;
 pub mod tasks;
+
+/// Version of the program with the revision of its sources, as Python writes local versions (PEP
+/// 440): `0.1.0+489860f7`, with `.modified` behind it where the sources were changed since. Without
+/// a repository the version alone.
+pub const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), env!("SPINEBENCH_REVISION"));

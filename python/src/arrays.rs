@@ -1,7 +1,7 @@
 //! Arrays in and out: anything that numpy makes an array of numbers of, with its shape checked, and
 //! arrays of f64.
 
-use numpy::{PyArray1, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
+use numpy::{Element, PyArray1, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -20,6 +20,11 @@ fn shown(shape: &[usize]) -> String {
 
 /// Reads `found`, called `name`, as an array of finite numbers.
 pub(crate) fn numbers(found: &Bound<'_, PyAny>, name: &str) -> PyResult<Numbers> {
+    // What learners give.
+    if let Ok(array) = found.cast::<PyArrayDyn<f32>>() {
+        let values = array.readonly().as_array().iter().copied().map(f64::from).collect();
+        return finite(name, array.shape().to_vec(), values);
+    }
     let converted;
     let array = match found.cast::<PyArrayDyn<f64>>() {
         Ok(array) => array,
@@ -51,8 +56,11 @@ pub(crate) fn numbers(found: &Bound<'_, PyAny>, name: &str) -> PyResult<Numbers>
             converted.cast::<PyArrayDyn<f64>>().map_err(|_| refused())?
         }
     };
-    let shape = array.shape().to_vec();
-    let values: Vec<f64> = array.readonly().as_array().iter().copied().collect();
+    let values = array.readonly().as_array().iter().copied().collect();
+    finite(name, array.shape().to_vec(), values)
+}
+
+fn finite(name: &str, shape: Vec<usize>, values: Vec<f64>) -> PyResult<Numbers> {
     if let Some(place) = values.iter().position(|value| !value.is_finite()) {
         let what = format!("{} at flat index {place}", values[place]);
         return Err(Fault::argument(name, what, "finite numbers").into());
@@ -95,11 +103,11 @@ pub(crate) fn led(
 }
 
 /// An array of this shape.
-pub(crate) fn array<'py>(
+pub(crate) fn array<'py, T: Element>(
     py: Python<'py>,
-    values: Vec<f64>,
+    values: Vec<T>,
     shape: &[usize],
-) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
     PyArray1::from_vec(py, values).reshape(shape.to_vec())
 }
 

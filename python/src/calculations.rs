@@ -1,37 +1,36 @@
 //! Calculations on recordings and specs: simulate, calibrate, discover, run. Results are JSON, columns
 //! and CSV, which `spinebench/_calculations.py` makes objects of.
 
-use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::panic::resume_unwind;
-use std::path::{Path, PathBuf};
-use std::thread::available_parallelism;
-use std::time::Instant;
+use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use pyo3::prelude::*;
 use spinebench::calibration::{AUTO, CalibrationOptions, ErrorLaw, HoldOut, Recordings, calibrate};
 use spinebench::data::{Recording, tables};
 use spinebench::discovery::{
-    Discovery, Options, Question, Round, RoundsError, discover_until_named, with_step_listener,
+    Options, Question, Round, Rounds, RoundsError, discover_until_named, with_step_listener,
 };
-use spinebench::runner::{self, Campaign, Progress, RunFacts, RunOptions, Store, Style};
-use spinebench::specs::{ExperimentSet, read_options};
+use spinebench::report::discovery::GivenRecordings;
+use spinebench::specs::read_options;
 use spinebench::tasks::{
     SimulationOptions, are_at_rest, read_commands, read_to_calibrate, read_to_explain,
     simulate_recording,
 };
 
-use crate::calls::{claim_global_threads, long};
+use crate::calls::{long, long_watched};
+use crate::discovered::{WrittenDiscovery, written};
 use crate::errors::Fault;
-use crate::model::PyModel;
+use crate::model::{GivenModel, PyModel};
 use crate::recordings::{NamedRecording, PyColumn, PyRecording, columns};
 
 /// An error about a file, with its name.
-fn about(file: &Path, error: impl Display) -> Fault {
+pub(crate) fn about(file: &Path, error: impl Display) -> Fault {
     Fault::words(format!("{}: {error}", file.display()))
 }
 
-fn json<T: serde::Serialize>(value: &T) -> Result<String, Fault> {
+pub(crate) fn json<T: serde::Serialize>(value: &T) -> Result<String, Fault> {
     serde_json::to_string(value).map_err(|error| Fault::Run(error.to_string()))
 }
 
@@ -39,7 +38,7 @@ fn json<T: serde::Serialize>(value: &T) -> Result<String, Fault> {
 #[pyfunction]
 pub(crate) fn _simulate(
     py: Python<'_>,
-    model: &PyModel,
+    model: GivenModel,
     commands: PyRecording,
     at_rest: bool,
     noise_m: f64,
@@ -49,17 +48,17 @@ pub(crate) fn _simulate(
         let expected = "a finite number of at least 0, in metres";
         return Err(Fault::argument("noise_m", noise_m.to_string(), expected).into());
     }
-    let model = model.clone();
+    let model = model.0.model;
     long(py, move |stop| {
         let commands = commands.named()?;
-        let read = read_commands(commands.source(), &model.0, at_rest)?;
+        let read = read_commands(commands.source(), &model, at_rest)?;
         let options = SimulationOptions {
             at_rest,
             noise_m,
             seed: spinebench::base::Seed(seed),
             ..SimulationOptions::default()
         };
-        let simulated = stop.within(|| simulate_recording(&model.0, &read, &options));
+        let simulated = stop.within(|| simulate_recording(&model, &read, &options));
         columns(&simulated)
     })
 }
@@ -125,15 +124,14 @@ fn named(recordings: Vec<PyRecording>) -> Result<Vec<NamedRecording>, Fault> {
 #[pyfunction]
 pub(crate) fn _calibrate(
     py: Python<'_>,
-    model: &PyModel,
+    model: GivenModel,
     measured: Vec<PyRecording>,
     arguments: CalibrationArguments,
 ) -> PyResult<(PyModel, String, Vec<u8>)> {
-    let (model, options) = (model.clone(), arguments.options()?);
+    let (model, options) = (model.0.model, arguments.options()?);
     long(py, move |stop| {
         let measured = named(measured)?;
-        let read =
-            |one: &NamedRecording| read_to_calibrate(one.source(), &model.0, options.at_rest);
+        let read = |one: &NamedRecording| read_to_calibrate(one.source(), &model, options.at_rest);
         let parts: Vec<Recording> = measured.iter().map(read).collect::<Result<_, _>>()?;
         let files: Vec<&Path> = measured.iter().map(|one| one.source().name()).collect();
         let at_rest = are_at_rest(options.at_rest, files.iter().copied().zip(&parts))?;
@@ -141,21 +139,11 @@ pub(crate) fn _calibrate(
         let whole =
             Recordings::new(&files, &parts).map_err(|error| about(files[error.index], &error))?;
         let found = stop
-            .within(|| calibrate(&model.0, &whole, &options))
+            .within(|| calibrate(&model, &whole, &options))
             .map_err(|error| about(files[0], error))?;
         let sightings = tables::to_csv(Path::new("sightings.csv"), &found.sightings)?;
-        Ok((PyModel(found.model.into()), json(&found.findings)?, sightings))
+        Ok((PyModel::from(found.model), json(&found.findings)?, sightings))
     })
-}
-
-/// An answer for Python: the extended model, the findings as JSON, residuals and residual map as
-/// CSV.
-type WrittenDiscovery = (PyModel, String, Vec<u8>, Vec<u8>);
-
-fn written(answer: &Discovery) -> Result<WrittenDiscovery, Fault> {
-    let residuals = tables::to_csv(Path::new("residuals.csv"), &answer.residuals)?;
-    let places = tables::to_csv(Path::new("disagreement.csv"), &answer.places)?;
-    Ok((PyModel(answer.model.clone().into()), json(&answer.findings)?, residuals, places))
 }
 
 /// What a discovery is asked.
@@ -164,23 +152,50 @@ fn written(answer: &Discovery) -> Result<WrittenDiscovery, Fault> {
 pub(crate) struct DiscoverArguments {
     measured: Vec<PyRecording>,
     baseline: Option<PyRecording>,
-    options: Option<PathBuf>,
+    options: Option<std::path::PathBuf>,
     leave_out: Vec<String>,
     at_rest: bool,
     max_rounds: usize,
 }
 
+/// The steps of a discovery: their number so far, and the last one.
+#[derive(Clone, Default)]
+struct Steps(Arc<Mutex<(usize, String)>>);
+
+impl Steps {
+    fn add(&self, step: &str) {
+        let mut steps = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        *steps = (steps.0 + 1, step.to_owned());
+    }
+
+    fn last(&self) -> (usize, String) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+}
+
 /// Finds what a model lacks. While the answer is ambiguous, `record` gets it with the commands of
-/// its proposals and returns a new recording, or None. Returns the answer of each round.
+/// its proposals and returns a new recording, or None. `tell` hears of each step: its number and
+/// name. Returns the answer of each round.
 #[pyfunction]
 pub(crate) fn _discover(
     py: Python<'_>,
-    model: &PyModel,
+    model: GivenModel,
     arguments: DiscoverArguments,
     record: Option<Py<PyAny>>,
+    tell: Option<Py<PyAny>>,
 ) -> PyResult<Vec<WrittenDiscovery>> {
-    let model = model.clone();
-    long(py, move |stop| {
+    let (steps, mut told) = (Steps::default(), 0);
+    let heard = steps.clone();
+    let watch = move |py: Python<'_>| {
+        let (number, step) = heard.last();
+        if let Some(tell) = tell.as_ref().filter(|_| number > told) {
+            told = number;
+            tell.bind(py).call1((number, step))?;
+        }
+        Ok(())
+    };
+    let model = model.0;
+    long_watched(py, watch, move |stop| {
         let DiscoverArguments { measured, baseline, options, leave_out, at_rest, max_rounds } =
             arguments;
         let mut settings =
@@ -188,44 +203,54 @@ pub(crate) fn _discover(
         settings.left_out.extend(leave_out);
         settings.at_rest |= at_rest;
         let read = |recording: &NamedRecording| {
-            read_to_explain(recording.source(), &model.0, settings.at_rest)
+            read_to_explain(recording.source(), &model.model, settings.at_rest)
         };
         let measured = named(measured)?;
         let parts: Vec<Recording> = measured.iter().map(read).collect::<Result<_, _>>()?;
         let whole = Recording::joined(&parts)
             .map_err(|error| about(measured[error.index].source().name(), &error))?;
-        let baseline = baseline.map(PyRecording::named).transpose()?;
-        let files = measured.iter().chain(&baseline).map(|one| one.source().name());
-        let baseline = baseline.as_ref().map(read).transpose()?;
-        let at_rest = are_at_rest(settings.at_rest, files.zip(parts.iter().chain(&baseline)))?;
+        let of_baseline = baseline.map(PyRecording::named).transpose()?;
+        let files = measured.iter().chain(&of_baseline).map(|one| one.source().name());
+        let baseline = of_baseline.as_ref().map(read).transpose()?;
+        let at_rest =
+            are_at_rest(settings.at_rest, files.clone().zip(parts.iter().chain(&baseline)))?;
         let settings = Options { at_rest, ..settings };
         let read = |recording: &NamedRecording| {
-            read_to_explain(recording.source(), &model.0, settings.at_rest)
+            read_to_explain(recording.source(), &model.model, settings.at_rest)
         };
+        let files: Vec<&Path> = files.take(parts.len()).collect();
+        let mut given = GivenRecordings::new(&files, &parts, baseline.as_ref());
+        let mut earlier: Vec<WrittenDiscovery> = Vec::new();
         let stop = stop.clone();
         // A search that nobody waits for ends at its next step.
-        let step = move |_: &str| {
+        let step = move |step: &str| {
             if stop.raised() {
                 resume_unwind(Box::new("interrupted"));
             }
+            steps.add(step);
         };
         let ask = |round: &Round| -> Result<Option<Recording>, PyErr> {
             let Some(record) = &record else { return Ok(None) };
             let proposals = round.answer.next_experiments.iter();
             let commands: Vec<Vec<PyColumn>> =
                 proposals.map(|next| columns(&next.commands)).collect::<Result<_, Fault>>()?;
-            let answer = written(round.answer)?;
+            let answer = written(round.answer, &model, given.limitations(round.measured))?;
             let recorded: Option<PyRecording> =
-                Python::attach(|py| record.bind(py).call1((answer, commands))?.extract())?;
-            let recorded = recorded.map(PyRecording::named).transpose()?;
-            Ok(recorded.as_ref().map(read).transpose().map_err(Fault::from)?)
+                Python::attach(|py| record.bind(py).call1((answer.clone(), commands))?.extract())?;
+            let Some(recorded) = recorded.map(PyRecording::named).transpose()? else {
+                return Ok(None);
+            };
+            let added = read(&recorded).map_err(Fault::from)?;
+            given.extend(recorded.source().name(), &added);
+            earlier.push(answer);
+            Ok(Some(added))
         };
         let question =
-            Question { model: &model.0, baseline: baseline.as_ref(), options: &settings };
+            Question { model: &model.model, baseline: baseline.as_ref(), options: &settings };
         match with_step_listener(step, || discover_until_named(question, whole, max_rounds, ask)) {
-            Ok(rounds) => {
-                let answers = rounds.earlier.iter().chain([&rounds.answer]);
-                Ok(Ok(answers.map(written).collect::<Result<Vec<_>, Fault>>()?))
+            Ok(Rounds { answer, measured, .. }) => {
+                earlier.push(written(&answer, &model, given.limitations(&measured))?);
+                Ok(Ok(earlier))
             }
             Err(RoundsError::Record(exception)) => Ok(Err(exception)),
             Err(RoundsError::Mismatch(error)) => Err(Fault::words(error)),
@@ -234,93 +259,4 @@ pub(crate) fn _discover(
             }
         }
     })?
-}
-
-/// Where and how specs are run.
-#[derive(FromPyObject)]
-#[pyo3(from_item_all)]
-pub(crate) struct RunArguments {
-    out: PathBuf,
-    cache: PathBuf,
-    sets: Vec<String>,
-    sweeps: Vec<String>,
-    jobs: usize,
-    /// Policies of this process by name, as entries of a spec, in JSON.
-    own: String,
-}
-
-/// Reads a spec; with policies of its own in every set of trials.
-fn experiments(file: &Path, arguments: &RunArguments) -> Result<ExperimentSet, Fault> {
-    let RunArguments { sets, sweeps, own, .. } = arguments;
-    let read = ExperimentSet::read(file, sets, sweeps)?;
-    let own: BTreeMap<String, serde_json::Value> =
-        serde_json::from_str(own).map_err(|error| Fault::Run(error.to_string()))?;
-    if own.is_empty() {
-        return Ok(read);
-    }
-    let mut sets = sets.clone();
-    sets.extend(own.iter().map(|(name, policy)| format!("policies.outside.{name}={policy}")));
-    let with_own = |path: String, policies: &[String]| {
-        let more = own.keys().filter(|name| !policies.contains(name));
-        let all: Vec<&String> = policies.iter().chain(more).collect();
-        format!("{path}.policies={}", serde_json::json!(all))
-    };
-    let runs = &read.experiment.runs;
-    sets.extend(
-        runs.reach
-            .iter()
-            .enumerate()
-            .map(|(k, sweep)| with_own(format!("runs.reach[{k}]"), &sweep.policies)),
-    );
-    sets.extend(runs.track.iter().map(|track| with_own("runs.track".to_owned(), &track.policies)));
-    Ok(ExperimentSet::read(file, &sets, sweeps)?)
-}
-
-/// Runs specs and writes tables and figures; returns what was computed as JSON.
-#[pyfunction]
-pub(crate) fn _run(
-    py: Python<'_>,
-    specs: Vec<PathBuf>,
-    arguments: RunArguments,
-) -> PyResult<String> {
-    claim_global_threads()?;
-    long(py, move |stop| {
-        let read = |file: &PathBuf| experiments(file, &arguments);
-        let experiments = specs.iter().map(read).collect::<Result<Vec<_>, Fault>>()?;
-        let RunArguments { out, cache, jobs, .. } = arguments;
-        let campaign = Campaign::expand(experiments).map_err(Fault::words)?;
-        std::fs::create_dir_all(&out).map_err(|error| about(&out, error))?;
-        let (revision, began, store) = (runner::git_revision(), Instant::now(), Store::at(cache));
-        let progress = Progress::new(Style::Quiet);
-        let options = RunOptions { stop: stop.flag(), ..RunOptions::new(jobs, &progress) };
-        let outcomes = runner::execute(&campaign.graph, &store, &campaign.wanted(), &options)
-            .map_err(|failure| Fault::Run(failure.to_string()))?;
-        stop.check()?;
-        let threads = if jobs > 0 { jobs } else { available_parallelism().map_or(1, usize::from) };
-        let facts = RunFacts {
-            revision: &revision,
-            threads: &|_| threads,
-            wall_s: began.elapsed().as_secs_f64(),
-        };
-        let published =
-            runner::publish_all(&campaign, &outcomes, &store, &out, &facts).map_err(Fault::Run)?;
-        let experiments: Vec<serde_json::Value> = campaign
-            .entries
-            .iter()
-            .zip(&published)
-            .map(|(entry, publication)| {
-                serde_json::json!({
-                    "name": entry.experiment.name,
-                    "files": publication.files.keys().map(|file| out.join(file)).collect::<Vec<_>>(),
-                    "failed_trials": publication.failed,
-                    "notices": publication.notices,
-                })
-            })
-            .collect();
-        let failures: Vec<String> = outcomes.failures.iter().map(ToString::to_string).collect();
-        let (computed, cached) = (outcomes.computed, outcomes.cached);
-        json(&serde_json::json!({
-            "computed": computed, "cached": cached, "failures": failures, "experiments": experiments
-        }))
-    })
 }

@@ -129,7 +129,16 @@ pub(crate) fn long<T: Send + 'static>(
     py: Python<'_>,
     work: impl FnOnce(&Stop) -> Result<T, Fault> + Send + 'static,
 ) -> PyResult<T> {
-    apart(py, move |pool, stop| pool.install(|| guarded(|| work(stop))))
+    long_watched(py, |_| Ok(()), work)
+}
+
+/// As [`long`]; this thread meanwhile asks `watch` for what there is to tell of the work.
+pub(crate) fn long_watched<T: Send + 'static>(
+    py: Python<'_>,
+    watch: impl FnMut(Python<'_>) -> PyResult<()>,
+    work: impl FnOnce(&Stop) -> Result<T, Fault> + Send + 'static,
+) -> PyResult<T> {
+    apart(py, watch, move |pool, stop| pool.install(|| guarded(|| work(stop))))
 }
 
 /// A long call on a state that calls share. The thread of its own waits for the state, not one of
@@ -140,16 +149,21 @@ pub(crate) fn long_on<S: Send + 'static, T: Send + 'static>(
     state: Arc<Mutex<S>>,
     work: impl FnOnce(&mut S, &Stop) -> Result<T, Fault> + Send + 'static,
 ) -> PyResult<T> {
-    apart(py, move |pool, stop| {
-        let mut held = state.lock().unwrap_or_else(PoisonError::into_inner);
-        let state = &mut *held;
-        pool.install(|| guarded(|| work(state, stop)))
-    })
+    apart(
+        py,
+        |_| Ok(()),
+        move |pool, stop| {
+            let mut held = state.lock().unwrap_or_else(PoisonError::into_inner);
+            let state = &mut *held;
+            pool.install(|| guarded(|| work(state, stop)))
+        },
+    )
 }
 
-/// Runs on a thread of its own while this one looks for Ctrl-C.
+/// Runs on a thread of its own while this one looks for Ctrl-C and for what `watch` has to tell.
 fn apart<T: Send + 'static>(
     py: Python<'_>,
+    mut watch: impl FnMut(Python<'_>) -> PyResult<()>,
     work: impl FnOnce(&ThreadPool, &Stop) -> Result<T, Fault> + Send + 'static,
 ) -> PyResult<T> {
     let stop = Stop::default();
@@ -172,7 +186,10 @@ fn apart<T: Send + 'static>(
         let received =
             py.detach(|| results.lock().unwrap_or_else(PoisonError::into_inner).recv_timeout(LOOK));
         match received {
-            Ok(result) => return Ok(result?),
+            Ok(result) => {
+                watch(py)?;
+                return Ok(result?);
+            }
             Err(RecvTimeoutError::Disconnected) => {
                 return Err(Fault::Panic(
                     "internal error: the computation ended without an answer".into(),
@@ -180,7 +197,7 @@ fn apart<T: Send + 'static>(
                 .into());
             }
             Err(RecvTimeoutError::Timeout) => {
-                if let Err(interrupted) = py.check_signals() {
+                if let Err(interrupted) = py.check_signals().and_then(|()| watch(py)) {
                     stop.0.store(true, Ordering::Relaxed);
                     return Err(interrupted);
                 }

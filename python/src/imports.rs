@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use pyo3::prelude::*;
 use spinebench::data::findings::ResidualRow;
 use spinebench::data::import::mapped::{
-    ClockFit, LogFiles, MappedImport, SourceKind, TrialClock, import_bag, import_text,
+    ClockFit, ImportMap, LogFiles, MappedImport, SourceKind, TrialClock, import_bag, import_text,
 };
 use spinebench::data::mcap::{Shown, to_mcap};
 use spinebench::data::{Recording, tables, write_atomic};
@@ -14,7 +14,7 @@ use spinebench::tasks::body_lines_m;
 
 use crate::calls::long;
 use crate::errors::Fault;
-use crate::model::PyModel;
+use crate::model::{GivenModel, read_text};
 use crate::recordings::{PyColumn, PyRecording, columns};
 
 /// Trial with files of its own, offset, interval, lag and explained share.
@@ -32,25 +32,37 @@ fn told(found: MappedImport) -> Result<ToldImport, Fault> {
     Ok((columns, found.clocks.iter().map(parts).collect(), found.passed_over, notes))
 }
 
-/// Imports text files by the map in a file.
+/// A map as it is given: a file, or what messages call it with its text.
+#[derive(FromPyObject)]
+pub(crate) enum PyMap {
+    File(PathBuf),
+    Text((String, String)),
+}
+
+impl PyMap {
+    fn read(&self, source: SourceKind) -> Result<ImportMap, Fault> {
+        match self {
+            PyMap::File(file) => Ok(read_map(file, source)?),
+            PyMap::Text((name, text)) => read_text(name, text, |file| Ok(read_map(file, source)?)),
+        }
+    }
+}
+
+/// Imports text files by a map.
 #[pyfunction]
-pub(crate) fn _import_csv(
-    py: Python<'_>,
-    files: Vec<PathBuf>,
-    map: PathBuf,
-) -> PyResult<ToldImport> {
+pub(crate) fn _import_csv(py: Python<'_>, files: Vec<PathBuf>, map: PyMap) -> PyResult<ToldImport> {
     long(py, move |_| {
         let logs = LogFiles::find(&files)?;
-        let map = read_map(&map, SourceKind::from(&logs))?;
+        let map = map.read(SourceKind::from(&logs))?;
         told(import_text(&logs.files, &map)?)
     })
 }
 
-/// Imports a bag by the map in a file.
+/// Imports a bag by a map.
 #[pyfunction]
-pub(crate) fn _import_mcap(py: Python<'_>, bag: PathBuf, map: PathBuf) -> PyResult<ToldImport> {
+pub(crate) fn _import_mcap(py: Python<'_>, bag: PathBuf, map: PyMap) -> PyResult<ToldImport> {
     long(py, move |_| {
-        let map = read_map(&map, SourceKind::Bag)?;
+        let map = map.read(SourceKind::Bag)?;
         told(import_bag(&bag, &map)?)
     })
 }
@@ -61,21 +73,23 @@ pub(crate) fn _export_mcap(
     py: Python<'_>,
     recording: PyRecording,
     out: PathBuf,
-    model: Option<PyRef<'_, PyModel>>,
-    residuals: Option<PathBuf>,
+    model: Option<GivenModel>,
+    residuals: Option<PyRecording>,
     at_rest: bool,
 ) -> PyResult<()> {
-    let model = model.map(|model| model.clone());
     long(py, move |stop| {
         let recording = recording.named()?;
         let source = recording.source();
         let read = if at_rest { Recording::read_poses(source)? } else { Recording::read(source)? };
+        let residuals = residuals.map(PyRecording::named).transpose()?;
         let residuals = residuals
-            .map(|file| tables::read_csv::<ResidualRow>(&file))
+            .map(|table| tables::read_rows::<ResidualRow>(table.source()))
             .transpose()?
             .unwrap_or_default();
         let shape_m = match &model {
-            Some(model) => stop.within(|| body_lines_m(source.name(), &read, &model.0, at_rest))?,
+            Some(GivenModel(given)) => {
+                stop.within(|| body_lines_m(source.name(), &read, &given.model, at_rest))?
+            }
             None => Vec::new(),
         };
         let shown = Shown { recording: &read, at_rest, shape_m: &shape_m, residuals: &residuals };

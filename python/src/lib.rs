@@ -5,6 +5,8 @@
 mod arrays;
 mod calculations;
 mod calls;
+mod discovered;
+mod episodes;
 mod errors;
 mod imports;
 mod learn;
@@ -12,8 +14,10 @@ mod model;
 mod plants;
 mod policies;
 mod recordings;
+mod robots;
 mod rod;
 mod rods;
+mod runs;
 
 use pyo3::prelude::*;
 
@@ -21,23 +25,28 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _spinebench {
     #[pymodule_export]
-    use crate::calculations::{_calibrate, _discover, _run, _simulate};
+    use crate::calculations::{_calibrate, _discover, _simulate};
+    #[pymodule_export]
+    use crate::discovered::_save_discovery;
     #[pymodule_export]
     use crate::imports::{_export_mcap, _import_csv, _import_mcap};
     #[pymodule_export]
     use crate::learn::{PyGp, PyNetwork};
     #[pymodule_export]
-    use crate::model::PyModel;
+    use crate::model::{_effects, PyModel};
     #[pymodule_export]
-    use crate::plants::PyPlants;
+    use crate::robots::PyRobots;
     #[pymodule_export]
     use crate::rod::PyRod;
     #[pymodule_export]
     use crate::rods::PyRods;
+    #[pymodule_export]
+    use crate::runs::{_plan, _run};
     use pyo3::prelude::*;
 
     #[pymodule_init]
-    fn init(_module: &Bound<'_, PyModule>) -> PyResult<()> {
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("_VERSION", spinebench::VERSION)?;
         crate::calls::record_panics();
         crate::policies::provide();
         Ok(())

@@ -52,8 +52,14 @@ fn make(options: &PythonOptions) -> Result<Box<dyn OutsideDecider>, String> {
     of_class("_make", options, |policy| Ok(Box::new(PythonDecider(policy.unbind())) as Box<_>))
 }
 
-fn closed_loop_only(options: &PythonOptions) -> Result<bool, String> {
-    of_class("_closed_loop_only", options, |attribute| attribute.extract())
+fn closed_loop_only(options: &PythonOptions) -> Result<bool, (String, String)> {
+    let answer = of_class("_closed_loop_only", options, |answer| {
+        match answer.extract::<(String, String)>() {
+            Ok(fault) => Ok(Err(fault)),
+            Err(_) => answer.extract().map(Ok),
+        }
+    });
+    answer.unwrap_or_else(|words| Err((words, "a class that can be loaded".to_owned())))
 }
 
 impl OutsideDecider for PythonDecider {

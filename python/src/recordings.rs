@@ -2,18 +2,56 @@
 
 use std::path::PathBuf;
 
+use numpy::{Element, PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use spinebench::data::{Cells, Recording, RecordingColumns, RecordingSource};
 
 use crate::errors::Fault;
 
-/// The cells of a column as Python has them.
-#[derive(FromPyObject, IntoPyObject)]
+/// The cells of a column as Python has them: an array, or a list of texts.
 pub(crate) enum PyCells {
     Flags(Vec<bool>),
     Integers(Vec<i64>),
     Numbers(Vec<f64>),
     Text(Vec<String>),
+}
+
+/// The numbers of an array.
+fn of_array<T: Element + Copy>(cells: &Bound<'_, PyAny>) -> Option<Vec<T>> {
+    let array = cells.cast::<PyArray1<T>>().ok()?;
+    Some(array.readonly().as_array().iter().copied().collect())
+}
+
+impl FromPyObject<'_, '_> for PyCells {
+    type Error = PyErr;
+
+    fn extract(cells: Borrowed<'_, '_, PyAny>) -> PyResult<PyCells> {
+        if let Some(numbers) = of_array(&cells) {
+            return Ok(PyCells::Numbers(numbers));
+        }
+        if let Some(integers) = of_array(&cells) {
+            return Ok(PyCells::Integers(integers));
+        }
+        if let Some(flags) = of_array(&cells) {
+            return Ok(PyCells::Flags(flags));
+        }
+        cells.extract().map(PyCells::Text)
+    }
+}
+
+impl<'py> IntoPyObject<'py> for PyCells {
+    type Target = PyAny;
+    type Output = Bound<'py, PyAny>;
+    type Error = PyErr;
+
+    fn into_pyobject(self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        Ok(match self {
+            PyCells::Flags(cells) => PyArray1::from_vec(py, cells).into_any(),
+            PyCells::Integers(cells) => PyArray1::from_vec(py, cells).into_any(),
+            PyCells::Numbers(cells) => PyArray1::from_vec(py, cells).into_any(),
+            PyCells::Text(cells) => cells.into_pyobject(py)?,
+        })
+    }
 }
 
 /// A column: its name and cells.

@@ -1,9 +1,8 @@
 //! One robot: the rod of a model, at rest or in motion.
 
-use std::sync::Arc;
-
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use spinebench::base::{PlantError, TendonCommand};
 use spinebench::effects::{DrivenModel, Model, Variable};
 use spinebench::rod::{Direction, Rod};
@@ -11,7 +10,7 @@ use spinebench::rod::{Direction, Rod};
 use crate::arrays::{array, positive, shaped};
 use crate::calls::{detached, guarded};
 use crate::errors::Fault;
-use crate::model::{PyModel, named};
+use crate::model::{GivenModel, PyModel, named, plot};
 
 /// A driven model with its clock and the outcome of its last solve.
 pub(crate) struct Driven {
@@ -81,7 +80,7 @@ pub(crate) fn counted(n: usize) -> Result<usize, Fault> {
 #[pyclass(name = "Rod", module = "spinebench")]
 pub(crate) struct PyRod {
     driven: Driven,
-    model: Arc<Model>,
+    model: PyModel,
     parameters: Vec<String>,
 }
 
@@ -99,17 +98,18 @@ impl PyRod {
 impl PyRod {
     #[new]
     #[pyo3(signature = (model, parameters=None))]
-    fn new(model: &PyModel, parameters: Option<Vec<String>>) -> PyResult<PyRod> {
-        let (model, parameters) = (Arc::clone(&model.0), parameters.unwrap_or_default());
-        let mut driven = guarded(|| Ok(Driven::new(&model)))?;
+    fn new(model: GivenModel, parameters: Option<Vec<String>>) -> PyResult<PyRod> {
+        let (GivenModel(given), parameters) = (model, parameters.unwrap_or_default());
+        let model = &*given.model;
+        let mut driven = guarded(|| Ok(Driven::new(model)))?;
         if !parameters.is_empty() {
-            let variable = |path: &String| named(&model, path).map(Variable::Parameter);
+            let variable = |path: &String| named(model, path).map(Variable::Parameter);
             let variables: Vec<Variable> =
                 parameters.iter().map(variable).collect::<Result<_, Fault>>()?;
             driven.rod =
-                guarded(|| DrivenModel::varied(&model, &[], &variables).map_err(Fault::words))?;
+                guarded(|| DrivenModel::varied(model, &[], &variables).map_err(Fault::words))?;
         }
-        Ok(PyRod { driven, model, parameters })
+        Ok(PyRod { driven, model: given, parameters })
     }
 
     fn restart(&mut self) {
@@ -220,7 +220,7 @@ impl PyRod {
 
     #[getter]
     fn model(&self) -> PyModel {
-        PyModel(Arc::clone(&self.model))
+        self.model.clone()
     }
 
     #[getter]
@@ -267,6 +267,15 @@ impl PyRod {
         let rows =
             (0..3).flat_map(|axis| rates.iter().map(move |rate| rate.position_m[axis])).collect();
         array(py, rows, &[3, rates.len()])
+    }
+
+    /// Draws the shape with matplotlib.
+    #[pyo3(signature = (**options))]
+    fn plot<'py>(
+        slf: &Bound<'py, Self>,
+        options: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        plot(slf, options)
     }
 
     fn __repr__(&self) -> String {

@@ -4,13 +4,14 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use rayon::prelude::*;
 use spinebench::base::PlantError;
 
 use crate::arrays::{array, led, positive, shaped};
 use crate::calls::{Stop, long_on};
 use crate::errors::Fault;
-use crate::model::PyModel;
+use crate::model::{GivenModel, plot};
 use crate::rod::{Driven, UNSOLVED, counted, shape_m};
 
 /// Robots side by side; all have the same number of tendons.
@@ -58,17 +59,17 @@ impl PyRods {
 #[pymethods]
 impl PyRods {
     #[new]
-    fn new(models: Vec<PyModel>) -> PyResult<PyRods> {
+    fn new(models: Vec<GivenModel>) -> PyResult<PyRods> {
         let Some(first) = models.first() else {
             return Err(Fault::argument("models", "none", "at least one model").into());
         };
-        let of = |model: &PyModel| model.0.robot.tendons.angles_deg.len();
+        let of = |given: &GivenModel| given.0.model.robot.tendons.angles_deg.len();
         let tendons = of(first);
         if let Some(other) = models.iter().find(|model| of(model) != tendons) {
             let found = format!("robots of {tendons} and of {} tendons", of(other));
             return Err(Fault::argument("models", found, "robots of one number of tendons").into());
         }
-        let rods: Vec<Driven> = models.iter().map(|model| Driven::new(&model.0)).collect();
+        let rods: Vec<Driven> = models.iter().map(|given| Driven::new(&given.0.model)).collect();
         Ok(PyRods { count: rods.len(), rods: Arc::new(Mutex::new(rods)), tendons })
     }
 
@@ -188,6 +189,15 @@ impl PyRods {
         let read =
             |rods: &[Driven]| rods.iter().flat_map(|rod| shape_m(rod.rod.rod(), n)).collect();
         array(py, self.read(py, read), &[self.count, n, 3])
+    }
+
+    /// Draws the shape with matplotlib.
+    #[pyo3(signature = (**options))]
+    fn plot<'py>(
+        slf: &Bound<'py, Self>,
+        options: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        plot(slf, options)
     }
 
     fn __repr__(&self) -> String {

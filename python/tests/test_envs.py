@@ -23,8 +23,6 @@ def test_gymnasiums_checker_has_no_complaint(name: str) -> None:
     env = gymnasium.make(name, render_mode="rgb_array", randomise=RANDOM)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        # Observations have no bound: a tip may be anywhere.
-        warnings.filterwarnings("ignore", message=".*infinity.*")
         check_env(env.unwrapped, skip_render_check=False)
 
 
@@ -32,6 +30,84 @@ def test_gymnasiums_checker_has_no_complaint(name: str) -> None:
 def test_stable_baselines_checker_has_no_complaint(name: str) -> None:
     checker = pytest.importorskip("stable_baselines3.common.env_checker")
     checker.check_env(gymnasium.make(name, render_mode="rgb_array").unwrapped, warn=True)
+
+
+@pytest.mark.parametrize("name", IDS)
+def test_observations_stay_within_their_bounds(name: str) -> None:
+    options: dict[str, Any] = {"randomise": RANDOM, "noise_m": 0.02, "action": "tendons"}
+    many = gymnasium.make_vec(name, num_envs=8, vectorization_mode="vector_entry_point", **options)
+    space = many.single_observation_space
+    assert isinstance(space, gymnasium.spaces.Box) and np.isfinite(space.low).all() and np.isfinite(space.high).all()
+    seen, _ = many.reset(seed=3)
+    rng = np.random.default_rng(1)
+    for _ in range(60):
+        assert all(space.contains(one) for one in seen)
+        seen = many.step(rng.choice([-1.0, 1.0], (8, 4)).astype(np.float32))[0]
+
+
+def test_what_lies_beyond_the_bounds_is_held_there(model: Model) -> None:
+    # The tracking frame is half a metre off, more than two lengths of the robot.
+    far = [{"frame_shift": {"shift_m": [0.0, 0.0, 0.45]}}]
+    env = gymnasium.make(IDS[0], model=model, randomise=lambda generator: far)
+    seen, info = env.reset(seed=0)
+    assert info["tip_m"][2] > 0.6 and env.observation_space.contains(seen)
+    assert seen[2] == env.observation_space.high[2]  # type: ignore[attr-defined]
+    # A path that lies farther out has bounds farther out.
+    track = gymnasium.make(IDS[1], model=model, path_m=np.array([[0.0, 0.0, 0.2], [0.0, 0.0, 0.9]]))
+    assert track.observation_space.high[5] * 0.22 > 0.9  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize(
+    ("randomise", "words"),
+    [
+        ({"tip_lod": {"mass_kg": 0.1}}, "randomise: found the effect 'tip_lod', expected `tip_load`"),
+        ({"tip_load": {"mass": 0.1}}, "randomise.tip_load: found 'mass', expected `mass_kg`"),
+        ({"tip_load": {"mass_kg": (0.02, 0.0)}}, "randomise.tip_load.mass_kg: .* lower end of the range first"),
+        ({"tip_load": {"mass_kg": (0.0, 0.1, 0.2)}}, "randomise.tip_load.mass_kg: .* range of two finite numbers"),
+        ({"tip_load": {"mass_kg": (0.0, float("inf"))}}, "two finite numbers"),
+        ({"tip_load": {"mass_kg": (-1.0, 0.0)}}, "randomise.*mass_kg"),
+        ({"tip_load": 0.02}, "randomise.tip_load: found a float, expected parameters by name"),
+        ({"tip_force": {"force_n": [(0.0, 1.0), 0.0]}}, "randomise"),
+        ([{"tip_load": {"mass_kg": 0.1}}], "randomise: found a list"),
+    ],
+)
+def test_wrong_randomisations_are_refused_before_anything_runs(randomise: Any, words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        gymnasium.make(IDS[0], randomise=randomise)
+
+
+def test_robots_without_effects_take_no_randomisation(tmp_path: Path) -> None:
+    plant = tmp_path / "plant.yaml"
+    plant.write_text("constant_curvature: {}\n")
+    with pytest.raises(InputError, match="this plant takes no effects"):
+        gymnasium.make(IDS[0], plant=plant, randomise=RANDOM)
+
+
+def test_vectors_and_whole_numbers_are_drawn(model: Model) -> None:
+    ranges = {
+        "tip_force": {"force_n": [(0.0, 0.1), 0.0, (-0.1, 0.1)]},
+        "actuator_gain": {"tendon": 2, "scale": [0.9, 1.1]},
+    }
+    env = gymnasium.make(IDS[0], model=model, randomise=ranges)
+    tips = [env.reset(seed=seed)[1]["tip_m"] for seed in range(3)]
+    assert not np.array_equal(tips[0], tips[1])
+
+
+@pytest.mark.parametrize("name", IDS)
+def test_rewards_of_a_function_see_the_target_of_the_step(model: Model, name: str) -> None:
+    def reward(tips_m: Any, targets_m: Any, actions: Any) -> Any:
+        return -np.linalg.norm(tips_m - targets_m, axis=1) - 0.01 * np.abs(actions).sum(axis=1)
+
+    env = gymnasium.make(name, model=model, reward=reward)
+    many = gymnasium.make_vec(name, num_envs=2, vectorization_mode="vector_entry_point", model=model, reward=reward)
+    env.reset(seed=4)
+    many.reset(seed=4)
+    action = np.array([1.0, -0.5], dtype=np.float32)
+    for _ in range(3):
+        _, value, _, _, info = env.step(action)
+        assert float(value) == pytest.approx(-info["distance_m"] - 0.015, abs=1e-12)
+        _, values, _, _, infos = many.step(np.array([action] * 2))
+        assert values[0] == value and infos["distance_m"][0] == info["distance_m"]
 
 
 def test_the_same_seed_is_the_same_episode(model: Model) -> None:

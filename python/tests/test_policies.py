@@ -131,12 +131,12 @@ def test_faults_are_statuses_of_their_trials(tmp_path: Path, name: str, words: s
 
 
 @pytest.mark.parametrize(
-    ("name", "words"), [("Nobody", "no class `Nobody`"), ("NoPolicy", "without a method act"), ("Fails", "no weights")]
+    ("name", "words"), [("Nobody", "`Nobody`, which"), ("NoPolicy", "which has no method act"), ("Fails", "no weights")]
 )
 def test_a_class_is_looked_at_before_anything_runs(tmp_path: Path, name: str, words: str) -> None:
     with pytest.raises(spinebench.InputError, match=words) as error:
         run(tmp_path, own(f"{{python: {{file: {__file__}, class: {name}}}}}"))
-    assert error.value.file == str(tmp_path / "mine.yaml") and error.value.key == "policies.outside.mine"
+    assert error.value.file == str(tmp_path / "mine.yaml") and error.value.key == "policies.outside.mine.python.class"
     assert not (tmp_path / "out").exists()
 
 

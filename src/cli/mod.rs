@@ -19,7 +19,7 @@ use std::sync::Arc;
 
 /// Test learning-based controllers of continuum robots, and find what a simulator lacks.
 #[derive(Parser)]
-#[command(name = "spinebench", version, propagate_version = true)]
+#[command(name = "spinebench", version = spinebench::VERSION, propagate_version = true)]
 struct Arguments {
     #[command(flatten)]
     reporting: program::shared::ReportingArgs,

@@ -6,8 +6,8 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use super::DataError;
 use super::table_rows;
-use super::{DataError, write_atomic};
 
 /// Verdict of a discovery.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -198,16 +198,18 @@ pub struct Findings {
 }
 
 impl Findings {
-    /// Writes `findings.json` atomically.
+    /// The text of `findings.json`.
     ///
     /// # Errors
-    /// [`DataError::Write`] if the file cannot be written.
-    pub fn write(&self, path: &Path) -> Result<(), DataError> {
-        let refused = |reason: String| DataError::Write { file: path.to_owned(), reason };
-        let mut text =
-            serde_json::to_string_pretty(self).map_err(|error| refused(error.to_string()))?;
+    /// [`DataError::Write`] with the name `path` if a number cannot be written.
+    pub fn to_json(&self, path: &Path) -> Result<Vec<u8>, DataError> {
+        let refused = |error: serde_json::Error| DataError::Write {
+            file: path.to_owned(),
+            reason: error.to_string(),
+        };
+        let mut text = serde_json::to_string_pretty(self).map_err(refused)?;
         text.push('\n');
-        write_atomic(path, text.as_bytes())
+        Ok(text.into_bytes())
     }
 }
 

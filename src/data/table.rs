@@ -49,6 +49,15 @@ impl Cells {
         }
     }
 
+    /// The cell as a CSV file has it.
+    pub(super) fn text(&self, row: usize) -> String {
+        match self {
+            Cells::Numbers(cells) if cells[row].is_nan() => String::new(),
+            Cells::Text(cells) => cells[row].clone(),
+            other => other.show(row),
+        }
+    }
+
     fn into_series(self, name: &str) -> Series {
         match self {
             Cells::Integers(cells) => Series::new(name.into(), cells),

@@ -10,7 +10,7 @@ use serde::de::DeserializeOwned;
 
 use super::row_serde::{FieldValue, RowError, TextRow, fields_of};
 use super::table::{Cells, Table, csv_bytes};
-use super::{DataError, write_atomic};
+use super::{DataError, RecordingSource, write_atomic};
 
 /// Significant digits of a published number: a nanometre in a metre.
 pub const SIGNIFICANT_DIGITS: usize = 9;
@@ -107,6 +107,24 @@ pub fn as_published<R: Serialize + DeserializeOwned>(
 /// [`DataError`] names file, line, column, what was found and what was expected.
 pub fn read_csv<R: DeserializeOwned>(path: &Path) -> Result<Vec<R>, DataError> {
     read_csv_beside(path, |_| false).map(|(_, rows)| rows)
+}
+
+/// Reads rows back from a file, or from columns in memory.
+///
+/// # Errors
+/// As [`read_csv`].
+pub fn read_rows<R: DeserializeOwned>(source: RecordingSource) -> Result<Vec<R>, DataError> {
+    if let RecordingSource::File(path) = source {
+        return read_csv(path);
+    }
+    let table: &Table = &*source.table()?;
+    let names: Vec<&str> = table.columns.iter().map(|(name, _)| name.as_str()).collect();
+    let rows = (0..table.rows).map(|row| {
+        let cells: Vec<String> = table.columns.iter().map(|(_, cells)| cells.text(row)).collect();
+        let cells: Vec<&str> = cells.iter().map(String::as_str).collect();
+        TextRow { names: &names, cells: &cells }.read().map_err(|error| place(table, row, error))
+    });
+    rows.collect()
 }
 
 /// Reads rows back, and beside them the columns whose name `is_beside` picks.

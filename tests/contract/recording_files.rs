@@ -58,6 +58,16 @@ fn full(rows: usize) -> Recording {
 }
 
 #[test]
+fn a_trial_may_be_written_as_a_float_if_it_is_whole() {
+    let floats = GOOD.replace("\n0,", "\n0.0,").replace("\n1,", "\n1.000e+00,");
+    assert_eq!(read(&floats), read(GOOD));
+    for wrong in ["0.5", "-1.0", "nan", "1e300"] {
+        let message = read(&GOOD.replace("\n1,", &format!("\n{wrong},"))).unwrap_err();
+        assert!(message.contains("line 4") && message.contains("trial number"), "{message}");
+    }
+}
+
+#[test]
 fn the_contracts_sample_is_read() {
     let recording = read(GOOD).unwrap();
     assert_eq!(

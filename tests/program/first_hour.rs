@@ -399,3 +399,15 @@ fn discover_tells_its_steps() {
     }
     assert!(said.contains("\"event\":\"step\""), "{said}");
 }
+
+#[test]
+fn the_version_names_the_revision_as_python_writes_it() {
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_spinebench"))
+        .arg("--version")
+        .output()
+        .unwrap();
+    let said = String::from_utf8(output.stdout).unwrap();
+    assert_eq!(said.trim(), format!("spinebench {}", spinebench::VERSION));
+    let pattern = r"^\d+\.\d+\.\d+(\+[0-9a-f]{8}(\.modified)?)?$";
+    assert!(regex::Regex::new(pattern).unwrap().is_match(spinebench::VERSION), "{said}");
+}

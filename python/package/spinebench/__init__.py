@@ -5,31 +5,26 @@ Units are SI; names end in them. Frame: right-handed, origin at the base, z alon
 
 from __future__ import annotations
 
-from ._calculations import (
-    CalibratedNumber,
-    Calibration,
-    Discovery,
-    ExperimentResult,
-    FoundEffect,
-    Proposal,
-    RunResult,
-    calibrate,
-    discover,
-    discover_until_named,
-    run,
-    simulate,
-)
 from ._bags import ClockFit, ImportedRecording, export_mcap, import_csv, import_mcap
+from ._compare import Comparison, compare
+from ._discoveries import Discovery, FoundEffect, Proposal, discover, discover_until_named
 from ._errors import InputError, InternalError, RunError, SolverError, SpinebenchError
+from ._fits import CalibratedNumber, Calibration, calibrate, simulate
 from ._learn import ElmanRegressor, GaussianProcess, NetworkRegressor
+from ._plots import plot
 from ._policies import Policy
-from ._spinebench import Model, Rod, Rods
+from ._runs import ExperimentResult, Plan, RunResult, plan, run
+from ._spinebench import _VERSION, Model, Rod, Rods
 from .envs import register as _register
+
+__version__ = _VERSION
+"""Version with the revision of the sources, as `spinebench --version` says it."""
 
 __all__ = [
     "CalibratedNumber",
     "Calibration",
     "ClockFit",
+    "Comparison",
     "Discovery",
     "ElmanRegressor",
     "ExperimentResult",
@@ -40,6 +35,7 @@ __all__ = [
     "InternalError",
     "Model",
     "NetworkRegressor",
+    "Plan",
     "Policy",
     "Proposal",
     "Rod",
@@ -48,12 +44,16 @@ __all__ = [
     "RunResult",
     "SolverError",
     "SpinebenchError",
+    "__version__",
     "calibrate",
+    "compare",
     "discover",
     "discover_until_named",
     "export_mcap",
     "import_csv",
     "import_mcap",
+    "plan",
+    "plot",
     "run",
     "simulate",
 ]

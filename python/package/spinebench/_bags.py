@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,9 +11,9 @@ from typing import Any
 
 import pandas as pd
 
+from . import _notebook, _plots
 from . import _spinebench as _core
-from ._calculations import PathLike, Recording, _Columns, _recorded, _source
-from ._spinebench import Model
+from ._recordings import Columns, ModelLike, PathLike, Recording, frame_of_columns, source
 
 _Clock = tuple[int | None, float, tuple[float, float], float, float]
 Map = PathLike | Mapping[str, Any]
@@ -35,7 +34,7 @@ class ClockFit:
     """Share of the tip's motion that the commands explain."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ImportedRecording:
     """What an import gives."""
 
@@ -50,24 +49,32 @@ class ImportedRecording:
     notes: list[str] = field(default_factory=list)
     """What looks like a mistake, and which rows do not count, one sentence each."""
 
+    def __repr__(self) -> str:
+        rows, trials = len(self.recording), self.recording["trial"].nunique()
+        return f"ImportedRecording({rows} rows, {trials} trials, {len(self.notes)} notes)"
 
-def _map_file(given: Map, folder: str) -> Path:
-    if not isinstance(given, Mapping):
-        return Path(given)
-    file = Path(folder) / "map.yaml"
+    def _repr_html_(self) -> str:
+        return _notebook.recording(self)
+
+    def plot(self, **options: Any) -> Any:
+        """Tip and commands over time; `spinebench.plot` has the options."""
+        return _plots.plot(self, **options)
+
+
+def _map(given: Map) -> Path | tuple[str, str]:
+    """What a map is read from: a file, or what messages call it with its text."""
     # YAML holds JSON.
-    file.write_text(json.dumps(given), encoding="utf-8")
-    return file
+    return ("map", json.dumps(given)) if isinstance(given, Mapping) else Path(given)
 
 
-def _imported(told: tuple[_Columns, list[_Clock], list[Path], list[str]]) -> ImportedRecording:
+def _imported(told: tuple[Columns, list[_Clock], list[Path], list[str]]) -> ImportedRecording:
     columns, fits, passed_over, notes = told
     by_trial = {
         trial: ClockFit(offset_s, interval_95_s, lag_s, explained)
         for trial, offset_s, interval_95_s, lag_s, explained in fits
     }
     clocks = {trial: fit for trial, fit in by_trial.items() if trial is not None}
-    return ImportedRecording(_recorded(columns), by_trial.get(None), clocks, passed_over, notes)
+    return ImportedRecording(frame_of_columns(columns), by_trial.get(None), clocks, passed_over, notes)
 
 
 def import_csv(files: PathLike | Sequence[PathLike], map: Map) -> ImportedRecording:
@@ -77,34 +84,23 @@ def import_csv(files: PathLike | Sequence[PathLike], map: Map) -> ImportedRecord
     `trial_files` says which files are trials.
     """
     logs = [Path(files)] if isinstance(files, (str, os.PathLike)) else [Path(file) for file in files]
-    with tempfile.TemporaryDirectory() as folder:
-        return _imported(_core._import_csv(logs, _map_file(map, folder)))
+    return _imported(_core._import_csv(logs, _map(map)))
 
 
 def import_mcap(bag: PathLike, map: Map) -> ImportedRecording:
     """Read a bag of ROS 2 (MCAP) by a map of its topics (docs/importing.md). Raises InputError with file and topic."""
-    with tempfile.TemporaryDirectory() as folder:
-        return _imported(_core._import_mcap(Path(bag), _map_file(map, folder)))
+    return _imported(_core._import_mcap(Path(bag), _map(map)))
 
 
 def export_mcap(
     recording: Recording,
     out: PathLike,
     *,
-    model: Model | None = None,
+    model: ModelLike | None = None,
     residuals: Recording | None = None,
     static: bool = False,
 ) -> None:
     """Write a recording as MCAP, which Foxglove opens: poses, commands, with a model the robot as a line, with the table
     `residuals` of a discovery what the models leave."""
-    with tempfile.TemporaryDirectory() as folder:
-        table = residuals
-        if isinstance(table, pd.DataFrame):
-            place = Path(folder) / "residuals.csv"
-            # Tables of the program write `true` and `false`.
-            table = table.copy()
-            for name in table.select_dtypes("bool").columns:
-                table[name] = table[name].astype(str).str.lower()
-            table.to_csv(place, index=False)
-            table = place
-        _core._export_mcap(_source(recording, "recording"), Path(out), model, None if table is None else Path(table), static)
+    table = None if residuals is None else source(residuals, "residuals")
+    _core._export_mcap(source(recording, "recording"), Path(out), model, table, static)

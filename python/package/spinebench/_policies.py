@@ -46,6 +46,8 @@ def spec_entry(name: str, policy: PolicyClass) -> dict[str, Any]:
     anything else are never read again."""
     if not callable(policy):
         raise InputError(f"policies: found a {type(policy).__name__} for {name!r}, expected a class with a method act()")
+    if inspect.isclass(policy) and not callable(getattr(policy, "act", None)):
+        raise InputError(f"policies: found the class {policy.__name__} for {name!r}, expected one with a method act()")
     file: str | None = None
     if inspect.isclass(policy):
         try:
@@ -73,12 +75,21 @@ def _make(file: str, class_name: str) -> Any:
     return getattr(module, class_name)()
 
 
-def _closed_loop_only(file: str, class_name: str) -> bool:
-    """Whether a class says that open loop means nothing to it. Refuses a class without a method act() before anything runs."""
-    policy = _make(file, class_name)
-    if not callable(getattr(policy, "act", None)):
-        raise InputError(f"class `{class_name}` without a method act()")
-    return bool(getattr(policy, "closed_loop_only", False))
+def _closed_loop_only(file: str, class_name: str) -> bool | tuple[str, str]:
+    """Whether a class says that open loop means nothing to it; or what is wrong with it, and what was expected."""
+    if not class_name.startswith(GIVEN):
+        module = _module(Path(file))
+        policies = [name for name, value in vars(module).items() if inspect.isclass(value) and hasattr(value, "act")]
+        expected = f"a class with a method act(), such as {', '.join(f'`{name}`' for name in policies)}"
+        if not policies:
+            expected = "a class with a method act()"
+        made = getattr(module, class_name, None)
+        if made is None:
+            return f"`{class_name}`, which {Path(file).name} does not define", expected
+        if not callable(made) or (inspect.isclass(made) and not callable(getattr(made, "act", None))):
+            return f"`{class_name}`, which has no method act()", expected
+    # A network that cannot be loaded is told before anything runs, too.
+    return bool(getattr(_make(file, class_name), "closed_loop_only", False))
 
 
 def _module(file: Path) -> ModuleType:

@@ -1,11 +1,12 @@
-"""Robots of environments: commands from actions, observations, work space, pictures."""
+"""Robots of environments: how they are made, what is drawn of them, pictures."""
 
 from __future__ import annotations
 
+import difflib
 import json
+import math
 import os
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,127 +14,113 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._errors import InputError
-from ._spinebench import Model, _Plants
+from ._spinebench import Model, _effects, _Robots
 
 Array = NDArray[np.float64]
 Range = tuple[float, float]
-Randomisation = Mapping[str, Mapping[str, float | Range]] | Callable[[np.random.Generator], Sequence[dict[str, Any]]]
+Value = float | Range | list[float | Range]
+"""A number, a range, or a list of these for the components of a vector."""
+Randomisation = Mapping[str, Mapping[str, Value]] | Callable[[np.random.Generator], Sequence[dict[str, Any]]]
 """Effects drawn anew in each episode: `{"tip_load": {"mass_kg": (0.0, 0.02)}}`, or a function of a generator that returns a
-list of effects. A pair is a uniform range, a number is fixed."""
+list of effects. A pair is a uniform range, a number is fixed, a list is a vector of these."""
+
+Draw = tuple[int, str, list[float]]
+"""Seed, further effects (JSON; empty for none) and target (3,), metres, of an episode that begins."""
 
 
-@dataclass(frozen=True)
-class Seen:
-    """What is seen of the robots: tips (n, 3), displacements (n, tendons), both in metres, flags and statuses."""
-
-    tips_m: Array
-    pulls_m: Array
-    valid: NDArray[np.bool_]
-    status: list[str]
-
-
-class Robots:
+def make(
+    count: int,
+    model: Model | str | os.PathLike[str] | None,
+    plant: str | os.PathLike[str] | None,
+    *,
+    step_s: float,
+    noise_m: float,
+    travel_m: float,
+    max_step_m: float,
+    action: str,
+) -> _Robots:
     """`count` robots of one model or plant file, with actions in −1 to 1."""
-
-    def __init__(
-        self,
-        count: int,
-        model: Model | str | os.PathLike[str] | None,
-        plant: str | os.PathLike[str] | None,
-        *,
-        step_s: float,
-        noise_m: float,
-        travel_m: float,
-        max_step_m: float,
-        action: str,
-        randomise: Randomisation | None,
-    ) -> None:
-        if model is not None and plant is not None:
-            raise InputError("plant: found a model, too, expected either a model or a plant file")
-        if not 0.0 < max_step_m <= travel_m:
-            raise InputError(f"max_step_m: found {max_step_m}, expected a number above 0 and up to travel_m")
-        if plant is not None:
-            self._plants = _Plants.of_file(Path(plant), count, step_s)
-        else:
-            given = Model() if model is None else model if isinstance(model, Model) else Model.load(model)
-            self._plants = _Plants.of_model(given, count, step_s, noise_m, travel_m)
-        limit = self._plants.travel_m
-        self.count, self.tendons, self.step_s = count, self._plants.tendons, step_s
-        self.travel_m = travel_m if limit is None else min(travel_m, limit)
-        self.max_step_m = max_step_m
-        self.randomise = randomise
-        self._ways = self._ways_of(action)
-        self._wanted_m = np.zeros((count, len(self._ways)))
-
-    def _ways_of(self, action: str) -> Array:
-        """What each component of an action does to each tendon, (actions, tendons)."""
-        if action == "tendons":
-            return np.eye(self.tendons)
-        if action != "bend":
-            raise InputError(f'action: found {action!r}, expected "bend" or "tendons"')
-        rows = []
-        for segment in self._plants.layout:
-            for turn in (np.cos, np.sin):
-                row = np.zeros(self.tendons)
-                for tendon, angle_deg in segment:
-                    row[tendon] = turn(np.deg2rad(angle_deg))
-                rows.append(row)
-        return np.array(rows)
-
-    @property
-    def actions(self) -> int:
-        """Number of components of an action."""
-        return len(self._ways)
-
-    def reset(self, which: Sequence[int], generators: Sequence[np.random.Generator]) -> Seen:
-        """Brings the robots `which` home, each with its own generator."""
-        seeds = [int(generator.integers(2**63)) for generator in generators]
-        effects = [self._drawn(generator) for generator in generators]
-        self._wanted_m[list(which)] = 0.0
-        return self._seen(self._plants.reset(list(which), seeds, effects))
-
-    def step(self, actions: Array) -> Seen:
-        """Moves the wanted bends (or displacements) by the actions (n, actions) in units of `max_step_m`."""
-        moved = self._wanted_m + self.max_step_m * _held(actions, 1.0)
-        self._wanted_m = _held(moved, self.travel_m)
-        pulls_m = _held(self._wanted_m @ self._ways, self.travel_m)
-        return self._seen(self._plants.step(pulls_m))
-
-    def shape(self, index: int, n: int = 60) -> Array | None:
-        """Positions (n, 3) along a simulated robot, metres."""
-        return self._plants.shape(index, n)
-
-    def wanted(self) -> Array:
-        """Wanted bends or displacements (n, actions) as shares of the travel."""
-        return self._wanted_m / self.travel_m
-
-    def _seen(self, told: tuple[Array, Array, list[bool], list[str]]) -> Seen:
-        tips_m, pulls_m, valid, status = told
-        return Seen(tips_m, pulls_m, np.array(valid, dtype=bool), status)
-
-    def _drawn(self, generator: np.random.Generator) -> str:
-        if self.randomise is None:
-            return ""
-        if callable(self.randomise):
-            return json.dumps(list(self.randomise(generator)))
-        return json.dumps([{name: _draw(values, generator)} for name, values in self.randomise.items()])
+    if model is not None and plant is not None:
+        raise InputError("plant: found a model, too, expected either a model or a plant file")
+    if not 0.0 < max_step_m <= travel_m:
+        raise InputError(f"max_step_m: found {max_step_m}, expected a number above 0 and up to travel_m")
+    arguments = {
+        "count": count,
+        "step_s": step_s,
+        "noise_m": noise_m,
+        "travel_m": travel_m,
+        "max_step_m": max_step_m,
+        "action": action,
+    }
+    if plant is not None:
+        return _Robots.of_file(Path(plant), arguments)
+    return _Robots.of_model(Model() if model is None else model, arguments)
 
 
-def _held(values: Array, limit: float) -> Array:
-    """Values held within ±limit; on few numbers `np.clip` takes several times as long."""
-    held: Array = np.minimum(np.maximum(values, -limit), limit)
-    return held
+def checked_randomisation(randomise: Randomisation | None, robots: _Robots) -> Randomisation | None:
+    """The same with ranges as tuples and vectors as lists. Refuses unknown effects and parameters, ranges that are reversed or
+    not finite, and sizes that the robot cannot have. A function is asked only in an episode."""
+    if randomise is None or callable(randomise):
+        return randomise
+    if not isinstance(randomise, Mapping):
+        raise InputError(f"randomise: found a {type(randomise).__name__}, expected effects by name, or a function")
+    effects = dict(_effects())
+    checked: dict[str, dict[str, Value]] = {}
+    for effect, values in randomise.items():
+        if effect not in effects:
+            raise InputError(f"randomise: found the effect {effect!r}, expected {_one_of(effect, effects)}")
+        if not isinstance(values, Mapping):
+            raise InputError(f"randomise.{effect}: found a {type(values).__name__}, expected parameters by name")
+        # Components of a vector carry an index.
+        parameters = {name.split("[")[0]: "[" in name for name, _, _ in effects[effect]}
+        checked[effect] = {}
+        for key, value in values.items():
+            if key not in parameters:
+                raise InputError(f"randomise.{effect}: found {key!r}, expected {_one_of(key, parameters)}")
+            name = f"randomise.{effect}.{key}"
+            if parameters[key] and isinstance(value, (tuple, list)):
+                checked[effect][key] = [_checked_range(name, part) for part in value]
+            else:
+                checked[effect][key] = _checked_range(name, value)
+    for end in (min, max):
+        robots.check_effects(json.dumps(_effect_list(checked, end)))
+    return checked
 
 
-def _draw(values: Mapping[str, float | Range], generator: np.random.Generator) -> dict[str, float]:
-    drawn = {}
-    for key, value in values.items():
-        if isinstance(value, (int, float)):
-            drawn[key] = float(value)
-            continue
-        low, high = value
-        drawn[key] = float(generator.uniform(low, high))
-    return drawn
+def _one_of(word: str, known: Iterable[str]) -> str:
+    names = sorted(known)
+    near = difflib.get_close_matches(word, names, 1)
+    return f"`{near[0]}`" if near else f"one of {', '.join(names)}"
+
+
+def _checked_range(name: str, value: Any) -> Any:
+    if not isinstance(value, (tuple, list)):
+        return value
+    if len(value) != 2 or not all(isinstance(end, (int, float)) and math.isfinite(end) for end in value):
+        raise InputError(f"{name}: found {value}, expected a number or a range of two finite numbers")
+    if value[0] > value[1]:
+        raise InputError(f"{name}: found {value}, expected the lower end of the range first")
+    return tuple(value)
+
+
+def draw_effects(randomise: Randomisation | None, generator: np.random.Generator) -> str:
+    """Effects of one episode in JSON; empty for none."""
+    if randomise is None:
+        return ""
+    if callable(randomise):
+        return json.dumps(list(randomise(generator)))
+    return json.dumps(_effect_list(randomise, lambda low, high: float(generator.uniform(low, high))))
+
+
+def _effect_list(randomise: Mapping[str, Mapping[str, Value]], draw: Callable[[float, float], float]) -> list[dict[str, Any]]:
+    """The effects with a number for each range."""
+
+    def drawn(value: Value) -> Any:
+        if isinstance(value, list):
+            return [drawn(part) for part in value]
+        return draw(*value) if isinstance(value, tuple) else value
+
+    return [{name: {key: drawn(value) for key, value in values.items()}} for name, values in randomise.items()]
 
 
 def picture(shape: Array | None, tip: Array, target: Array, path: Array | None, size: int = 240) -> NDArray[np.uint8]:

@@ -12,8 +12,8 @@ from gymnasium.vector.vector_env import AutoresetMode
 from numpy.typing import NDArray
 
 from ._errors import InputError
-from ._robots import Array, Randomisation, Robots, Seen, picture
-from ._spinebench import Model
+from ._robots import Array, Draw, Randomisation, checked_randomisation, draw_effects, make, picture
+from ._spinebench import Model, _Robots
 
 Reward = Callable[[Array, Array, Array], Array]
 """Reward of tips (n, 3), targets (n, 3), both in metres, and actions (n, actions): an array (n,)."""
@@ -23,10 +23,8 @@ WARM_UP = 12
 """Steps for which a random command is held when targets are drawn."""
 
 
-def lengths(vectors: Array) -> Array:
-    """Lengths of vectors (n, 3)."""
-    found: Array = np.sqrt((vectors * vectors).sum(axis=1))
-    return found
+POSITION_LIMIT = 2.0
+"""Coordinates in observations are held within this many lengths, or more where targets lie farther out."""
 
 
 class _Task:
@@ -63,38 +61,39 @@ class _Task:
             "max_step_m": max_step_m,
             "action": action,
         }
-        self.robots = Robots(count, model, plant, noise_m=noise_m, randomise=randomise, **settings)
-        self.max_steps, self.within_m, self.hold_steps, self.reward = max_steps, within_m, hold_steps, reward
+        self.robots = make(count, model, plant, noise_m=noise_m, **settings)
+        self.randomise = checked_randomisation(randomise, self.robots)
+        self.reward, self.travel_m = reward, self.robots.travel_m
+        self.max_step_m, self._follows_path, self._bend_share = max_step_m, follows_path, bend_share
         # Targets are those of the robot as it is believed to be, without noise.
-        self._nominal: Callable[[int], Robots] = lambda many: Robots(
-            many, model, plant, noise_m=0.0, randomise=None, **settings
-        )
-        self._bend_share, self._follows_path = bend_share, follows_path
-        self.home_m, self.pool_m = self._targets(path_m, steps_per_point)
+        nominal = make(1 if follows_path else 64, model, plant, noise_m=0.0, **settings)
+        self.home_m, self.pool_m = self._targets(nominal, path_m, steps_per_point)
         self.scale_m = float(np.linalg.norm(self.home_m)) or 1.0
-        if follows_path:
-            self.max_steps = len(self.pool_m)
-        self.steps = np.zeros(count, dtype=int)
-        self.held = np.zeros(count, dtype=int)
-        self.targets_m = np.zeros((count, 3))
-        self.last: Seen | None = None
+        farthest = float(np.abs(self.pool_m).max()) / self.scale_m
+        self.limit = max(POSITION_LIMIT, float(np.ceil(1.25 * farthest)))
+        self.robots.set_task(
+            {
+                "scale_m": self.scale_m,
+                "limit": self.limit,
+                "path_m": self.pool_m.tolist() if follows_path else None,
+                "max_steps": len(self.pool_m) if follows_path else max_steps,
+                "within_m": within_m,
+                "hold_steps": hold_steps,
+                "is_sparse": reward == "sparse",
+            }
+        )
 
-    @property
-    def observation_size(self) -> int:
-        """Tip (3), target (3), target minus tip (3), wanted bends or displacements."""
-        return 9 + self.robots.actions
-
-    def _targets(self, path_m: Array | None, steps_per_point: int) -> tuple[Array, Array]:
+    def _targets(self, robots: _Robots, path_m: Array | None, steps_per_point: int) -> tuple[Array, Array]:
         """The tip at home (3,), and the pool of targets or the path (k, 3), metres."""
         rng = np.random.default_rng(0)
-        many = 1 if self._follows_path else 64
-        robots = self._nominal(many)
-        home = robots.reset(range(many), [rng] * many).tips_m[0].copy()
+        many, actions = (1 if self._follows_path else 64), robots.actions
+        robots.begin((list(range(many)), [int(rng.integers(2**63)) for _ in range(many)], [""] * many, [[0.0] * 3] * many))
+        home = robots.tips_m[0].copy()
         if not self._follows_path:
-            wanted = self._bend_share * rng.uniform(-1.0, 1.0, (many, robots.actions)) * robots.travel_m
-            for _ in range(WARM_UP + int(np.ceil(robots.travel_m / robots.max_step_m))):
-                seen = robots.step((wanted - robots.wanted() * robots.travel_m) / robots.max_step_m)
-            tips = seen.tips_m[[status == "ok" for status in seen.status]]
+            wanted_m = self._bend_share * rng.uniform(-1.0, 1.0, (many, actions)) * self.travel_m
+            for _ in range(WARM_UP + int(np.ceil(self.travel_m / self.max_step_m))):
+                robots.drive((wanted_m - robots.wanted_m) / self.max_step_m)
+            tips = robots.tips_m[[status == "ok" for status in robots.status]]
             if len(tips) < 2:
                 raise InputError("bend_share: found commands that this robot cannot follow, expected a smaller share")
             return home, tips
@@ -108,92 +107,53 @@ class _Task:
         for index in range(20 + 40):
             angle = 2.0 * np.pi * max(index - 20, 0) / 40
             share = self._bend_share * min(1.0, index / 20)
-            wanted = np.zeros((1, robots.actions))
-            wanted[0, 0], wanted[0, min(1, robots.actions - 1)] = share * np.cos(angle), share * np.sin(angle)
+            wanted_m = np.zeros((1, actions))
+            wanted_m[0, 0], wanted_m[0, min(1, actions - 1)] = share * np.cos(angle), share * np.sin(angle)
+            wanted_m *= self.travel_m
             for _ in range(4):
-                seen = robots.step((wanted - robots.wanted()) * robots.travel_m / robots.max_step_m)
-            points_of_path.append(seen.tips_m[0].copy())
+                robots.drive((wanted_m - robots.wanted_m) / self.max_step_m)
+            points_of_path.append(robots.tips_m[0].copy())
         return home, np.repeat(np.array(points_of_path), steps_per_point, axis=0)
 
-    def reset(self, which: list[int], generators: list[np.random.Generator]) -> None:
-        """New episodes of the robots `which`."""
-        for index, generator in zip(which, generators, strict=True):
-            if not self._follows_path:
-                # Between two reachable tips lies a reachable place, nearly.
-                first, second = generator.choice(len(self.pool_m), 2, replace=False)
-                share = generator.uniform()
-                self.targets_m[index] = share * self.pool_m[first] + (1.0 - share) * self.pool_m[second]
-            else:
-                self.targets_m[index] = self.pool_m[0]
-        self.steps[which] = 0
-        self.held[which] = 0
-        self.last = self.robots.reset(which, generators)
-
-    def step(self, actions: Array) -> tuple[Array, NDArray[np.bool_], NDArray[np.bool_], Array]:
-        """Rewards, terminated, truncated and distances (m) of all robots after a step."""
-        self.last = self.robots.step(actions)
-        self.steps += 1
-        distances = lengths(self.last.tips_m - self.targets_m)
-        terminated = np.array([status != "ok" for status in self.last.status])
-        within = distances <= (-1.0 if self.within_m is None else self.within_m)
-        self.held = (self.held + 1) * within
-        rewards = self._rewards(distances, within, actions)
-        rewards[terminated] = -1.0
+    def draw(self, generator: np.random.Generator) -> Draw:
+        """What a new episode begins with."""
+        target_m = self.pool_m[0]
         if not self._follows_path:
-            terminated |= self.held >= self.hold_steps
-        truncated = (self.steps >= self.max_steps) & ~terminated
-        if self._follows_path:
-            places = np.minimum(self.steps, len(self.pool_m) - 1)
-            self.targets_m = self.pool_m[places]
-        return rewards, terminated, truncated, distances
+            # Between two reachable tips lies a reachable place, nearly.
+            first, second = generator.choice(len(self.pool_m), 2, replace=False)
+            share = generator.uniform()
+            target_m = share * self.pool_m[first] + (1.0 - share) * self.pool_m[second]
+        seed = int(generator.integers(2**63))
+        return seed, draw_effects(self.randomise, generator), target_m.tolist()
 
-    def _rewards(self, distances: Array, within: NDArray[np.bool_], actions: Array) -> Array:
-        if callable(self.reward):
-            assert self.last is not None
-            rewards = np.asarray(self.reward(self.last.tips_m, self.targets_m, actions), dtype=float)
-            if rewards.shape != distances.shape:
-                raise InputError(f"reward: found shape {rewards.shape}, expected shape {distances.shape}")
-            return rewards.copy()
-        if self.reward == "sparse":
-            return within.astype(float)
-        return -distances / self.scale_m
+    def draws(
+        self, which: list[int], generators: list[np.random.Generator]
+    ) -> tuple[list[int], list[int], list[str], list[list[float]]]:
+        """What new episodes of the robots `which` begin with."""
+        seeds, effects, targets_m = zip(*[self.draw(generators[index]) for index in which], strict=True)
+        return which, list(seeds), list(effects), list(targets_m)
 
-    def observations(self) -> Observation:
-        """Observations (n, observation_size) in lengths of the robot at home; the wanted commands in shares of travel."""
-        assert self.last is not None
-        tips, seen = self.last.tips_m, np.empty((len(self.steps), self.observation_size), dtype=np.float32)
-        if np.isnan(tips).any():
-            tips = np.nan_to_num(tips, nan=0.0)
-        seen[:, 0:3] = tips / self.scale_m
-        seen[:, 3:6] = self.targets_m / self.scale_m
-        seen[:, 6:9] = (self.targets_m - tips) / self.scale_m
-        seen[:, 9:] = self.robots.wanted()
-        return seen
+    def rewards(self, told: Array, info: dict[str, Any], actions: Array) -> Array:
+        """Rewards of a step (n,): those that were told, or those of a function."""
+        if not callable(self.reward):
+            return told
+        rewards = np.asarray(self.reward(info["tip_m"], self.robots.last_targets_m, actions), dtype=float)
+        if rewards.shape != told.shape:
+            raise InputError(f"reward: found shape {rewards.shape}, expected shape {told.shape}")
+        return np.where([status == "ok" for status in info["status"]], rewards, -1.0)
 
     def picture(self, index: int = 0) -> NDArray[np.uint8]:
         """Robot `index` from the side and from the front."""
-        assert self.last is not None
-        tip = np.nan_to_num(self.last.tips_m[index], nan=0.0)
+        tip = np.nan_to_num(self.robots.tips_m[index], nan=0.0)
         path = self.pool_m if self._follows_path else None
-        return picture(self.robots.shape(index), tip, self.targets_m[index], path)
+        return picture(self.robots.shape(index, 60), tip, self.robots.tell()[4]["target_m"][index], path)
 
     def spaces(self) -> tuple[gymnasium.spaces.Box, gymnasium.spaces.Box]:
         """Spaces of one observation and of one action."""
-        sizes = np.full(self.observation_size, np.inf, dtype=np.float32)
-        observation = gymnasium.spaces.Box(-sizes, sizes, dtype=np.float32)
-        return observation, gymnasium.spaces.Box(-1.0, 1.0, (self.robots.actions,), dtype=np.float32)
-
-
-def _checked(action: object, shape: tuple[int, ...]) -> Array:
-    try:
-        actions = np.asarray(action, dtype=float)
-    except (TypeError, ValueError):
-        raise InputError(f"action: found {type(action).__name__}, expected numbers of shape {shape}") from None
-    if actions.shape != shape:
-        raise InputError(f"action: found shape {actions.shape}, expected shape {shape}")
-    if not np.isfinite(actions).all():
-        raise InputError("action: found a number that is not finite, expected finite numbers")
-    return actions
+        actions = self.robots.actions
+        limits = np.array([self.limit] * 6 + [2.0 * self.limit] * 3 + [1.0] * actions, dtype=np.float32)
+        observation = gymnasium.spaces.Box(-limits, limits, dtype=np.float32)
+        return observation, gymnasium.spaces.Box(-1.0, 1.0, (actions,), dtype=np.float32)
 
 
 class RobotEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
@@ -209,6 +169,7 @@ class RobotEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         observation, action = self._task.spaces()
         self.observation_space = cast("gymnasium.Space[Observation]", observation)
         self.action_space = cast("gymnasium.Space[NDArray[np.float32]]", action)
+        self._begun = False
 
     @property
     def task(self) -> _Task:
@@ -221,40 +182,32 @@ class RobotEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, dict[str, Any]]:
         super().reset(seed=seed)
-        self.task.reset([0], [self.np_random])
-        self._done = False
-        assert self.task.last is not None
-        return self.task.observations()[0], self._info(lengths(self.task.last.tips_m - self.task.targets_m)[0])
+        robots = self.task.robots
+        robots.begin(self.task.draws([0], [self.np_random]))
+        self._begun = True
+        told = robots.tell_alone()
+        return told[0], told[4]
 
     def step(self, action: NDArray[np.float32]) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        if self.task.last is None or self._done:
-            raise InputError("environment: found no episode under way, expected a call of reset() before step()")
-        actions = _checked(action, self.action_space.shape or ())
-        rewards, terminated, truncated, distances = self.task.step(actions[np.newaxis])
-        self._done = bool(terminated[0] or truncated[0])
-        info = self._info(distances[0])
-        return self.task.observations()[0], float(rewards[0]), bool(terminated[0]), bool(truncated[0]), info
+        task = self.task
+        told = task.robots.step_alone(action)
+        if not callable(task.reward):
+            return told
+        seen, reward, terminated, truncated, info = told
+        every = {"tip_m": info["tip_m"][np.newaxis], "status": [info["status"]]}
+        actions = np.asarray(action, dtype=float)[np.newaxis]
+        return seen, float(task.rewards(np.array([reward]), every, actions)[0]), terminated, truncated, info
 
     def render(self) -> NDArray[np.uint8] | None:
         if self.render_mode is None:
             return None
-        if self.task.last is None:
+        task = self.task
+        if not self._begun:
             raise InputError("environment: found no episode under way, expected a call of reset() before render()")
-        return self.task.picture()
+        return task.picture()
 
     def close(self) -> None:
         self._task = None
-
-    def _info(self, distance_m: Any) -> dict[str, Any]:
-        last = self.task.last
-        assert last is not None
-        return {
-            "tip_m": last.tips_m[0].copy(),
-            "target_m": self.task.targets_m[0].copy(),
-            "pulls_m": last.pulls_m[0].copy(),
-            "distance_m": float(distance_m),
-            "status": last.status[0],
-        }
 
 
 class RobotVectorEnv(gymnasium.vector.VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
@@ -278,7 +231,7 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Observation, NDArray[np.float32]
         self.observation_space = batch(single_observation, num_envs)
         self.action_space = batch(single_action, num_envs)
         self._generators = [np.random.default_rng() for _ in range(num_envs)]
-        self._ended = np.ones(num_envs, dtype=bool)
+        self._ended: NDArray[np.bool_] | None = None
 
     @property
     def task(self) -> _Task:
@@ -297,24 +250,26 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Observation, NDArray[np.float32]
             # As an environment alone seeds itself.
             pairs = zip(seeds, self._generators, strict=True)
             self._generators = [kept if one is None else gymnasium.utils.seeding.np_random(one)[0] for one, kept in pairs]
-        self.task.reset(list(range(self.num_envs)), self._generators)
-        self._ended[:] = False
-        return self.task.observations(), self._info(self._distances())
+        robots = self.task.robots
+        robots.begin(self.task.draws(list(range(self.num_envs)), self._generators))
+        self._ended = np.zeros(self.num_envs, dtype=bool)
+        told = robots.tell()
+        return told[0], self._info(told[4])
 
     def step(
         self, actions: NDArray[np.float32]
     ) -> tuple[Observation, Array, NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
-        if self.task.last is None:
+        task = self.task
+        if self._ended is None:
             raise InputError("environment: found no episode under way, expected a call of reset() before step()")
-        given = _checked(actions, (self.num_envs, self.task.robots.actions))
         fresh = np.flatnonzero(self._ended)
-        rewards, terminated, truncated, _ = self.task.step(given)
-        if len(fresh) > 0:
-            which = [int(index) for index in fresh]
-            self.task.reset(which, [self._generators[index] for index in which])
-            rewards[fresh], terminated[fresh], truncated[fresh] = 0.0, False, False
+        beginnings = task.draws([int(index) for index in fresh], self._generators) if len(fresh) > 0 else None
+        seen, rewards, terminated, truncated, info = task.robots.step(actions, beginnings)
+        if callable(task.reward):
+            rewards = task.rewards(rewards, info, np.asarray(actions, dtype=float))
+            rewards[fresh] = 0.0
         self._ended = terminated | truncated
-        return self.task.observations(), rewards, terminated, truncated, self._info(self._distances())
+        return seen, rewards, terminated, truncated, self._info(info)
 
     def render(self) -> tuple[NDArray[np.uint8], ...] | None:
         if self.render_mode is None:
@@ -324,15 +279,8 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Observation, NDArray[np.float32]
     def close_extras(self, **kwargs: Any) -> None:
         self._task = None
 
-    def _distances(self) -> Array:
-        assert self.task.last is not None
-        return lengths(self.task.last.tips_m - self.task.targets_m)
-
-    def _info(self, distances: Array) -> dict[str, Any]:
-        last = self.task.last
-        assert last is not None
-        status = np.array(last.status, dtype=object)
-        return {"tip_m": last.tips_m, "pulls_m": last.pulls_m, "distance_m": distances, "status": status}
+    def _info(self, info: dict[str, Any]) -> dict[str, Any]:
+        return info | {"status": np.array(info["status"], dtype=object)}
 
 
 class ReachEnv(RobotEnv):

@@ -1,7 +1,6 @@
 //! `spinebench calibrate`.
 
 use super::several::{mismatch, poses_at_rest, refuse_twins};
-use super::unusual_number::unusual_number;
 use crate::cli::program::interrupted::exit_on_interrupt;
 use crate::cli::program::outputs::{REPORT_BYTES, check_folder, check_yaml};
 use crate::cli::program::shared::StartsArg;
@@ -106,7 +105,7 @@ impl CalibrateCommand {
             println!("{words}");
         }
         print(&calibration);
-        if let Some(words) = unusual_number(&self.model, &model) {
+        if let Some(words) = model.unusual_number(&self.model) {
             println!("note: {words}");
         }
         if let Some(folder) = &self.report {
@@ -153,7 +152,7 @@ impl CalibrateCommand {
             }
         };
         let unusual = match error {
-            CalibrationError::NotSimulated { .. } => unusual_number(&self.model, model),
+            CalibrationError::NotSimulated { .. } => model.unusual_number(&self.model),
             _ => None,
         };
         let hint = unusual.map_or_else(String::new, |words| format!("; {words}"));

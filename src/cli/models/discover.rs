@@ -1,7 +1,6 @@
 //! `spinebench discover`.
 
 use super::several::{mismatch, poses_at_rest, refuse_twins};
-use super::unusual_number::unusual_number;
 use crate::cli::program::interrupted::exit_on_interrupt;
 use crate::cli::program::outputs::{REPORT_BYTES, check_folder};
 use crate::cli::program::shared::StartsArg;
@@ -9,13 +8,15 @@ use crate::cli::{CommandError, CommandResult};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use spinebench::base::Seed;
-use spinebench::data::{Recording, write_atomic};
+use spinebench::data::Recording;
 use spinebench::discovery::{
     Discovery, DiscoveryError, Options, Question, Round, Rounds, RoundsError, discover_until_named,
     with_step_listener,
 };
 use spinebench::effects::{CATALOGUE, Model};
-use spinebench::report::discovery::{DiscoveryReport, EffectText, artifacts};
+use spinebench::report::discovery::{
+    DiscoveryReport, EffectText, GivenRecordings, folder_files, is_commands, write_folder,
+};
 use spinebench::runner::Progress;
 use spinebench::specs::{
     PlantSpec, SimulatedSpec, extended_text, files_behind, model_text, read_model, read_options,
@@ -101,20 +102,14 @@ impl DiscoverCommand {
         let plant = self.plant.as_ref().map(|file| simulated(file, &model)).transpose()?;
         check_folder(&self.out, REPORT_BYTES)?;
         exit_on_interrupt("interrupted; nothing was written, and the same command begins again");
-        let trials = self.measured.iter().zip(&parts).flat_map(|(file, part)| {
-            part.trials().into_iter().map(move |(number, _)| (file.clone(), number))
-        });
+        let files: Vec<&Path> = self.measured.iter().map(PathBuf::as_path).collect();
+        let mut given = GivenRecordings::new(&files, &parts, baseline.as_ref());
         let question = Question { model: &model, baseline: baseline.as_ref(), options: &options };
         let (mut answer, recorded) =
-            self.answer(question, measured, trials.collect(), plant.as_ref(), progress)?;
+            self.answer(question, measured, &mut given, plant.as_ref(), progress)?;
         progress.done();
-        if baseline.is_some_and(|baseline| {
-            parts.iter().any(|part| baseline.holds(part) || part.holds(&baseline))
-        }) {
-            answer.findings.limitations.push(OWN_BASELINE.to_owned());
-        }
         answer.findings.limitations.extend(model.tracking.starts.told().map(str::to_owned));
-        answer.findings.limitations.extend(unusual_number(&self.model, &written));
+        answer.findings.limitations.extend(written.unusual_number(&self.model));
         // The model is written as it was given, whatever `--starts` says.
         answer.model.tracking.clone_from(&written.tracking);
         self.write(&written, &answer, &recorded)?;
@@ -180,12 +175,12 @@ impl DiscoverCommand {
     }
 
     /// The answer, with more recordings from the plant as long as it is ambiguous, and these with
-    /// their files. `trials`: file and number of those that were measured.
+    /// their files.
     fn answer(
         &self,
         question: Question,
         measured: Recording,
-        mut trials: Vec<(PathBuf, u64)>,
+        given: &mut GivenRecordings,
         plant: Option<&SimulatedSpec>,
         progress: &Arc<Progress>,
     ) -> Result<(Discovery, Vec<(PathBuf, Recording)>), CommandError> {
@@ -213,10 +208,7 @@ impl DiscoverCommand {
             recorded.extra.clear();
             let file =
                 self.out.join(format!("recorded_{}_{}.csv", round.number, next.proposal.name));
-            trials.splice(
-                0..0,
-                recorded.trials().into_iter().map(|(number, _)| (file.clone(), number)),
-            );
+            given.extend(&file, &recorded);
             files.push(file);
             Ok(Some(recorded))
         };
@@ -227,13 +219,13 @@ impl DiscoverCommand {
         )
         .map_err(|error| match error {
             RoundsError::Discovery { error, measured } => {
-                self.refusal(&error, question.model, &measured, &trials)
+                self.refusal(&error, question.model, &measured, &given.trials)
             }
             RoundsError::Mismatch(error) => CommandError::failed(error),
             RoundsError::Record(never) => match never {},
         })?;
-        let Rounds { answer, recorded, measured, .. } = rounds;
-        let answer = numbered(answer, &measured, &trials, !recorded.is_empty());
+        let Rounds { mut answer, recorded, measured, .. } = rounds;
+        answer.findings.limitations.extend(given.limitations(&measured));
         Ok((answer, files.into_iter().zip(recorded).collect()))
     }
 
@@ -248,7 +240,7 @@ impl DiscoverCommand {
     ) -> CommandError {
         let hint = match error {
             DiscoveryError::CannotFollow(_) | DiscoveryError::Baseline(_) => {
-                unusual_number(&self.model, model)
+                model.unusual_number(&self.model)
             }
             _ => None,
         };
@@ -314,7 +306,7 @@ impl DiscoverCommand {
         } else {
             model_text(&answer.model).map_err(CommandError::failed)?
         };
-        let files = artifacts(&DiscoveryReport {
+        let report = DiscoveryReport {
             findings: &answer.findings,
             residuals: &answer.residuals,
             places: &answer.places,
@@ -322,72 +314,20 @@ impl DiscoverCommand {
             effects: &texts,
             model_before: &before,
             model_after: &after,
-        })
-        .map_err(CommandError::failed)?;
+        };
+        let commands: Vec<(&str, &Recording)> = answer
+            .next_experiments
+            .iter()
+            .map(|next| (next.proposal.file.as_str(), &next.commands))
+            .collect();
+        let files = folder_files(&report, &commands, model_bytes).map_err(CommandError::failed)?;
         std::fs::create_dir_all(&self.out)
             .map_err(|error| CommandError::failed(format!("{}: {error}", self.out.display())))?;
-        let old_files = self.old_commands();
-        for file in &files {
-            write_atomic(&self.out.join(&file.name), &file.bytes).map_err(CommandError::failed)?;
-        }
         for (file, recording) in recorded {
             recording.write(file).map_err(CommandError::failed)?;
         }
-        for next in &answer.next_experiments {
-            next.commands
-                .write(&self.out.join(&next.proposal.file))
-                .map_err(CommandError::failed)?;
-        }
-        let proposed = |file: &&String| {
-            answer.next_experiments.iter().any(|next| next.proposal.file == **file)
-        };
-        for file in old_files.iter().filter(|file| !proposed(file)) {
-            let _ = std::fs::remove_file(self.out.join(file));
-        }
-        write_atomic(&self.out.join("model.yaml"), &model_bytes).map_err(CommandError::failed)?;
-        answer.findings.write(&self.out.join("findings.json")).map_err(CommandError::failed)
+        write_folder(&self.out, &files).map_err(CommandError::failed)
     }
-
-    /// Command files that an earlier run in this folder proposed.
-    fn old_commands(&self) -> Vec<String> {
-        let text = std::fs::read_to_string(self.out.join("findings.json")).unwrap_or_default();
-        let earlier: serde_json::Value = serde_json::from_str(&text).unwrap_or_default();
-        let proposals = earlier["proposals"].as_array().into_iter().flatten();
-        let files = proposals.filter_map(|proposal| proposal["file"].as_str());
-        files.filter(|file| is_commands(file)).map(str::to_owned).collect()
-    }
-}
-
-/// Limitation if the baseline shares trials with the recording.
-const OWN_BASELINE: &str = "The baseline contains trials of the measured recording: errors that \
-                            both share are not attributed to an effect, and trials used for \
-                            calibration are no independent test.";
-
-/// The answer with a word on which trial is whose, where recordings were joined under new numbers
-/// or `made` on a plant. `trials`: file and number there of those of `measured`.
-fn numbered(
-    mut answer: Discovery,
-    measured: &Recording,
-    trials: &[(PathBuf, u64)],
-    made: bool,
-) -> Discovery {
-    let now: Vec<u64> = measured.trials().into_iter().map(|(number, _)| number).collect();
-    if made || now.iter().zip(trials).any(|(now, (_, before))| now != before) {
-        let numbers: Vec<(&Path, u64)> =
-            trials.iter().zip(now).map(|((file, _), now)| (file.as_path(), now)).collect();
-        let each = numbers.chunk_by(|(a, _), (b, _)| a == b).map(|of| {
-            let name = of[0].0.file_name().unwrap_or(of[0].0.as_os_str()).to_string_lossy();
-            format!("{} to {} are from {name}", of[0].1, of[of.len() - 1].1)
-        });
-        let each: Vec<String> = each.collect();
-        answer.findings.limitations.push(format!("Trials were renumbered: {}.", each.join(", ")));
-    }
-    answer
-}
-
-/// Whether a file of this name holds proposed commands.
-fn is_commands(name: &str) -> bool {
-    name.starts_with("next_") && name.ends_with(".csv") && !name.contains(['/', '\\'])
 }
 
 /// Whether `discover` writes a file of this name.

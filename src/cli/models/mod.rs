@@ -8,4 +8,3 @@ pub(super) mod import;
 mod import_map;
 mod several;
 pub(super) mod simulate;
-mod unusual_number;

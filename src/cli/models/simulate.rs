@@ -1,6 +1,5 @@
 //! `spinebench simulate`.
 
-use super::unusual_number::unusual_number;
 use crate::cli::program::outputs::check_recording;
 use crate::cli::program::shared::StartsArg;
 use crate::cli::{CommandError, CommandResult};
@@ -89,7 +88,7 @@ pub(crate) fn nothing_solved(
         !statuses.is_empty() && statuses.iter().all(|status| status == name.name())
     };
     let too_coarse = all_are(SolveStatus::UnderResolved);
-    let suspect = match unusual_number(file, model) {
+    let suspect = match model.unusual_number(file) {
         Some(words) => words,
         None if too_coarse => format!(
             "{name}: robot.resolution.static_tolerance_m: found {}, which the finest grid does not \

@@ -157,16 +157,20 @@ fn trials(table: &Table) -> Result<Vec<u64>, DataError> {
     Ok(trials)
 }
 
+/// A whole number, also as numpy and pandas write one that they hold as a float: `1.0`.
 fn whole_number(cells: &Cells, row: usize) -> Option<u64> {
+    let whole = |number: f64| {
+        let is_whole = number >= 0.0 && number.fract() == 0.0 && number < 2f64.powi(53);
+        is_whole.then_some(number as u64)
+    };
     match cells {
         Cells::Integers(cells) => u64::try_from(cells[row]).ok(),
         Cells::Unsigned(cells) => Some(cells[row]),
-        Cells::Text(cells) => cells[row].trim().parse().ok(),
-        Cells::Numbers(cells) => {
-            let number = cells[row];
-            (number >= 0.0 && number.fract() == 0.0 && number < 2f64.powi(53))
-                .then_some(number as u64)
+        Cells::Text(cells) => {
+            let text = cells[row].trim();
+            text.parse().ok().or_else(|| text.parse().ok().and_then(whole))
         }
+        Cells::Numbers(cells) => whole(cells[row]),
         Cells::Flags(_) => None,
     }
 }

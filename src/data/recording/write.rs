@@ -34,9 +34,20 @@ impl Recording {
         let refused = |reason| DataError::Write { file: path.to_owned(), reason };
         let parquet =
             path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("parquet"));
+        if !parquet {
+            return write_atomic(path, &self.to_csv(path)?);
+        }
         let columns = self.columns().map_err(refused)?;
-        let bytes = if parquet { parquet_bytes(columns) } else { csv_bytes(columns) };
-        write_atomic(path, &bytes.map_err(refused)?)
+        write_atomic(path, &parquet_bytes(columns).map_err(refused)?)
+    }
+
+    /// The recording as CSV.
+    ///
+    /// # Errors
+    /// [`DataError::Write`] with the name `path` when columns differ in length.
+    pub fn to_csv(&self, path: &Path) -> Result<Vec<u8>, DataError> {
+        let refused = |reason| DataError::Write { file: path.to_owned(), reason };
+        csv_bytes(self.columns().map_err(refused)?).map_err(refused)
     }
 
     /// The columns in the order of the format, then the carried ones; each of the recording's

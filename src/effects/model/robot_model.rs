@@ -1,6 +1,7 @@
 //! A model: a robot and the effects added to it.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -84,6 +85,14 @@ impl Model {
         let effects = check_effect_units(&self.effects)
             .map_err(|(index, name, error)| (format!("effects[{index}].{name}"), error));
         robot.map(|(path, error)| (below("robot", &path), error)).chain(effects.err()).collect()
+    }
+
+    /// The number that is furthest outside the range of most robots, likely one in another unit, in
+    /// a sentence about the model in `file`; `None` where all are usual.
+    pub fn unusual_number(&self, file: &Path) -> Option<String> {
+        let (key, value) = self.robot.suspect()?;
+        let file = file.display();
+        Some(format!("{file}: {key}: found {value}, which few robots have; check its unit"))
     }
 
     /// Both checks; the path of the key begins with `at`.

@@ -29,12 +29,13 @@ pub struct PythonOptions {
     pub settled_m: f64,
 }
 
-/// The interpreter, as far as policies need it. Errors are sentences.
+/// The interpreter, as far as policies need it.
 pub struct PythonHost {
-    /// Makes an instance of a class.
+    /// Makes an instance of a class, or says why it cannot.
     pub make: fn(&PythonOptions) -> Result<Box<dyn OutsideDecider>, String>,
-    /// Loads a class, refuses one without a method `act`, and gives its `closed_loop_only`.
-    pub closed_loop_only: fn(&PythonOptions) -> Result<bool, String>,
+    /// Loads a class and gives its `closed_loop_only`; of one that is no policy, what was found and
+    /// what was expected.
+    pub closed_loop_only: fn(&PythonOptions) -> Result<bool, (String, String)>,
 }
 
 static PYTHON: OnceLock<PythonHost> = OnceLock::new();
@@ -59,8 +60,7 @@ impl PythonOptions {
         if std::str::from_utf8(content).is_err() {
             return Err(("bytes that are no UTF-8".to_owned(), "a file of Python".to_owned()));
         }
-        let expected = || "a class with a method act(tip_m, target_m, pulls_m, time_s)".to_owned();
-        (host.closed_loop_only)(self).map(drop).map_err(|found| (found, expected()))
+        (host.closed_loop_only)(self).map(drop)
     }
 
     /// Takes over what the class says of itself. A class that cannot be loaded says nothing;

@@ -5,8 +5,10 @@ pub(super) mod answer;
 mod appendix;
 mod arrows;
 mod evidence;
+mod folder;
 pub(super) mod format;
 mod gap;
+mod given;
 mod heat;
 pub(super) mod html;
 mod map;
@@ -19,6 +21,9 @@ mod scale;
 use super::style::PAGE_WIDTH;
 use super::{Artifact, ReportError, pictures, some_csv, text};
 use crate::data::findings::{Findings, PlaceRow, ResidualRow};
+
+pub use folder::{folder_files, is_commands, write_folder};
+pub use given::GivenRecordings;
 
 /// Catalogue texts of an effect, as plain text.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -1,7 +1,7 @@
 //! Checks of policies from outside: their names, and the files that hold them.
 
 use super::experiment::is_name;
-use crate::policies;
+use crate::policies::{self, OutsidePolicy};
 use crate::specs::document::error::SpecError;
 use crate::specs::document::locate::PathEnd;
 use crate::specs::document::merged::Document;
@@ -26,9 +26,15 @@ pub(super) fn outside_policies(document: &Document, spec: &Experiment) -> Result
                 "a file that can be read".into(),
             )
         })?;
-        policy
-            .check_content(&content, spec.plant.tendons())
-            .map_err(|(found, expected)| refuse(found, expected))?;
+        policy.check_content(&content, spec.plant.tendons()).map_err(|(found, expected)| {
+            match policy {
+                OutsidePolicy::Onnx(_) => refuse(found, expected),
+                OutsidePolicy::Python(_) => {
+                    let class = path.key("python").key("class");
+                    document.refuse(&class, PathEnd::Value, found, expected)
+                }
+            }
+        })?;
     }
     Ok(())
 }
