@@ -67,9 +67,9 @@ impl FromPyObject<'_, '_> for GivenModel {
     }
 }
 
-/// Checks a model that was changed here.
+/// Checks a model that was changed here, its units too.
 pub(crate) fn checked(model: Model) -> Result<PyModel, Fault> {
-    model.check().map_err(|(path, error)| {
+    model.check_units().and_then(|()| model.check()).map_err(|(path, error)| {
         Fault::argument(&format!("{path}.{}", error.key), error.found.clone(), error.expected)
     })?;
     Ok(PyModel::from(model))

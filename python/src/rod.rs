@@ -24,6 +24,11 @@ impl Driven {
         Driven { rod: DrivenModel::new(model, &[]), time_s: 0.0, status: UNSOLVED.to_owned() }
     }
 
+    /// Length of the backbone, metres.
+    pub(crate) fn length_m(&self) -> f64 {
+        self.rod.rod().params().length_m()
+    }
+
     /// The measured tip, metres.
     pub(crate) fn tip_m(&self) -> [f64; 3] {
         self.rod.observation(&[], self.time_s).tip_m
@@ -58,6 +63,20 @@ pub(crate) const UNSOLVED: &str = "not_solved";
 
 pub(crate) fn commands(pulls_m: &[f64]) -> Vec<TendonCommand> {
     pulls_m.iter().map(|&pull_m| TendonCommand::Pull(pull_m)).collect()
+}
+
+/// Refuses displacements beyond twice the length of the robot: usually millimetres instead of
+/// metres.
+pub(crate) fn in_metres(pulls_m: Vec<f64>, length_m: f64) -> Result<Vec<f64>, Fault> {
+    match pulls_m.iter().find(|pull_m| pull_m.abs() > 2.0 * length_m) {
+        None => Ok(pulls_m),
+        Some(pull) => {
+            let expected = format!(
+                "metres that a robot of {length_m} m could be pulled by (are these millimetres?)"
+            );
+            Err(Fault::argument("pulls_m", pull.to_string(), &expected))
+        }
+    }
 }
 
 /// Positions (n, 3) of `n` cross-sections evenly spaced from base to tip, metres.
@@ -142,9 +161,10 @@ impl PyRod {
             }
             (pulls_m, None) => {
                 let pulls_m = match pulls_m {
-                    Some(pulls_m) => {
-                        shaped(pulls_m, "pulls_m", &[tendons], "one number per tendon")?
-                    }
+                    Some(pulls_m) => in_metres(
+                        shaped(pulls_m, "pulls_m", &[tendons], "one number per tendon")?,
+                        driven.length_m(),
+                    )?,
                     None => vec![0.0; tendons],
                 };
                 detached(py, || driven.settle(&pulls_m).map_err(Fault::from))?;
@@ -161,6 +181,7 @@ impl PyRod {
         dt_s: f64,
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let pulls_m = shaped(pulls_m, "pulls_m", &[self.tendons()], "one number per tendon")?;
+        let pulls_m = in_metres(pulls_m, self.driven.length_m())?;
         let dt_s = positive("dt_s", dt_s)?;
         let driven = &mut self.driven;
         detached(py, || {

@@ -12,7 +12,7 @@ use crate::arrays::{array, led, positive, shaped};
 use crate::calls::{Stop, long_on};
 use crate::errors::Fault;
 use crate::model::{GivenModel, plot};
-use crate::rod::{Driven, UNSOLVED, counted, shape_m};
+use crate::rod::{Driven, UNSOLVED, counted, in_metres, shape_m};
 
 /// Robots side by side; all have the same number of tendons.
 #[pyclass(frozen, name = "Rods", module = "spinebench")]
@@ -20,6 +20,8 @@ pub(crate) struct PyRods {
     rods: Arc<Mutex<Vec<Driven>>>,
     count: usize,
     tendons: usize,
+    /// Length of the longest one, metres.
+    length_m: f64,
 }
 
 /// Outcome of a call for all robots: tips (n, 3), metres, not a number where the solver failed.
@@ -70,7 +72,8 @@ impl PyRods {
             return Err(Fault::argument("models", found, "robots of one number of tendons").into());
         }
         let rods: Vec<Driven> = models.iter().map(|given| Driven::new(&given.0.model)).collect();
-        Ok(PyRods { count: rods.len(), rods: Arc::new(Mutex::new(rods)), tendons })
+        let length_m = rods.iter().map(Driven::length_m).fold(0.0, f64::max);
+        Ok(PyRods { length_m, count: rods.len(), rods: Arc::new(Mutex::new(rods)), tendons })
     }
 
     fn __len__(&self) -> usize {
@@ -98,6 +101,7 @@ impl PyRods {
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let tendons = self.tendons;
         let pulls_m = shaped(pulls_m, "pulls_m", &[self.count, tendons], "robots, tendons")?;
+        let pulls_m = in_metres(pulls_m, self.length_m)?;
         let work = move |index: usize, rod: &mut Driven, stop: &Stop| {
             if stop.raised() {
                 return Ok(());
@@ -116,6 +120,7 @@ impl PyRods {
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let (tendons, dt_s) = (self.tendons, positive("dt_s", dt_s)?);
         let pulls_m = shaped(pulls_m, "pulls_m", &[self.count, tendons], "robots, tendons")?;
+        let pulls_m = in_metres(pulls_m, self.length_m)?;
         let work = move |index: usize, rod: &mut Driven, stop: &Stop| {
             if stop.raised() {
                 return Ok(());
@@ -140,7 +145,7 @@ impl PyRods {
             let found = format!("commands of {} robots", read.shape[0]);
             return Err(Fault::argument("pulls_m", found, what).into());
         }
-        let (steps, pulls_m) = (read.shape[1], read.values);
+        let (steps, pulls_m) = (read.shape[1], in_metres(read.values, self.length_m)?);
         let tips = Arc::new(Mutex::new(vec![f64::NAN; count * steps * 3]));
         let seen = Arc::clone(&tips);
         let work = move |index: usize, rod: &mut Driven, stop: &Stop| {

@@ -7,7 +7,9 @@ use std::thread::available_parallelism;
 use std::time::Instant;
 
 use pyo3::prelude::*;
-use spinebench::runner::{self, Campaign, Need, Progress, RunFacts, RunOptions, Store, Style};
+use spinebench::runner::{
+    self, Campaign, Need, Progress, RunFacts, RunOptions, Store, Style, store_folder,
+};
 use spinebench::specs::ExperimentSet;
 
 use crate::calculations::{about, json};
@@ -19,7 +21,7 @@ use crate::errors::Fault;
 #[pyo3(from_item_all)]
 pub(crate) struct RunArguments {
     out: PathBuf,
-    cache: PathBuf,
+    cache: Option<PathBuf>,
     sets: Vec<String>,
     sweeps: Vec<String>,
     jobs: usize,
@@ -69,7 +71,11 @@ pub(crate) fn _plan(
 ) -> PyResult<String> {
     long(py, move |_| {
         let campaign = campaign(&specs, &arguments)?;
-        let needs = runner::plan(&campaign.graph, &Store::at(&arguments.cache), &campaign.wanted());
+        let needs = runner::plan(
+            &campaign.graph,
+            &Store::at(store_folder(arguments.cache.as_deref())),
+            &campaign.wanted(),
+        );
         let runs = campaign.entries.iter().flat_map(|entry| {
             let name = &entry.experiment.name;
             entry.cells().into_iter().map(move |cell| (name, cell))
@@ -111,7 +117,8 @@ pub(crate) fn _run(
         let campaign = campaign(&specs, &arguments)?;
         let RunArguments { out, cache, jobs, .. } = arguments;
         std::fs::create_dir_all(&out).map_err(|error| about(&out, error))?;
-        let (revision, began, store) = (runner::git_revision(), Instant::now(), Store::at(cache));
+        let (revision, began, store) =
+            (runner::git_revision(), Instant::now(), Store::at(store_folder(cache.as_deref())));
         let options = RunOptions { stop: stop.flag(), ..RunOptions::new(jobs, &progress) };
         let outcomes = runner::execute(&campaign.graph, &store, &campaign.wanted(), &options)
             .map_err(|failure| Fault::Run(failure.to_string()))?;

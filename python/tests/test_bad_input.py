@@ -53,6 +53,7 @@ def test_wrong_arrays(model: Model, pulls: object, words: str) -> None:
         lambda model: model.with_value("robot.nothing", 1.0),
         lambda model: model.with_value("robot.backbone.length_m", -1.0),
         lambda model: model.with_effects([{"nothing": {}}]),
+        lambda model: model.with_effects([{"tip_load": {"mass_kg": 20.0}}]),
         lambda model: Model.from_yaml("robot: {backbone: {length_m: long}}"),
         lambda model: spinebench.calibrate(model, "missing.csv"),
         lambda model: spinebench.discover(model, []),
@@ -63,6 +64,15 @@ def test_wrong_arguments(model: Model, call: Callable[[Model], object]) -> None:
     with pytest.raises(InputError) as error:
         call(model)
     assert "panicked" not in str(error.value)
+
+
+def test_numbers_in_other_units_are_refused_with_the_unit_that_was_meant(model: Model) -> None:
+    with pytest.raises(InputError, match=r"found 2.3 \(if that is in GPa, write 2.3e9 Pa\)"):
+        model.with_value("robot.backbone.youngs_modulus_pa", 2.3)
+    millimetres = [3.0, 0.0, -3.0, 0.0]
+    for call in (Rod(model).settle, Rod(model).step, lambda pulls: Rods([model] * 2).play(np.full((2, 5, 4), pulls))):
+        with pytest.raises(InputError, match=r"found -?3, expected metres that a robot of 0.22 m could be pulled by"):
+            call(millimetres)
 
 
 def test_a_fault_in_a_file_names_file_line_and_key(tmp_path: Path) -> None:

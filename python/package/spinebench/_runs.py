@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -165,10 +164,9 @@ def _arguments(
     if seeds is not None:
         sets.append(f"seeds={int(seeds)}")
     own = {name: spec_entry(name, policy) for name, policy in (policies or {}).items()}
-    store = cache or os.environ.get("SPINEBENCH_CACHE") or ".spinebench/cache"
     arguments = {
         "out": Path(out),
-        "cache": Path(store),
+        "cache": None if cache is None else Path(cache),
         "sets": sets,
         "sweeps": list(sweep),
         "jobs": jobs,
