@@ -535,7 +535,7 @@ table_rows! {
         pub result: String,
         /// Seconds on the clock, when it was computed.
         pub wall_s: f64,
-        /// Seconds on a processor of the thread that carried it out, when it was computed.
+        /// Seconds on a processor of all threads that worked for it, when it was computed.
         pub cpu_s: f64,
     }
 

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
-use crate::base::{InterruptRequest, Point3};
+use crate::base::{InterruptRequest, Point3, counted};
 use crate::calibration::error::CalibrationError;
 use crate::calibration::recordings::Recordings;
 use crate::data::Recording;
@@ -222,7 +222,7 @@ impl<'a> Comparison<'a> {
     pub(crate) fn positions(&self, model: &Model) -> Positions {
         let request = InterruptRequest::current();
         let simulated = |part| request.within(|| self.simulated(part, model));
-        let each: Vec<Recording> = self.parts.par_iter().map(simulated).collect();
+        let each: Vec<Recording> = self.parts.par_iter().map(counted(simulated)).collect();
         let mut positions = vec![None; self.sightings.len()];
         for (part, simulated) in self.parts.iter().zip(&each) {
             self.take(part, &tracks(simulated), &mut positions);

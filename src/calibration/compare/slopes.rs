@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::comparison::{Comparison, Part, Positions, tracks};
-use crate::base::{InterruptRequest, Point3};
+use crate::base::{InterruptRequest, Point3, counted};
 use crate::calibration::numbers::number::FitNumber;
 use crate::effects::{Model, ModelParameter, Variable, VariationError};
 use crate::rod::PoseRates;
@@ -38,7 +38,8 @@ impl Comparison<'_> {
         let slopes_of = |(part, some): &(&Part, &[&ModelParameter])| {
             request.within(|| self.part_slopes(part, model, some))
         };
-        let each: Vec<PartSlopes> = jobs.par_iter().map(slopes_of).collect::<Option<_>>()?;
+        let each: Vec<PartSlopes> =
+            jobs.par_iter().map(counted(slopes_of)).collect::<Option<_>>()?;
         let each: Vec<PartSlopes> =
             each.chunks(variables.len().div_ceil(share)).map(joined).collect();
         let mut positions = vec![None; self.sightings.len()];

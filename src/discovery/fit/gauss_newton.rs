@@ -4,6 +4,8 @@
 use nalgebra::{Cholesky, DMatrix, DVector};
 use rayon::prelude::*;
 
+use crate::base::counted;
+
 use super::candidate::{CandidateEffect, SetMember, effect_specs};
 use super::nuisance::{NuisanceFit, Nuisances};
 use super::simulate::tips;
@@ -311,7 +313,7 @@ impl FitProblem<'_> {
         let count = self.coordinates(&fitted.members).len();
         let columns: Vec<DVector<f64>> =
             // Columns are independent simulations.
-            (0..count).into_par_iter().map(|k| self.jacobian_column(fitted, k)).collect::<Option<_>>()?;
+            (0..count).into_par_iter().map(counted(|k| self.jacobian_column(fitted, k))).collect::<Option<_>>()?;
         Some(DMatrix::from_fn(fitted.simulated_m.len(), count, |row, k| columns[k][row]))
     }
 

@@ -4,6 +4,8 @@
 use nalgebra::DVector;
 use rayon::prelude::*;
 
+use crate::base::counted;
+
 use super::candidate::{CandidateEffect, SetMember, effect_specs};
 use super::nuisance::{NuisanceColumn, Nuisances};
 use super::simulate::{coarse, tips};
@@ -113,7 +115,7 @@ impl<'a> UncertainParameters<'a> {
                 self.sensitivity(number, model, &effects, samples, &base_m)
             };
             let unrelaxed = || unrelaxed(model, &effects, samples, &base_m);
-            let of_parameters = self.parameters.par_iter().map(sensitivity_of);
+            let of_parameters = self.parameters.par_iter().map(counted(sensitivity_of));
             of_parameters.chain(rayon::iter::once(()).map(|()| unrelaxed())).collect()
         };
         // A strong effect changes these answers, so they are taken beside the members.

@@ -8,6 +8,8 @@
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
+use crate::base::counted;
+
 /// A ball or a wall beside the axis of the straight robot, as the effect `contact` places it.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ObstacleHint {
@@ -65,10 +67,10 @@ pub(crate) fn obstacle_hint(rows: &[BodyRow], length_m: f64) -> Option<ObstacleH
         return None;
     }
     let of = |place: Place| (agreement(rows, length_m, place), place);
-    let mut best: Vec<(f64, Place)> = grid().into_par_iter().map(of).collect();
+    let mut best: Vec<(f64, Place)> = grid().into_par_iter().map(counted(of)).collect();
     best.sort_by(|a, b| b.0.total_cmp(&a.0));
     best.truncate(MAX_REFINED);
-    let refined = best.into_par_iter().map(|start| refine(rows, length_m, start));
+    let refined = best.into_par_iter().map(counted(|start| refine(rows, length_m, start)));
     let (agreement, [distance, azimuth, position, curvature]) =
         refined.max_by(|a, b| a.0.total_cmp(&b.0))?;
     if agreement < MIN_AGREEMENT {

@@ -4,6 +4,8 @@
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
+use crate::base::counted;
+
 use super::candidate::{CandidateEffect, SetMember, effect_specs};
 use super::simulate::tips;
 use crate::discovery::recording::samples::Samples;
@@ -71,5 +73,5 @@ pub(crate) fn sensitivities(
         let columns = DMatrix::from_fn(simulated_m.len(), columns.len(), |row, k| columns[k][row]);
         Some(Sensitivity { candidate: number, null, columns, step: None })
     };
-    variants.into_par_iter().filter_map(sensitivity).collect()
+    variants.into_par_iter().filter_map(counted(sensitivity)).collect()
 }

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use super::obstacle_hint::BodyRow;
-use crate::base::Point3;
+use crate::base::{Point3, counted};
 use crate::discovery::options::Options;
 use crate::discovery::recording::samples::{Sample, Samples, TrialCommands};
 use crate::effects::replay;
@@ -94,7 +94,7 @@ pub(crate) fn tips(model: &Model, extra: &[EffectSpec], samples: &Samples) -> Op
     let simulated: Vec<SimulatedPlaces> = samples
         .trials
         .par_iter()
-        .map(|trial| SimulatedPlaces::new(model, extra, trial))
+        .map(counted(|trial| SimulatedPlaces::new(model, extra, trial)))
         .collect::<Option<_>>()?;
     Some(samples.rows.iter().flat_map(|row| simulated[row.trial].position_m(row)).collect())
 }
@@ -118,7 +118,7 @@ pub(crate) fn body_rows(
     let simulated: Vec<SimulatedPlaces> = samples
         .trials
         .par_iter()
-        .map(|trial| SimulatedPlaces::new(&model, &[], trial))
+        .map(counted(|trial| SimulatedPlaces::new(&model, &[], trial)))
         .collect::<Option<_>>()?;
     let base_m = Vector3::from(model.robot.base_m);
     let from_world = rotation::exp(&Vector3::from(model.robot.base_rotation_rad)).transpose();

@@ -4,6 +4,8 @@
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
+use crate::base::counted;
+
 use super::screening::{LinearPrediction, LinearScreen, ScreenedResidual, best_of_each};
 use super::state::ScoredSet;
 use crate::discovery::fit::candidate::{SetMember, in_default_convention, neighbouring_choices};
@@ -101,7 +103,7 @@ impl FitProblem<'_> {
                 base.score + start.nuisance_fit.deviance - fitted.nuisance_fit.deviance - penalty;
             Some(ScoredSet { fitted, score, exact: false })
         };
-        predictions.par_iter().filter_map(fit).collect()
+        predictions.par_iter().filter_map(counted(fit)).collect()
     }
 
     /// Approximate Jacobian of `base` with `member`: that of the fit, extended by the sensitivity.

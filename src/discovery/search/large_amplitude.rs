@@ -10,6 +10,8 @@ use std::ops::Range;
 use nalgebra::DVector;
 use rayon::prelude::*;
 
+use crate::base::counted;
+
 use super::screening::{LinearScreen, ScreenedResidual, VALID_STEPS, best_of_each};
 use crate::discovery::fit::candidate::{CandidateEffect, SetMember, effect_specs};
 use crate::discovery::fit::gauss_newton::{FitProblem, FittedSet};
@@ -80,7 +82,7 @@ impl FitProblem<'_> {
         // 3. Play large amounts of each in these trials.
         let responses: Vec<Sensitivity> = starts
             .into_par_iter()
-            .flat_map(|sensitivity| some.sensitivities_of(sensitivity, &some_base_m))
+            .flat_map(counted(|sensitivity| some.sensitivities_of(sensitivity, &some_base_m)))
             .collect();
         // 4. Only what promises enough there is played in all trials.
         let relevant = some.keep_relevant(responses, &screened);
@@ -100,7 +102,7 @@ impl FitProblem<'_> {
                 .find(|sensitivity| sensitivity.is_small_step_of(response))?;
             Some(all.sensitivity_at(small_step, &all_base_m, response.step.as_ref()?)?.0)
         };
-        relevant.par_iter().filter_map(everywhere).collect()
+        relevant.par_iter().filter_map(counted(everywhere)).collect()
     }
 
     /// The trials with the largest residual.
@@ -231,15 +233,16 @@ impl<'a> LargeAmplitudeScreen<'a> {
                 })
             };
             return Self::refine_scan(
-                scan.par_iter().filter_map(response).collect(),
+                scan.par_iter().filter_map(counted(&response)).collect(),
                 &scan,
                 &response,
             );
         }
         let Some(direction) = self.direction(sensitivity) else { return Vec::new() };
         let both = [1.0, -1.0].into_par_iter().map(|sign| sign * &direction);
-        let responses =
-            both.flat_map(|direction| self.step_out(sensitivity, base_m, &direction)).collect();
+        let responses = both
+            .flat_map(counted(|direction| self.step_out(sensitivity, base_m, &direction)))
+            .collect();
         self.refine(responses, base_m)
     }
 

@@ -9,7 +9,7 @@ use super::stage_queue::{StageQueue, WorkPlan};
 use crate::base::with_share_listener;
 use crate::runner::graph::key::Key;
 use crate::runner::graph::stage::{AnyResult, InputResults};
-use crate::runner::graph::timing::{Stopwatch, Timing};
+use crate::runner::graph::timing::{Timing, timed};
 use crate::runner::graph::{Failure, Graph, StageNode};
 use crate::runner::store::{EntryLock, Lookup, Note, Store};
 use std::any::Any;
@@ -394,13 +394,10 @@ impl<'a> Execution<'a> {
             self.options.record.find_failure(&node.key).map_or_else(|| self.inputs(node), Err);
         let (outcome, timing) = match inputs {
             Ok(inputs) => {
-                let stopwatch = Stopwatch::start();
                 let progress = self.options.progress.of_stage();
-                let computed = with_share_listener(
-                    move |share| progress.advanced(number, share),
-                    || compute(node, &inputs),
-                );
-                let timing = stopwatch.read();
+                let advanced = move |share| progress.advanced(number, share);
+                let (computed, timing) =
+                    timed(|| with_share_listener(advanced, || compute(node, &inputs)));
                 let failure = computed.as_ref().err().map(|failure| failure.status.as_str());
                 self.options.progress.finished(event, timing, failure);
                 let stored = |(value, bytes)| {
