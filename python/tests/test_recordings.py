@@ -75,3 +75,13 @@ def test_large_frames_go_in_and_out_as_arrays(model: sb.Model) -> None:
     played = sb.simulate(model, frame, static=True)
     assert played.trial.dtype == np.int64 and played.tip_x_m.dtype == np.float64
     assert len(played) == 1000 and (played.solver_status == "converged").all()
+
+
+def test_an_imported_recording_is_shown(model: sb.Model) -> None:
+    played = sb.simulate(model, commands(trials=15, rows=3))
+    clocks = {0: sb.ClockFit(0.25, (0.2, 0.3), 0.1, 0.9)}
+    imported = sb.ImportedRecording(played, None, clocks, notes=["a row <b>does</b> not count"])
+    assert repr(imported) == "ImportedRecording(45 rows, 15 trials, 1 notes)"
+    page = imported._repr_html_()
+    assert "45 rows, 15 trials" in page and "and 3 more" in page and "trial 0: +0.25 s" in page
+    assert "&lt;b&gt;" in page

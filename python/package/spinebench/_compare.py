@@ -100,10 +100,10 @@ def _folders(given: Compared, name: str) -> dict[str, Path]:
     folder = Path(given)
     results = folder / "results"
     places = sorted(results.iterdir()) if results.is_dir() else [folder]
-    found = {place.name: place for place in places if (place / "spec.yaml").is_file()}
-    if not found:
+    experiments = {place.name: place for place in places if (place / "spec.yaml").is_file()}
+    if not experiments:
         raise InputError(f"{name}: found no results in {folder}, expected a folder that a run wrote to")
-    return found
+    return experiments
 
 
 def _tables(folder: Path) -> dict[str, Path]:

@@ -100,10 +100,10 @@ def _clock(frame: pd.DataFrame) -> tuple[NDArray[np.float64], list[float]]:
     trial = frame["trial"].to_numpy()
     first = np.flatnonzero(np.r_[True, trial[1:] != trial[:-1]])
     for begin, end in zip(first, [*first[1:], len(frame)], strict=True):
-        own = frame["time_s"].to_numpy(dtype=float)[begin:end]
+        trial_s = frame["time_s"].to_numpy(dtype=float)[begin:end]
         starts.append(end_s)
-        time_s[begin:end] = end_s + own - own[0]
-        step_s = float(np.median(np.diff(own))) if len(own) > 1 else 1.0
+        time_s[begin:end] = end_s + trial_s - trial_s[0]
+        step_s = float(np.median(np.diff(trial_s))) if len(trial_s) > 1 else 1.0
         end_s = float(time_s[end - 1]) + step_s
     return time_s, starts
 

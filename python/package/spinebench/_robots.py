@@ -87,8 +87,8 @@ def checked_randomisation(randomise: Randomisation | None, robots: _Robots) -> R
     return checked
 
 
-def _one_of(word: str, known: Iterable[str]) -> str:
-    names = sorted(known)
+def _one_of(word: str, expected: Iterable[str]) -> str:
+    names = sorted(expected)
     near = difflib.get_close_matches(word, names, 1)
     return f"`{near[0]}`" if near else f"one of {', '.join(names)}"
 
