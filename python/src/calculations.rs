@@ -279,6 +279,7 @@ pub(crate) fn _run(
         let read = |file: &PathBuf| experiments(file, &arguments);
         let experiments = specs.iter().map(read).collect::<Result<Vec<_>, Fault>>()?;
         let RunArguments { out, cache, jobs, .. } = arguments;
+        let notes: Vec<Vec<String>> = experiments.iter().map(|set| set.notes.clone()).collect();
         let campaign = Campaign::expand(experiments).map_err(Fault::words)?;
         std::fs::create_dir_all(&out).map_err(|error| about(&out, error))?;
         let (revision, began, store) = (runner::git_revision(), Instant::now(), Store::at(cache));
@@ -299,12 +300,14 @@ pub(crate) fn _run(
             .entries
             .iter()
             .zip(&published)
-            .map(|(entry, publication)| {
+            .zip(&notes)
+            .map(|((entry, publication), notes)| {
+                let notices: Vec<&String> = notes.iter().chain(&publication.notices).collect();
                 serde_json::json!({
                     "name": entry.experiment.name,
                     "files": publication.files.keys().map(|file| out.join(file)).collect::<Vec<_>>(),
                     "failed_trials": publication.failed,
-                    "notices": publication.notices,
+                    "notices": notices,
                 })
             })
             .collect();

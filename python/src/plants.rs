@@ -8,8 +8,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyType;
 use rayon::prelude::*;
 use spinebench::base::{Observation, Plant, PlantError, Seed};
-use spinebench::plants::{Simulated, SimulatedOptions, SimulatedSpec};
-use spinebench::specs::{PlantSpec, read_plant};
+use spinebench::plants::{PlantOptions, Simulated, SimulatedOptions, SimulatedSpec};
+use spinebench::specs::{PlantSpec, read_plant, suited_travel_m};
 
 use crate::arrays::{array, positive, shaped};
 use crate::calls::{detached, guarded, long_on, pool};
@@ -124,10 +124,12 @@ impl PyPlants {
         count: usize,
         step_s: f64,
         noise_m: f64,
-        travel_m: f64,
+        travel_m: Option<f64>,
     ) -> PyResult<PyPlants> {
         let model = spinebench::effects::Model::clone(&model.0);
-        let spec = PlantSpec::Simulated(Box::new(SimulatedSpec { model, noise_m, travel_m }));
+        let mut robot = SimulatedSpec { model, noise_m, travel_m: 0.0 };
+        robot.travel_m = travel_m.unwrap_or_else(|| suited_travel_m(robot.size()));
+        let spec = PlantSpec::Simulated(Box::new(robot));
         spec.check().map_err(|(path, bad)| {
             Fault::argument(&format!("{path}.{}", bad.key), bad.found, bad.expected)
         })?;
@@ -161,6 +163,12 @@ impl PyPlants {
     #[getter]
     fn travel_m(&self) -> Option<f64> {
         self.spec.travel_m()
+    }
+
+    /// The travel that suits the levers of its tendons, metres.
+    #[getter]
+    fn suited_travel_m(&self) -> f64 {
+        suited_travel_m(self.spec.size())
     }
 
     /// For each segment its tendons (from 0) with their angles in degrees.

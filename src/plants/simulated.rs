@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use rand_distr::{Distribution, Normal};
 use serde::{Deserialize, Serialize};
 
-use super::PlantOptions;
+use super::{PlantOptions, RobotSize};
 use crate::base::{
     BadOption, Generator, Observation, Plant, PlantError, Seed, TendonCommand, TendonLayout,
 };
@@ -115,6 +115,11 @@ impl PlantOptions for SimulatedSpec {
 
     fn travel_m(&self) -> Option<f64> {
         Some(self.travel_m)
+    }
+
+    fn size(&self) -> Option<RobotSize> {
+        let robot = &self.model.robot;
+        Some(RobotSize { lever_m: robot.lever_m(), length_m: robot.backbone.length_m })
     }
 
     fn example() -> Option<Self> {

@@ -43,20 +43,22 @@ class Robots:
         *,
         step_s: float,
         noise_m: float,
-        travel_m: float,
-        max_step_m: float,
+        travel_m: float | None,
+        max_step_m: float | None,
         action: str,
         randomise: Randomisation | None,
     ) -> None:
         if model is not None and plant is not None:
             raise InputError("plant: found a model, too, expected either a model or a plant file")
-        if not 0.0 < max_step_m <= travel_m:
-            raise InputError(f"max_step_m: found {max_step_m}, expected a number above 0 and up to travel_m")
         if plant is not None:
             self._plants = _Plants.of_file(Path(plant), count, step_s)
         else:
             given = Model() if model is None else model if isinstance(model, Model) else Model.load(model)
             self._plants = _Plants.of_model(given, count, step_s, noise_m, travel_m)
+        travel_m = self._plants.suited_travel_m if travel_m is None else travel_m
+        max_step_m = 0.2 * travel_m if max_step_m is None else max_step_m
+        if not 0.0 < max_step_m <= travel_m:
+            raise InputError(f"max_step_m: found {max_step_m}, expected a number above 0 and up to travel_m")
         limit = self._plants.travel_m
         self.count, self.tendons, self.step_s = count, self._plants.tendons, step_s
         self.travel_m = travel_m if limit is None else min(travel_m, limit)
