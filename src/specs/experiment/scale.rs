@@ -2,9 +2,9 @@
 //!
 //! The defaults are those of the paper's robot: 30 mm of travel over levers of 20 mm, 1.5 rad, and
 //! steps of a tenth of it. For a robot of other levers or another length they change in proportion.
-//! A number counts if it is written where the robot is chosen or in what extends that; what an
-//! extended file says was meant for the robot of that file. `travel_m` replaces the travel that
-//! follows from the levers, for all sections at once.
+//! What a spec says beside its robot, or in what extends it, counts as it is; what an extended file
+//! says for its own robot is scaled from that one. `travel_m` replaces the travel that follows from
+//! the levers, for all sections at once.
 
 use super::spec::Experiment;
 use crate::plants::{PlantSpec, RobotSize};
@@ -32,14 +32,14 @@ pub fn suited_travel_m(size: Option<RobotSize>) -> f64 {
 /// A number of an experiment.
 struct Scaled {
     key: &'static str,
-    /// For the paper's robot, metres.
-    paper_m: f64,
+    /// For the paper's robot.
+    paper: f64,
     number: fn(&mut Experiment) -> Option<&mut f64>,
 }
 
 macro_rules! scaled {
-    ($($key:literal: $paper_m:literal, |$spec:ident| $number:expr;)*) => {
-        &[$(Scaled { key: $key, paper_m: $paper_m, number: |$spec| $number }),*]
+    ($($key:literal: $paper:literal, |$spec:ident| $number:expr;)*) => {
+        &[$(Scaled { key: $key, paper: $paper, number: |$spec| $number }),*]
     };
 }
 
@@ -69,6 +69,25 @@ static LENGTHS: &[Scaled] = scaled! {
     "policies.a.tolerance_m": 0.001, |spec| Some(&mut spec.policies.a.tolerance_m);
     "policies.c.switch_threshold_m": 0.015, |spec| Some(&mut spec.policies.c.switch_threshold_m);
     "path.spacing_m": 0.002, |spec| Some(&mut spec.path.spacing_m);
+};
+
+/// In proportion to how far the tip moves for each metre of displacement.
+static GAINS: &[Scaled] = scaled! {
+    "policies.online_jacobian.first_gain": 4.0,
+        |spec| Some(&mut spec.policies.online_jacobian.first_gain);
+    "policies.online_jacobian.first_sd": 2.0,
+        |spec| Some(&mut spec.policies.online_jacobian.first_sd);
+};
+
+/// In proportion to how much that changes for each metre.
+static GAIN_CHANGES: &[Scaled] = scaled! {
+    "policies.online_jacobian.drift_per_m": 100.0,
+        |spec| Some(&mut spec.policies.online_jacobian.drift_per_m);
+};
+
+/// In proportion to the displacement for each metre of the tip.
+static INVERSE_GAINS: &[Scaled] = scaled! {
+    "policies.integral.gain": 0.05, |spec| Some(&mut spec.policies.integral.gain);
 };
 
 /// Largest pull and step of the points, of a grid or of a walk.
@@ -101,16 +120,12 @@ pub(crate) fn scale(spec: &mut Experiment, document: &Document) -> Vec<String> {
         .filter_map(|path| document.rank(&key_path(path)))
         .min();
     let inherited = rank.and_then(|rank| size_below(document, rank)).unwrap_or(PAPER_SIZE);
-    let of_levers = Proportion {
-        of_paper: size.lever_m / PAPER_SIZE.lever_m,
-        of_inherited: Some(size.lever_m / inherited.lever_m),
+    let as_robot = |measure: fn(RobotSize) -> f64| Proportion {
+        of_paper: measure(size) / measure(PAPER_SIZE),
+        of_inherited: Some(measure(size) / measure(inherited)),
         rank,
     };
-    let of_length = Proportion {
-        of_paper: size.length_m / PAPER_SIZE.length_m,
-        of_inherited: Some(size.length_m / inherited.length_m),
-        rank,
-    };
+    let of_levers = as_robot(|size| size.lever_m);
     let of_travel = spec.travel_m.map_or(of_levers, |travel_m| Proportion {
         of_paper: travel_m / PAPER_TRAVEL_M,
         of_inherited: None,
@@ -118,7 +133,15 @@ pub(crate) fn scale(spec: &mut Experiment, document: &Document) -> Vec<String> {
     });
     let mut scaled = of_travel.apply(DISPLACEMENTS, spec, document);
     make_room(spec, document, rounded(of_travel.of_paper * PAPER_TRAVEL_M));
-    scaled.extend(of_length.apply(LENGTHS, spec, document));
+    for (numbers, proportion) in [
+        (LENGTHS, as_robot(|size| size.length_m)),
+        // How far the tip moves for a displacement, how fast that changes, and its inverse.
+        (GAINS, as_robot(|size| size.length_m / size.lever_m)),
+        (GAIN_CHANGES, as_robot(|size| size.length_m / size.lever_m.powi(2))),
+        (INVERSE_GAINS, as_robot(|size| size.lever_m / size.length_m)),
+    ] {
+        scaled.extend(proportion.apply(numbers, spec, document));
+    }
     if scaled.is_empty() {
         return Vec::new();
     }
@@ -133,21 +156,21 @@ impl Proportion {
     /// Scales the numbers; returns those of extended files that have changed, with their values.
     fn apply(&self, numbers: &[Scaled], spec: &mut Experiment, document: &Document) -> Vec<String> {
         let mut inherited = Vec::new();
-        for Scaled { key, paper_m, number } in numbers {
+        for Scaled { key, paper, number } in numbers {
             let written = document.rank(&key_path(key));
             if written.is_some_and(|written| self.rank.is_none_or(|rank| written <= rank)) {
                 continue;
             }
-            let Some(value_m) = number(spec) else { continue };
-            let (from_m, ratio) = match (written, self.of_inherited) {
-                (Some(_), Some(of_inherited)) => (*value_m, of_inherited),
-                _ => (*paper_m, self.of_paper),
+            let Some(value) = number(spec) else { continue };
+            let (from, ratio) = match (written, self.of_inherited) {
+                (Some(_), Some(of_inherited)) => (*value, of_inherited),
+                _ => (*paper, self.of_paper),
             };
-            let scaled_m = if ratio == 1.0 { from_m } else { rounded(from_m * ratio) };
-            if written.is_some() && scaled_m != *value_m {
-                inherited.push(format!("{key} {scaled_m}"));
+            let scaled = if ratio == 1.0 { from } else { rounded(from * ratio) };
+            if written.is_some() && scaled != *value {
+                inherited.push(format!("{key} {scaled}"));
             }
-            *value_m = scaled_m;
+            *value = scaled;
         }
         inherited
     }
