@@ -82,6 +82,14 @@ fn a_hidden_gain_and_noise_leave_little_more_than_the_noise() {
     }
 }
 
+#[test]
+fn a_robot_that_swings_otherwise_than_its_model_is_not_excited() {
+    let softer: EffectSpec =
+        serde_json::from_str(r#"{"bending_stiffness": {"scale": 0.8}}"#).unwrap();
+    let errors_m = errors_m("model_integral", "real/v6.yaml", std::slice::from_ref(&softer), 0.0);
+    assert!(mean(&errors_m) < 0.001, "{errors_m:?}");
+}
+
 /// A model that comes to rest where its bend is no larger than `max_bend_m`.
 struct Fragile {
     max_bend_m: f64,

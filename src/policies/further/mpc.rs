@@ -96,6 +96,8 @@ impl MpcOptions {
 
 /// Steps of the inverse at a new target, in those of a tick.
 const STEPS_AT_NEW_TARGET: usize = 4;
+/// Largest gain of the disturbance where model and robot may swing: slower than their swings.
+const MAX_GAIN_IN_MOTION: f64 = 0.2;
 /// Displacements of a plan beyond this many travels are none that the drives come near to.
 const MAX_TRAVELS: f64 = 1.5;
 /// Evaluations of the model to find the move that takes the drive to its limit.
@@ -128,6 +130,11 @@ impl RecedingHorizon {
         all: &PolicyOptions,
     ) -> RecedingHorizon {
         let disturbance = DisturbanceFilter::new(options.disturbance);
+        let disturbance = if model.takes_displacements() {
+            disturbance.with_max_gain(MAX_GAIN_IN_MOTION)
+        } else {
+            disturbance
+        };
         RecedingHorizon {
             model,
             options,
