@@ -13,7 +13,7 @@ pub(crate) struct Drive {
     ways: Vec<Vec<f64>>,
     tendons: usize,
     pub(crate) travel_m: f64,
-    max_step_m: f64,
+    pub(crate) max_step_m: f64,
 }
 
 impl Drive {

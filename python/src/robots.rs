@@ -8,8 +8,8 @@ use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyString, PyType};
 use rayon::prelude::*;
-use spinebench::plants::SimulatedSpec;
-use spinebench::specs::{PlantSpec, read_plant};
+use spinebench::plants::{PlantOptions, SimulatedSpec};
+use spinebench::specs::{PlantSpec, read_plant, suited_travel_m};
 
 use crate::arrays::{array, positive, shaped};
 use crate::calls::{detached, guarded, long_on, pool};
@@ -38,8 +38,10 @@ pub(crate) struct RobotArguments {
     count: usize,
     step_s: f64,
     noise_m: f64,
-    travel_m: f64,
-    max_step_m: f64,
+    /// None: what suits the robot.
+    travel_m: Option<f64>,
+    /// None: a fifth of the travel.
+    max_step_m: Option<f64>,
     action: String,
 }
 
@@ -110,6 +112,12 @@ impl PyRobots {
         positive("step_s", step_s)?;
         counted(count)?;
         let tendons = spec.tendons();
+        let travel_m = travel_m.unwrap_or_else(|| suited_travel_m(spec.size()));
+        let max_step_m = max_step_m.unwrap_or(0.2 * travel_m);
+        if !(max_step_m > 0.0 && max_step_m <= travel_m) {
+            let expected = "a number above 0 and up to travel_m";
+            return Err(Fault::argument("max_step_m", max_step_m.to_string(), expected));
+        }
         let travel_m = spec.travel_m().map_or(travel_m, |limit_m| travel_m.min(limit_m));
         let drive = Drive::new(action, spec.tendon_layout(), tendons, travel_m, max_step_m)?;
         let episode = |_| Ok(Episode::new(Robot::new(&spec, step_s)?, &drive));
@@ -214,8 +222,9 @@ impl PyRobots {
         arguments: RobotArguments,
     ) -> PyResult<PyRobots> {
         let model = spinebench::effects::Model::clone(&model.0.model);
-        let RobotArguments { noise_m, travel_m, .. } = arguments;
-        let spec = PlantSpec::Simulated(Box::new(SimulatedSpec { model, noise_m, travel_m }));
+        let mut robot = SimulatedSpec { model, noise_m: arguments.noise_m, travel_m: 0.0 };
+        robot.travel_m = arguments.travel_m.unwrap_or_else(|| suited_travel_m(robot.size()));
+        let spec = PlantSpec::Simulated(Box::new(robot));
         spec.check().map_err(|(path, bad)| {
             Fault::argument(&format!("{path}.{}", bad.key), bad.found, bad.expected)
         })?;
@@ -245,6 +254,11 @@ impl PyRobots {
     #[getter]
     fn travel_m(&self) -> f64 {
         self.drive.travel_m
+    }
+
+    #[getter]
+    fn max_step_m(&self) -> f64 {
+        self.drive.max_step_m
     }
 
     /// Says what is asked of the robots, once.

@@ -29,11 +29,15 @@ pub(crate) struct RunArguments {
     own: String,
 }
 
-/// Reads specs, each with policies of its own in every set of trials.
-fn campaign(specs: &[PathBuf], arguments: &RunArguments) -> Result<Campaign, Fault> {
+/// Reads specs, each with policies of its own in every set of trials; with the notes about each.
+fn campaign(
+    specs: &[PathBuf],
+    arguments: &RunArguments,
+) -> Result<(Campaign, Vec<Vec<String>>), Fault> {
     let read = |file: &PathBuf| experiments(file, arguments);
     let experiments = specs.iter().map(read).collect::<Result<Vec<_>, Fault>>()?;
-    Campaign::expand(experiments).map_err(Fault::words)
+    let notes = experiments.iter().map(|set| set.notes.clone()).collect();
+    Ok((Campaign::expand(experiments).map_err(Fault::words)?, notes))
 }
 
 fn experiments(file: &Path, arguments: &RunArguments) -> Result<ExperimentSet, Fault> {
@@ -70,7 +74,7 @@ pub(crate) fn _plan(
     arguments: RunArguments,
 ) -> PyResult<String> {
     long(py, move |_| {
-        let campaign = campaign(&specs, &arguments)?;
+        let (campaign, notes) = campaign(&specs, &arguments)?;
         let needs = runner::plan(
             &campaign.graph,
             &Store::at(store_folder(arguments.cache.as_deref())),
@@ -89,7 +93,7 @@ pub(crate) fn _plan(
             *stored += usize::from(*need == Need::Cached);
             *to_compute += usize::from(*need == Need::Compute);
         }
-        json(&serde_json::json!({ "runs": runs, "stages": stages }))
+        json(&serde_json::json!({ "runs": runs, "stages": stages, "notes": notes.concat() }))
     })
 }
 
@@ -114,7 +118,7 @@ pub(crate) fn _run(
         Ok(())
     };
     long_watched(py, watch, move |stop| {
-        let campaign = campaign(&specs, &arguments)?;
+        let (campaign, notes) = campaign(&specs, &arguments)?;
         let RunArguments { out, cache, jobs, .. } = arguments;
         std::fs::create_dir_all(&out).map_err(|error| about(&out, error))?;
         let (revision, began, store) =
@@ -135,12 +139,14 @@ pub(crate) fn _run(
             .entries
             .iter()
             .zip(&published)
-            .map(|(entry, publication)| {
+            .zip(&notes)
+            .map(|((entry, publication), notes)| {
+                let notices: Vec<&String> = notes.iter().chain(&publication.notices).collect();
                 serde_json::json!({
                     "name": entry.experiment.name,
                     "files": publication.files.keys().map(|file| out.join(file)).collect::<Vec<_>>(),
                     "failed_trials": publication.failed,
-                    "notices": publication.notices,
+                    "notices": notices,
                 })
             })
             .collect();

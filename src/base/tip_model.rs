@@ -19,19 +19,39 @@ pub struct RestPose {
 
 /// A model that predicts where the tip comes to rest.
 ///
-/// A bend is two numbers for each segment from base to tip, towards x and towards y, metres: about
-/// the displacement of a tendon that lies there. It says how the tendons are loaded; the
-/// displacements that this takes are part of the pose.
+/// A bend is two numbers, towards x and towards y, metres: about the displacement of a tendon that
+/// lies there. It says how the tendons are loaded; the displacements that this takes are part of
+/// the pose. Where [`TipModel::takes_displacements`], as for a robot of several segments, a bend is
+/// the displacement of each tendon.
 pub trait TipModel: Send {
     /// Number of components of a bend.
     fn bends(&self) -> usize;
+
+    /// Whether a bend is the displacement of each tendon.
+    fn takes_displacements(&self) -> bool {
+        false
+    }
+
+    /// Smallest distance of a tendon from the backbone, metres: its displacement where the robot
+    /// bends by a radian.
+    fn lever_m(&self) -> f64;
 
     /// Forgets earlier questions: a trial does not depend on those before it, not even in the last
     /// digit.
     fn restart(&mut self) {}
 
+    /// The robot has had this bend as its command for `duration_s` seconds, or until it was at rest
+    /// if that is infinite: where the model's tip is now. Poses of a model with memory go on from
+    /// there. Nothing from a model that knows rest only.
+    ///
+    /// # Errors
+    /// [`NoRestPose`] where the model cannot be moved on.
+    fn follow(&mut self, _bend_m: &[f64], _duration_s: f64) -> Result<Option<Point3>, NoRestPose> {
+        Ok(None)
+    }
+
     /// The pose at rest under a bend: tendons on its side are pulled, the others follow without
-    /// slack and without tension.
+    /// slack and without tension. A bend of displacements is where every drive stands.
     ///
     /// # Errors
     /// [`NoRestPose`] where the model has no equilibrium.

@@ -107,6 +107,9 @@ pub enum PolicyError {
         /// Number that the robot has.
         expected: usize,
     },
+    /// The policy asks a model, and the model has no plan: why.
+    #[error("plan_failed: {0}")]
+    PlanFailed(String),
     /// A policy from outside failed; its own words.
     #[error("{0}")]
     Outside(String),

@@ -197,6 +197,12 @@ impl Robot {
         self.tendons.layout(self.backbone.length_m)
     }
 
+    /// Smallest distance of a tendon from the backbone at the base, metres: its displacement where
+    /// the robot bends by a radian.
+    pub fn lever_m(&self) -> f64 {
+        self.tendons.lever_m()
+    }
+
     /// The rod without effects.
     pub fn rod(&self) -> RodParams {
         let mut rod = RodParams {

@@ -5,7 +5,7 @@
 use rand_distr::{Distribution, Normal};
 use serde::{Deserialize, Serialize};
 
-use super::PlantOptions;
+use super::{PlantOptions, RobotSize};
 use crate::base::{
     BadOption, Generator, Observation, Plant, PlantError, Point3, Seed, TendonCommand,
 };
@@ -65,6 +65,10 @@ impl PlantOptions for ConstantCurvatureOptions {
 
     fn remove_noise(&mut self) {
         self.noise_m = 0.0;
+    }
+
+    fn size(&self) -> Option<RobotSize> {
+        Some(RobotSize { lever_m: self.tendon_radius_m, length_m: self.length_m })
     }
 
     fn example() -> Option<Self> {

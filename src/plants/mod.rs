@@ -87,11 +87,25 @@ pub trait PlantOptions:
         true
     }
 
+    /// Its levers and its length, where a model tells them.
+    fn size(&self) -> Option<RobotSize> {
+        None
+    }
+
     /// A plant that does the same each time it is built and needs nothing but this program:
     /// contract tests run it.
     fn example() -> Option<Self> {
         None
     }
+}
+
+/// What displacements and lengths are in proportion to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RobotSize {
+    /// Smallest distance of a tendon from the backbone, metres.
+    pub lever_m: f64,
+    /// Length of the backbone, metres.
+    pub length_m: f64,
 }
 
 /// One kind of plant.
@@ -183,6 +197,11 @@ macro_rules! plants {
             /// Whether it may be the paper's robot.
             pub fn may_be_paper_robot(&self) -> bool {
                 match self { $(PlantSpec::$variant(options) => options.may_be_paper_robot()),* }
+            }
+
+            /// Its levers and its length, where a model tells them.
+            pub fn size(&self) -> Option<RobotSize> {
+                match self { $(PlantSpec::$variant(options) => options.size()),* }
             }
 
             /// What the robot depends on besides its options: part of the key of its stored

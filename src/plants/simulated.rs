@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use rand_distr::{Distribution, Normal};
 use serde::{Deserialize, Serialize};
 
-use super::PlantOptions;
+use super::{PlantOptions, RobotSize};
 use crate::base::{
     BadOption, Generator, Observation, Plant, PlantError, Seed, TendonCommand, TendonLayout,
 };
@@ -122,6 +122,11 @@ impl PlantOptions for SimulatedSpec {
         robot.backbone.length_m == paper.backbone.length_m
             && robot.tendons.radius_m == paper.tendons.radius_m
             && robot.tendons.angles_deg == paper.tendons.angles_deg
+    }
+
+    fn size(&self) -> Option<RobotSize> {
+        let robot = &self.model.robot;
+        Some(RobotSize { lever_m: robot.lever_m(), length_m: robot.backbone.length_m })
     }
 
     fn example() -> Option<Self> {

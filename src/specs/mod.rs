@@ -19,6 +19,7 @@ pub use experiment::cells::{
 };
 pub use experiment::claims::{ClaimMetric, FrameAxis, PaperClaim, ReachCell, Relation, Size};
 pub use experiment::repair::{RepairRecordings, RepairRun};
+pub use experiment::scale::suited_travel_m;
 pub use experiment::slurm::SlurmOptions;
 pub use experiment::spec::{
     DiscoveryRun, Experiment, GapRun, GeneratedStart, PaceRun, ReachSweep, ResponseRun, Runs,

@@ -1,5 +1,6 @@
 //! Control loops: exploration, replay, goal reaching, path tracking, and recording of commands.
 
+mod displaced_rod;
 mod learning_data;
 mod loops;
 mod monitor;

@@ -1,8 +1,10 @@
 //! The model of an experiment as controllers may ask it: where the tip comes to rest.
 
+use super::displaced_rod::DisplacedRod;
 use crate::base::{
     Displacements, NoRestPose, PlantError, Point3, RestPose, Seed, TendonLayout, TipModel,
 };
+use crate::effects::Model;
 use crate::plants::{
     ConstantCurvature, ConstantCurvatureOptions, PlantSpec, Simulated, SimulatedOptions,
     SimulatedSpec,
@@ -15,8 +17,14 @@ pub fn has_tip_model(model: &PlantSpec) -> bool {
 }
 
 /// The model as controllers may ask it; nothing for a plant without equations, such as a recording.
+/// A robot of one segment is loaded by tensions. With several segments a tension bends all that its
+/// tendon passes, and slack tendons hold none of them back: there the drives' displacements are the
+/// question.
 pub fn tip_model(model: &PlantSpec) -> Option<Box<dyn TipModel>> {
     match model {
+        PlantSpec::Simulated(spec) if spec.model.robot.tendon_layout().segments.len() > 1 => {
+            Some(Box::new(DisplacedRod::new(&at_control_accuracy(&spec.model))))
+        }
         PlantSpec::Simulated(spec) => Some(Box::new(RodTip::new(spec))),
         PlantSpec::ConstantCurvature(options) => Some(Box::new(ConstantCurvatureTip(**options))),
         _ => None,
@@ -29,6 +37,15 @@ const PROBE_N: f64 = 0.01;
 /// Allowed tip error of the model's grid, metres: far below what any model of a robot is good for,
 /// and the rod need not refine its grid, which would take most of the tick.
 const STATIC_TOLERANCE_M: f64 = 1e-4;
+
+/// The model on a grid that is as fine as a controller needs.
+fn at_control_accuracy(model: &Model) -> Model {
+    let mut model = model.clone();
+    let resolution = &mut model.robot.resolution;
+    resolution.static_tolerance_m = resolution.static_tolerance_m.max(STATIC_TOLERANCE_M);
+    model
+}
+
 /// Change of a bend for the derivative of constant curvature, metres.
 const PROBE_M: f64 = 1e-6;
 
@@ -40,6 +57,7 @@ const ACROSS_M: f64 = 1e-9;
 struct RodTip {
     plant: Simulated,
     layout: TendonLayout,
+    lever_m: f64,
     /// Tension for each metre of bend, newtons; measured at home before the first question.
     stiffness_n_per_m: Option<f64>,
 }
@@ -54,11 +72,14 @@ struct BendTensions {
 impl RodTip {
     fn new(spec: &SimulatedSpec) -> RodTip {
         let options = SimulatedOptions { travel_m: spec.travel_m, ..SimulatedOptions::default() };
-        let mut model = spec.model.clone();
-        let resolution = &mut model.robot.resolution;
-        resolution.static_tolerance_m = resolution.static_tolerance_m.max(STATIC_TOLERANCE_M);
-        let plant = Simulated::new(&model, &[], options);
-        RodTip { plant, layout: spec.model.robot.tendon_layout(), stiffness_n_per_m: None }
+        let plant = Simulated::new(&at_control_accuracy(&spec.model), &[], options);
+        let robot = &spec.model.robot;
+        RodTip {
+            plant,
+            layout: robot.tendon_layout(),
+            lever_m: robot.lever_m(),
+            stiffness_n_per_m: None,
+        }
     }
 
     fn load(&self, bend_m: &[f64], stiffness_n_per_m: f64) -> BendTensions {
@@ -148,6 +169,10 @@ impl TipModel for RodTip {
         2 * self.layout.segments.len()
     }
 
+    fn lever_m(&self) -> f64 {
+        self.lever_m
+    }
+
     fn restart(&mut self) {
         self.plant.reset_slack(Seed(0));
     }
@@ -177,6 +202,10 @@ impl ConstantCurvatureTip {
 impl TipModel for ConstantCurvatureTip {
     fn bends(&self) -> usize {
         2
+    }
+
+    fn lever_m(&self) -> f64 {
+        self.0.tendon_radius_m
     }
 
     fn at_rest(&mut self, bend_m: &[f64]) -> Result<RestPose, NoRestPose> {

@@ -35,15 +35,13 @@ def make(
     *,
     step_s: float,
     noise_m: float,
-    travel_m: float,
-    max_step_m: float,
+    travel_m: float | None,
+    max_step_m: float | None,
     action: str,
 ) -> _Robots:
     """`count` robots of one model or plant file, with actions in −1 to 1."""
     if model is not None and plant is not None:
         raise InputError("plant: found a model, too, expected either a model or a plant file")
-    if not 0.0 < max_step_m <= travel_m:
-        raise InputError(f"max_step_m: found {max_step_m}, expected a number above 0 and up to travel_m")
     arguments = {
         "count": count,
         "step_s": step_s,

@@ -119,6 +119,8 @@ class Plan:
     """Every run: `experiment`, `run` and whether its result is `stored`."""
     stages: pd.DataFrame
     """By `kind` of stage how many results are `stored` and how many are `left` to compute; what runs share counts once."""
+    notes: list[str]
+    """What the user should know of the specs."""
 
     def __repr__(self) -> str:
         runs, stages = self.runs, self.stages
@@ -144,6 +146,7 @@ def plan(
     return Plan(
         pd.DataFrame(told["runs"], columns=["experiment", "run", "stored"]),
         pd.DataFrame(stages, columns=["kind", "stored", "left"]),
+        told["notes"],
     )
 
 

@@ -39,8 +39,8 @@ class _Task:
         plant: str | os.PathLike[str] | None = None,
         step_s: float = 0.2,
         noise_m: float = 0.0,
-        travel_m: float = 0.03,
-        max_step_m: float = 0.006,
+        travel_m: float | None = None,
+        max_step_m: float | None = None,
         action: str = "bend",
         randomise: Randomisation | None = None,
         max_steps: int = 50,
@@ -64,7 +64,7 @@ class _Task:
         self.robots = make(count, model, plant, noise_m=noise_m, **settings)
         self.randomise = checked_randomisation(randomise, self.robots)
         self.reward, self.travel_m = reward, self.robots.travel_m
-        self.max_step_m, self._follows_path, self._bend_share = max_step_m, follows_path, bend_share
+        self.max_step_m, self._follows_path, self._bend_share = self.robots.max_step_m, follows_path, bend_share
         # Targets are those of the robot as it is believed to be, without noise.
         nominal = make(1 if follows_path else 64, model, plant, noise_m=0.0, **settings)
         self.home_m, self.pool_m = self._targets(nominal, path_m, steps_per_point)

@@ -103,9 +103,7 @@ impl<'a> Comparison<'a> {
 
     /// The same with a model that may have more or less memory.
     pub(crate) fn with_model(self, model: &Model) -> Comparison<'a> {
-        // Histories and friction make a pose depend on those before it.
-        let remembers = !model.rod(&[]).moment_laws.is_empty()
-            || model.effects.iter().any(|effect| effect.build().has_memory_at_rest());
+        let remembers = model.remembers_at_rest();
         Comparison { remembers, independent: self.at_rest && !remembers, ..self }.divided()
     }
 

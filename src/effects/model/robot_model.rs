@@ -115,6 +115,12 @@ impl Model {
         rod
     }
 
+    /// Whether a pose at rest depends on those before it: histories and friction.
+    pub fn remembers_at_rest(&self) -> bool {
+        !self.rod(&[]).moment_laws.is_empty()
+            || self.effects.iter().any(|effect| effect.build().has_memory_at_rest())
+    }
+
     /// The effects, built, `extra` ones last.
     pub fn effects(&self, extra: &[EffectSpec]) -> Vec<Box<dyn Effect>> {
         self.effects.iter().chain(extra).map(EffectSpec::build).collect()

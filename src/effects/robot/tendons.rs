@@ -201,6 +201,16 @@ impl Tendons {
         std::iter::once(self.radius_m).chain(radii).chain(profile).chain(paths).fold(0.0, f64::max)
     }
 
+    /// Smallest distance of a tendon from the backbone where it starts, metres.
+    pub(super) fn lever_m(&self) -> f64 {
+        let at_start_m = |i: usize| {
+            let first_point = self.paths.as_ref().and_then(|paths| paths[i].first());
+            let radius_m = self.radii_m.as_ref().map_or(self.radius_m, |radii| radii[i]);
+            first_point.map_or(radius_m, |point| point.x_m.hypot(point.y_m))
+        };
+        (0..self.angles_deg.len()).map(at_start_m).fold(f64::INFINITY, f64::min)
+    }
+
     fn start_m(&self, i: usize) -> f64 {
         self.starts_m.as_ref().map_or(0.0, |starts| starts[i])
     }

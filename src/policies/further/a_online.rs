@@ -160,7 +160,10 @@ mod tests {
         let target_m = [0.03, -0.01, 0.2];
         let mut tip_m = [0.0, 0.0, 0.2];
         for _ in 0..ticks {
-            let pulls_m = a.decide(TipReading { tip_m, fresh: true }, &target_m).unwrap().pulls_m;
+            let pulls_m = a
+                .decide(TipReading { tip_m, time_s: 0.0, fresh: true }, &target_m)
+                .unwrap()
+                .pulls_m;
             let x_m = 4.0 * pulls_m[0];
             tip_m = [x_m - gap_m(x_m) - 0.005, 4.0 * pulls_m[1], 0.2];
         }

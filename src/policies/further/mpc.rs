@@ -6,11 +6,13 @@
 //! of one. What it has not settled of a move counts as noise of the measurement
 //! ([`DisturbanceOptions::lag_per_motion`]).
 
+use nalgebra::DMatrix;
+
 use crate::base::{BadOption, Point3, PolicyError, distance_m};
 use crate::policies::parts::actuator_limits::{LimitOptions, largest_change_m};
 use crate::policies::parts::disturbance::{DisturbanceFilter, DisturbanceOptions};
 use crate::policies::parts::horizon::first_move_m;
-use crate::policies::parts::rest_model::{ExpectedPose, RestModel};
+use crate::policies::parts::rest_model::{ExpectedPose, Inverse, RestModel};
 use crate::policies::parts::single_controller::{ControlLaw, Demand, SingleController};
 use crate::policies::parts::tip_tracker::TipReading;
 use crate::policies::{
@@ -92,6 +94,12 @@ impl MpcOptions {
     }
 }
 
+/// Steps of the inverse at a new target, in those of a tick.
+const STEPS_AT_NEW_TARGET: usize = 4;
+/// Largest gain of the disturbance where model and robot may swing: slower than their swings.
+const MAX_GAIN_IN_MOTION: f64 = 0.2;
+/// Displacements of a plan beyond this many travels are none that the drives come near to.
+const MAX_TRAVELS: f64 = 1.5;
 /// Evaluations of the model to find the move that takes the drive to its limit.
 const MAX_SCALINGS: usize = 4;
 /// Share of the limit that is as good as the limit.
@@ -107,8 +115,10 @@ pub(crate) struct RecedingHorizon {
     disturbance: DisturbanceFilter,
     /// What is expected under the command in force; nothing before the first tick.
     in_force: Option<ExpectedPose>,
-    /// The same of the command before it.
+    /// Where the tip was expected at the last tick.
     before_m: Option<Point3>,
+    /// When the tip was last measured, seconds.
+    measured_s: f64,
     /// The bend at the target, as of the last tick.
     goal: Option<(Point3, ExpectedPose)>,
 }
@@ -120,6 +130,11 @@ impl RecedingHorizon {
         all: &PolicyOptions,
     ) -> RecedingHorizon {
         let disturbance = DisturbanceFilter::new(options.disturbance);
+        let disturbance = if model.takes_displacements() {
+            disturbance.with_max_gain(MAX_GAIN_IN_MOTION)
+        } else {
+            disturbance
+        };
         RecedingHorizon {
             model,
             options,
@@ -127,22 +142,74 @@ impl RecedingHorizon {
             disturbance,
             in_force: None,
             before_m: None,
+            measured_s: 0.0,
             goal: None,
         }
     }
 
     /// The pose at the target, with the present disturbance.
-    fn goal(&mut self, in_force: &ExpectedPose, target_m: &Point3) -> ExpectedPose {
+    fn goal(
+        &mut self,
+        in_force: &ExpectedPose,
+        target_m: &Point3,
+    ) -> Result<ExpectedPose, PolicyError> {
         let offset_m = self.disturbance.offset_m;
         let aim_m: Point3 = std::array::from_fn(|axis| target_m[axis] - offset_m[axis]);
-        let (from, steps) = match self.goal.take() {
-            Some((last_m, goal)) if last_m == *target_m => (goal, self.options.inverse_steps),
-            Some((_, goal)) => (goal, 4 * self.options.inverse_steps),
-            None => (in_force.clone(), 4 * self.options.inverse_steps),
+        let (from, same_target) = match self.goal.take() {
+            Some((last_m, goal)) => (goal, last_m == *target_m),
+            None => (in_force.clone(), false),
         };
-        let goal = self.model.inverse(from, &aim_m, steps);
+        let steps = if same_target { 1 } else { STEPS_AT_NEW_TARGET } * self.options.inverse_steps;
+        let Inverse { pose: goal, lost } = self.model.inverse(from, &aim_m, steps);
+        if lost && !same_target {
+            return Err(PolicyError::PlanFailed(
+                "the model has no equilibrium on the way to the target".to_owned(),
+            ));
+        }
+        let farthest_m =
+            goal.pulls_m.iter().fold(0.0_f64, |most_m, pull_m| most_m.max(pull_m.abs()));
+        if farthest_m > MAX_TRAVELS * self.limits.travel_m {
+            return Err(PolicyError::PlanFailed(format!(
+                "the plan displaces a tendon by {:.4} m, expected at most {:.4} m, {MAX_TRAVELS} \
+                 times the travel",
+                farthest_m,
+                MAX_TRAVELS * self.limits.travel_m
+            )));
+        }
         self.goal = Some((*target_m, goal.clone()));
-        goal
+        Ok(goal)
+    }
+
+    /// The pose at home and its tip, where a trial begins.
+    fn home(&mut self) -> Result<(ExpectedPose, Point3), PolicyError> {
+        let straight_m = vec![0.0; self.model.bends()];
+        let mut home = self.model.expect(&straight_m).ok_or_else(|| {
+            PolicyError::PlanFailed("the model has no equilibrium at home".to_owned())
+        })?;
+        // The drives stand at zero, where the model's tendons follow without tension.
+        home.pulls_m.fill(0.0);
+        let expected_m = self.follow(&home, f64::INFINITY)?;
+        Ok((home, expected_m))
+    }
+
+    /// Where the tip is expected after this command for `duration_s` seconds.
+    fn follow(&mut self, pose: &ExpectedPose, duration_s: f64) -> Result<Point3, PolicyError> {
+        self.model.follow(pose, duration_s).ok_or_else(|| {
+            PolicyError::PlanFailed("the model does not move as the robot is commanded".to_owned())
+        })
+    }
+
+    /// How much a change of each component of the bend counts, and with another one.
+    fn metric(&self, jacobian: &DMatrix<f64>) -> DMatrix<f64> {
+        // The bend counts by what it moves of the tip at the goal.
+        let metric = jacobian.transpose() * jacobian;
+        if !self.model.takes_displacements() {
+            return metric;
+        }
+        // Displacements that leave the tip where it is to first order are carried out, too.
+        let count = metric.nrows();
+        let mean = metric.trace() / count as f64;
+        metric + mean * DMatrix::identity(count, count)
     }
 
     /// The pose after the first move towards `goal`. A move that the drive limits takes the fastest
@@ -151,8 +218,7 @@ impl RecedingHorizon {
         let MpcOptions { horizon, move_weight, .. } = self.options;
         let step_m = self.limits.max_step_m.unwrap_or(2.0 * self.limits.travel_m);
         let Some(jacobian) = self.model.jacobian(&goal.bend_m) else { return goal.clone() };
-        // The bend counts by what it moves of the tip at the goal.
-        let metric = jacobian.transpose() * jacobian;
+        let metric = self.metric(&jacobian);
         let remaining_m: Vec<f64> =
             goal.bend_m.iter().zip(&in_force.bend_m).map(|(to, from)| to - from).collect();
         let mut change_m = first_move_m(&metric, &remaining_m, horizon, move_weight, step_m);
@@ -197,30 +263,31 @@ impl ControlLaw for RecedingHorizon {
     }
 
     fn decide(&mut self, reading: TipReading, target_m: &Point3) -> Result<Demand, PolicyError> {
-        let in_force = match self.in_force.take() {
-            Some(in_force) => in_force,
-            None => {
-                let home_m = vec![0.0; self.model.bends()];
-                let home = self.model.expect(&home_m);
-                let mut home = home.ok_or(PolicyError::NotFinite("model of the robot at home"))?;
-                // The drives stand at zero, where the model's tendons follow without tension.
-                home.pulls_m.fill(0.0);
-                home
+        let (in_force, expected_m) = match self.in_force.take() {
+            Some(in_force) if reading.fresh => {
+                let expected_m = self.follow(&in_force, reading.time_s - self.measured_s)?;
+                (in_force, expected_m)
             }
+            Some(in_force) => {
+                let expected_m = in_force.tip_m;
+                (in_force, expected_m)
+            }
+            None => self.home()?,
         };
         if let Some(before_m) = self.before_m.filter(|_| reading.fresh) {
-            let moved_m = distance_m(&before_m, &in_force.tip_m);
+            let moved_m = distance_m(&before_m, &expected_m);
             self.model.let_out();
-            self.disturbance.measured(&reading.tip_m, &in_force.tip_m, moved_m);
+            self.disturbance.measured(&reading.tip_m, &expected_m, moved_m);
         }
-        let goal = self.goal(&in_force, target_m);
+        self.measured_s = reading.time_s;
+        let goal = self.goal(&in_force, target_m)?;
         let next = self.next(&in_force, &goal);
         let moved_m = largest_change_m(&in_force.bend_m, &goal.bend_m);
         let disturbance_settled =
             !reading.fresh || self.disturbance.sd_m() <= self.options.settled_sd_m;
         let settled = moved_m <= self.options.settled_pull_m && disturbance_settled;
         let pulls_m = next.pulls_m.clone();
-        self.before_m = Some(in_force.tip_m);
+        self.before_m = Some(expected_m);
         self.in_force = Some(next);
         Ok(Demand { pulls_m, settled })
     }

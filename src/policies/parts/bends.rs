@@ -1,8 +1,40 @@
 //! Commands in the few numbers that bend a robot, for controllers without a model: towards x and
 //! towards y in each segment, with tendons on opposite sides pulled and given by the same amount.
 
+use nalgebra::DMatrix;
+
 use super::actuator_limits::{LimitOptions, largest_change_m};
 use crate::base::{Displacements, TendonLayout};
+
+/// The displacements for a bend: two numbers for each segment from base to tip. A tendon passes the
+/// segments before its own, and their bends take it along.
+fn pulls_m(layout: &TendonLayout, bend_m: &[f64]) -> Displacements {
+    let mut pulls_m = vec![0.0; layout.segments.iter().map(Vec::len).sum()];
+    for (segment, tendons) in layout.segments.iter().enumerate() {
+        for placed in tendons {
+            let (sin, cos) = placed.angle_deg.to_radians().sin_cos();
+            let passed = bend_m.chunks_exact(2).take(segment + 1);
+            if let Some(pull_m) = pulls_m.get_mut(placed.tendon) {
+                *pull_m = passed.map(|bend_m| cos * bend_m[0] + sin * bend_m[1]).sum();
+            }
+        }
+    }
+    pulls_m
+}
+
+/// Displacement of each tendon (row) for each component of a bend (column).
+pub(crate) fn pulls_per_bend(layout: &TendonLayout) -> DMatrix<f64> {
+    let bends = 2 * layout.segments.len();
+    let columns: Vec<Displacements> = (0..bends)
+        .map(|component| {
+            let mut bend_m = vec![0.0; bends];
+            bend_m[component] = 1.0;
+            pulls_m(layout, &bend_m)
+        })
+        .collect();
+    let tendons = layout.segments.iter().map(Vec::len).sum();
+    DMatrix::from_fn(tendons, bends, |tendon, component| columns[component][tendon])
+}
 
 /// Where the tendons lie, and what the drive can do.
 pub(crate) struct BendDirections {
@@ -20,20 +52,9 @@ impl BendDirections {
         2 * self.layout.segments.len()
     }
 
-    /// The displacements for a bend. A tendon passes the segments before its own, and their bends
-    /// take it along.
+    /// The displacements for a bend.
     pub(crate) fn pulls_m(&self, bend_m: &[f64]) -> Displacements {
-        let mut pulls_m = vec![0.0; self.layout.segments.iter().map(Vec::len).sum()];
-        for (segment, tendons) in self.layout.segments.iter().enumerate() {
-            for placed in tendons {
-                let (sin, cos) = placed.angle_deg.to_radians().sin_cos();
-                let passed = bend_m.chunks_exact(2).take(segment + 1);
-                if let Some(pull_m) = pulls_m.get_mut(placed.tendon) {
-                    *pull_m = passed.map(|bend_m| cos * bend_m[0] + sin * bend_m[1]).sum();
-                }
-            }
-        }
-        pulls_m
+        pulls_m(&self.layout, bend_m)
     }
 
     /// Moves a bend by `change_m`, or as far in that direction as the drive moves in a tick, and

@@ -48,6 +48,8 @@ impl DisturbanceOptions {
 /// The estimate.
 pub(crate) struct DisturbanceFilter {
     options: DisturbanceOptions,
+    /// Largest share of what a measurement adds.
+    max_gain: f64,
     /// Measured less expected tip, metres.
     pub(crate) offset_m: Point3,
     variance_m2: f64,
@@ -55,11 +57,23 @@ pub(crate) struct DisturbanceFilter {
 
 impl DisturbanceFilter {
     pub(crate) fn new(options: DisturbanceOptions) -> DisturbanceFilter {
-        DisturbanceFilter { options, offset_m: [0.0; 3], variance_m2: options.first_sd_m.powi(2) }
+        DisturbanceFilter {
+            options,
+            max_gain: 1.0,
+            offset_m: [0.0; 3],
+            variance_m2: options.first_sd_m.powi(2),
+        }
+    }
+
+    /// The same that takes no measurement for more than this share: what a swinging robot differs
+    /// from the swing of its model is no disturbance.
+    #[must_use]
+    pub(crate) fn with_max_gain(self, max_gain: f64) -> DisturbanceFilter {
+        DisturbanceFilter { max_gain, ..self }
     }
 
     pub(crate) fn reset(&mut self) {
-        *self = DisturbanceFilter::new(self.options);
+        *self = DisturbanceFilter::new(self.options).with_max_gain(self.max_gain);
     }
 
     /// Standard deviation of the estimate on an axis, metres.
@@ -74,17 +88,35 @@ impl DisturbanceFilter {
         self.variance_m2 += options.drift_m.powi(2) + (options.drift_per_motion * moved_m).powi(2);
         let noise_m2 = options.noise_m.powi(2) + (options.lag_per_motion * moved_m).powi(2);
         // Correction: gain P / (P + R), then P ← (1 − gain) P.
-        let gain = self.variance_m2 / (self.variance_m2 + noise_m2);
+        let best_gain = self.variance_m2 / (self.variance_m2 + noise_m2);
+        let gain = best_gain.min(self.max_gain);
         for (axis, offset_m) in self.offset_m.iter_mut().enumerate() {
             *offset_m += gain * (tip_m[axis] - expected_m[axis] - *offset_m);
         }
-        self.variance_m2 *= 1.0 - gain;
+        if gain == best_gain {
+            self.variance_m2 *= 1.0 - gain;
+        } else {
+            // Of a smaller gain P ← (1 − gain)² P + gain² R.
+            self.variance_m2 = (1.0 - gain).powi(2) * self.variance_m2 + gain.powi(2) * noise_m2;
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_largest_gain_holds_and_the_estimate_stays_less_sure() {
+        let options = DisturbanceOptions::default();
+        let [mut free, mut bounded] =
+            [1.0, 0.2].map(|gain| DisturbanceFilter::new(options).with_max_gain(gain));
+        for disturbance in [&mut free, &mut bounded] {
+            disturbance.measured(&[0.01, 0.0, 0.2], &[0.0, 0.0, 0.2], 0.05);
+        }
+        assert!((bounded.offset_m[0] - 0.002).abs() < 1e-12 && free.offset_m[0] > 0.009);
+        assert!(bounded.sd_m() > free.sd_m());
+    }
 
     #[test]
     fn at_rest_the_estimate_is_nearly_the_mean_of_what_was_measured() {

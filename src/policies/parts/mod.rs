@@ -2,6 +2,7 @@
 
 pub(super) mod actuator_limits;
 pub(super) mod bends;
+pub(super) mod bounded_step;
 pub(super) mod disturbance;
 pub(super) mod horizon;
 pub(super) mod inverse_network;

@@ -12,6 +12,8 @@ pub(crate) struct TipTracker {
 #[derive(Clone, Copy)]
 pub(crate) struct TipReading {
     pub(crate) tip_m: Point3,
+    /// When it was measured, seconds.
+    pub(crate) time_s: f64,
     /// True when this is a measurement that was not there at the last tick. In open loop, and where
     /// tracking is lost, the picture stays as it was.
     pub(crate) fresh: bool,
@@ -30,12 +32,12 @@ impl TipTracker {
     ) -> Result<TipReading, PolicyError> {
         PolicyError::unless_finite("target", target_m)?;
         if !seen.valid {
-            let (_, tip_m) = self.last.ok_or(PolicyError::NoMeasurement)?;
-            return Ok(TipReading { tip_m, fresh: false });
+            let (time_s, tip_m) = self.last.ok_or(PolicyError::NoMeasurement)?;
+            return Ok(TipReading { tip_m, time_s, fresh: false });
         }
         PolicyError::unless_finite("measured tip", seen.tip_m.iter().chain([&seen.time_s]))?;
         let fresh = self.last.is_none_or(|(time_s, _)| time_s != seen.time_s);
         self.last = Some((seen.time_s, seen.tip_m));
-        Ok(TipReading { tip_m: seen.tip_m, fresh })
+        Ok(TipReading { tip_m: seen.tip_m, time_s: seen.time_s, fresh })
     }
 }

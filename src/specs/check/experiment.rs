@@ -78,6 +78,8 @@ impl Checker<'_> {
             &root.key("control_hz"),
             "a rate above 0 and up to 1000 Hz",
         )?;
+        let travel = spec.travel_m.is_none_or(|travel_m| travel_m > 0.0 && travel_m.is_finite());
+        self.unless(travel, &root.key("travel_m"), "a length above 0 m, or null")?;
         self.unless((1..=MAX_SEEDS).contains(&spec.seeds), &root.key("seeds"), "1 to 1000")?;
         let max_first = MAX_SEEDS - spec.seeds;
         self.unless(

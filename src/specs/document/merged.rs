@@ -181,6 +181,26 @@ impl Document {
         at_or_above.or_else(|| self.layers.iter().find(holds))
     }
 
+    /// Rank of the source that the value at `path` is from, 0 for the strongest.
+    pub(crate) fn rank(&self, path: &KeyPath) -> Option<usize> {
+        let swept =
+            self.origins.iter().rev().find(|origin| path.0.starts_with(&origin.written.field.0));
+        if let Some(origin) = swept {
+            return Some(origin.written.layer);
+        }
+        let owner = self.owner(path).filter(|_| self.has(path))?;
+        self.layers.iter().position(|layer| std::ptr::eq(layer, owner))
+    }
+
+    /// The value at `path` as the sources weaker than `rank` say it.
+    pub(crate) fn below(&self, rank: usize, path: &KeyPath) -> Option<Value> {
+        let mut merged = Value::Mapping(Mapping::new());
+        for layer in self.layers.get(rank + 1..)?.iter().rev() {
+            layer.merge_into(&mut merged).ok()?;
+        }
+        get(&merged, path).cloned()
+    }
+
     /// Location of `below` in the values of a swept field, or of its nearest existing parent.
     pub(crate) fn place_swept(
         &self,

@@ -3,5 +3,6 @@
 pub(super) mod cells;
 pub(super) mod claims;
 pub(super) mod repair;
+pub(super) mod scale;
 pub(super) mod slurm;
 pub(super) mod spec;

@@ -46,6 +46,10 @@ pub struct Experiment {
     /// Number of the first repetition; earlier ones can run elsewhere.
     #[serde(default, skip_serializing_if = "is_default")]
     pub first_seed: u64,
+    /// Largest displacement of a tendon for all sections, metres; a section may say its own. Left
+    /// out: 1.5 rad over the levers of the model's tendons. Steps are a tenth of it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub travel_m: Option<f64>,
     /// Random exploration on the model, replayed on the robot.
     #[serde(default)]
     pub explore: ExploreOptions,

@@ -8,6 +8,7 @@ use crate::specs::document::error::SpecError;
 use crate::specs::document::merged::{Document, Origin, SweptEntry};
 use crate::specs::document::path::{KeyPath, Step};
 use crate::specs::document::tree::{get, put, remove};
+use crate::specs::experiment::scale::{far_bends, scale};
 use crate::specs::experiment::spec::Experiment;
 use crate::specs::read::model_paths;
 use crate::specs::write::to_yaml;
@@ -31,7 +32,9 @@ pub struct ExperimentSet {
     pub sweep: Vec<SweptField>,
     /// All points in a fixed order. Empty without a sweep.
     pub points: Vec<SweepPoint>,
-    /// What the user should know of the spec: keys under former names, inherited kinds of training.
+    /// What the user should know of the spec: keys under former names, inherited kinds of training,
+    /// numbers that were scaled to the robot, commands that bend it far; of a sweep, at its first and
+    /// last point.
     pub notes: Vec<String>,
     /// The entries of `sweep:` as written, with the content of files in place of their names.
     written: Mapping,
@@ -85,9 +88,9 @@ impl ExperimentSet {
         let mut document = Document::read_swept(file, sets, sweeps, &includes)?;
         let written = document.take_sweep()?;
         if written.is_empty() {
-            let notes = std::mem::take(&mut document.notes);
-            return checked(&document)
-                .map(|experiment| ExperimentSet { notes, ..ExperimentSet::from(experiment) });
+            let (experiment, notes) = checked(&document)?;
+            document.notes.extend(notes);
+            return Ok(ExperimentSet { notes: document.notes, ..ExperimentSet::from(experiment) });
         }
         let seed = get(&document.merged, &KeyPath::default().key("seed"))
             .and_then(Value::as_u64)
@@ -97,16 +100,23 @@ impl ExperimentSet {
             .map(|written| ResolvedField::read(&document, written, &includes, Seed(seed)));
         let fields = fields.collect::<Result<Vec<ResolvedField>, SpecError>>()?;
         let count = count(&document, &fields)?;
+        let (experiment, notes) = at_point(&mut document, &fields, 0, count)?;
         let mut set = ExperimentSet {
-            experiment: at_point(&mut document, &fields, 0, count)?,
+            experiment,
             sweep: fields.iter().map(ResolvedField::swept).collect(),
             points: Vec::with_capacity(count),
-            notes: std::mem::take(&mut document.notes),
+            notes: [std::mem::take(&mut document.notes), notes].concat(),
             written: fields.iter().map(|field| field.resolved(seed)).collect(),
         };
         remove(&mut document.merged, &KeyPath::default().key("claims"));
         for number in 0..count {
-            let experiment = Arc::new(at_point(&mut document, &fields, number, count)?);
+            let (experiment, notes) = at_point(&mut document, &fields, number, count)?;
+            // The ends of a sweep speak for what lies between.
+            if number + 1 == count {
+                let new = notes.into_iter().filter(|note| !set.notes.contains(note));
+                set.notes.extend(new.collect::<Vec<_>>());
+            }
+            let experiment = Arc::new(experiment);
             set.points.push(SweepPoint { values: digits(&fields, number), experiment });
         }
         Ok(set)
@@ -297,7 +307,7 @@ fn at_point(
     fields: &[ResolvedField],
     number: usize,
     count: usize,
-) -> Result<Experiment, SpecError> {
+) -> Result<(Experiment, Vec<String>), SpecError> {
     let digits = digits(fields, number);
     let mut chosen: Vec<(&ResolvedField, &SweepValue, &IncludedFiles)> = fields
         .iter()
@@ -341,10 +351,13 @@ fn at_point(
     })
 }
 
-/// The document as a checked experiment.
-fn checked(document: &Document) -> Result<Experiment, SpecError> {
+/// The document as a checked experiment in proportion to its robot, and what the user should know
+/// of it.
+fn checked(document: &Document) -> Result<(Experiment, Vec<String>), SpecError> {
     let mut experiment: Experiment = document.parse()?;
     experiment.policies.outside.values_mut().for_each(OutsidePolicy::read_attributes);
+    let mut notes = scale(&mut experiment, document);
     check(&experiment, document)?;
-    Ok(experiment)
+    notes.extend(far_bends(&experiment));
+    Ok((experiment, notes))
 }

@@ -21,10 +21,20 @@ pub enum PointLayout {
         /// Steps from one point to the next.
         every: usize,
         /// Largest change of an actuated tendon in a step.
+        #[serde(default = "max_step_m")]
         max_step_m: f64,
         /// Largest pull.
+        #[serde(default = "max_pull_m")]
         max_pull_m: f64,
     },
+}
+
+fn max_step_m() -> f64 {
+    ExploreOptions::default().max_step_m
+}
+
+fn max_pull_m() -> f64 {
+    ExploreOptions::default().max_pull_m
 }
 
 /// Source of p_sim in eq. (20), which "could either generated from our learned dynamic neural
