@@ -12,7 +12,7 @@ use crate::base::{BadOption, Point3, PolicyError, distance_m};
 use crate::policies::parts::actuator_limits::{LimitOptions, largest_change_m};
 use crate::policies::parts::disturbance::{DisturbanceFilter, DisturbanceOptions};
 use crate::policies::parts::horizon::first_move_m;
-use crate::policies::parts::rest_model::{ExpectedPose, Inverse, RestModel};
+use crate::policies::parts::rest_model::{ExpectedPose, InversePose, RestModel};
 use crate::policies::parts::single_controller::{ControlLaw, Demand, SingleController};
 use crate::policies::parts::tip_tracker::TipReading;
 use crate::policies::{
@@ -160,7 +160,7 @@ impl RecedingHorizon {
             None => (in_force.clone(), false),
         };
         let steps = if same_target { 1 } else { STEPS_AT_NEW_TARGET } * self.options.inverse_steps;
-        let Inverse { pose: goal, lost } = self.model.inverse(from, &aim_m, steps);
+        let InversePose { pose: goal, lost } = self.model.inverse(from, &aim_m, steps);
         if lost && !same_target {
             return Err(PolicyError::PlanFailed(
                 "the model has no equilibrium on the way to the target".to_owned(),

@@ -56,7 +56,7 @@ pub(crate) struct ExpectedPose {
 }
 
 /// What the search for a target has led to.
-pub(crate) struct Inverse {
+pub(crate) struct InversePose {
     /// The pose that is nearest to it.
     pub(crate) pose: ExpectedPose,
     /// Whether the model had no pose wherever the search went.
@@ -181,7 +181,12 @@ impl RestModel {
     /// The pose whose expected tip is nearest to `tip_m`, by at most `steps` steps from `from`. A
     /// step to where the model has no pose is halved; the pose of the last step that had one is
     /// returned.
-    pub(crate) fn inverse(&mut self, from: ExpectedPose, tip_m: &Point3, steps: usize) -> Inverse {
+    pub(crate) fn inverse(
+        &mut self,
+        from: ExpectedPose,
+        tip_m: &Point3,
+        steps: usize,
+    ) -> InversePose {
         if let Some(unevenness) = self.unevenness.clone() {
             return self.inverse_within_travel(from, tip_m, steps, &unevenness);
         }
@@ -211,7 +216,7 @@ impl RestModel {
                 None => (share, step_m) = (0.5 * share, Some(full_m)),
             }
         }
-        Inverse { pose: best, lost: asked && !answered }
+        InversePose { pose: best, lost: asked && !answered }
     }
 
     /// [`RestModel::inverse`] for a model that takes displacements: a step that leads to no better
@@ -222,7 +227,7 @@ impl RestModel {
         tip_m: &Point3,
         steps: usize,
         unevenness: &DMatrix<f64>,
-    ) -> Inverse {
+    ) -> InversePose {
         let max_step_m = self.at_lever_m(MAX_STEP_RAD);
         let tolerance_m = self.at_lever_m(STEP_TOLERANCE_RAD);
         let away_m = |from_m: &Point3| std::array::from_fn(|axis| tip_m[axis] - from_m[axis]);
@@ -256,7 +261,7 @@ impl RestModel {
             best = next;
             trust_m = (TRUST_AFTER_BETTER * trust_m).min(max_step_m);
         }
-        Inverse { pose: best, lost: asked > 0 && !answered }
+        InversePose { pose: best, lost: asked > 0 && !answered }
     }
 
     /// A damped Gauss-Newton step that takes the tip to `tip_m`, within the trusted size.
