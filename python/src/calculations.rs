@@ -8,10 +8,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use pyo3::prelude::*;
 use spinebench::calibration::{AUTO, CalibrationOptions, ErrorLaw, HoldOut, Recordings, calibrate};
-use spinebench::data::{Recording, tables};
+use spinebench::data::{DataError, Recording, tables};
 use spinebench::discovery::{
     Options, Question, Round, Rounds, RoundsError, discover_until_named, with_step_listener,
 };
+use spinebench::effects::Model;
 use spinebench::report::discovery::GivenRecordings;
 use spinebench::specs::read_options;
 use spinebench::tasks::{
@@ -173,6 +174,14 @@ impl Steps {
     }
 }
 
+/// Reads recordings that a discovery explains.
+fn reader(
+    model: &Model,
+    at_rest: bool,
+) -> impl Fn(&NamedRecording) -> Result<Recording, DataError> {
+    move |recording| read_to_explain(recording.source(), model, at_rest)
+}
+
 /// Finds what a model lacks. While the answer is ambiguous, `record` gets it with the commands of
 /// its proposals and returns a new recording, or None. `tell` hears of each step: its number and
 /// name. Returns the answer of each round.
@@ -202,9 +211,7 @@ pub(crate) fn _discover(
             options.as_deref().map_or_else(|| Ok(Options::default()), read_options)?;
         settings.left_out.extend(leave_out);
         settings.at_rest |= at_rest;
-        let read = |recording: &NamedRecording| {
-            read_to_explain(recording.source(), &model.model, settings.at_rest)
-        };
+        let read = reader(&model.model, settings.at_rest);
         let measured = named(measured)?;
         let parts: Vec<Recording> = measured.iter().map(read).collect::<Result<_, _>>()?;
         let whole = Recording::joined(&parts)
@@ -215,9 +222,7 @@ pub(crate) fn _discover(
         let at_rest =
             are_at_rest(settings.at_rest, files.clone().zip(parts.iter().chain(&baseline)))?;
         let settings = Options { at_rest, ..settings };
-        let read = |recording: &NamedRecording| {
-            read_to_explain(recording.source(), &model.model, settings.at_rest)
-        };
+        let read = reader(&model.model, settings.at_rest);
         let files: Vec<&Path> = files.take(parts.len()).collect();
         let mut given = GivenRecordings::new(&files, &parts, baseline.as_ref());
         let mut earlier: Vec<WrittenDiscovery> = Vec::new();

@@ -71,6 +71,9 @@ fn at<'a>(
     inputs.get(place).copied().flatten().ok_or_else(missing)
 }
 
+/// A function of one number.
+type Activation = fn(f64) -> f64;
+
 /// A kind of recurrent layer.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Cell {
@@ -92,7 +95,7 @@ struct Layer<'a> {
     biases: &'a [f64],
     /// P of an LSTM, for the gates i, o and f; empty for none.
     peepholes: &'a [f64],
-    functions: [fn(f64) -> f64; 3],
+    functions: [Activation; 3],
     linear_before_reset: bool,
 }
 
@@ -217,9 +220,9 @@ impl<'a> Layer<'a> {
 }
 
 /// The functions f, g and h of the standard, as `activations` names them.
-fn functions(node: &OnnxNode, cell: Cell) -> Result<[fn(f64) -> f64; 3], OnnxError> {
-    let sigmoid: fn(f64) -> f64 = |value| 1.0 / (1.0 + (-value).exp());
-    let tanh: fn(f64) -> f64 = f64::tanh;
+fn functions(node: &OnnxNode, cell: Cell) -> Result<[Activation; 3], OnnxError> {
+    let sigmoid: Activation = |value| 1.0 / (1.0 + (-value).exp());
+    let tanh: Activation = f64::tanh;
     let mut functions = if cell == Cell::Elman { [tanh; 3] } else { [sigmoid, tanh, tanh] };
     for (function, name) in functions.iter_mut().zip(node.texts("activations")) {
         *function = match name.to_lowercase().as_str() {

@@ -78,7 +78,8 @@ fn markdown(claims: &[ClaimRow]) -> String {
             format!("**{}**", row.verdict),
         ]
     };
-    let header = "Claim | Experiment | Networks | Paper | Ours | 95 % interval | Unit | Seeds | Verdict";
+    let header =
+        "Claim | Experiment | Networks | Paper | Ours | 95 % interval | Unit | Seeds | Verdict";
     let count = |verdict| {
         format!("{} {verdict}", claims.iter().filter(|row| row.verdict == verdict).count())
     };
