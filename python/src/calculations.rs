@@ -213,12 +213,12 @@ pub(crate) fn _discover(
         settings.at_rest |= at_rest;
         let read = reader(&model.model, settings.at_rest);
         let measured = named(measured)?;
-        let parts: Vec<Recording> = measured.iter().map(read).collect::<Result<_, _>>()?;
+        let parts: Vec<Recording> = measured.iter().map(&read).collect::<Result<_, _>>()?;
         let whole = Recording::joined(&parts)
             .map_err(|error| about(measured[error.index].source().name(), &error))?;
         let of_baseline = baseline.map(PyRecording::named).transpose()?;
         let files = measured.iter().chain(&of_baseline).map(|one| one.source().name());
-        let baseline = of_baseline.as_ref().map(read).transpose()?;
+        let baseline = of_baseline.as_ref().map(&read).transpose()?;
         let at_rest =
             are_at_rest(settings.at_rest, files.clone().zip(parts.iter().chain(&baseline)))?;
         let settings = Options { at_rest, ..settings };
