@@ -34,29 +34,29 @@ pub(crate) fn counted<A, R>(work: impl Fn(A) -> R + Sync + Send) -> impl Fn(A) -
     let account = ACCOUNT.with_borrow(Clone::clone);
     move |argument| match &account {
         Some(account) if !IS_COUNTED.get() => {
-            let _entry = Entry::begin(account);
+            let _timed = TimedWork::begin(account);
             work(argument)
         }
         _ => work(argument),
     }
 }
 
-/// The time since its beginning, which is added when it ends, by unwinding, too.
-struct Entry {
+/// Work whose processor time since its beginning is added when it ends, by unwinding, too.
+struct TimedWork {
     began_ns: u64,
     account: Arc<AtomicU64>,
     outer: Option<Arc<AtomicU64>>,
 }
 
-impl Entry {
-    fn begin(account: &Arc<AtomicU64>) -> Entry {
+impl TimedWork {
+    fn begin(account: &Arc<AtomicU64>) -> TimedWork {
         IS_COUNTED.set(true);
         let outer = ACCOUNT.replace(Some(Arc::clone(account)));
-        Entry { began_ns: thread_ns(), account: Arc::clone(account), outer }
+        TimedWork { began_ns: thread_ns(), account: Arc::clone(account), outer }
     }
 }
 
-impl Drop for Entry {
+impl Drop for TimedWork {
     fn drop(&mut self) {
         let spent_ns = thread_ns().saturating_sub(self.began_ns);
         self.account.fetch_add(spent_ns, Ordering::Relaxed);

@@ -3,10 +3,10 @@
 use std::cell::RefCell;
 
 /// A listener: share of the work that is done, 0 to 1.
-type Listener = Box<dyn Fn(f64)>;
+type ShareListener = Box<dyn Fn(f64)>;
 
 thread_local! {
-    static LISTENER: RefCell<Option<Listener>> = const { RefCell::new(None) };
+    static LISTENER: RefCell<Option<ShareListener>> = const { RefCell::new(None) };
 }
 
 /// Does `work` and reports how much of it is done, as it goes on on this thread, to `listener`.

@@ -131,7 +131,7 @@ const BAD: &[(&str, &str)] = &[
         "options: {uncertain: [{effect: tip_load, parameter: mass_g, deviation: 1}]}\n    batches: \
          [{group: nothing, cases: 1}]",
         "blind.yaml:5:57: runs.discovery.options.uncertain[0].parameter: found `mass_g`, expected \
-         one of `mass_kg`",
+         `mass_kg`",
     ),
     (
         "truth: {cell_m: 0}\n    batches: [{group: nothing, cases: 1}]",

@@ -396,7 +396,7 @@ fn bad_arguments_are_refused() {
         "discover --model NOMINAL --measured TWIN/nothing --options options.yaml --out out",
     );
     assert!(
-        uncertain.contains("options.yaml:2:") && uncertain.contains("expected one of `time_s`"),
+        uncertain.contains("options.yaml:2:") && uncertain.contains("expected `time_s`"),
         "{uncertain}"
     );
     bench.put(

@@ -22,7 +22,7 @@ pub(super) fn apply(
     inputs: &[Option<&Tensor>],
     kept: Option<&RecurrentState>,
 ) -> Result<(Vec<Tensor>, RecurrentState), OnnxError> {
-    let layer = Layer::new(node, inputs)?;
+    let layer = RecurrentLayer::new(node, inputs)?;
     let rows = at(node, inputs, 0)?;
     let [steps, 1, width] = rows.dims[..] else {
         let found =
@@ -83,7 +83,7 @@ enum Cell {
 }
 
 /// The weights of a layer with their functions.
-struct Layer<'a> {
+struct RecurrentLayer<'a> {
     cell: Cell,
     inputs: usize,
     hidden: usize,
@@ -99,8 +99,11 @@ struct Layer<'a> {
     linear_before_reset: bool,
 }
 
-impl<'a> Layer<'a> {
-    fn new(node: &OnnxNode, inputs: &[Option<&'a Tensor>]) -> Result<Layer<'a>, OnnxError> {
+impl<'a> RecurrentLayer<'a> {
+    fn new(
+        node: &OnnxNode,
+        inputs: &[Option<&'a Tensor>],
+    ) -> Result<RecurrentLayer<'a>, OnnxError> {
         let wrong = |what: String| shape(&node.operator, what);
         let direction = node.texts("direction");
         if direction.first().is_some_and(|direction| *direction != "forward") {
@@ -125,7 +128,7 @@ impl<'a> Layer<'a> {
         let optional = |place: usize| {
             inputs.get(place).copied().flatten().map_or(&[][..], |tensor| &tensor.values)
         };
-        let layer = Layer {
+        let layer = RecurrentLayer {
             cell,
             inputs: *width,
             hidden: *hidden,

@@ -53,7 +53,7 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     FIGURE.needs("trials.csv", trials.is_empty())?;
     let summary = published.reach_summary(trials);
     one_size(&summary)?;
-    let table = Table {
+    let table = ControllerTable {
         sources: sources(published),
         shown: policies_in_order(summary.iter().map(|row| row.cell.policy.as_str())),
         summary: &summary,
@@ -70,7 +70,7 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
 }
 
 /// What the Markdown, the LaTeX and the picture show.
-struct Table<'a> {
+struct ControllerTable<'a> {
     summary: &'a [ReachSummaryRow],
     sources: Vec<Source<'a>>,
     shown: Vec<&'a str>,
@@ -109,7 +109,7 @@ fn sources(published: &Published) -> Vec<Source<'_>> {
     published.context.is_paper_robot.then_some(paper).into_iter().chain(ours).collect()
 }
 
-impl Table<'_> {
+impl ControllerTable<'_> {
     fn entry(&self, source: &Source, policy: &str, mode: &str) -> Option<TableEntry> {
         let Some(training) = source.training else {
             let paper = printed::table_1(policy, mode)?;
@@ -164,7 +164,7 @@ fn caption(summary: &[ReachSummaryRow]) -> String {
     )
 }
 
-impl Table<'_> {
+impl ControllerTable<'_> {
     fn markdown(&self) -> String {
         let mut grid = MarkdownTable::default();
         grid.header.extend(["Controller".to_owned(), String::new()]);
@@ -218,7 +218,7 @@ impl Table<'_> {
     }
 
     fn draw(&self) -> Canvas {
-        let Table { sources, shown, .. } = self;
+        let ControllerTable { sources, shown, .. } = self;
         let policy_height = 16.0 * sources.len() as f64 + 10.0;
         let high = policy_height * shown.len() as f64;
         let mut canvas = Canvas::new(PAGE_WIDTH, (high + 112.0).round());
@@ -275,7 +275,7 @@ impl Table<'_> {
 
     /// The dots and intervals of one mode.
     fn facet(&self, canvas: &mut Canvas, panel: &Panel, mode: &str) {
-        let Table { sources, shown, .. } = self;
+        let ControllerTable { sources, shown, .. } = self;
         let slot = panel.size[1] / shown.len() as f64;
         for (row, policy) in shown.iter().enumerate() {
             let middle = panel.at(panel.x.low, (shown.len() - 1 - row) as f64)[1];
