@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 /// Names the folder of the store.
 const VARIABLE: &str = "SPINEBENCH_CACHE";
 
-/// The folder of the store: `given`, else what `SPINEBENCH_CACHE` names, else `.spinebench/cache` of the
-/// checkout around the current folder, else a folder among the user's caches.
+/// The folder of the store: `given`, else what `SPINEBENCH_CACHE` names, else `.spinebench/cache`
+/// of the checkout around the current folder, else a folder among the user's caches.
 pub fn store_folder(given: Option<&Path>) -> PathBuf {
     let set = std::env::var_os(VARIABLE).filter(|folder| !folder.is_empty()).map(PathBuf::from);
     let named = given.map(Path::to_owned).or(set);
