@@ -120,9 +120,9 @@ test-python: ## the Python package: build, tests, types (needs Python 3.10 or la
 	$(PYTHON_VENV)/bin/python -m mypy --strict -p spinebench
 	cd python/tests && ../../$(PYTHON_VENV)/bin/python -m mypy --strict .
 
-# What one installs without Rust. `TRIPLE=x86_64-unknown-linux-musl` needs a C compiler for musl.
+# What one installs without Rust.
 DIST := dist
-TRIPLE ?= $(shell rustc -vV | sed -n 's/^host: //p')
+TRIPLE := $(shell rustc -vV | sed -n 's/^host: //p')
 VERSION := $(shell sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -1)
 RELEASE := spinebench-$(VERSION)-$(TRIPLE)
 
@@ -132,12 +132,14 @@ wheel: ## the Python package as a wheel for Python 3.10 and later, into dist/ (n
 	$(PYTHON_VENV)/bin/maturin build --release --locked --manifest-path python/Cargo.toml --out $(DIST)
 
 dist: ## the program, which needs no library on Linux, with models and experiments, into dist/ with checksums
-	RUSTFLAGS="-C target-feature=+crt-static" cargo build --release --locked --target $(TRIPLE)
+	@# The flag is the program's alone, so that compiled dependencies serve here, too.
+	cargo rustc --release --locked --bin spinebench -- -C target-feature=+crt-static
 	rm -rf $(DIST)/$(RELEASE) && mkdir -p $(DIST)/$(RELEASE)
-	cp -r $${CARGO_TARGET_DIR:-target}/$(TRIPLE)/release/spinebench README.md LICENSE-* docs models experiments $(DIST)/$(RELEASE)
+	cp -r $${CARGO_TARGET_DIR:-target}/release/spinebench README.md LICENSE-* docs models experiments $(DIST)/$(RELEASE)
 	strip $(DIST)/$(RELEASE)/spinebench
 	tar -C $(DIST) -czf $(DIST)/$(RELEASE).tar.gz $(RELEASE) && rm -r $(DIST)/$(RELEASE)
-	cd $(DIST) && sha256sum *.tar.gz *.whl 2>/dev/null > SHA256SUMS || [ -s SHA256SUMS ]
+	cd $(DIST) && files=(*.tar.gz *.whl) && \
+	for file in "$${files[@]}"; do [ ! -f "$$file" ] || openssl dgst -sha256 -r "$$file"; done > SHA256SUMS
 	@echo "$(DIST)/$(RELEASE).tar.gz, $(DIST)/SHA256SUMS"
 
 bench: build ## microbenchmarks, then one repetition of everything from nothing: where the time goes, by stage
