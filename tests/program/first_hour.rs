@@ -265,9 +265,8 @@ fn robots_of_three_six_and_nine_tendons_run_the_papers_experiments() {
                      track: {policies: [c], mode: closed, gp_points: 20, real_points: null}\n";
         let robot = "model: {simulated: {model: arm.yaml}}\nplant: {simulated: {model: arm.yaml, \
                      noise_m: 0.0005}}\n";
-        let spec = format!(
-            "extends: {experiments}/smoke.yaml\nname: arm\nseeds: 1\nclaims: []\n{robot}{sizes}"
-        );
+        let spec =
+            format!("extends: {experiments}/smoke.yaml\nname: arm\nseeds: 1\n{robot}{sizes}");
         desk.put("own.yaml", &spec);
         desk.ok("run own.yaml --strict");
         let rows =
