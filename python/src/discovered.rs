@@ -46,9 +46,7 @@ fn files(answer: &Discovery, model: &PyModel) -> Result<Vec<(String, Vec<u8>)>, 
         (text.clone(), before.clone())
     } else {
         let failed = |error: &dyn std::error::Error| Fault::Run(error.to_string());
-        let source = tempfile::NamedTempFile::new().map_err(|error| failed(&error))?;
-        std::fs::write(source.path(), text).map_err(|error| failed(&error))?;
-        let extended = extended_text(source.path(), &answer.model, added);
+        let extended = extended_text(text, &answer.model, added);
         let after = model_text(&answer.model).map_err(|error| failed(&error))?;
         (extended.map_err(|error| failed(&error))?, after)
     };

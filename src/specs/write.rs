@@ -2,11 +2,9 @@
 
 use super::document::merge_keys;
 use super::document::mismatch::deserialize;
-use crate::data::read_text;
 use crate::effects::{EffectSpec, Model};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
 
 /// A value as YAML in the form in which specs are read.
 ///
@@ -33,17 +31,16 @@ pub fn model_text(model: &Model) -> Result<String, serde_yaml::Error> {
     yaml_text(model)
 }
 
-/// The text of `file` with the last `added` effects of `model` appended to its own, which keeps
+/// The text `written` of a model file with the last `added` effects of `model` appended to its own, which keeps
 /// comments and layout. When that does not read back as `model`, the whole model written anew.
 ///
 /// # Errors
-/// As [`model_text`]. A file that cannot be read counts as empty.
+/// As [`model_text`].
 pub fn extended_text(
-    file: &Path,
+    written: &str,
     model: &Model,
     added: usize,
 ) -> Result<String, serde_yaml::Error> {
-    let written = read_text(file).unwrap_or_default();
     let line = |effect: &EffectSpec| -> Result<String, serde_yaml::Error> {
         let name = effect.card().name;
         let value = serde_json::to_value(effect)
@@ -53,7 +50,7 @@ pub fn extended_text(
     };
     let lines: String =
         model.effects[model.effects.len() - added..].iter().map(line).collect::<Result<_, _>>()?;
-    let extended = with_effects(&written, &lines);
+    let extended = with_effects(written, &lines);
     let reads_back = |text: &String| {
         let value = merge_keys::read(text);
         value

@@ -8,7 +8,7 @@ use crate::cli::{CommandError, CommandResult};
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use spinebench::base::Seed;
-use spinebench::data::Recording;
+use spinebench::data::{Recording, read_text};
 use spinebench::discovery::{
     Discovery, DiscoveryError, Options, Question, Round, Rounds, RoundsError, discover_until_named,
     with_step_listener,
@@ -287,7 +287,9 @@ impl DiscoverCommand {
         let model_bytes = if added == 0 {
             std::fs::read(&self.model).map_err(CommandError::bad_input)?
         } else {
-            extended_text(&self.model, &answer.model, added)
+            // A file that cannot be read any more counts as empty.
+            let written = read_text(&self.model).unwrap_or_default();
+            extended_text(&written, &answer.model, added)
                 .map_err(CommandError::failed)?
                 .into_bytes()
         };
