@@ -48,38 +48,38 @@ reproduce: build ## Table I, Figs 5, 6 and 8 and the claims, into results/ and p
 ifeq ($(OUT),.)
 	@$(MAKE) --no-print-directory pack
 	$(SPINEBENCH) page README.md
-	$(SPINEBENCH) page docs/paper.md
-	$(SPINEBENCH) page docs/error_budget.md
+	$(SPINEBENCH) page docs/evidence/paper.md
+	$(SPINEBENCH) page docs/evidence/error_budget.md
 else
 	@echo "A look at $(SEEDS) of ten repetitions is in $(OUT)/; the published results/ and plots/ are as they were."
 endif
 
-controllers: build ## further controllers beside the paper's, and what tells them apart (docs/control.md); SEEDS=1 for a look, into out/
+controllers: build ## further controllers beside the paper's, and what tells them apart (docs/method/control.md); SEEDS=1 for a look, into out/
 	$(SPINEBENCH) run experiments/controllers.yaml experiments/perfect_model.yaml --seeds $(SEEDS) --out $(OUT)
 	$(PACK)
-	$(if $(filter .,$(OUT)),$(SPINEBENCH) page docs/control.md)
+	$(if $(filter .,$(OUT)),$(SPINEBENCH) page docs/method/control.md)
 
 SWEEPS := $(sort $(wildcard experiments/sweeps/*.yaml)) experiments/gp_intervals.yaml
-sweeps: build ## kernels, sizes, thresholds, noise, gaps … swept (half an hour; docs/sweeps.md); SEEDS=1 for a look, into out/
+sweeps: build ## kernels, sizes, thresholds, noise, gaps … swept (half an hour; docs/evidence/sweeps.md); SEEDS=1 for a look, into out/
 	$(SPINEBENCH) run $(SWEEPS) --seeds $(SEEDS) --out $(OUT)
 	$(PACK)
 
 # Claims are judged robot by robot: a hundred of them, not ten repetitions.
 ROBOTS ?= 100
-population: build ## Table I on a hundred robots (an hour; docs/population.md); ROBOTS=10 for a look, into out/
+population: build ## Table I on a hundred robots (an hour; docs/evidence/population.md); ROBOTS=10 for a look, into out/
 	@# A drawn robot that cannot be simulated is a row with its status, of which exit status 1 tells.
 	$(SPINEBENCH) run experiments/population.yaml --seeds $(ROBOTS) --out $(if $(filter 100,$(ROBOTS)),.,out) || [ $$? = 1 ]
-	$(if $(filter 100,$(ROBOTS)),$(SPINEBENCH) page docs/population.md)
+	$(if $(filter 100,$(ROBOTS)),$(SPINEBENCH) page docs/evidence/population.md)
 
-data-efficiency: build ## error against the number of real points, every policy (a quarter of an hour; docs/data_efficiency.md); SEEDS=1 for a look
+data-efficiency: build ## error against the number of real points, every policy (a quarter of an hour; docs/evidence/data_efficiency.md); SEEDS=1 for a look
 	$(SPINEBENCH) run experiments/data_efficiency.yaml --seeds $(SEEDS) --out $(OUT)
 	$(PACK)
-	$(if $(filter .,$(OUT)),$(SPINEBENCH) page docs/data_efficiency.md)
+	$(if $(filter .,$(OUT)),$(SPINEBENCH) page docs/evidence/data_efficiency.md)
 
-repair: build ## a robot changes and nobody says so: noticed, named and mended (docs/repair.md); SEEDS=1 for a look, into out/
+repair: build ## a robot changes and nobody says so: noticed, named and mended (docs/evidence/repair.md); SEEDS=1 for a look, into out/
 	$(SPINEBENCH) run experiments/repair.yaml --seeds $(SEEDS) --out $(OUT)
 	$(PACK)
-	$(if $(filter .,$(OUT)),$(SPINEBENCH) page docs/repair.md)
+	$(if $(filter .,$(OUT)),$(SPINEBENCH) page docs/evidence/repair.md)
 
 # `cargo fmt` does not follow the modules that registries declare.
 SOURCES := $(shell find src -name '*.rs')
@@ -149,10 +149,10 @@ bench: build ## microbenchmarks, then one repetition of everything from nothing:
 
 # Parts of the blind benchmark, 164 cases each.
 PARTS ?= 7
-blind: build ## `discover` on 1,148 blind cases (hours; PARTS=1 for a seventh): docs/blind_benchmark.md
+blind: build ## `discover` on 1,148 blind cases (hours; PARTS=1 for a seventh): docs/evidence/blind_benchmark.md
 	$(SPINEBENCH) run experiments/discovery_full.yaml --seeds $(PARTS) --out $(if $(filter 7,$(PARTS)),.,out)
 	$(SPINEBENCH) run experiments/discovery_twin.yaml --out $(if $(filter 7,$(PARTS)),.,out)
-	$(if $(filter 7,$(PARTS)),$(SPINEBENCH) page docs/blind_benchmark.md)
+	$(if $(filter 7,$(PARTS)),$(SPINEBENCH) page docs/evidence/blind_benchmark.md)
 
 campaign: ## the long tests (hours): 200 kills, every case of `discover`, 100,000 random robots (CAMPAIGN_DRAWS=1000 for a look)
 	mkdir -p results/robustness
@@ -182,33 +182,33 @@ define measure-environments
 endef
 PEERS := PEERS_PYTHON=$(CURDIR)/$(PEERS_VENV)/bin/python cargo bench --bench peers
 
-peers: build ## other simulators and other packages for learning: results/peers, plots/peers* (docs/peers.md)
+peers: build ## other simulators and other packages for learning: results/peers, plots/peers* (docs/evidence/peers.md)
 	$(call peer-packages,$(PEER_LISTS))
 	$(PEERS)
 	$(measure-environments)
-	$(SPINEBENCH) page docs/peers.md
+	$(SPINEBENCH) page docs/evidence/peers.md
 
 peers-learning: build ## the packages for learning alone (ROUNDS=1 for a look, which publishes nothing)
 	$(call peer-packages,benches/peers/learning/requirements.txt)
 	$(PEERS) -- learning
-	$(SPINEBENCH) page docs/peers.md
+	$(SPINEBENCH) page docs/evidence/peers.md
 
 peers-environments: build ## environments of others alone (ROUNDS=1 for a look, which publishes nothing)
 	$(call peer-packages,benches/peers/requirements.txt benches/peers/environments/requirements.txt)
 	$(measure-environments)
-	$(SPINEBENCH) page docs/peers.md
+	$(SPINEBENCH) page docs/evidence/peers.md
 
-scaling: build ## runs on one and two threads, and a cluster on paper: results/scaling, plots/scaling (docs/scaling.md)
+scaling: build ## runs on one and two threads, and a cluster on paper: results/scaling, plots/scaling (docs/evidence/scaling.md)
 	cargo bench --bench scaling
-	$(SPINEBENCH) page docs/scaling.md
+	$(SPINEBENCH) page docs/evidence/scaling.md
 
 # Files that others published, which are not part of this repository; benches/real/sources.py says where they are.
 REAL_DATA ?= ../shared/recordings
-real: ## models of four published robots from REAL_DATA (10 minutes): models/real, results/real, plots/real (docs/real_robots.md)
+real: ## models of four published robots from REAL_DATA (10 minutes): models/real, results/real, plots/real (docs/evidence/real_robots.md)
 	@python3 -B benches/real/real.py --check $(REAL_DATA)
 	@$(MAKE) --no-print-directory build
 	python3 -B benches/real/real.py $(REAL_DATA) target/release/spinebench
-	$(SPINEBENCH) page docs/real_robots.md
+	$(SPINEBENCH) page docs/evidence/real_robots.md
 
 verify: build ## rerun from nothing what `reproduce` makes and compare with the published results/ and plots/, byte for byte
 	$(SPINEBENCH) verify $(notdir $(basename $(SPECS))) discovery

@@ -1,6 +1,6 @@
 //! Sparse Gaussian processes beside the exact one: `cargo bench --bench inducing` prints CPU
 //! seconds of a fit (three outputs, one thread), of 1,000 predictions with variance, and the mean
-//! absolute error on unseen points without noise. `docs/learning.md` holds measured figures.
+//! absolute error on unseen points without noise. `docs/method/learning.md` holds measured figures.
 
 use rand::RngExt;
 use spinebench::base::{Rows, Seed};

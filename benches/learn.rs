@@ -1,7 +1,7 @@
 //! Where the time of learning goes: fits, predictions, an epoch, a step.
 //!
 //! `cargo bench --bench learn`. The data are made here, with the sizes and shapes of the
-//! experiments (seven inputs, three outputs, 0.5 mm of noise); `docs/learning.md` holds measured
+//! experiments (seven inputs, three outputs, 0.5 mm of noise); `docs/method/learning.md` holds measured
 //! figures.
 
 use std::hint::black_box;

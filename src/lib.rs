@@ -1,7 +1,7 @@
 //! spinebench: does this learning-based continuum-robot controller really work, and where is my
 //! simulator wrong?
 //!
-//! Rooms, lowest first; a room may import only rooms above its own line in `docs/architecture.md`:
+//! Rooms, lowest first; a room may import only rooms above its own line in `docs/reference/architecture.md`:
 //! [`base`] value types and seeds, [`math`] numerics, [`data`] all files, [`rows`] the rows of
 //! result tables, [`rod`] the Cosserat rod, [`effects`] the catalogue of missing physics,
 //! [`hardware`] motors, tracker and safety, [`simulators`] simulators of motors and tracker,

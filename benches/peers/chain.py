@@ -2,7 +2,7 @@
 
 usage: chain.py CASE.json RUNS.json
 The case comes from the benchmark: robot, drive, sample times, and settings [segments, time step, spatial tendons?].
-The runs go back to it: settings, processor times, tips. docs/peers.md says why the model is built like this.
+The runs go back to it: settings, processor times, tips. docs/evidence/peers.md says why the model is built like this.
 """
 
 import json

@@ -2,7 +2,7 @@
 
 usage: elastica_rod.py CASE.json RUNS.json
 The case comes from the benchmark: robot, tensions, sample times, and settings [elements, time step, factor on the
-rotary inertia]. The runs go back to it. docs/peers.md says what PyElastica cannot do of the full robot.
+rotary inertia]. The runs go back to it. docs/evidence/peers.md says what PyElastica cannot do of the full robot.
 """
 
 import json

@@ -1,6 +1,6 @@
 //! Other simulators on the same robots, one after the other on one core: processor time against
 //! error of the tip. Then packages that learn, on the same samples. `make peers` runs it;
-//! `docs/peers.md` says what is compared and why like this.
+//! `docs/evidence/peers.md` says what is compared and why like this.
 #![allow(missing_docs, unreachable_pub)]
 
 mod clock;

@@ -56,7 +56,7 @@ def header(robot, data):
     source = sources.SOURCES[robot.name]
     words = " ".join(f"'{word}'" if set("*,~[") & set(str(word)) else str(word) for word in command(robot, data))
     return (
-        f"# {robot.title}, calibrated by `make real` (docs/real_robots.md) from a recording that others published:\n"
+        f"# {robot.title}, calibrated by `make real` (docs/evidence/real_robots.md) from a recording that others published:\n"
         f"# {source.words()}.\n"
         f"# spinebench {words}\n"
         "# The recording and the model to start from are made by benches/real.\n"

@@ -1,5 +1,5 @@
 //! How runs scale: one and two threads on this machine, and recorded stage times replayed on
-//! clusters of up to a thousand nodes. `make scaling` runs it; `docs/scaling.md` says what is
+//! clusters of up to a thousand nodes. `make scaling` runs it; `docs/evidence/scaling.md` says what is
 //! assumed.
 #![allow(missing_docs, unreachable_pub)]
 

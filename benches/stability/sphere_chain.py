@@ -1,6 +1,6 @@
 """sphere_motion.csv, sphere_recording*.csv and sphere_truth.csv: the MuJoCo chain of benches/twin beside a fixed sphere.
 
-Method: benches/twin (docs/twin.md) with its effect `contact_sphere`: the body is a capsule along each piece, the sphere is
+Method: benches/twin (docs/evidence/twin.md) with its effect `contact_sphere`: the body is a capsule along each piece, the sphere is
 smooth (condim 1, solref 0.004 s, solimp 0.99 0.999 0.0001). A row is in contact when a contact pushed in the last step
 of 1 ms before it. Nothing is fitted to the rod of this project.
 

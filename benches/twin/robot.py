@@ -26,7 +26,7 @@ class Robot:
     tendon_radius_m: float = 0.020
     tendon_angles_rad: tuple = (0.0, np.pi / 2, np.pi, 3 * np.pi / 2)
     pretension_m: float = 0.0005
-    # Not the nominal model's: see docs/twin.md.
+    # Not the nominal model's: see docs/evidence/twin.md.
     tendon_compliance_m_per_n: float = 7e-5
     gravity_m_s2: tuple = (-9.81, 0.0, 0.0)
     damping_time_s: float = 0.03

@@ -1,4 +1,4 @@
-//! Blind benchmark of discovery (docs/blind_benchmark.md): a recording of a robot with an injected
+//! Blind benchmark of discovery (docs/evidence/blind_benchmark.md): a recording of a robot with an injected
 //! effect, the sealed truth, and the score of an answer.
 //!
 //! The truth differs from the fitted model: finer grid and time steps, uncertain parameters drawn

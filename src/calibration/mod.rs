@@ -1,6 +1,6 @@
 //! Calibration of a model from recordings (paper, section III-B: Young's modulus from known tendon
 //! tensions and the tracked tip): any numbers of the model file, fitted to every tracked point,
-//! with what the fit leaves and what it does not tell. Methods: `docs/calibration.md`.
+//! with what the fit leaves and what it does not tell. Methods: `docs/reference/calibration.md`.
 
 mod auto;
 mod compare;

@@ -80,7 +80,7 @@ fn damping() -> f64 {
     0.03
 }
 
-/// Fast enough not to affect the tip one tick later (`docs/rod.md`). It must not be zero: with
+/// Fast enough not to affect the tip one tick later (`docs/method/rod.md`). It must not be zero: with
 /// jumping tendons the time discretisation has no limit.
 fn drive_time() -> f64 {
     0.02

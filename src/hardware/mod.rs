@@ -1,4 +1,4 @@
-//! Drivers of the real robot: motors, tracker, and the safety functions (docs/hardware.md).
+//! Drivers of the real robot: motors, tracker, and the safety functions (docs/reference/hardware.md).
 //!
 //! - [`grbl`]: the motor controller.
 //! - [`tracking`]: the motion capture system.

@@ -1,6 +1,6 @@
 //! Learning: Gaussian processes ([`gp`]), recurrent networks ([`networks`]), networks that others
 //! have trained ([`onnx`]) and which points are measured ([`selection`]). Decisions and figures:
-//! `docs/learning.md`.
+//! `docs/method/learning.md`.
 
 mod error;
 mod exact;

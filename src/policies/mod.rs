@@ -53,7 +53,7 @@ macro_rules! policies {
         }
 
         /// Options of all policies; each default and its alternatives are argued in
-        /// `docs/decisions.md`.
+        /// `docs/method/decisions.md`.
         #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
         #[serde(default, deny_unknown_fields)]
         pub struct PolicyOptions {

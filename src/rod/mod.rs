@@ -2,7 +2,7 @@
 //! (paper, section III).
 //!
 //! The unknowns are the internal moments and forces along the rod, as polynomials, and the tendon
-//! tensions; the derivation is in `docs/rod.md`.
+//! tensions; the derivation is in `docs/method/rod.md`.
 
 mod discretisation;
 mod dynamics;

@@ -111,7 +111,7 @@ columns! {
         pub noise_y_m: f64,
         /// Fitted noise, metres.
         pub noise_z_m: f64,
-        /// Hyper-parameters at an end of their range (docs/learning.md), by axis, as `x length 3
+        /// Hyper-parameters at an end of their range (docs/method/learning.md), by axis, as `x length 3
         /// high; y noise variance low`: noise at its least makes intervals too narrow, a length-scale
         /// at its most is that of an input without influence. Tables of earlier builds do not have
         /// the column.
@@ -493,7 +493,7 @@ table_rows! {
     }
 
     "work_precision.csv", key [robot, peer, setting, segments_or_nodes, dt_s, rms_error_m], failed [|row| !row.status.is_ok()]:
-    /// One setting of one simulator on one robot: work against precision (`docs/peers.md`).
+    /// One setting of one simulator on one robot: work against precision (`docs/evidence/peers.md`).
     pub struct PeerRow {
         /// Robot and drive: `till`, `paper`, `paper_tension`; `paper_statics` for single
         /// equilibria.

@@ -5,7 +5,7 @@ use crate::data::table_rows;
 
 table_rows! {
     "learning.csv", key [task, size, peer, round], failed [|row| !row.status.is_ok()]:
-    /// One task of learning, carried out by one package in one round (`docs/peers.md`).
+    /// One task of learning, carried out by one package in one round (`docs/evidence/peers.md`).
     pub struct LearningPeerRow {
         /// `fit`: three Gaussian processes from one start; `evaluation`: their likelihood with its
         /// gradient, once, for one output; `predict_one` and `predict_many`: mean and variance at

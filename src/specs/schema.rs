@@ -54,7 +54,7 @@ fn experiment() -> Value {
     let sweep = json!({
         "type": ["object", "null"],
         "description": "Swept fields by their dotted paths, and the values of each; see \
-                        docs/sweeps.md.",
+                        docs/evidence/sweeps.md.",
         "additionalProperties": { "anyOf": [
             { "type": "array", "minItems": 1, "description": "The values." },
             of_form(),

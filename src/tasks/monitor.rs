@@ -13,7 +13,7 @@ use crate::base::{BadOption, Point3, Seed};
 const INFLATION: f64 = 4.0;
 /// The threshold is this multiple of the largest sum in so many stretches of `false_alarm_s` of
 /// work that is drawn from the calibration's: work to come has trials that the calibration has not
-/// seen. Without the multiple, one monitor of two raised false alarms (docs/repair.md).
+/// seen. Without the multiple, one monitor of two raised false alarms (docs/evidence/repair.md).
 const THRESHOLD_MARGIN: f64 = 1.5;
 const STRETCHES: usize = 30;
 /// Trials with innovations that a calibration needs.

@@ -1,4 +1,4 @@
-//! The rooms of `docs/architecture.md`: what each folder of `src/` may import, and the cuts that
+//! The rooms of `docs/reference/architecture.md`: what each folder of `src/` may import, and the cuts that
 //! carry the science.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -20,7 +20,7 @@ fn words(cell: &str) -> impl Iterator<Item = String> {
 /// The rows of the table by room.
 fn rows() -> BTreeMap<String, Room> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let text = std::fs::read_to_string(root.join("docs/architecture.md")).unwrap();
+    let text = std::fs::read_to_string(root.join("docs/reference/architecture.md")).unwrap();
     let mut rooms: BTreeMap<String, Room> = BTreeMap::new();
     for line in text.lines().filter(|line| line.starts_with("| `")) {
         let cells: Vec<&str> = line.split('|').map(str::trim).collect();

@@ -122,11 +122,11 @@ fn published_rows_are_flat() {
     assert_eq!(text.lines().nth(1).unwrap(), "table1,c,words,paper,1.0,2.0,,,m,1,undecided");
 }
 
-/// `spinebench page docs/outputs.md` writes them there.
+/// `spinebench page docs/reference/outputs.md` writes them there.
 #[test]
 fn columns_are_documented_as_their_fields_are() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let page = fs::read_to_string(root.join("docs/outputs.md")).unwrap();
+    let page = fs::read_to_string(root.join("docs/reference/outputs.md")).unwrap();
     for table in table_descriptions() {
         assert!(
             table.columns().all(|column| !column.documentation.trim().is_empty()),
@@ -138,13 +138,13 @@ fn columns_are_documented_as_their_fields_are() {
             "{}",
             table.name
         );
-        assert!(page.contains(table.file), "{} is not in docs/outputs.md", table.file);
+        assert!(page.contains(table.file), "{} is not in docs/reference/outputs.md", table.file);
         let marker = format!("columns:{}", table.name);
         if page.contains(&format!("begin:{marker}")) {
             assert_eq!(
                 splice(&page, &marker, &table.markdown()).unwrap(),
                 page,
-                "run `spinebench page docs/outputs.md`"
+                "run `spinebench page docs/reference/outputs.md`"
             );
         }
     }

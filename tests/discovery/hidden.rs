@@ -21,7 +21,7 @@ pub(super) fn twin(name: &str) -> Recording {
     Recording::read(&file).unwrap()
 }
 
-/// A recording of the project's own chain in another simulator (docs/twin.md).
+/// A recording of the project's own chain in another simulator (docs/evidence/twin.md).
 pub(super) fn chain(file: &str) -> Recording {
     Recording::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/twin").join(file))
         .unwrap()

@@ -1,4 +1,4 @@
-//! The examples of `docs/extending.md`, added to a copy of the sources: one file and one line each,
+//! The examples of `docs/reference/extending.md`, added to a copy of the sources: one file and one line each,
 //! and nothing else.
 
 use std::path::{Path, PathBuf};
@@ -31,7 +31,7 @@ struct Example {
 }
 
 fn examples() -> Vec<Example> {
-    let guide = std::fs::read_to_string(Path::new(ROOT).join("docs/extending.md")).unwrap();
+    let guide = std::fs::read_to_string(Path::new(ROOT).join("docs/reference/extending.md")).unwrap();
     let blocks = guide.split("```rust\n").skip(1).map(|rest| rest.split("```").next().unwrap());
     let example = |block: &str| {
         let (head, text) = block.split_once('\n').unwrap();

@@ -89,7 +89,7 @@ fn check(k: u64, rod: &Rod) {
     assert!(rod.residual_m().is_finite(), "draw {k}");
 }
 
-/// Rods whose material remembers are held to a hundred times the tolerance (docs/robustness.md).
+/// Rods whose material remembers are held to a hundred times the tolerance (docs/method/robustness.md).
 fn tolerance_m(params: &RodParams) -> f64 {
     let share = if params.moment_laws.is_empty() { 1.0 } else { 100.0 };
     share * params.resolution.static_tolerance_m
@@ -123,7 +123,7 @@ fn converged_statics_agree_with_an_independent_solver() {
 }
 
 /// Draws of the full campaign that earlier states of the rod got wrong, and what had misled them
-/// (docs/robustness.md).
+/// (docs/method/robustness.md).
 #[test]
 fn draws_that_were_wrong_once_are_right() {
     for (k, what) in [

@@ -17,7 +17,7 @@ from ._recordings import Columns, ModelLike, PathLike, Recording, frame_of_colum
 
 _Clock = tuple[int | None, float, tuple[float, float], float, float]
 Map = PathLike | Mapping[str, Any]
-"""A map: a YAML file, or what such a file holds (docs/importing.md)."""
+"""A map: a YAML file, or what such a file holds (docs/reference/importing.md)."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ def _imported(told: tuple[Columns, list[_Clock], list[Path], list[str]]) -> Impo
 
 
 def import_csv(files: PathLike | Sequence[PathLike], map: Map) -> ImportedRecording:
-    """Read text files of any logger by a map of their columns (docs/importing.md). Raises InputError with file and line.
+    """Read text files of any logger by a map of their columns (docs/reference/importing.md). Raises InputError with file and line.
 
     `files` is one file or several. A folder stands for its files, `*` and `?` in a name for characters; then the map's
     `trial_files` says which files are trials.
@@ -88,7 +88,7 @@ def import_csv(files: PathLike | Sequence[PathLike], map: Map) -> ImportedRecord
 
 
 def import_mcap(bag: PathLike, map: Map) -> ImportedRecording:
-    """Read a bag of ROS 2 (MCAP) by a map of its topics (docs/importing.md). Raises InputError with file and topic."""
+    """Read a bag of ROS 2 (MCAP) by a map of its topics (docs/reference/importing.md). Raises InputError with file and topic."""
     return _imported(_core._import_mcap(Path(bag), _map(map)))
 
 

@@ -102,7 +102,7 @@ def calibrate(
     likelihood: str | None = None,
     validate: bool = False,
 ) -> Calibration:
-    """Fit numbers of a model to recordings (docs/calibration.md).
+    """Fit numbers of a model to recordings (docs/reference/calibration.md).
 
     `measured` is one recording or several, each with its own known loads (`known_load_kg`, `tip_force_x_n`…).
     `fit` lists paths of the model file (`robot.tendons.angles_deg[3]`, groups with `*`) or is `["auto"]`. `hold_out` is the

@@ -148,7 +148,7 @@ class GaussianProcess(_Regressor):
 
     Parameters
     ----------
-    kernel: a kernel or an expression of kernels, such as `"se_ard"` or `"matern52 + linear[1-2]"` (docs/learning.md).
+    kernel: a kernel or an expression of kernels, such as `"se_ard"` or `"matern52 + linear[1-2]"` (docs/method/learning.md).
     mean: `"zero"` (the mean of the outputs), `"constant"` or `"linear"`, whose unknown weights are integrated out.
     approximation: `"exact"`, or `"sgpr"` or `"fitc"` for thousands of samples.
     inducing_points: inducing points of an approximation at most.

@@ -21,7 +21,7 @@ PathLike = str | os.PathLike[str]
 ModelLike = Model | PathLike
 """A model, or the name of its file."""
 Recording = str | os.PathLike[str] | pd.DataFrame
-"""A recording: a CSV or Parquet file, or a frame with the same columns (docs/outputs.md)."""
+"""A recording: a CSV or Parquet file, or a frame with the same columns (docs/reference/outputs.md)."""
 Cells = NDArray[Any] | list[str]
 """Flags, whole numbers, numbers (NaN for an empty cell) or text (empty for an empty cell)."""
 Columns = list[tuple[str, Cells]]

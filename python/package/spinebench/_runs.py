@@ -34,7 +34,7 @@ class ExperimentResult:
     """Figures that could not be made, and why."""
 
     def table(self, name: str) -> pd.DataFrame:
-        """The table `NAME.csv`, such as `trials`, `table1` or `claims` (docs/outputs.md)."""
+        """The table `NAME.csv`, such as `trials`, `table1` or `claims` (docs/reference/outputs.md)."""
         file = self.folder / f"{name}.csv"
         if not file.is_file():
             there = ", ".join(sorted(path.stem for path in self.folder.glob("*.csv")))
@@ -91,7 +91,7 @@ def run(
 ) -> RunResult:
     """Run experiments as `spinebench run` does, and write tables and figures below `out`.
 
-    `policies` adds controllers of your own by name: they join every set of goal-reaching trials (docs/python.md). `set`
+    `policies` adds controllers of your own by name: they join every set of goal-reaching trials (docs/reference/python.md). `set`
     overrides keys of the specs (`{"gp.starts": 3}`). `progress` counts the stages by tqdm: None where it is installed, in
     notebooks and terminals. Ctrl-C ends the call; what is computed is stored.
     """

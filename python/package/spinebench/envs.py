@@ -1,4 +1,4 @@
-"""Gymnasium environments of continuum robots: `spinebench/Reach-v0` and `spinebench/Track-v0` (docs/python.md)."""
+"""Gymnasium environments of continuum robots: `spinebench/Reach-v0` and `spinebench/Track-v0` (docs/reference/python.md)."""
 
 from __future__ import annotations
 
@@ -157,7 +157,7 @@ class _Task:
 
 
 class RobotEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
-    """One robot; see docs/python.md for every option."""
+    """One robot; see docs/reference/python.md for every option."""
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 5}
 

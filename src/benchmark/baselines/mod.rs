@@ -1,5 +1,5 @@
 //! Methods that `discover` is compared with, on the same recording and the same linear responses of
-//! the model (docs/blind_benchmark.md, "Beside other methods").
+//! the model (docs/evidence/blind_benchmark.md, "Beside other methods").
 
 mod answers;
 mod methods;

@@ -35,7 +35,7 @@ pub(crate) struct CalibrateCommand {
     out: PathBuf,
     /// Fit these numbers of the model file (comma-separated): paths such as
     /// `robot.tendons.angles_deg[3]`, groups with `*`, `PATH=start` and `PATH~deviation`; or
-    /// `auto`, a staged set of which the data decide how much stays. See docs/calibration.md.
+    /// `auto`, a staged set of which the data decide how much stays. See docs/reference/calibration.md.
     #[arg(long, value_name = "PATH,…", value_delimiter = ',', default_value = "youngs_modulus_pa")]
     fit: Vec<String>,
     /// Keep an entry of --fit only where it lowers the blocked cross-validation error.

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 /// Import text files of any logger by a map of columns, units, axes, rates and clocks.
 ///
-/// The map is a YAML file (`spinebench schema map`, docs/importing.md). The rows of the recording
+/// The map is a YAML file (`spinebench schema map`, docs/reference/importing.md). The rows of the recording
 /// are those of the commands; poses of another file, rate or clock are interpolated at their times.
 /// An offset between the clocks is given in the map, or estimated from the motion and printed with
 /// its interval.

@@ -202,7 +202,7 @@ fn report(diagnostics: &Diagnostics, options: &HardwareOptions) -> usize {
         let words = if *granted {
             "granted"
         } else {
-            "not granted: other programs can delay commands; see docs/hardware.md"
+            "not granted: other programs can delay commands; see docs/reference/hardware.md"
         };
         println!("       real-time priority: {words}");
     }

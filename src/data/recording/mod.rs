@@ -1,6 +1,6 @@
 //! The recording format: commands and measured tips, trial by trial. A CSV or Parquet table with
 //! one row per control tick: `trial,time_s,tendon_1_m…,tip_x_m,tip_y_m,tip_z_m` and optional
-//! columns; see `docs/outputs.md`.
+//! columns; see `docs/reference/outputs.md`.
 
 mod check;
 mod columns;

@@ -34,7 +34,7 @@ pub(crate) struct BodyRow {
 }
 
 /// A residual beyond this multiple of the lower quartile is large: of the lengths of Gaussian
-/// vectors 1 % are. The thresholds were set before the recordings of docs/discovery.md,
+/// vectors 1 % are. The thresholds were set before the recordings of docs/method/discovery.md,
 /// "Obstacles", were asked.
 const LARGE_RATIO: f64 = 3.1;
 /// Shares of rows with a large residual between which there are rows without and with contact.

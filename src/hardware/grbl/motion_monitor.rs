@@ -9,7 +9,7 @@ use super::settings::MotionSettings;
 /// Largest difference between reported and commanded positions, mm.
 const POSITION_TOLERANCE_MM: f64 = 0.02;
 /// Largest distance of moving axes from the straight lines between their commands, mm. A single
-/// report may exceed it (docs/hardware.md, "Resuming").
+/// report may exceed it (docs/reference/hardware.md, "Resuming").
 const MAX_OFF_LINE_MM: f64 = 0.1;
 /// The start of the oldest move that may still be running, and the targets of at most three:
 /// grblHAL reports a move as done once its last 100 ms are computed, and two more may be queued

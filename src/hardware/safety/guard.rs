@@ -1,4 +1,4 @@
-//! The state machine that holds and stops the robot (diagram in docs/hardware.md).
+//! The state machine that holds and stops the robot (diagram in docs/reference/hardware.md).
 //!
 //! It knows no device. The rig gives it [`SafetyInputs`] every 5 ms and executes the
 //! [`SafetyAction`] that [`Guard::evaluate`] returns. Lost tracking arrives as a `hold_reason`: the

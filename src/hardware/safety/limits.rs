@@ -38,7 +38,7 @@ pub struct SafetyLimits {
 }
 
 impl Default for SafetyLimits {
-    /// Reasons: docs/hardware.md, "Design choices".
+    /// Reasons: docs/reference/hardware.md, "Design choices".
     fn default() -> Self {
         SafetyLimits {
             travel_m: 0.03,

@@ -95,7 +95,7 @@ pub struct NetworkConfig {
 }
 
 impl Default for NetworkConfig {
-    /// Chosen by validation errors on one recording (docs/learning.md).
+    /// Chosen by validation errors on one recording (docs/method/learning.md).
     fn default() -> Self {
         NetworkConfig {
             kind: NetworkKind::default(),

@@ -13,7 +13,7 @@ use crate::hardware::safety::SafetyLimits;
 use crate::hardware::tracking::{RigidPose, TrackingSettings};
 use crate::plants::PlantOptions;
 
-/// Four lead screws, a tracker, and a model of the robot between them (docs/hardware.md).
+/// Four lead screws, a tracker, and a model of the robot between them (docs/reference/hardware.md).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HardwareOptions {

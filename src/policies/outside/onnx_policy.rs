@@ -152,7 +152,7 @@ pub(super) fn read(
 ) -> Result<OnnxNetwork, (String, String)> {
     let size = options.input_size(tendons);
     let network = OnnxNetwork::read(content, size).map_err(|error| {
-        (error.to_string(), "an ONNX file of a network (docs/python.md)".to_owned())
+        (error.to_string(), "an ONNX file of a network (docs/reference/python.md)".to_owned())
     })?;
     if network.inputs() != size {
         let expected = format!("{size}, the size of `inputs` for {tendons} tendons");

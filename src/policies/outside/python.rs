@@ -53,7 +53,7 @@ impl PythonOptions {
 
     pub(super) fn check_content(&self, content: &[u8]) -> Result<(), (String, String)> {
         let Some(host) = PYTHON.get() else {
-            let expected = "spinebench.run(…) of the Python package (docs/python.md), which runs \
+            let expected = "spinebench.run(…) of the Python package (docs/reference/python.md), which runs \
                             policies of Python";
             return Err(("the program without Python".to_owned(), expected.to_owned()));
         };
@@ -73,7 +73,7 @@ impl PythonOptions {
     pub(super) fn decider(&self) -> Result<Box<dyn OutsideDecider>, String> {
         let host = PYTHON
             .get()
-            .ok_or("policies of Python run through the Python package (docs/python.md)")?;
+            .ok_or("policies of Python run through the Python package (docs/reference/python.md)")?;
         (host.make)(self)
     }
 }

@@ -113,7 +113,7 @@ impl Default for COptions {
             // In 95 % of ticks the noise of a resting tip is below it.
             rest_m: 0.002,
             leg_ticks: 40,
-            // Two tries tell all that a third could (docs/decisions.md).
+            // Two tries tell all that a third could (docs/method/decisions.md).
             max_switches: 2,
             check: SwitchCheck::Final,
             start: StartBranch::A,

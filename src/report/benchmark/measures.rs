@@ -119,7 +119,7 @@ const fn measure(
     Measure { name, about, kind, goal }
 }
 
-/// Every figure, in the order of the table; the goals are those of `docs/blind_benchmark.md`.
+/// Every figure, in the order of the table; the goals are those of `docs/evidence/blind_benchmark.md`.
 const MEASURES: &[Measure] = &[
     measure(
         "single effects of 2 mm and more named right",

@@ -65,7 +65,7 @@ impl Rod {
             }
             return f64::INFINITY;
         }
-        // K + s·D + s²·M is positive definite where nothing grows faster than s (docs/rod.md).
+        // K + s·D + s²·M is positive definite where nothing grows faster than s (docs/method/rod.md).
         let rate = MAX_GROWTH_PER_STEP / h;
         if !self.tangent(constraints, rate).exceeds(0.0) {
             // Something grows by more than exp(0.5) in a step: halve it and try again.

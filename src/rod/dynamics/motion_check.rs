@@ -4,7 +4,7 @@ use crate::rod::solver::status::SolveStatus;
 use crate::rod::state::rod::Rod;
 
 /// Estimated tip error, as a share of the length, beyond which a moving rod is under-resolved:
-/// there the waves that run along it are shorter than the polynomials (docs/robustness.md).
+/// there the waves that run along it are shorter than the polynomials (docs/method/robustness.md).
 const MAX_ERROR_SHARE: f64 = 0.05;
 
 impl Rod {

@@ -147,7 +147,7 @@ impl Rod {
     /// the trapezoidal rule, which is h³/12 times the third derivative for smooth motion; and the
     /// velocity difference between the first and the last stage, which is insensitive to a jump of
     /// drive speed at the start of the step. The weights make the tip error of the paper's robot
-    /// under random commands about equal to the tolerance (`docs/rod.md`).
+    /// under random commands about equal to the tolerance (`docs/method/rod.md`).
     fn step_error_m(&self, start: &RodState, h: f64) -> f64 {
         const TRAPEZOID_WEIGHT: f64 = 0.1;
         const SPREAD_WEIGHT: f64 = 0.02;

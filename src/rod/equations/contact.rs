@@ -3,7 +3,7 @@
 //! A point of a cell lies on the cubic through the poses of the cell's ends (Hermite), so that a
 //! force on it is a force and a moment on each end. A penetrated obstacle pushes back in proportion
 //! (a penalty); a rigid one is so stiff that the penetration is rounding beside the length
-//! (docs/rod.md). Friction is an elastic stretch of each point along the surface that slips where
+//! (docs/method/rod.md). Friction is an elastic stretch of each point along the surface that slips where
 //! its force exceeds the Coulomb limit (return mapping; Wriggers, Computational Contact Mechanics,
 //! 2006, section 4.2).
 
@@ -25,7 +25,7 @@ const POINTS_PER_CELL: usize = 8;
 /// Stiffness of a rigid obstacle at rest, in units of E·I/L³: the force E·I/L², which bends the rod
 /// by about its length, penetrates it by 10⁻⁵ lengths …
 const RIGID_STIFFNESS_AT_REST: f64 = 1e5;
-/// … and in motion, where a stiffer one makes contacts come and go within a step (docs/rod.md).
+/// … and in motion, where a stiffer one makes contacts come and go within a step (docs/method/rod.md).
 const RIGID_STIFFNESS_IN_MOTION: f64 = 3e3;
 
 /// Penetration of an unloaded rod that is rounding, metres.

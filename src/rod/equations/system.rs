@@ -287,7 +287,7 @@ impl RodEquations {
         let section = &self.sections[g];
         let strain = workspace.shape.strain[g];
         let mut total = workspace.shape.wrench[g];
-        // The terms of the balance in docs/rod.md: first the viscous wrench …
+        // The terms of the balance in docs/method/rod.md: first the viscous wrench …
         let motion = conditions.motion;
         if motion.rate > 0.0 {
             for c in 0..COMPONENTS {

@@ -1,5 +1,5 @@
 //! Slightly perturbed rods that follow a leading one: derivatives of a whole motion
-//! (`docs/sensitivities.md`).
+//! (`docs/method/sensitivities.md`).
 //!
 //! The leader is solved. Each follower takes the same time steps with the same taut tendons, and at
 //! each solve corrects the leader's unknowns by −J⁻¹ (F′ − F): its own residual there and the

@@ -1,5 +1,5 @@
 //! Derivatives of the tip and of other places of a rod at rest with respect to commands and loads
-//! (`docs/sensitivities.md`).
+//! (`docs/method/sensitivities.md`).
 //!
 //! At rest F(x; c) = 0 for the unknowns x under the commands c, so dx/dc = −(∂F/∂x)⁻¹ ∂F/∂c. The
 //! derivative is taken at the solution, for the tendons that are taut there.

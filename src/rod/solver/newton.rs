@@ -18,13 +18,13 @@ use crate::rod::equations::system::RodEquations;
 const MAX_ITERATIONS_WITH_ONE_SET: usize = 30;
 /// Changes of the taut set during the iteration; after this many, each set is solved for first.
 const QUICK_SET_CHANGES: usize = 10;
-/// Iterations after which the axial weights of the balance are frozen (docs/robustness.md).
+/// Iterations after which the axial weights of the balance are frozen (docs/method/robustness.md).
 const FREEZE_WEIGHTS_AFTER: usize = 12;
 /// Changes of the taut set after which it counts as unsettled.
 const MAX_SET_CHANGES: usize = 30;
 /// Largest step, in lengths of the rod; longer ones are shortened.
 const MAX_STEP_LENGTHS: f64 = 0.5;
-/// Contraction above which the derivative is recomputed (docs/rod.md).
+/// Contraction above which the derivative is recomputed (docs/method/rod.md).
 const POOR_CONTRACTION: f64 = 0.1;
 
 /// Assumed contraction of a reused derivative before the first measurement.
@@ -35,7 +35,7 @@ const MAX_STIFFENING: f64 = 1e4;
 /// … unless both are rounding, in lengths of the rod.
 const ROUNDING_LENGTHS: f64 = 1e-8;
 /// Imbalance (an angle) beyond which a derivative is not reused: it belongs to a shape under
-/// extreme tensions, from which every step is small (docs/robustness.md).
+/// extreme tensions, from which every step is small (docs/method/robustness.md).
 const UNRELIABLE_IMBALANCE: f64 = 1e8;
 
 /// The correction that was subtracted from the unknowns.

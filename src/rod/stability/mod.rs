@@ -1,4 +1,4 @@
-//! Loss of stability: of equilibria and of motions (docs/robustness.md).
+//! Loss of stability: of equilibria and of motions (docs/method/robustness.md).
 
 pub(crate) mod bound;
 pub(crate) mod linearised_motion;

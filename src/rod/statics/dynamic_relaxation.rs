@@ -4,7 +4,7 @@
 //! Implicit Euler steps of an inertia-free, heavily damped rod minimise its energy plus the squared
 //! distance from the previous shape (a proximal point method). Each step lowers the energy, passes
 //! limit points by snapping through, and can only come to rest at a stable equilibrium. All loads
-//! are raised together during the first steps. docs/robustness.md says when it is used.
+//! are raised together during the first steps. docs/method/robustness.md says when it is used.
 
 use crate::rod::equations::boundary_conditions::TendonConstraint;
 use crate::rod::equations::motion::Motion;

@@ -1,4 +1,4 @@
-//! A-posteriori estimate of the tip error due to the spatial discretisation (docs/robustness.md).
+//! A-posteriori estimate of the tip error due to the spatial discretisation (docs/method/robustness.md).
 
 use nalgebra::Vector3;
 
@@ -11,7 +11,7 @@ use crate::rod::state::rod::Rod;
 /// it.
 const MIN_OFFSET_SHARE: f64 = 0.01;
 /// Safety factor on the one Picard iteration, which is the first term of a series
-/// (docs/robustness.md).
+/// (docs/method/robustness.md).
 const BALANCE_SAFETY_FACTOR: f64 = 15.0;
 /// The error of the two-point Gauss rule is h⁵ f⁗ / 4320; a factor of three covers products of
 /// fields.

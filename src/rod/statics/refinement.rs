@@ -1,5 +1,5 @@
 //! Adaptive refinement of static solves: cells and polynomials are added until the estimated tip
-//! error is below the tolerance (docs/robustness.md).
+//! error is below the tolerance (docs/method/robustness.md).
 
 use crate::rod::discretisation::levels::MAX_REFINEMENTS;
 use crate::rod::equations::boundary_conditions::TendonConstraint;

@@ -2,7 +2,7 @@
 //!
 //! The loads are raised from those of the rest before to the present ones, as long as the rod is
 //! stable under them. Where it is not any more, it is let go under the whole load and descends
-//! (docs/robustness.md).
+//! (docs/method/robustness.md).
 
 use crate::rod::equations::boundary_conditions::{AppliedLoads, TendonConstraint};
 use crate::rod::equations::shape::distance_m;

@@ -21,7 +21,7 @@ use crate::tasks::{
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// An experiment. Omitted keys take the defaults of their modules, which `docs/decisions.md`
+/// An experiment. Omitted keys take the defaults of their modules, which `docs/method/decisions.md`
 /// explains.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]

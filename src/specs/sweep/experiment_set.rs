@@ -72,7 +72,7 @@ impl From<Experiment> for ExperimentSet {
 
 impl ExperimentSet {
     /// Reads and checks a spec with overrides `path.to.key=value` and sweeps `path.to.key=values`.
-    /// Paths may be written with the aliases of `docs/sweeps.md`.
+    /// Paths may be written with the aliases of `docs/evidence/sweeps.md`.
     ///
     /// # Errors
     /// [`SpecError`] for the first invalid key or value, at any point.

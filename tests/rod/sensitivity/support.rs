@@ -5,7 +5,7 @@ use spinebench::effects::{Model, ReplayError, Starts, Trial, replay};
 
 /// Size of the loops on the nominal robot: one at which no Gauss point of the friction tests comes
 /// to rest on the edge between stick and slip, where the derivatives to both sides differ
-/// (docs/sensitivities.md).
+/// (docs/method/sensitivities.md).
 pub(crate) const SIZE_M: f64 = 0.0121;
 
 /// What derivatives may be off by: this share of themselves, …
