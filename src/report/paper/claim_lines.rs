@@ -2,6 +2,7 @@
 //! training.
 
 use crate::report::drawing::signed;
+use crate::report::style::{ANY_TRAINING, training_label};
 use crate::rows::experiment::ClaimRow;
 
 /// A claim with its verdicts.
@@ -118,4 +119,23 @@ impl ClaimCells {
             None => self.ours.clone(),
         }
     }
+}
+
+/// A verdict as a sentence: experiment, claim, kind of training, number, range and verdict.
+pub fn claim_sentence(row: &ClaimRow) -> String {
+    let cells = ClaimCells::of(row);
+    let holds_if = ClaimLine { rows: vec![row] }.holds_if();
+    let networks = if row.training == ANY_TRAINING {
+        String::new()
+    } else {
+        format!(", {}", training_label(&row.training))
+    };
+    format!(
+        "{} ({}{networks}): {} {}, holds if {holds_if}: {}",
+        row.claim,
+        row.experiment,
+        cells.ours_with_interval(),
+        cells.unit,
+        row.verdict
+    )
 }

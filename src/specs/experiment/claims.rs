@@ -5,6 +5,7 @@
 //! `runner::claims`.
 
 use crate::policies;
+use crate::rows::cell::CellLabel;
 use serde::{Deserialize, Serialize};
 
 /// A claim of the paper.
@@ -187,6 +188,14 @@ impl Size {
 }
 
 impl ReachCell {
+    /// Whether trials of this cell count.
+    pub fn includes(&self, cell: &CellLabel) -> bool {
+        cell.policy == self.policy
+            && cell.mode == self.mode
+            && self.gp_points.is_none_or(|points| points == cell.gp_points)
+            && self.real_points.is_none_or(|points| points == cell.real_points)
+    }
+
     /// Policy, mode and sizes.
     fn words(&self) -> String {
         let mode = match self.mode.as_str() {
