@@ -50,6 +50,7 @@ enum Command {
     Completions(program::completions::CompletionsCommand),
     Gather(experiments::gather::GatherCommand),
     Verify(experiments::verify::VerifyCommand),
+    Report(experiments::report::ReportCommand),
     Status(experiments::cluster::StatusCommand),
     Cancel(experiments::cluster::CancelCommand),
     #[command(hide = true)]
@@ -104,6 +105,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Schema(schema) => schema.execute(),
         Command::Completions(completions) => completions.execute(),
         Command::Gather(gather) => gather.execute(&progress),
+        Command::Report(report) => report.execute(),
         Command::Verify(verify) => verify.execute(&progress),
         Command::Status(status) => status.execute(),
         Command::Cancel(cancel) => cancel.execute(),

@@ -20,6 +20,7 @@ mod control;
 pub mod discovery;
 mod drawing;
 mod order;
+pub mod overview;
 pub mod page;
 pub mod paper;
 mod peers;

@@ -148,16 +148,19 @@ impl VerifyCommand {
         if !self.experiments.is_empty() {
             return Ok(self.experiments.clone());
         }
-        let results = self.out.join("results");
-        let none_published = |found: &str| {
-            format!("{}: found {found}, expected published experiments", results.display())
-        };
-        let folders =
-            std::fs::read_dir(&results).map_err(|error| none_published(&error.to_string()))?;
-        let folders = folders.flatten().filter(|folder| folder.path().join("spec.yaml").is_file());
-        let mut names: Vec<String> =
-            folders.map(|folder| folder.file_name().to_string_lossy().into_owned()).collect();
-        names.sort();
-        if names.is_empty() { Err(none_published("none")) } else { Ok(names) }
+        published_names(&self.out.join("results"))
     }
+}
+
+/// The published experiments of a folder of results, by name.
+pub(super) fn published_names(results: &Path) -> Result<Vec<String>, String> {
+    let none_published = |found: &str| {
+        format!("{}: found {found}, expected published experiments", results.display())
+    };
+    let folders = std::fs::read_dir(results).map_err(|error| none_published(&error.to_string()))?;
+    let folders = folders.flatten().filter(|folder| folder.path().join("spec.yaml").is_file());
+    let mut names: Vec<String> =
+        folders.map(|folder| folder.file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    if names.is_empty() { Err(none_published("none")) } else { Ok(names) }
 }
