@@ -12,7 +12,8 @@ use std::path::{Path, PathBuf};
 /// -->` and `<!-- end:FILE -->`. FILE is relative to the page: a `.md` is copied in, any other file
 /// is shown as a picture; `columns:ROW` is the table of the columns that rows of the type ROW have.
 /// In a sentence, the number after `<!-- count:FILE.csv; COLUMN=VALUE; … -->` becomes the number of
-/// rows of the table that meet the conditions.
+/// rows of the table that meet the conditions, and the text after `<!-- cell:COLUMN of FILE.csv;
+/// COLUMN=VALUE; … -->` the cell of the only such row.
 #[derive(Args)]
 pub(crate) struct PageCommand {
     /// Page to update in place.
