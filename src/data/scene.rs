@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::base::Point3;
+use crate::base::{Point3, distance_m};
 
 /// A robot in motion.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -136,12 +136,44 @@ impl StationPose {
         std::array::from_fn(|axis| f64::from(self.0[axis]) / POSITION_UNITS)
     }
 
+    /// Axes x, y and z of the cross-section.
+    pub fn axes(&self) -> [Point3; 3] {
+        let [w, x, y, z] = self.quaternion();
+        [
+            [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y)],
+            [2.0 * (x * y - w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + w * x)],
+            [2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)],
+        ]
+    }
+
+    /// A place given along the axes of the cross-section, metres.
+    pub fn place_m(&self, along_m: [f64; 3]) -> Point3 {
+        let (at, axes) = (self.position_m(), self.axes());
+        std::array::from_fn(|k| {
+            at[k] + (0..3).map(|axis| along_m[axis] * axes[axis][k]).sum::<f64>()
+        })
+    }
+
     /// Orientation as a unit quaternion w, x, y, z.
     pub fn quaternion(&self) -> [f64; 4] {
         let parts: [f64; 4] = std::array::from_fn(|part| f64::from(self.0[3 + part]));
         let norm = parts.iter().map(|part| part * part).sum::<f64>().sqrt();
         if norm > 0.0 { parts.map(|part| part / norm) } else { [1.0, 0.0, 0.0, 0.0] }
     }
+}
+
+/// A place on the backbone between two stations, `share` of the way: a cubic Hermite spline by the
+/// tangents at its ends, metres.
+pub fn between_stations_m(from: &StationPose, to: &StationPose, share: f64) -> Point3 {
+    let (start, end) = (from.position_m(), to.position_m());
+    let chord_m = distance_m(&start, &end);
+    let (t, t2, t3) = (share, share * share, share * share * share);
+    let weights = [2.0 * t3 - 3.0 * t2 + 1.0, 3.0 * t2 - 2.0 * t3];
+    let slopes = [t3 - 2.0 * t2 + t, t3 - t2].map(|weight| weight * chord_m);
+    let (out, back) = (from.axes()[2], to.axes()[2]);
+    std::array::from_fn(|k| {
+        weights[0] * start[k] + weights[1] * end[k] + slopes[0] * out[k] + slopes[1] * back[k]
+    })
 }
 
 impl SceneFrame {

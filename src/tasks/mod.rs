@@ -31,7 +31,6 @@ pub use record::static_poses::{StaticPoseOptions, plan_static_poses, record_stat
 pub use record::targets::{TargetOptions, draw_targets, spread_targets, target_pool};
 pub use scenes::recorded::{scene_of_measurement, scene_of_recording};
 pub use scenes::robot_shape::{scene_frame, scene_robot, tracked_at_stations};
-pub use simulate::body_lines::body_lines_m;
 pub use simulate::robot_recordings::{
     are_at_rest, check_one_gravity, of_tendons, read_commands, read_to_calibrate, read_to_explain,
 };

@@ -4,7 +4,7 @@ use super::super::drawing::{Canvas, CanvasPoint, Text, TextAlign, View};
 use crate::base::Point3;
 use crate::base::series::{Colour, DASHED, DOTTED};
 use crate::data::scene::{
-    Scene, SceneFrame, SceneObstacle, SceneRobot, SceneStation, SceneTendon, StationPose,
+    Scene, SceneFrame, SceneObstacle, SceneRobot, SceneStation, SceneTendon, StationPose, between_stations_m,
 };
 use crate::report::style::{GREEN, GREY, GRID, HALF_CAP, INK, SMALL, SOLID, WHITE};
 
@@ -26,6 +26,8 @@ pub(super) const MEASURED: Colour = [160, 72, 155];
 /// The path of the tip.
 pub(super) const TRAIL: Colour = [0, 114, 178];
 
+/// Largest drawn thickness of a disk over its radius: the backbone can be seen between them.
+const THIN: f64 = 0.15;
 /// Corners of a drawn circle.
 const CORNERS: usize = 28;
 /// Pieces of the backbone between two stations.
@@ -150,17 +152,16 @@ impl Sight {
         frame: &'a SceneFrame,
         items: &mut Vec<Item<'a>>,
     ) {
-        let sections: Vec<Section> = frame.poses.iter().map(Section::of).collect();
+        let sections = &frame.poses;
         let stations = &robot.stations;
         let widest =
             stations.iter().map(|one| one.disk_radius_m).fold(4.0 * stations[0].radius_m, f64::max);
         self.disk(sections[0], [-0.35 * widest, 0.0], 1.4 * widest, [PLATE, PLATE, INK], items);
-        for (station, section) in stations.iter().zip(&sections) {
+        for (station, section) in stations.iter().zip(sections) {
             if station.disk_radius_m > 0.0 {
-                let half = if station.disk_thickness_m > 0.0 {
-                    0.5 * station.disk_thickness_m
-                } else {
-                    0.04 * station.disk_radius_m
+                let half = match station.disk_thickness_m {
+                    0.0 => 0.04 * station.disk_radius_m,
+                    thickness_m => 0.5 * thickness_m.min(THIN * station.disk_radius_m),
                 };
                 self.disk(*section, [-half, half], station.disk_radius_m, [FACE, SIDE, RIM], items);
             }
@@ -171,13 +172,13 @@ impl Sight {
         for (tendon, tension) in
             robot.tendons.iter().zip(frame.tensions_n.iter().chain(std::iter::repeat(&1.0)))
         {
-            self.tendon(tendon, &sections, *tension > 0.0, items);
+            self.tendon(tendon, sections, *tension > 0.0, items);
         }
     }
 
     fn disk<'a>(
         &self,
-        section: Section,
+        section: StationPose,
         [from_m, to_m]: [f64; 2],
         radius_m: f64,
         [face, side, rim]: [Colour; 3],
@@ -186,42 +187,29 @@ impl Sight {
         let circle = |height_m: f64| -> Vec<CanvasPoint> {
             let corner = |k: usize| {
                 let (sin, cos) = (k as f64 * std::f64::consts::TAU / CORNERS as f64).sin_cos();
-                self.at(section.place([radius_m * cos, radius_m * sin, height_m]))
+                self.at(section.place_m([radius_m * cos, radius_m * sin, height_m]))
             };
             (0..CORNERS).map(corner).collect()
         };
         let (low, high) = (circle(from_m), circle(to_m));
-        let faces = self.nearness(section.place([0.0, 0.0, 1.0])) > self.nearness(section.at);
+        let faces = self.nearness(section.place_m([0.0, 0.0, 1.0])) > self.nearness(section.position_m());
         let front = if faces { high.clone() } else { low.clone() };
         let outline = hull(low.into_iter().chain(high).collect());
-        let middle = self.nearness(section.place([0.0, 0.0, 0.5 * (from_m + to_m)]));
+        let middle = self.nearness(section.place_m([0.0, 0.0, 0.5 * (from_m + to_m)]));
         items.push((
             middle,
             Box::new(move |canvas| {
-                canvas.area(outline.clone(), side, 0.5);
-                canvas.area(front.clone(), face, 0.55);
+                canvas.area(outline.clone(), side, 0.4);
+                canvas.area(front.clone(), face, 0.45);
                 let closed: Vec<CanvasPoint> = front.iter().chain(front.first()).copied().collect();
                 canvas.line(&closed, 0.5, rim, SOLID);
             }),
         ));
     }
 
-    /// A piece of the backbone as a cubic Hermite spline by the tangents at its ends.
-    fn span<'a>(&self, stations: &[SceneStation], ends: &[Section], items: &mut Vec<Item<'a>>) {
-        let chord_m = crate::base::distance_m(&ends[0].at, &ends[1].at);
-        let point = |k: usize| -> Point3 {
-            let t = k as f64 / PIECES as f64;
-            let (t2, t3) = (t * t, t * t * t);
-            let weights = [2.0 * t3 - 3.0 * t2 + 1.0, 3.0 * t2 - 2.0 * t3];
-            let slopes = [t3 - 2.0 * t2 + t, t3 - t2].map(|weight| weight * chord_m);
-            std::array::from_fn(|axis| {
-                (0..2)
-                    .map(|end| {
-                        weights[end] * ends[end].at[axis] + slopes[end] * ends[end].axes[2][axis]
-                    })
-                    .sum()
-            })
-        };
+    /// A piece of the backbone.
+    fn span<'a>(&self, stations: &[SceneStation], ends: &[StationPose], items: &mut Vec<Item<'a>>) {
+        let point = |k: usize| between_stations_m(&ends[0], &ends[1], k as f64 / PIECES as f64);
         let line: Vec<CanvasPoint> = (0..=PIECES).map(|k| self.at(point(k))).collect();
         let width = self.length(stations[0].radius_m + stations[1].radius_m).max(1.6);
         items.push((
@@ -239,13 +227,13 @@ impl Sight {
     fn tendon<'a>(
         &self,
         tendon: &SceneTendon,
-        sections: &[Section],
+        sections: &[StationPose],
         taut: bool,
         items: &mut Vec<Item<'a>>,
     ) {
         let holes = tendon.holes_m.iter().zip(sections.iter().skip(tendon.first));
         let places: Vec<Point3> =
-            holes.map(|([x, y], section)| section.place([*x, *y, 0.0])).collect();
+            holes.map(|([x, y], section)| section.place_m([*x, *y, 0.0])).collect();
         for pair in places.windows(2) {
             let ends = [self.at(pair[0]), self.at(pair[1])];
             let near = 0.5 * (self.nearness(pair[0]) + self.nearness(pair[1])) + 1e-6;
@@ -337,32 +325,6 @@ impl Sight {
     }
 }
 
-/// A cross-section: position and axes, world frame.
-#[derive(Clone, Copy, Debug)]
-struct Section {
-    at: Point3,
-    axes: [Point3; 3],
-}
-
-impl Section {
-    fn of(pose: &StationPose) -> Section {
-        let [w, x, y, z] = pose.quaternion();
-        let axes = [
-            [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y)],
-            [2.0 * (x * y - w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + w * x)],
-            [2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)],
-        ];
-        Section { at: pose.position_m(), axes }
-    }
-
-    /// A place given along its axes.
-    fn place(&self, along_m: [f64; 3]) -> Point3 {
-        std::array::from_fn(|k| {
-            self.at[k] + (0..3).map(|axis| along_m[axis] * self.axes[axis][k]).sum::<f64>()
-        })
-    }
-}
-
 /// All points of a frame.
 fn seen(frame: &SceneFrame) -> Vec<Point3> {
     let poses = frame.poses.iter().map(StationPose::position_m);
@@ -374,7 +336,7 @@ fn seen(frame: &SceneFrame) -> Vec<Point3> {
 fn axes(scene: &Scene) -> [Point3; 3] {
     let up = scene.robot.up;
     let base = scene.frames.iter().find_map(|frame| frame.poses.first());
-    let along = base.map_or([0.0, 0.0, 1.0], |pose| Section::of(pose).axes[2]);
+    let along = base.map_or([0.0, 0.0, 1.0], |pose| pose.axes()[2]);
     let flat = |vector: Point3| {
         let height = dot(vector, up);
         unit(std::array::from_fn(|k| vector[k] - height * up[k]))

@@ -45,6 +45,8 @@ const SceneView = (() => {
     return { index: low, frame: from, poses, tip, tensions: from.tensions_n || [], target: from.target_m, measured: from.measured_m || [] };
   };
 
+  // Largest drawn thickness of a disk over its radius.
+  const THIN = 0.15;
   const COLOURS = {
     light: { paper: '#ffffff', ink: '#262626', soft: '#57606a', grid: '#dfe3e8', ground: '#f4f6f8', shadow: 'rgba(40,50,60,.16)',
       plate: '#8a939e', disk: '#9fc4dd', diskEdge: '#2d5f7f', side: '#6d9dbd', tube: '#1d3f57', core: '#5b9fc9', light: '#d3e8f5',
@@ -111,7 +113,7 @@ const SceneView = (() => {
       const eye = add(this.centre, scale(back, distance));
       const right = unit(cross(this.up, flat));
       const above = cross(back, right);
-      const focal = 0.43 * Math.min(wide * 1.02, high * 1.25) * this.zoom * (distance / this.radius);
+      const focal = 0.5 * Math.min(wide * 1.02, high * 1.25) * this.zoom * (distance / this.radius);
       const project = (point) => {
         const v = sub(point, eye);
         const depth = Math.max(-dot(v, back), 0.05 * distance);
@@ -216,8 +218,9 @@ const SceneView = (() => {
       this.disk(frames[0], -0.35 * widest, 0, 1.5 * widest, ink.plate, ink.plate, ink.ink, 0.95);
       stations.forEach((station, k) => {
         if (!station.disk_radius_m) return;
-        const half = 0.5 * (station.disk_thickness_m || 0.08 * station.disk_radius_m);
-        this.disk(frames[k], -half, half, station.disk_radius_m, ink.disk, ink.side, ink.diskEdge, 0.5);
+        // Thick disks are drawn thinner, so that the backbone can be seen between them.
+        const half = 0.5 * Math.min(station.disk_thickness_m || 0.08 * station.disk_radius_m, THIN * station.disk_radius_m);
+        this.disk(frames[k], -half, half, station.disk_radius_m, ink.disk, ink.side, ink.diskEdge, 0.4);
       });
       for (let k = 0; k + 1 < frames.length; k += 1) this.span(frames[k], frames[k + 1], stations[k], stations[k + 1]);
       robot.tendons.forEach((tendon, index) => this.tendon(tendon, frames, (now.tensions[index] ?? 1) > 0, eye));
@@ -303,7 +306,7 @@ const SceneView = (() => {
         const radius = shape.sphere.radius_m * p.size;
         this.later(p.depth, () => {
           const shade = context.createRadialGradient(p.x - radius / 3, p.y - radius / 3, radius / 8, p.x, p.y, radius);
-          shade.addColorStop(0, ink.paper);
+          shade.addColorStop(0, '#fff6dd');
           shade.addColorStop(1, ink.wall);
           context.globalAlpha = 0.75;
           this.dot(p, radius, shade);
