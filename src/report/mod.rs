@@ -32,6 +32,7 @@ use std::path::Path;
 
 use crate::data::{DataError, write_atomic};
 
+pub use paper::claim_lines::claim_sentence;
 pub use paper::summarise::{OSCILLATION_WINDOW_S, reach_summary, track_summary};
 pub use published::{FigureContext, Published, published_rows};
 pub use sweep::comparisons::{SweptPoint, comparisons};

@@ -313,8 +313,14 @@ table_rows! {
         pub claim: String,
         /// The claim in words.
         pub statement: String,
+        /// The number that decides the claim, in words.
+        pub quantity: String,
         /// `paper` or `converged`.
         pub training: String,
+        /// The claim holds above this number, in the claim's unit; empty without such a limit.
+        pub holds_above: f64,
+        /// The claim holds below this number, in the claim's unit; empty without such a limit.
+        pub holds_below: f64,
         /// What the paper reports, in the claim's unit.
         pub paper: f64,
         /// What this reproduction finds, in the same unit.
@@ -323,7 +329,7 @@ table_rows! {
         pub low_95: f64,
         /// 95 % interval over seeds.
         pub high_95: f64,
-        /// Unit of the three numbers.
+        /// Unit of these numbers.
         pub unit: String,
         /// Seeds behind the interval.
         pub seeds: u64,

@@ -31,6 +31,7 @@ pub use publish::failed_cells::FailedCell;
 pub use publish::manifest::{Manifest, StageTimes, git_revision, processor, stage_times};
 pub use publish::merge::{MergeError, merge};
 pub use publish::metrics::Tables;
+pub use publish::one_claim::published_cost;
 pub use publish::provenance::{first_difference, provenance};
 pub use publish::publish_all::{RunFacts, publish_all};
 pub use publish::results::{Files, Publication, PublishError, all_claims, put, write_files};

@@ -8,3 +8,4 @@ pub(super) mod page;
 pub(super) mod plan;
 pub(super) mod run;
 pub(super) mod verify;
+mod verify_claim;

@@ -42,7 +42,7 @@ pub(crate) struct DiscoverCommand {
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Read settings of the search, such as `most_effects: 2`, from this file; see
-    /// docs/method/discovery.md.
+    /// docs/reference/discovery.md.
     #[arg(long, value_name = "OPTIONS.yaml")]
     options: Option<PathBuf>,
     /// Exclude these effects from the search (comma-separated).

@@ -1,8 +1,9 @@
 //! The verdicts of the paper's claims: a table in Markdown and a figure of our values over the
 //! paper's.
 
+use super::claim_lines::{ClaimCells, ClaimLine, claim_lines};
 use crate::report::drawing::{
-    Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend, signed, text_width,
+    Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend, text_width,
 };
 use crate::report::page::markup::MarkdownTable;
 use crate::report::style::{
@@ -29,62 +30,55 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     FIGURE.files(vec![text("claims.md", markdown(claims))], &draw(claims))
 }
 
-/// The numbers of a claim as text, with a common number of decimals (three significant digits of
-/// our largest value); metres as millimetres.
-struct ClaimCells {
-    paper: String,
-    ours: String,
-    interval: Option<String>,
-    unit: String,
-}
-
-fn shown(row: &ClaimRow) -> ClaimCells {
-    let metres = row.unit == "m" || row.unit.starts_with("m/");
-    let (scale, unit) =
-        if metres { (1e3, format!("m{}", row.unit)) } else { (1.0, row.unit.clone()) };
-    let finite = [row.ours, row.low_95, row.high_95].into_iter().filter(|value| value.is_finite());
-    let largest = finite.map(|value| (scale * value).abs()).fold(0.0, f64::max);
-    let number = |value: f64, largest: f64| {
-        let digits = if largest > 0.0 {
-            (2.0 - largest.log10().floor()).clamp(0.0, 6.0) as usize
-        } else {
-            0
-        };
-        if value.is_finite() { signed(scale * value, digits) } else { "–".to_owned() }
-    };
-    let has_interval = row.low_95.is_finite() && row.high_95.is_finite();
-    ClaimCells {
-        paper: number(row.paper, (scale * row.paper).abs()),
-        ours: number(row.ours, largest),
-        interval: has_interval.then(|| {
-            format!("[{}, {}]", number(row.low_95, largest), number(row.high_95, largest))
-        }),
-        unit,
-    }
-}
-
+/// One table an experiment: a line a claim, with the verdict of every kind of training.
 fn markdown(claims: &[ClaimRow]) -> String {
-    let line = |row: &ClaimRow| {
-        let shown = shown(row);
-        vec![
-            row.statement.clone(),
-            row.experiment.clone(),
-            training_short(&row.training).to_owned(),
-            shown.paper,
-            shown.ours,
-            shown.interval.unwrap_or_else(|| "–".to_owned()),
-            shown.unit,
-            row.seeds.to_string(),
-            format!("**{}**", row.verdict),
-        ]
-    };
-    let header =
-        "Claim | Experiment | Networks | Paper | Ours | 95 % interval | Unit | Seeds | Verdict";
+    let lines = claim_lines(claims);
+    let mut experiments: Vec<&str> =
+        lines.iter().map(|line| line.first().experiment.as_str()).collect();
+    experiments.dedup();
     let count = |verdict| {
         format!("{} {verdict}", claims.iter().filter(|row| row.verdict == verdict).count())
     };
     let counts = ["reproduced", "not reproduced", "undecided"].map(count).join(", ");
-    format!("{}\n{counts}.\n", MarkdownTable::new(header, claims.iter().map(line)).markdown())
+    let mut text = format!(
+        "Verdicts: {counts}. A claim is reproduced where the 95 % interval of its quantity over \
+         the seeds lies inside the range of “holds if”, not reproduced where it lies outside, and \
+         undecided where it crosses a limit.\n"
+    );
+    for experiment in experiments {
+        let rows = lines
+            .iter()
+            .filter(|line| line.first().experiment == experiment)
+            .flat_map(markdown_rows);
+        let header = "Claim | Quantity | Holds if | Paper | Networks | Ours, 95 % interval | \
+                      Seeds | Verdict";
+        let table = MarkdownTable::new(header, rows).markdown();
+        text.push_str(&format!("\n## {experiment}\n\n{table}"));
+    }
+    text
+}
+
+/// The rows of a claim; what all share stands in the first.
+fn markdown_rows(line: &ClaimLine) -> Vec<Vec<String>> {
+    let row = |(index, row): (usize, &&ClaimRow)| {
+        let cells = ClaimCells::of(row);
+        let shared = [
+            format!("“{}” (`{}`)", row.statement, row.claim),
+            row.quantity.clone(),
+            line.holds_if(),
+            if row.paper.is_finite() {
+                format!("{} {}", cells.paper, cells.unit)
+            } else {
+                cells.paper.clone()
+            },
+        ];
+        let shared = shared.map(|text| if index == 0 { text } else { String::new() });
+        let ours = format!("{} {}", cells.ours_with_interval(), cells.unit);
+        let verdict = format!("**{}**", row.verdict);
+        let own = [training_short(&row.training).to_owned(), ours, row.seeds.to_string(), verdict];
+        [shared, own].concat()
+    };
+    line.rows.iter().enumerate().map(row).collect()
 }
 
 /// Colour, marker and whether it is hollow.
@@ -133,8 +127,8 @@ fn draw(claims: &[ClaimRow]) -> Canvas {
         claim(&mut canvas, &panel, row, y);
         let first = index == 0 || claims[index - 1].claim != row.claim;
         let base = y + HALF_CAP * SMALL;
-        let shown = shown(row);
-        let ours_with_interval = format!("{} {}", shown.ours, shown.interval.unwrap_or_default());
+        let shown = ClaimCells::of(row);
+        let ours_with_interval = shown.ours_with_interval();
         if first {
             canvas.text(Text::new(claim_label(&row.claim), [10.0, base], size, TextAlign::Left));
         }

@@ -8,6 +8,7 @@ mod gp_range_ends;
 pub(super) mod manifest;
 pub(super) mod merge;
 pub(super) mod metrics;
+pub(super) mod one_claim;
 pub(super) mod provenance;
 pub(super) mod publish_all;
 pub(super) mod repair_tables;
