@@ -25,6 +25,7 @@ pub mod page;
 pub mod paper;
 mod peers;
 mod published;
+pub mod scene;
 pub mod style;
 mod sweep;
 

@@ -61,6 +61,11 @@ columns! {
         pub error_m: f64,
         /// Which of A and B gave the command (`a`, `b`; empty for policies of one controller).
         pub branch: String,
+        /// Displacements of the tendons during the step in whole micrometres, separated by spaces,
+        /// metres: in the first repetition, so that its motion can be simulated again. Tables of
+        /// earlier builds do not have the column.
+        #[serde(default)]
+        pub pulls_m: String,
         /// `ok` or the named failure.
         pub status: Outcome,
     }
@@ -213,6 +218,7 @@ impl TrackSample {
             tip_z_m,
             error_m: f64::NAN,
             branch: String::new(),
+            pulls_m: String::new(),
             status,
         }
     }

@@ -10,4 +10,4 @@ pub(super) use axes::{Axis, Panel, range, signed};
 pub(super) use canvas::{Canvas, CanvasPoint, Text, TextAlign};
 pub(super) use isometric::View;
 pub(super) use legend::{LegendEntry, legend};
-pub(super) use paint::{PaintError, png, svg, text_width};
+pub(super) use paint::{PaintError, pixels, png, svg, text_width};

@@ -41,9 +41,19 @@ fn failed(error: impl std::fmt::Display) -> PaintError {
 
 /// The PNG of a figure.
 pub(crate) fn png(canvas: &Canvas) -> Result<Vec<u8>, PaintError> {
+    let (pixels, wide, high) = pixels(canvas, PIXELS)?;
+    encode(&pixels, wide, high)
+}
+
+/// The pixels of a figure, three bytes each, and their number across and down; `density` to the
+/// hundredth of an inch.
+pub(crate) fn pixels(
+    canvas: &Canvas,
+    density: usize,
+) -> Result<(Vec<u8>, usize, usize), PaintError> {
     register()?;
-    let scale = (PIXELS * SAMPLES) as f64;
-    let (wide, high) = ((canvas.width as usize) * PIXELS, (canvas.height as usize) * PIXELS);
+    let scale = (density * SAMPLES) as f64;
+    let (wide, high) = ((canvas.width as usize) * density, (canvas.height as usize) * density);
     let mut fine = vec![255u8; wide * SAMPLES * high * SAMPLES * 3];
     {
         let size = ((wide * SAMPLES) as u32, (high * SAMPLES) as u32);
@@ -52,7 +62,7 @@ pub(crate) fn png(canvas: &Canvas) -> Result<Vec<u8>, PaintError> {
         canvas.marks.iter().try_for_each(|mark| painter.paint(mark))?;
         backend.present().map_err(failed)?;
     }
-    encode(&shrink(&fine, wide), wide, high)
+    Ok((shrink(&fine, wide), wide, high))
 }
 
 /// The SVG of a figure.
