@@ -32,6 +32,7 @@ pub use publish::merge::{MergeError, merge};
 pub use publish::metrics::Tables;
 pub use publish::provenance::{first_difference, provenance};
 pub use publish::publish_all::{RunFacts, publish_all};
+pub use publish::redraw::{redraw, redraw_claims};
 pub use publish::results::{Files, Publication, PublishError, all_claims, put, write_files};
 pub use store::{
     EntryLock, EntryState, Lookup, Note, Store, StoreTraffic, StoredEntry, store_folder,

@@ -39,15 +39,25 @@ pub fn calibration_artifacts(report: &CalibrationReport) -> Result<Vec<Artifact>
     })?;
     let mut files =
         vec![text("calibration.json", json + "\n"), text("report.html", page::page(report)?)];
-    for (name, draw) in DRAWINGS {
-        if let Some(canvas) = draw(report, PAGE_WIDTH) {
-            files.extend(pictures(name, name, &canvas)?);
-        }
-    }
+    files.extend(calibration_pictures(report)?);
     files.push(csv("numbers.csv", &findings.numbers)?);
     files.push(csv("residual_groups.csv", &findings.residual_groups)?);
     files.push(csv("residuals.csv", report.sightings)?);
     files.extend(some_csv("trade_offs.csv", &findings.trade_offs)?);
     files.extend(some_csv("stages.csv", &findings.stages)?);
+    Ok(files)
+}
+
+/// The figures of the page as files.
+///
+/// # Errors
+/// [`ReportError::Draw`] when a figure cannot be painted.
+pub fn calibration_pictures(report: &CalibrationReport) -> Result<Vec<Artifact>, ReportError> {
+    let mut files = Vec::new();
+    for (name, draw) in DRAWINGS {
+        if let Some(canvas) = draw(report, PAGE_WIDTH) {
+            files.extend(pictures(name, name, &canvas)?);
+        }
+    }
     Ok(files)
 }

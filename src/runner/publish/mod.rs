@@ -9,6 +9,7 @@ pub(super) mod merge;
 pub(super) mod metrics;
 pub(super) mod provenance;
 pub(super) mod publish_all;
+pub(super) mod redraw;
 pub(super) mod repair_tables;
 pub(super) mod results;
 pub(super) mod sweep;
