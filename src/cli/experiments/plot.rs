@@ -24,7 +24,8 @@ impl PlotCommand {
         let folders = if all { published(Path::new("results"))? } else { self.folders };
         let mut files = Files::new();
         for folder in &folders {
-            let bad = |words: String| CommandError::BadInput(format!("{}: {words}", folder.display()));
+            let bad =
+                |words: String| CommandError::BadInput(format!("{}: {words}", folder.display()));
             if !folder.is_dir() {
                 return Err(bad("found no folder, expected one of results".to_owned()));
             }
@@ -44,7 +45,10 @@ impl PlotCommand {
 /// The folders of `results`, in the order of their names.
 fn published(results: &Path) -> Result<Vec<PathBuf>, CommandError> {
     let entries = std::fs::read_dir(results).map_err(|error| {
-        CommandError::BadInput(format!("{}: {error}, expected published results", results.display()))
+        CommandError::BadInput(format!(
+            "{}: {error}, expected published results",
+            results.display()
+        ))
     })?;
     let mut folders: Vec<PathBuf> =
         entries.flatten().map(|entry| entry.path()).filter(|path| path.is_dir()).collect();

@@ -55,8 +55,17 @@ pub(crate) fn png(canvas: &Canvas) -> Result<Vec<u8>, PaintError> {
     encode(&shrink(&fine, wide), wide, high)
 }
 
+/// How an SVG states its size.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum SvgSize {
+    /// In pixels, one per hundredth of an inch, as a page shows it.
+    Pixels,
+    /// In millimetres, as it is printed.
+    Millimetres,
+}
+
 /// The SVG of a figure.
-pub(crate) fn svg(canvas: &Canvas) -> Result<Vec<u8>, PaintError> {
+pub(crate) fn svg(canvas: &Canvas, size: SvgSize) -> Result<Vec<u8>, PaintError> {
     register()?;
     let mut text = String::new();
     let (wide, high) = ((canvas.width * SVG_UNITS) as u32, (canvas.height * SVG_UNITS) as u32);
@@ -69,9 +78,12 @@ pub(crate) fn svg(canvas: &Canvas) -> Result<Vec<u8>, PaintError> {
         canvas.marks.iter().try_for_each(|mark| painter.paint(mark))?;
         backend.present().map_err(failed)?;
     }
-    // The size is in hundredths of an inch, as the PNG's, not in units of the grid.
     let grid = format!("width=\"{wide}\" height=\"{high}\"");
-    let size = format!("width=\"{}\" height=\"{}\"", canvas.width, canvas.height);
+    let stated = |length: f64| match size {
+        SvgSize::Pixels => length.to_string(),
+        SvgSize::Millimetres => format!("{:.1}mm", 0.254 * length),
+    };
+    let size = format!("width=\"{}\" height=\"{}\"", stated(canvas.width), stated(canvas.height));
     Ok(text.replacen(&grid, &size, 1).into_bytes())
 }
 

@@ -1,13 +1,12 @@
-//! The verdicts of the paper's claims: a table in Markdown and a figure of our values over the
-//! paper's.
+//! The verdicts of the paper's claims: a table in Markdown, and a figure of the statements in groups
+//! with a mark for each verdict.
 
-use crate::report::drawing::{
-    Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend, signed, text_width,
-};
+use crate::report::drawing::{Canvas, LegendEntry, Text, TextAlign, legend, lines, signed};
+use crate::report::order::{distinct, trainings};
 use crate::report::page::markup::MarkdownTable;
 use crate::report::style::{
-    Colour, DASHED, GREEN, GREY, HAIR, HALF_CAP, INK, MARKER, Marker, PAGE_WIDTH, SMALL, VERMILION,
-    WHITE, claim_label, training_short,
+    Colour, GREEN, GREY, GRID, HAIR, HALF_CAP, MARKER, Marker, NARROW, SMALL, TALL, TEXT,
+    VERMILION, capitalised, claim_sentence, training_short,
 };
 use crate::report::{Artifact, Figure, Published, ReportError, text};
 use crate::rows::experiment::ClaimRow;
@@ -19,14 +18,14 @@ pub(super) const FIGURE: Figure = Figure {
     render,
 };
 
-const ROW_HEIGHT: f64 = 17.0;
-/// Range of the ratio of ours to the paper's; ratios outside are drawn as arrows at the edge.
-const RATIO_RANGE: [f64; 2] = [-1.0, 3.0];
+/// Width of a number with its interval.
+const NUMBERS_WIDTH: f64 = 148.0;
 
 fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     let claims = &published.claims;
     FIGURE.needs("claims.csv", claims.is_empty())?;
-    FIGURE.files(vec![text("claims.md", markdown(claims))], &draw(claims))
+    let tables = vec![text("claims.md", markdown(claims))];
+    FIGURE.files(tables, &caption(claims), |width| draw(claims, width))
 }
 
 /// The numbers of a claim as text, with a common number of decimals (three significant digits of
@@ -80,11 +79,16 @@ fn markdown(claims: &[ClaimRow]) -> String {
     };
     let header =
         "Claim | Experiment | Networks | Paper | Ours | 95 % interval | Unit | Seeds | Verdict";
+    let table = MarkdownTable::new(header, claims.iter().map(line)).markdown();
+    format!("{table}\n{}.\n", count(claims))
+}
+
+/// How many claims have each verdict.
+fn count(claims: &[ClaimRow]) -> String {
     let count = |verdict| {
         format!("{} {verdict}", claims.iter().filter(|row| row.verdict == verdict).count())
     };
-    let counts = ["reproduced", "not reproduced", "undecided"].map(count).join(", ");
-    format!("{}\n{counts}.\n", MarkdownTable::new(header, claims.iter().map(line)).markdown())
+    ["reproduced", "not reproduced", "undecided"].map(count).join(", ")
 }
 
 /// Colour, marker and whether it is hollow.
@@ -96,106 +100,161 @@ fn look(verdict: &str) -> (Colour, Marker, bool) {
     }
 }
 
-fn draw(claims: &[ClaimRow]) -> Canvas {
-    let high = ROW_HEIGHT * claims.len() as f64;
-    let top = 58.0;
-    let mut canvas = Canvas::new(PAGE_WIDTH, (top + high + 44.0).round());
+/// The parts of a paper that experiments are about.
+const GROUPS: [(&str, &str); 4] = [
+    ("table1", "Table I: comparisons of controllers, and errors of networks"),
+    ("fig5", "Fig. 5: difference between the model and the “real” robot"),
+    ("fig6", "Fig. 6: error against the number of real points"),
+    ("fig8", "Fig. 8: path tracking"),
+];
+/// How the statements of the table's numbers begin, and the heading above them.
+const VALUES: [&str; 2] = ["Table I, ", "Table I: each number"];
+
+/// The verdicts on one statement, by training.
+struct Claim<'a> {
+    group: String,
+    statement: &'a str,
+    rows: Vec<&'a ClaimRow>,
+}
+
+impl<'a> Claim<'a> {
+    /// The claims in the order of their groups.
+    fn all(claims: &'a [ClaimRow]) -> Vec<Claim<'a>> {
+        let mut all: Vec<Claim> = Vec::new();
+        for row in claims {
+            let same = |claim: &&mut Claim| {
+                claim.rows[0].claim == row.claim && claim.rows[0].experiment == row.experiment
+            };
+            if let Some(claim) = all.iter_mut().find(same) {
+                claim.rows.push(row);
+                continue;
+            }
+            let heading = GROUPS.iter().find(|(name, _)| *name == row.experiment);
+            let (group, statement) = match row.statement.strip_prefix(VALUES[0]) {
+                Some(value) => (VALUES[1].to_owned(), value),
+                None => (
+                    heading.map_or(row.experiment.clone(), |(_, words)| (*words).to_owned()),
+                    row.statement.as_str(),
+                ),
+            };
+            all.push(Claim { group, statement, rows: vec![row] });
+        }
+        let headings = distinct(all.iter().map(|claim| claim.group.clone()));
+        let place = |claim: &Claim| {
+            let known = GROUPS.iter().position(|(_, words)| *words == claim.group);
+            (known.unwrap_or(GROUPS.len()), headings.iter().position(|name| *name == claim.group))
+        };
+        all.sort_by_key(place);
+        all
+    }
+
+    /// The statement as a sentence, with the unit of its number and the paper's.
+    fn sentence(&self) -> String {
+        let shown = shown(self.rows[0]);
+        let paper = if self.rows[0].paper.is_finite() {
+            format!("paper: {} {}", shown.paper, shown.unit)
+        } else {
+            shown.unit
+        };
+        format!("{} ({paper})", claim_sentence(self.statement))
+    }
+}
+
+fn caption(claims: &[ClaimRow]) -> String {
+    let seeds = claims.iter().map(|row| row.seeds).max().unwrap_or(0);
+    let counts = count(claims);
+    format!(
+        "Verdicts on the paper’s statements, by the paper’s table or figure, for networks stopped at \
+         the paper’s errors and networks trained to convergence: {counts}. Numbers are our means \
+         over {seeds} repetitions with their 95 % intervals; of a comparison the number is the \
+         difference. A statement is reproduced if the whole interval lies in the range in which it \
+         holds, and undecided if a part does."
+    )
+}
+
+fn draw(claims: &[ClaimRow], width: f64) -> Canvas {
+    let of_networks = claims.iter().map(|row| row.training.as_str()).filter(|name| *name != "any");
+    let mut trainings = trainings(of_networks);
+    if trainings.is_empty() {
+        trainings.push("any");
+    }
+    let mut canvas = Canvas::new(width, TALL);
     let keys = ["reproduced", "not reproduced", "undecided"].map(|verdict| {
         let (colour, marker, hollow) = look(verdict);
         (LegendEntry::Marker(marker, colour, hollow), verdict)
     });
-    legend(&mut canvas, [236.0, 18.0], PAGE_WIDTH, &keys);
-    let axis = Axis::exact("ours / paper", RATIO_RANGE[0], RATIO_RANGE[1], 4);
-    let rows = Axis::bare_to(claims.len() as f64);
-    let panel = canvas.panel(Panel {
-        corner: [236.0, top],
-        size: [208.0, high],
-        x: axis,
-        y: rows,
-        title: String::new(),
-    });
-    let columns = [(462.0, "paper"), (510.0, "ours [95 % interval]"), (652.0, "unit")];
-    for (x, name) in columns {
-        canvas.text(Text::new(name, [x, top - 8.0], SMALL, TextAlign::Left).bold());
+    let mut y = legend(&mut canvas, [10.0, 16.0], width - 8.0, &keys) + 20.0;
+    let layout = ClaimLayout::new(width, trainings);
+    for (name, column) in layout.trainings.iter().zip(&layout.columns) {
+        let heading = capitalised(training_short(name));
+        canvas.text(Text::new(heading, [*column, y], SMALL, TextAlign::Left).bold());
     }
-    panel.line(&mut canvas, &[[0.0, 0.0], [0.0, claims.len() as f64]], GREY, DASHED, HAIR);
-    panel.line(&mut canvas, &[[1.0, 0.0], [1.0, claims.len() as f64]], INK, &[], HAIR);
-    canvas.text(Text::new("paper", [panel.at(1.0, 0.0)[0], top - 8.0], SMALL, TextAlign::Centre));
-    canvas.text(Text::new("nothing", [panel.at(0.0, 0.0)[0], top - 8.0], SMALL, TextAlign::Centre));
-    // With a long name, all names are set smaller to stay in their column.
-    let widest = claims
-        .iter()
-        .map(|row| text_width(&claim_label(&row.claim), SMALL, false))
-        .fold(148.0, f64::max);
-    let size = SMALL * 148.0 / widest;
-    for (index, row) in claims.iter().enumerate() {
-        let y = top + ROW_HEIGHT * (index as f64 + 0.5);
-        claim(&mut canvas, &panel, row, y);
-        let first = index == 0 || claims[index - 1].claim != row.claim;
-        let base = y + HALF_CAP * SMALL;
-        let shown = shown(row);
-        let ours_with_interval = format!("{} {}", shown.ours, shown.interval.unwrap_or_default());
-        if first {
-            canvas.text(Text::new(claim_label(&row.claim), [10.0, base], size, TextAlign::Left));
+    let mut group = String::new();
+    for claim in Claim::all(claims) {
+        if claim.group != group {
+            group.clone_from(&claim.group);
+            y += 10.0;
+            for line in lines(&group, TEXT, 0.88 * width) {
+                y += TEXT + 2.0;
+                canvas.text(Text::new(line, [10.0, y], TEXT, TextAlign::Left).bold());
+            }
+            y += 5.0;
         }
-        canvas.text(
-            Text::new(training_short(&row.training), [228.0, base], 8.6, TextAlign::Right)
-                .colour(GREY),
-        );
-        canvas.text(Text::new(shown.paper, [columns[0].0, base], SMALL, TextAlign::Left));
-        canvas.text(
-            Text::new(ours_with_interval, [columns[1].0, base], SMALL, TextAlign::Left)
-                .colour(look(&row.verdict).0),
-        );
-        canvas.text(Text::new(shown.unit, [columns[2].0, base], SMALL, TextAlign::Left));
-        if first && index > 0 {
-            let edge = y - ROW_HEIGHT / 2.0;
-            canvas.line(
-                &[[10.0, edge], [PAGE_WIDTH - 10.0, edge]],
-                HAIR,
-                crate::report::style::GRID,
-                &[],
-            );
-        }
+        y = layout.claim(&mut canvas, &claim, y);
     }
+    canvas.height = (y + 8.0).round();
     canvas
 }
 
-/// One row of the figure: ours over the paper's, with its interval.
-fn claim(canvas: &mut Canvas, panel: &Panel, row: &ClaimRow, y: f64) {
-    let (colour, marker, hollow) = look(&row.verdict);
-    let place = |value: f64| {
-        let ratio = value / row.paper;
-        ratio
-            .is_finite()
-            .then(|| [panel.at(ratio.clamp(RATIO_RANGE[0], RATIO_RANGE[1]), 0.0)[0], y])
-    };
-    let Some(middle) = place(row.ours) else {
-        let label = if row.paper == 0.0 { "paper: 0, no ratio" } else { "no figure in the paper" };
-        let at = panel.at(0.08, 0.0)[0];
-        canvas.rectangle(
-            [at - 2.0, y - 6.0],
-            [at + 2.0 + text_width(label, 8.6, false), y + 6.0],
-            WHITE,
-            1.0,
-        );
-        canvas
-            .text(Text::new(label, [at, y + HALF_CAP * SMALL], 8.6, TextAlign::Left).colour(GREY));
-        return;
-    };
-    if let (Some(low), Some(high)) = (place(row.low_95), place(row.high_95)) {
-        canvas.line(&[low, high], 1.8, colour, &[]);
+/// Where sentences and numbers stand.
+struct ClaimLayout<'a> {
+    trainings: Vec<&'a str>,
+    /// Left edge of the numbers of each training.
+    columns: Vec<f64>,
+    /// Width of a line of a sentence.
+    room: f64,
+    /// Whether the numbers stand below the sentence.
+    stacked: bool,
+}
+
+impl<'a> ClaimLayout<'a> {
+    fn new(width: f64, trainings: Vec<&'a str>) -> ClaimLayout<'a> {
+        let stacked = width < NARROW;
+        let pitch = if stacked { 0.5 * (width - 24.0) } else { NUMBERS_WIDTH };
+        let count = trainings.len().max(1) as f64;
+        let first = if stacked { 24.0 } else { width - 4.0 - pitch * count };
+        let columns = (0..trainings.len()).map(|index| first + pitch * index as f64).collect();
+        let room = if stacked { width - 20.0 } else { first - 24.0 };
+        ClaimLayout { trainings, columns, room, stacked }
     }
-    let ratio = row.ours / row.paper;
-    if !(RATIO_RANGE[0]..=RATIO_RANGE[1]).contains(&ratio) {
-        let way = if ratio > RATIO_RANGE[1] { 1.0 } else { -1.0 };
-        let tip = [middle[0] + 5.0 * way, y];
-        canvas.area(
-            vec![tip, [tip[0] - 9.0 * way, y - 4.5], [tip[0] - 9.0 * way, y + 4.5]],
-            colour,
-            1.0,
-        );
-        return;
+
+    /// Draws one claim below `top`; returns where it ends.
+    fn claim(&self, canvas: &mut Canvas, claim: &Claim, top: f64) -> f64 {
+        let right = canvas.width - 10.0;
+        canvas.line(&[[10.0, top], [right, top]], HAIR, GRID, &[]);
+        let pitch = SMALL + 3.0;
+        let mut base = top + SMALL + 2.0;
+        let first = base;
+        for (index, line) in lines(&claim.sentence(), SMALL, self.room).into_iter().enumerate() {
+            base = first + pitch * index as f64;
+            canvas.text(Text::new(line, [10.0, base], SMALL, TextAlign::Left));
+        }
+        let numbers = if self.stacked { base + pitch } else { first };
+        for row in &claim.rows {
+            let (colour, marker, hollow) = look(&row.verdict);
+            let shown = shown(row);
+            let words = format!("{} {}", shown.ours, shown.interval.unwrap_or_default());
+            // Where no network takes part, the number is that of every training.
+            let columns = self.trainings.iter().zip(&self.columns);
+            for (_, x) in
+                columns.filter(|(name, _)| **name == row.training || row.training == "any")
+            {
+                let at = [x + 4.0, numbers - HALF_CAP * SMALL];
+                canvas.marker(at, marker, MARKER, colour, hollow);
+                let text = Text::new(&words, [x + 13.0, numbers], SMALL, TextAlign::Left);
+                canvas.text(text.colour(colour));
+            }
+        }
+        base.max(numbers) + 5.0
     }
-    canvas.marker(middle, marker, MARKER, colour, hollow);
 }

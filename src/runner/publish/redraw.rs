@@ -61,7 +61,8 @@ fn other_pictures(folder: &Path, published: &Published) -> Result<Files, String>
     for figure in figures() {
         match (figure.render)(published) {
             Ok(artifacts) => {
-                let pictures = artifacts.into_iter().filter(|file| file.folder == OutputFolder::Plots);
+                let pictures =
+                    artifacts.into_iter().filter(|file| file.folder == OutputFolder::Plots);
                 files.extend(pictures.map(|file| (Path::new("plots").join(file.name), file.bytes)));
             }
             Err(ReportError::NoRows { .. }) => {}
