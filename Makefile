@@ -3,7 +3,7 @@
 SHELL := bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build pack unpack reproduce controllers sweeps population data-efficiency repair check test test-python wheel dist bench blind campaign peers peers-learning peers-environments scaling real verify
+.PHONY: help build pack unpack reproduce controllers sweeps population data-efficiency repair check robot test test-python test-browser wheel dist bench blind campaign peers peers-learning peers-environments scaling real verify
 
 # Repetitions of every experiment, data and training included. Claims need ten, and only ten replace the published results;
 # any other number is a look, which goes to out/.
@@ -53,6 +53,12 @@ ifeq ($(OUT),.)
 else
 	@echo "A look at $(SEEDS) of ten repetitions is in $(OUT)/; the published results/ and plots/ are as they were."
 endif
+
+ROBOT := target/tmp/robot
+robot: build ## the README's moving picture, plots/robot.gif: Fig. 8's path under two policies, and `discover` before and after
+	$(SPINEBENCH) discover --model models/nominal.yaml --measured tests/data/twin/r12.csv --baseline tests/data/twin/baseline.csv --out $(ROBOT)
+	$(SPINEBENCH) view --record plots/robot.gif results/fig8 tests/data/twin/r12.csv --policy pi_real --policy c \
+	  --model models/nominal.yaml --model $(ROBOT)/model.yaml
 
 controllers: build ## further controllers beside the paper's, and what tells them apart (docs/method/control.md); SEEDS=1 for a look, into out/
 	$(SPINEBENCH) run experiments/controllers.yaml experiments/perfect_model.yaml --seeds $(SEEDS) --out $(OUT)
@@ -119,6 +125,12 @@ test-python: ## the Python package: build, tests, types (needs Python 3.10 or la
 	cd python && ../$(PYTHON_VENV)/bin/python -m pytest -q
 	$(PYTHON_VENV)/bin/python -m mypy --strict -p spinebench
 	cd python/tests && ../../$(PYTHON_VENV)/bin/python -m mypy --strict .
+
+BROWSER_VENV := target/browser-venv
+test-browser: build ## pages in a browser: live view, player, reports (needs Python with venv, PyPI, and Chromium or $$CHROMIUM)
+	python3 -m venv $(BROWSER_VENV)
+	$(BROWSER_VENV)/bin/python -m pip install --quiet --disable-pip-version-check "playwright>=1.50,<2" "pytest>=8,<10"
+	$(BROWSER_VENV)/bin/python -B -m pytest -q -p no:cacheprovider tests/browser
 
 # What one installs without Rust.
 DIST := dist

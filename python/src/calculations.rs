@@ -239,7 +239,8 @@ pub(crate) fn _discover(
             let proposals = round.answer.next_experiments.iter();
             let commands: Vec<Vec<PyColumn>> =
                 proposals.map(|next| columns(&next.commands)).collect::<Result<_, Fault>>()?;
-            let answer = written(round.answer, &model, given.limitations(round.measured))?;
+            let shown = (round.measured, settings.at_rest);
+            let answer = written(round.answer, &model, shown, given.limitations(round.measured))?;
             let recorded: Option<PyRecording> =
                 Python::attach(|py| record.bind(py).call1((answer.clone(), commands))?.extract())?;
             let Some(recorded) = recorded.map(PyRecording::named).transpose()? else {
@@ -254,7 +255,8 @@ pub(crate) fn _discover(
             Question { model: &model.model, baseline: baseline.as_ref(), options: &settings };
         match with_step_listener(step, || discover_until_named(question, whole, max_rounds, ask)) {
             Ok(Rounds { answer, measured, .. }) => {
-                earlier.push(written(&answer, &model, given.limitations(&measured))?);
+                let shown = (&measured, settings.at_rest);
+                earlier.push(written(&answer, &model, shown, given.limitations(&measured))?);
                 Ok(Ok(earlier))
             }
             Err(RoundsError::Record(exception)) => Ok(Err(exception)),

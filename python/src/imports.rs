@@ -10,7 +10,7 @@ use spinebench::data::import::mapped::{
 use spinebench::data::mcap::{Shown, to_mcap};
 use spinebench::data::{Recording, tables, write_atomic};
 use spinebench::specs::read_map;
-use spinebench::tasks::body_lines_m;
+use spinebench::tasks::scene_of_recording;
 
 use crate::calls::long;
 use crate::errors::Fault;
@@ -86,13 +86,12 @@ pub(crate) fn _export_mcap(
             .map(|table| tables::read_rows::<ResidualRow>(table.source()))
             .transpose()?
             .unwrap_or_default();
-        let shape_m = match &model {
-            Some(GivenModel(given)) => {
-                stop.within(|| body_lines_m(source.name(), &read, &given.model, at_rest))?
-            }
-            None => Vec::new(),
+        let scene = |GivenModel(given): &GivenModel| {
+            let name = source.name();
+            stop.within(|| scene_of_recording("robot", name, &read, &given.model, at_rest))
         };
-        let shown = Shown { recording: &read, at_rest, shape_m: &shape_m, residuals: &residuals };
+        let robot = model.as_ref().map(scene).transpose()?;
+        let shown = Shown { recording: &read, at_rest, robot: robot.as_ref(), residuals: &residuals };
         let bytes = to_mcap(&shown);
         stop.check()?;
         Ok(write_atomic(&out, &bytes)?)

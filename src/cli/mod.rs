@@ -12,6 +12,7 @@ mod experiments;
 mod models;
 mod program;
 mod robot;
+mod viewer;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
@@ -33,6 +34,7 @@ enum Command {
     Cache(experiments::cache::CacheCommand),
     Plan(experiments::plan::PlanCommand),
     Simulate(models::simulate::SimulateCommand),
+    View(viewer::command::ViewCommand),
     Calibrate(models::calibrate::CalibrateCommand),
     Effects(models::effects::EffectsCommand),
     Discover(models::discover::DiscoverCommand),
@@ -51,6 +53,7 @@ enum Command {
     Completions(program::completions::CompletionsCommand),
     Gather(experiments::gather::GatherCommand),
     Verify(experiments::verify::VerifyCommand),
+    Report(experiments::report::ReportCommand),
     Status(experiments::cluster::StatusCommand),
     Cancel(experiments::cluster::CancelCommand),
     #[command(hide = true)]
@@ -89,6 +92,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Cache(cache) => cache.execute(),
         Command::Plan(plan) => plan.execute(),
         Command::Simulate(simulate) => simulate.execute(&progress),
+        Command::View(view) => view.execute(&progress),
         Command::Calibrate(calibrate) => calibrate.execute(&progress),
         Command::Effects(effects) => effects.execute(),
         Command::Discover(discover) => discover.execute(&progress),
@@ -106,6 +110,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Schema(schema) => schema.execute(),
         Command::Completions(completions) => completions.execute(),
         Command::Gather(gather) => gather.execute(&progress),
+        Command::Report(report) => report.execute(),
         Command::Verify(verify) => verify.execute(&progress),
         Command::Status(status) => status.execute(),
         Command::Cancel(cancel) => cancel.execute(),

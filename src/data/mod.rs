@@ -12,6 +12,7 @@ pub mod packed;
 pub mod recording;
 mod recording_source;
 mod row_serde;
+pub mod scene;
 mod table;
 mod table_file;
 mod table_row;

@@ -1,5 +1,5 @@
 //! Discovery: find the effect of the catalogue that a model lacks, fit it, and test whether
-//! anything else is missing (docs/method/discovery.md).
+//! anything else is missing (docs/method/search.md).
 //!
 //! The way of a measured tip: `recording` (samples and held-out trials), `fit` (one candidate set),
 //! `mistakes` (faults of the recording), `noise_floor`, `problem`, `search` (over candidate sets),

@@ -72,7 +72,7 @@ pub struct Options {
 
 /// Uncertainty that a calibration on 400 samples leaves: two to three times the value for each
 /// parameter alone (0.5 mm over the tip's sensitivity and √400), because the parameters are fitted
-/// together (docs/method/discovery.md).
+/// together (docs/reference/discovery.md).
 const UNCERTAIN: &[(&str, &str, f64)] = &[
     ("bending_stiffness", "scale", 0.003),
     ("spine_compressibility", "scale", 0.005),

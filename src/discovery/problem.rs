@@ -184,7 +184,7 @@ pub(crate) struct Baseline {
     pub(crate) factors: Option<baseline::CalibrationFactors>,
 }
 
-/// Uncertainty before calibration over that after it (docs/method/discovery.md, "What is uncertain of any
+/// Uncertainty before calibration over that after it (docs/method/search.md, "What is uncertain of any
 /// robot").
 const BEFORE_CALIBRATION: f64 = 10.0;
 

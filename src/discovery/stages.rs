@@ -22,7 +22,7 @@ use crate::effects::Model;
 const MAX_CLOCK_REFINEMENTS: usize = 4;
 const CLOCK_TOLERANCE_S: f64 = 2e-3;
 /// The second start of the refinement is later by so many standard deviations. Two recordings with
-/// a load settled 0.03 s early without it (docs/method/discovery.md, "Mistakes before physics").
+/// a load settled 0.03 s early without it (docs/method/search.md, "Mistakes before physics").
 const LATER_START_SIGMA: f64 = 1.5;
 
 /// The stages, with what they have in common.

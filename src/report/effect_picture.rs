@@ -1,7 +1,7 @@
 //! A small picture of an effect: what the nominal robot does, and what the robot with the effect
 //! does under the same commands.
 
-use super::drawing::{Axis, Canvas, LegendEntry, Panel, SvgSize, legend, range, svg};
+use super::drawing::{Axis, Canvas, LegendEntry, Panel, legend, range, svg};
 use super::style::{BLUE, GREY, LEFT_MARGIN, LINE, MARKER, Marker, SOLID, TALL, VERMILION};
 use super::{Artifact, OutputFolder, ReportError};
 
@@ -59,7 +59,7 @@ impl EffectPicture {
             folder: OutputFolder::Plots,
             bytes,
         };
-        let picture = svg(&self.draw(), SvgSize::Pixels).map_err(failed)?;
+        let picture = svg(&self.draw()).map_err(failed)?;
         Ok([file("svg", picture), file("md", format!("{}\n", self.caption()).into_bytes())])
     }
 

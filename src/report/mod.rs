@@ -21,19 +21,21 @@ pub mod discovery;
 mod drawing;
 mod effect_picture;
 mod order;
+pub mod overview;
 pub mod page;
 pub mod paper;
 mod peers;
 mod published;
+pub mod scene;
 pub mod style;
 mod sweep;
 
 use std::path::Path;
 
 use crate::data::{DataError, write_atomic};
-use drawing::SvgSize;
 
 pub use effect_picture::{EffectCurve, EffectPicture, EffectView};
+pub use paper::claim_lines::claim_sentence;
 pub use paper::summarise::{OSCILLATION_WINDOW_S, reach_summary, track_summary};
 pub use published::{FigureContext, Published, published_rows};
 pub use sweep::comparisons::{SweptPoint, comparisons};
@@ -164,7 +166,7 @@ fn pictures(
         |error: drawing::PaintError| ReportError::Draw { figure, reason: error.to_string() };
     Ok([
         plot(stem, ".png", drawing::png(canvas).map_err(failed)?),
-        plot(stem, ".svg", drawing::svg(canvas, SvgSize::Pixels).map_err(failed)?),
+        plot(stem, ".svg", drawing::svg(canvas).map_err(failed)?),
     ])
 }
 
@@ -176,7 +178,7 @@ fn captioned(
     draw: impl Fn(f64) -> drawing::Canvas,
 ) -> Result<Vec<Artifact>, ReportError> {
     let mut files = pictures(figure, stem, &draw(style::PAGE_WIDTH))?.to_vec();
-    let column = drawing::svg(&draw(style::COLUMN_WIDTH), SvgSize::Millimetres)
+    let column = drawing::printed_svg(&draw(style::COLUMN_WIDTH))
         .map_err(|error| ReportError::Draw { figure, reason: error.to_string() })?;
     files.push(plot(stem, "_column.svg", column));
     files.push(plot(stem, ".md", format!("{caption}\n").into_bytes()));

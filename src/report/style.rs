@@ -108,6 +108,9 @@ pub fn policy_latex(policy: &str) -> String {
 /// The training whose networks stop at the errors that the paper reports.
 pub(crate) const PAPER_TRAINING: &str = "paper";
 
+/// In the place of a way of training: none takes part.
+pub(crate) const ANY_TRAINING: &str = "any";
+
 /// A way of training in two words.
 pub fn training_short(training: &str) -> &str {
     if training == PAPER_TRAINING { "paper’s errors" } else { training }
@@ -144,6 +147,6 @@ pub(crate) fn mode_title(mode: &str) -> String {
 }
 
 /// The statement of a claim as a sentence.
-pub(crate) fn claim_sentence(statement: &str) -> String {
+pub(crate) fn claim_words(statement: &str) -> String {
     capitalised(&statement.replace("pi_real", policy_label("pi_real")))
 }

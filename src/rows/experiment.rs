@@ -61,6 +61,11 @@ columns! {
         pub error_m: f64,
         /// Which of A and B gave the command (`a`, `b`; empty for policies of one controller).
         pub branch: String,
+        /// Displacements of the tendons during the step in whole micrometres, separated by spaces,
+        /// metres: in the first repetition, so that its motion can be simulated again. Tables of
+        /// earlier builds do not have the column.
+        #[serde(default)]
+        pub pulls_m: String,
         /// `ok` or the named failure.
         pub status: Outcome,
     }
@@ -213,6 +218,7 @@ impl TrackSample {
             tip_z_m,
             error_m: f64::NAN,
             branch: String::new(),
+            pulls_m: String::new(),
             status,
         }
     }
@@ -307,8 +313,14 @@ table_rows! {
         pub claim: String,
         /// The claim in words.
         pub statement: String,
+        /// The number that decides the claim, in words.
+        pub quantity: String,
         /// `paper` or `converged`.
         pub training: String,
+        /// The claim holds above this number, in the claim's unit; empty without such a limit.
+        pub holds_above: f64,
+        /// The claim holds below this number, in the claim's unit; empty without such a limit.
+        pub holds_below: f64,
         /// What the paper reports, in the claim's unit.
         pub paper: f64,
         /// What this reproduction finds, in the same unit.
@@ -317,7 +329,7 @@ table_rows! {
         pub low_95: f64,
         /// 95 % interval over seeds.
         pub high_95: f64,
-        /// Unit of the three numbers.
+        /// Unit of these numbers.
         pub unit: String,
         /// Seeds behind the interval.
         pub seeds: u64,

@@ -28,10 +28,12 @@ pub use graph::stage::{Handle, InputResults, Job, Stage, StageInputs, StageKind,
 pub use graph::timing::Timing;
 pub use publish::claims::{SEEDS_NEEDED, evaluate};
 pub use publish::compare::{Difference, Standard, compare};
+pub use publish::discovery_files::{AskedDiscovery, DiscoveryFilesError, discovery_files};
 pub use publish::failed_cells::FailedCell;
 pub use publish::manifest::{Manifest, StageTimes, git_revision, processor, stage_times};
 pub use publish::merge::{MergeError, merge};
 pub use publish::metrics::Tables;
+pub use publish::one_claim::published_cost;
 pub use publish::provenance::{first_difference, provenance};
 pub use publish::publish_all::{RunFacts, publish_all};
 pub use publish::redraw::{redraw, redraw_claims};

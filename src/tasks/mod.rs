@@ -5,6 +5,7 @@ mod learning_data;
 mod loops;
 mod monitor;
 mod record;
+mod scenes;
 mod simulate;
 mod tip_model;
 mod transitions;
@@ -28,7 +29,8 @@ pub use record::path::{PathOptions, interpolate, waypoints};
 pub use record::record_trial::{UnevenSteps, record_trial, step_s};
 pub use record::static_poses::{StaticPoseOptions, plan_static_poses, record_static_poses, star_m};
 pub use record::targets::{TargetOptions, draw_targets, spread_targets, target_pool};
-pub use simulate::body_lines::body_lines_m;
+pub use scenes::recorded::{scene_of_measurement, scene_of_recording};
+pub use scenes::robot_shape::{scene_frame, scene_robot, tracked_at_stations};
 pub use simulate::robot_recordings::{
     are_at_rest, check_one_gravity, of_tendons, read_commands, read_to_calibrate, read_to_explain,
 };

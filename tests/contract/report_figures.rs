@@ -31,9 +31,9 @@ fn names_are_unique_and_one_repetition_makes_pictures_and_a_caption() {
             let start: &[u8] = if end == "png" { b"\x89PNG\r\n" } else { b"<svg " };
             assert!(file.bytes.starts_with(start), "{name}");
         }
-        let captions = files.iter().filter(|file| {
-            file.folder == OutputFolder::Plots && file.name.ends_with(".md")
-        });
+        let captions = files
+            .iter()
+            .filter(|file| file.folder == OutputFolder::Plots && file.name.ends_with(".md"));
         for caption in captions {
             let words = String::from_utf8(caption.bytes.clone()).unwrap();
             let sentences = words.matches(". ").count() + usize::from(words.ends_with(".\n"));
@@ -44,7 +44,8 @@ fn names_are_unique_and_one_repetition_makes_pictures_and_a_caption() {
 
 /// Sizes of the texts of an SVG, points, of one that is printed 85 mm wide.
 fn sizes_pt(svg: &str) -> Vec<f64> {
-    let width: f64 = svg.split("viewBox=\"0 0 ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+    let width: f64 =
+        svg.split("viewBox=\"0 0 ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
     let sizes = svg.split("font-size=\"").skip(1).map(|rest| rest.split('"').next().unwrap());
     sizes.map(|size| size.parse::<f64>().unwrap() / width * 85.0 / 25.4 * 72.0).collect()
 }
@@ -57,7 +58,8 @@ fn over_one_column_every_text_is_read_and_none_lies_on_another() {
         for svg in &svgs {
             assert_apart(&svg.name, &svg.bytes);
         }
-        let columns: Vec<_> = svgs.iter().filter(|file| file.name.ends_with("_column.svg")).collect();
+        let columns: Vec<_> =
+            svgs.iter().filter(|file| file.name.ends_with("_column.svg")).collect();
         assert!(2 * columns.len() == svgs.len(), "{}: one for each picture", figure.name);
         for column in columns {
             let text = String::from_utf8_lossy(&column.bytes);

@@ -109,7 +109,10 @@ fn published_rows_are_flat() {
         experiment: "table1".into(),
         claim: "c".to_owned(),
         statement: "words".to_owned(),
+        quantity: "error of A".to_owned(),
         training: "paper".to_owned(),
+        holds_above: f64::NAN,
+        holds_below: 0.0,
         paper: 1.0,
         ours: 2.0,
         low_95: f64::NAN,
@@ -119,7 +122,7 @@ fn published_rows_are_flat() {
         verdict: "undecided".to_owned(),
     };
     let text = String::from_utf8(tables::to_csv(Path::new("c.csv"), &[claim]).unwrap()).unwrap();
-    assert_eq!(text.lines().nth(1).unwrap(), "table1,c,words,paper,1.0,2.0,,,m,1,undecided");
+    assert_eq!(text.lines().nth(1).unwrap(), "table1,c,words,error of A,paper,,0.0,1.0,2.0,,,m,1,undecided");
 }
 
 /// `spinebench page docs/reference/outputs.md` writes them there.

@@ -36,7 +36,7 @@ fn a_recording_without_noise_is_one_like_others() {
     );
     // Its steps are 0.14 mm off, where the load moves the tip by 6.9 mm.
     assert!((told(&load, "mass_kg").0 - 0.01).abs() < 3e-4);
-    // The answer's own steps are 0.015 mm off (docs/method/discovery.md).
+    // The answer's own steps are 0.015 mm off (docs/method/search.md).
     let exact = with_steps("- tip_load: {mass_kg: 0.01}", 1e-6);
     assert!((told(&exact, "mass_kg").0 - 0.01).abs() < 0.015 / 6.9 * 0.01);
     assert!(

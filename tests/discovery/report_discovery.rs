@@ -93,6 +93,33 @@ fn the_page_says_what_was_found_and_stands_alone() {
 }
 
 #[test]
+fn the_page_shows_the_robot_and_fetches_nothing() {
+    let mut made = named();
+    let frame = SceneFrame { tip_m: Some([0.0, 0.0, 0.2]), ..SceneFrame::default() };
+    let names = ["Trial 6: model as given", "Trial 6: with tip_load"];
+    let scene = |name: &str| Scene {
+        name: name.to_owned(),
+        frames: vec![frame.clone()],
+        ..Scene::default()
+    };
+    made.scenes = names.map(scene).to_vec();
+    let page = page(&made);
+    for name in names {
+        assert!(page.contains(&format!("<h4>{name}</h4>")), "{name}");
+    }
+    assert_eq!(page.matches("<canvas").count(), 2);
+    // A still for readers without scripts.
+    assert_eq!(page.matches("aria-label=\"last frame\"").count(), 2);
+    assert_eq!(page.matches("<script").count(), 2);
+    for foreign in ["http-equiv", "href=", "src=", "url(", "@import", "<link", "<iframe", "fetch("] {
+        assert!(!page.contains(foreign), "{foreign}");
+    }
+    let without = page.len();
+    made.scenes.clear();
+    assert!(without - self::page(&made).len() < 60_000, "a player is small");
+}
+
+#[test]
 fn each_verdict_has_its_words() {
     for (made, title) in [
         (consistent(), "<h1>Nothing is missing that these data can show</h1>"),

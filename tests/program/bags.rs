@@ -21,7 +21,7 @@ fn refused(folder: &Path, arguments: &str) -> String {
 }
 
 #[test]
-fn a_recording_is_exported_with_the_robot_as_a_line() {
+fn a_recording_is_exported_with_the_robot() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     let commands = "trial,time_s,tendon_1_m,tendon_2_m,tendon_3_m,tendon_4_m\n0,0,0,0,0,0\n0,0.2,0.01,0,-0.01,0\n1,0,0,0,0,0\n";
@@ -44,6 +44,10 @@ fn a_recording_is_exported_with_the_robot_as_a_line() {
         "foxglove.SceneUpdate",
         "/tip",
         "/robot",
+        "/tf",
+        "foxglove.FrameTransforms",
+        "\"child_frame_id\":\"station_0\"",
+        "\"cylinders\":[{",
         "\"tendon_1_m\":0.01",
         "\"sec\":1",
     ] {

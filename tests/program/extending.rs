@@ -1,5 +1,5 @@
 //! The examples of `docs/reference/extending.md`, added to a copy of the sources: one file and one line each,
-//! and nothing else.
+//! and nothing else. The page shows the short files; the others are those of `tests/program/extending`.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -23,7 +23,10 @@ const SOURCES: [&str; 12] = [
 /// Rebuilds this crate alone, and fast: the compiled dependencies are shared.
 const OPTIMISATION: &str = "profile.release.package.spinebench.opt-level=0";
 
-/// A block of the guide: a complete file, or a line that goes after another one.
+/// Longer files of the examples, at the paths that they have in the sources.
+const FILES: &str = "tests/program/extending";
+
+/// A complete file, or a line that goes after another one.
 struct Example {
     path: String,
     after: Option<String>,
@@ -31,7 +34,8 @@ struct Example {
 }
 
 fn examples() -> Vec<Example> {
-    let guide = std::fs::read_to_string(Path::new(ROOT).join("docs/reference/extending.md")).unwrap();
+    let guide =
+        std::fs::read_to_string(Path::new(ROOT).join("docs/reference/extending.md")).unwrap();
     let blocks = guide.split("```rust\n").skip(1).map(|rest| rest.split("```").next().unwrap());
     let example = |block: &str| {
         let (head, text) = block.split_once('\n').unwrap();
@@ -44,7 +48,13 @@ fn examples() -> Vec<Example> {
             None => Example { path: head.to_owned(), after: None, text: text.to_owned() },
         }
     };
-    blocks.map(example).collect()
+    let folder = Path::new(ROOT).join(FILES);
+    let file = |file: PathBuf| Example {
+        path: file.strip_prefix(&folder).unwrap().to_string_lossy().into_owned(),
+        after: None,
+        text: std::fs::read_to_string(&file).unwrap(),
+    };
+    blocks.map(example).chain(files(&folder).into_iter().map(file)).collect()
 }
 
 /// Writes a file unless it is the same already: what has not changed is not compiled again.

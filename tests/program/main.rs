@@ -21,3 +21,4 @@ mod run;
 mod simulate;
 mod slurm;
 mod survives;
+mod view;

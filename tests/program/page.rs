@@ -9,8 +9,11 @@ fn page(file: &Path) -> (i32, String) {
 }
 
 fn pages(arguments: &[&OsStr]) -> (i32, String) {
-    let run =
-        Command::new(env!("CARGO_BIN_EXE_spinebench")).arg("page").args(arguments).output().unwrap();
+    let run = Command::new(env!("CARGO_BIN_EXE_spinebench"))
+        .arg("page")
+        .args(arguments)
+        .output()
+        .unwrap();
     (run.status.code().unwrap(), String::from_utf8_lossy(&run.stderr).into_owned())
 }
 

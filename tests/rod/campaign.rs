@@ -123,7 +123,7 @@ fn converged_statics_agree_with_an_independent_solver() {
 }
 
 /// Draws of the full campaign that earlier states of the rod got wrong, and what had misled them
-/// (docs/method/robustness.md).
+/// (docs/evidence/design_log.md).
 #[test]
 fn draws_that_were_wrong_once_are_right() {
     for (k, what) in [

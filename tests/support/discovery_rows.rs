@@ -7,6 +7,7 @@ use spinebench::data::findings::{
     Candidate, Disagreement, Findings, FoundEffect, Gap, MissingTest, Noise, PlaceRow, Proposal,
     ResidualRow, Verdict,
 };
+use spinebench::data::scene::Scene;
 use spinebench::report::discovery::{DiscoveryReport, EffectText};
 
 use rand::RngExt;
@@ -19,6 +20,7 @@ pub(crate) struct Made {
     pub(crate) effects: Vec<EffectText>,
     pub(crate) model_before: String,
     pub(crate) model_after: String,
+    pub(crate) scenes: Vec<Scene>,
 }
 
 impl Made {
@@ -31,6 +33,7 @@ impl Made {
             effects: &self.effects,
             model_before: &self.model_before,
             model_after: &self.model_after,
+            scenes: &self.scenes,
         }
     }
 }
@@ -60,6 +63,7 @@ pub(crate) fn named() -> Made {
             ),
         ],
         model_before: MODEL.to_owned() + "effects: []\n",
+        scenes: Vec::new(),
         model_after: MODEL.to_owned() + "effects:\n- tip_load:\n    mass_kg: 0.01968\n",
     }
 }

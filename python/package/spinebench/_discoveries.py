@@ -132,7 +132,7 @@ def discover(
     static: bool = False,
     progress: bool | None = None,
 ) -> Discovery:
-    """Find, name and add the effect that a model lacks (docs/method/discovery.md).
+    """Find, name and add the effect that a model lacks (docs/reference/discovery.md).
 
     `measured` is one recording or several. `baseline` is a recording of the robot as built. `leave_out` excludes effects from
     the search. `progress` shows the steps by tqdm: None where it is installed, in notebooks and terminals. Ctrl-C ends the call

@@ -7,5 +7,7 @@ pub(super) mod pack;
 pub(super) mod page;
 pub(super) mod plan;
 pub(super) mod plot;
+pub(super) mod report;
 pub(super) mod run;
 pub(super) mod verify;
+mod verify_claim;

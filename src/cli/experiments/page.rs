@@ -15,7 +15,8 @@ use std::path::{Path, PathBuf};
 /// commands; `keys:KIND`, the keys of a kind of file that `spinebench schema` knows.
 ///
 /// In a sentence, the number after `<!-- count:FILE.csv; COLUMN=VALUE; … -->` becomes the number of
-/// rows of the table that meet the conditions.
+/// rows of the table that meet the conditions, and the text after `<!-- cell:COLUMN of FILE.csv;
+/// COLUMN=VALUE; … -->` the cell of the only such row.
 #[derive(Args)]
 pub(crate) struct PageCommand {
     /// Pages to update in place.

@@ -1,5 +1,6 @@
 //! `spinebench verify`.
 
+use super::verify_claim::verify_claim;
 use crate::cli::program::interrupted::exit_on_interrupt;
 use crate::cli::program::shared::ThreadArgs;
 use crate::cli::{CommandError, CommandResult};
@@ -13,12 +14,16 @@ use spinebench::specs::{ExperimentSet, PlantSpec};
 use std::path::{Path, PathBuf};
 
 /// Rerun the published experiments without stored results and compare with `results/` and `plots/`:
-/// byte for byte on the kind of processor that computed them, number by number on another.
+/// byte for byte on the kind of processor that computed them, number by number on another. With
+/// `--claim`, rerun only what the number of one claim needs.
 #[derive(Args)]
 pub(crate) struct VerifyCommand {
     /// Names of published experiments [default: all].
     #[arg(value_name = "EXPERIMENT")]
     experiments: Vec<String>,
+    /// A claim of `results/claims.csv`; the time that it takes is stated first.
+    #[arg(long, value_name = "NAME")]
+    claim: Option<String>,
     /// Folder that contains `results/` and `plots/`.
     #[arg(long, value_name = "DIR", default_value = ".")]
     out: PathBuf,
@@ -41,9 +46,16 @@ impl VerifyCommand {
         let mut specs = Vec::new();
         for name in self.names().map_err(bad)? {
             let file = self.folder(&name).join("spec.yaml");
-            specs.push(
-                ExperimentSet::read(&file, &[], &[]).map_err(|error| bad(error.to_string()))?,
-            );
+            specs.push(ExperimentSet::read(&file, &[], &[]).map_err(CommandError::bad_input)?);
+        }
+        if let Some(claim) = &self.claim {
+            let with_standard = |set: ExperimentSet| {
+                let standard = self.standard(&self.folder(&set.experiment.name));
+                (set, standard)
+            };
+            let sets = specs.into_iter().map(with_standard).collect();
+            let results = self.out.join("results");
+            return verify_claim(claim, sets, &results, self.threads.jobs, progress);
         }
         let on_bench = |robot: &PlantSpec| matches!(robot, PlantSpec::Hardware(robot) if robot.rehearsal.is_none());
         if let Some(study) =
@@ -136,16 +148,19 @@ impl VerifyCommand {
         if !self.experiments.is_empty() {
             return Ok(self.experiments.clone());
         }
-        let results = self.out.join("results");
-        let none_published = |found: &str| {
-            format!("{}: found {found}, expected published experiments", results.display())
-        };
-        let folders =
-            std::fs::read_dir(&results).map_err(|error| none_published(&error.to_string()))?;
-        let folders = folders.flatten().filter(|folder| folder.path().join("spec.yaml").is_file());
-        let mut names: Vec<String> =
-            folders.map(|folder| folder.file_name().to_string_lossy().into_owned()).collect();
-        names.sort();
-        if names.is_empty() { Err(none_published("none")) } else { Ok(names) }
+        published_names(&self.out.join("results"))
     }
+}
+
+/// The published experiments of a folder of results, by name.
+pub(super) fn published_names(results: &Path) -> Result<Vec<String>, String> {
+    let none_published = |found: &str| {
+        format!("{}: found {found}, expected published experiments", results.display())
+    };
+    let folders = std::fs::read_dir(results).map_err(|error| none_published(&error.to_string()))?;
+    let folders = folders.flatten().filter(|folder| folder.path().join("spec.yaml").is_file());
+    let mut names: Vec<String> =
+        folders.map(|folder| folder.file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    if names.is_empty() { Err(none_published("none")) } else { Ok(names) }
 }

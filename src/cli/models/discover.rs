@@ -14,13 +14,10 @@ use spinebench::discovery::{
     with_step_listener,
 };
 use spinebench::effects::{CATALOGUE, Model};
-use spinebench::report::discovery::{
-    DiscoveryReport, EffectText, GivenRecordings, folder_files, is_commands, write_folder,
-};
-use spinebench::runner::Progress;
+use spinebench::report::discovery::{GivenRecordings, is_commands, write_folder};
+use spinebench::runner::{AskedDiscovery, Progress, discovery_files};
 use spinebench::specs::{
-    PlantSpec, SimulatedSpec, extended_text, files_behind, model_text, read_model, read_options,
-    read_plant,
+    PlantSpec, SimulatedSpec, files_behind, read_model, read_options, read_plant,
 };
 use spinebench::tasks::{SimulationOptions, read_to_explain, simulate_recording};
 use std::convert::Infallible;
@@ -45,7 +42,7 @@ pub(crate) struct DiscoverCommand {
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Read settings of the search, such as `most_effects: 2`, from this file; see
-    /// docs/method/discovery.md.
+    /// docs/reference/discovery.md.
     #[arg(long, value_name = "OPTIONS.yaml")]
     options: Option<PathBuf>,
     /// Exclude these effects from the search (comma-separated).
@@ -105,14 +102,22 @@ impl DiscoverCommand {
         let files: Vec<&Path> = self.measured.iter().map(PathBuf::as_path).collect();
         let mut given = GivenRecordings::new(&files, &parts, baseline.as_ref());
         let question = Question { model: &model, baseline: baseline.as_ref(), options: &options };
-        let (mut answer, recorded) =
+        let (mut answer, measured, recorded) =
             self.answer(question, measured, &mut given, plant.as_ref(), progress)?;
         progress.done();
         answer.findings.limitations.extend(model.tracking.starts.told().map(str::to_owned));
         answer.findings.limitations.extend(written.unusual_number(&self.model));
         // The model is written as it was given, whatever `--starts` says.
         answer.model.tracking.clone_from(&written.tracking);
-        self.write(&written, &answer, &recorded)?;
+        // A file that cannot be read any more counts as empty.
+        let model_text = read_text(&self.model).unwrap_or_default();
+        let asked = AskedDiscovery {
+            model: &written,
+            model_text: &model_text,
+            measured: &measured,
+            at_rest: options.at_rest,
+        };
+        self.write(&answer, &asked, &recorded)?;
         if !progress.is_quiet() {
             println!("{}", answer.findings.summary);
             println!("next: {}", answer.findings.next_measurement);
@@ -174,8 +179,8 @@ impl DiscoverCommand {
         }
     }
 
-    /// The answer, with more recordings from the plant as long as it is ambiguous, and these with
-    /// their files.
+    /// The answer, with more recordings from the plant as long as it is ambiguous; all that was
+    /// measured, and these recordings with their files.
     fn answer(
         &self,
         question: Question,
@@ -183,7 +188,7 @@ impl DiscoverCommand {
         given: &mut GivenRecordings,
         plant: Option<&SimulatedSpec>,
         progress: &Arc<Progress>,
-    ) -> Result<(Discovery, Vec<(PathBuf, Recording)>), CommandError> {
+    ) -> Result<(Discovery, Recording, Vec<(PathBuf, Recording)>), CommandError> {
         let mut files = Vec::new();
         let record = |round: &Round| -> Result<Option<Recording>, Infallible> {
             // The plant file defines the base pose, so the base cannot be remounted.
@@ -226,7 +231,7 @@ impl DiscoverCommand {
         })?;
         let Rounds { mut answer, recorded, measured, .. } = rounds;
         answer.findings.limitations.extend(given.limitations(&measured));
-        Ok((answer, files.into_iter().zip(recorded).collect()))
+        Ok((answer, measured, files.into_iter().zip(recorded).collect()))
     }
 
     /// Data that allow no answer, with the file that they are in and the number of a trial there;
@@ -279,50 +284,11 @@ impl DiscoverCommand {
     /// Writes all outputs after all of them are computed; `findings.json` last.
     fn write(
         &self,
-        model: &Model,
         answer: &Discovery,
+        asked: &AskedDiscovery,
         recorded: &[(PathBuf, Recording)],
     ) -> CommandResult {
-        let added = answer.model.effects.len() - model.effects.len();
-        let model_bytes = if added == 0 {
-            std::fs::read(&self.model).map_err(CommandError::bad_input)?
-        } else {
-            // A file that cannot be read any more counts as empty.
-            let written = read_text(&self.model).unwrap_or_default();
-            extended_text(&written, &answer.model, added)
-                .map_err(CommandError::failed)?
-                .into_bytes()
-        };
-        let texts: Vec<EffectText> = CATALOGUE
-            .iter()
-            .map(|card| EffectText {
-                name: card.name.to_owned(),
-                missing: card.missing.to_owned(),
-                equation: card.equation.to_owned(),
-                source: card.source.to_owned(),
-            })
-            .collect();
-        let before = model_text(model).map_err(CommandError::failed)?;
-        let after = if added == 0 {
-            before.clone()
-        } else {
-            model_text(&answer.model).map_err(CommandError::failed)?
-        };
-        let report = DiscoveryReport {
-            findings: &answer.findings,
-            residuals: &answer.residuals,
-            places: &answer.places,
-            calibrated: answer.calibrated,
-            effects: &texts,
-            model_before: &before,
-            model_after: &after,
-        };
-        let commands: Vec<(&str, &Recording)> = answer
-            .next_experiments
-            .iter()
-            .map(|next| (next.proposal.file.as_str(), &next.commands))
-            .collect();
-        let files = folder_files(&report, &commands, model_bytes).map_err(CommandError::failed)?;
+        let files = discovery_files(answer, asked).map_err(CommandError::failed)?;
         std::fs::create_dir_all(&self.out)
             .map_err(|error| CommandError::failed(format!("{}: {error}", self.out.display())))?;
         for (file, recording) in recorded {

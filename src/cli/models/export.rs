@@ -9,7 +9,7 @@ use spinebench::data::mcap::{Shown, to_mcap};
 use spinebench::data::{Recording, tables, write_atomic};
 use spinebench::runner::Progress;
 use spinebench::specs::read_model;
-use spinebench::tasks::body_lines_m;
+use spinebench::tasks::scene_of_recording;
 use std::path::PathBuf;
 
 /// Export a recording for other programs.
@@ -24,8 +24,8 @@ enum To {
     Mcap(McapExport),
 }
 
-/// Export a recording as MCAP, which Foxglove and other viewers open: poses, commands, the robot as
-/// a line, residuals.
+/// Export a recording as MCAP, which Foxglove and other viewers open: poses, commands, the robot,
+/// residuals.
 #[derive(Args)]
 struct McapExport {
     /// Recording, measured or simulated; CSV or Parquet.
@@ -34,8 +34,8 @@ struct McapExport {
     /// File to write.
     #[arg(long, value_name = "REC.mcap")]
     out: PathBuf,
-    /// Show the robot that this model has under the recording's commands as a line from base to
-    /// tip.
+    /// Show the robot that this model has under the recording's commands, with a frame for each
+    /// disk.
     #[arg(long, value_name = "MODEL.yaml")]
     model: Option<PathBuf>,
     /// Show what the models of a discovery on this recording leave: its `residuals.csv`.
@@ -68,18 +68,13 @@ impl McapExport {
         let residuals = self.residuals.as_deref().map(tables::read_csv::<ResidualRow>).transpose();
         let residuals = residuals.map_err(CommandError::bad_input)?.unwrap_or_default();
         check_file(&self.out, recording.len() * ROW_BYTES)?;
-        let shape_m = match &model {
-            Some(model) => {
-                progress.step("simulating");
-                let lines_m = body_lines_m(&self.recording, &recording, model, at_rest);
-                let shape_m = lines_m.map_err(CommandError::bad_input)?;
-                progress.done();
-                shape_m
-            }
-            None => Vec::new(),
-        };
+        progress.step("simulating");
+        let scene =
+            |model| scene_of_recording("robot", &self.recording, &recording, model, at_rest);
+        let robot = model.as_ref().map(scene).transpose().map_err(CommandError::bad_input)?;
+        progress.done();
         let shown =
-            Shown { recording: &recording, at_rest, shape_m: &shape_m, residuals: &residuals };
+            Shown { recording: &recording, at_rest, robot: robot.as_ref(), residuals: &residuals };
         write_atomic(&self.out, &to_mcap(&shown)).map_err(CommandError::bad_input)?;
         let (rows, out) = (recording.len(), self.out.display());
         progress.say(&format!("wrote {out}: {rows} row{}", if rows == 1 { "" } else { "s" }));

@@ -6,5 +6,5 @@ pub(super) mod effects;
 pub(super) mod export;
 pub(super) mod import;
 mod import_map;
-mod several;
+pub(super) mod several;
 pub(super) mod simulate;

@@ -22,7 +22,7 @@ pub(super) fn refuse_twins(files: &[PathBuf], parts: &[Recording]) -> CommandRes
 
 /// Whether these recordings are of poses at rest, because `--static` says so or because their rows
 /// are marked; the latter is told.
-pub(super) fn poses_at_rest<'a>(
+pub(crate) fn poses_at_rest<'a>(
     option: bool,
     recordings: impl IntoIterator<Item = (&'a Path, &'a Recording)>,
     progress: &Progress,

@@ -5,23 +5,22 @@ use std::collections::BTreeMap;
 
 use serde_json::{Map, Value, json};
 
-use super::BagWriter;
+use super::{BagWriter, robot};
 use crate::base::Point3;
 use crate::data::Recording;
 use crate::data::findings::ResidualRow;
 use crate::data::recording::Extra;
+use crate::data::scene::Scene;
 
 /// Frame of all positions.
-const FRAME: &str = "base";
+pub(super) const FRAME: &str = "base";
 /// Time between trials, seconds.
 const PAUSE_S: f64 = 1.0;
 /// Kind of line of `foxglove.SceneUpdate` that goes through all points.
 const LINE_STRIP: u8 = 0;
-/// Thickness of the robot's line, and of lines of residuals, metres.
-const ROBOT_LINE_M: f64 = 4e-3;
+/// Thickness of lines of residuals, metres.
 const RESIDUAL_LINE_M: f64 = 1e-3;
-/// Colours, red to blue.
-const ROBOT_COLOUR: [f64; 3] = [0.2, 0.4, 0.9];
+/// Colours of residuals.
 const BEFORE_COLOUR: [f64; 3] = [0.9, 0.3, 0.2];
 const AFTER_COLOUR: [f64; 3] = [0.2, 0.7, 0.3];
 
@@ -32,15 +31,15 @@ pub struct Shown<'a> {
     pub recording: &'a Recording,
     /// Every row is a pose at rest: row k is shown at k seconds.
     pub at_rest: bool,
-    /// Points from base to tip in each row of the recording, metres; none where there is no shape.
-    pub shape_m: &'a [Vec<Point3>],
+    /// The robot of a model in each row of the recording.
+    pub robot: Option<&'a Scene>,
     /// Residuals of a discovery on this recording.
     pub residuals: &'a [ResidualRow],
 }
 
 /// The bytes of an MCAP file: `/tip`, `/base` and `/points/NAME` (`foxglove.PoseInFrame`),
-/// `/commands` and `/row` (numbers), `/robot` (`foxglove.SceneUpdate`, a line) where there is a
-/// shape, `/residuals` and `/residual_lines` where there are any. Trials follow each other with a
+/// `/commands` and `/row` (numbers), `/robot` (`foxglove.SceneUpdate`: backbone, disks, tendons) and
+/// `/tf` (`foxglove.FrameTransforms`: a frame for each cross-section) where there is a robot, `/residuals` and `/residual_lines` where there are any. Trials follow each other with a
 /// second between them.
 pub fn to_mcap(shown: &Shown) -> Vec<u8> {
     let recording = shown.recording;
@@ -82,15 +81,11 @@ pub fn to_mcap(shown: &Shown) -> Vec<u8> {
         let turn = |row: usize| point.quaternion.as_ref().map(|turns| turns[row]);
         pose(&format!("/points/{}", point.name), &|row| point.position_m[row], &turn);
     }
-    if !shown.shape_m.is_empty() {
+    if let Some(shown) = shown.robot {
         let channel = writer.channel("/robot", "foxglove.SceneUpdate", &scene_schema());
-        let line = |row: usize| {
-            let shape_m = shown.shape_m[row].as_slice();
-            (!shape_m.is_empty()).then(|| {
-                scene(times_ns[row], "robot", &[line(ROBOT_LINE_M, shape_m, ROBOT_COLOUR)])
-            })
-        };
-        add(channel, &line);
+        add(channel, &|row| robot::robot(times_ns[row], &shown.robot, &shown.frames[row]));
+        let channel = writer.channel("/tf", "foxglove.FrameTransforms", &robot::transforms_schema());
+        add(channel, &|row| robot::transforms(times_ns[row], &shown.frames[row]));
     }
     add_residuals(shown, &times_ns, &mut writer, &mut messages);
     messages.sort_by_key(|(time_ns, channel, _)| (*time_ns, *channel));
@@ -151,7 +146,7 @@ fn add_residuals(
         messages.push((
             time_ns,
             line_channel,
-            scene(time_ns, format!("residual {}", sample.point).trim_end(), &lines),
+            scene(time_ns, format!("residual {}", sample.point).trim_end(), &lines, &[]),
         ));
     }
 }
@@ -172,11 +167,11 @@ fn times_ns(shown: &Shown) -> Vec<u64> {
     times_ns
 }
 
-fn stamp(time_ns: u64) -> Value {
+pub(super) fn stamp(time_ns: u64) -> Value {
     json!({ "sec": time_ns / 1_000_000_000, "nsec": time_ns % 1_000_000_000 })
 }
 
-fn point(point: &Point3) -> Value {
+pub(super) fn point(point: &Point3) -> Value {
     json!({ "x": point[0], "y": point[1], "z": point[2] })
 }
 
@@ -228,7 +223,7 @@ fn other_cells(recording: &Recording, row: usize) -> Value {
 }
 
 /// A line of `foxglove.SceneUpdate` through all points.
-fn line(thickness_m: f64, points_m: &[Point3], [r, g, b]: [f64; 3]) -> Value {
+pub(super) fn line(thickness_m: f64, points_m: &[Point3], [r, g, b]: [f64; 3]) -> Value {
     let unturned = json!({ "position": point(&[0.0; 3]), "orientation": { "x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0 } });
     json!({
         "type": LINE_STRIP, "pose": unturned, "thickness": thickness_m, "scale_invariant": false,
@@ -238,10 +233,10 @@ fn line(thickness_m: f64, points_m: &[Point3], [r, g, b]: [f64; 3]) -> Value {
 }
 
 /// A scene of one entity, which replaces the one before.
-fn scene(time_ns: u64, id: &str, lines: &[Value]) -> Value {
+pub(super) fn scene(time_ns: u64, id: &str, lines: &[Value], cylinders: &[Value]) -> Value {
     let entity = json!({
         "timestamp": stamp(time_ns), "frame_id": FRAME, "id": id, "lifetime": { "sec": 0, "nsec": 0 },
-        "frame_locked": false, "metadata": [], "arrows": [], "cubes": [], "spheres": [], "cylinders": [],
+        "frame_locked": false, "metadata": [], "arrows": [], "cubes": [], "spheres": [], "cylinders": cylinders,
         "lines": lines, "triangles": [], "texts": [], "models": [],
     });
     json!({ "deletions": [], "entities": [entity] })
@@ -251,16 +246,16 @@ fn any_object(description: &str) -> Value {
     json!({ "type": "object", "description": description, "additionalProperties": true })
 }
 
-fn object(properties: &Value) -> Value {
+pub(super) fn object(properties: &Value) -> Value {
     json!({ "type": "object", "properties": properties })
 }
 
-fn numbers_of(names: &[&str]) -> Value {
+pub(super) fn numbers_of(names: &[&str]) -> Value {
     let each = names.iter().map(|name| ((*name).to_owned(), json!({ "type": "number" })));
     object(&Value::Object(each.collect()))
 }
 
-fn time_schema() -> Value {
+pub(super) fn time_schema() -> Value {
     object(
         &json!({ "sec": { "type": "integer", "minimum": 0 }, "nsec": { "type": "integer", "minimum": 0 } }),
     )
@@ -288,11 +283,15 @@ fn scene_schema() -> Value {
         "scale_invariant": { "type": "boolean" }, "points": list(&numbers_of(&["x", "y", "z"])), "color": color,
         "colors": list(&color), "indices": list(&json!({ "type": "integer" })),
     }));
+    let cylinder = object(&json!({
+        "pose": pose_parts(), "size": numbers_of(&["x", "y", "z"]), "bottom_scale": { "type": "number" },
+        "top_scale": { "type": "number" }, "color": color,
+    }));
     let other = list(&json!({ "type": "object" }));
     let entity = object(&json!({
         "timestamp": time_schema(), "frame_id": { "type": "string" }, "id": { "type": "string" }, "lifetime": time_schema(),
         "frame_locked": { "type": "boolean" }, "metadata": other, "arrows": other, "cubes": other, "spheres": other,
-        "cylinders": other, "lines": list(&line), "triangles": other, "texts": other, "models": other,
+        "cylinders": list(&cylinder), "lines": list(&line), "triangles": other, "texts": other, "models": other,
     }));
     let mut schema = object(&json!({ "deletions": other, "entities": list(&entity) }));
     schema["title"] = "foxglove.SceneUpdate".into();

@@ -3,6 +3,7 @@
 
 mod export;
 mod read;
+mod robot;
 mod write;
 
 pub use export::{Shown, to_mcap};

@@ -11,7 +11,7 @@ use crate::discovery::problem::{Problem, simulate_model};
 use crate::discovery::recording::samples::rms_m;
 use crate::effects::Model;
 
-/// Calibration factors above this are suspicious (docs/method/discovery.md, "What is uncertain of any
+/// Calibration factors above this are suspicious (docs/method/search.md, "What is uncertain of any
 /// robot").
 const MAX_USUAL_FACTOR: f64 = 1.3;
 

@@ -85,7 +85,7 @@ pub(crate) struct SearchEvidence {
 }
 
 /// Significance level at which a residual exceeds the noise from all other sources
-/// (docs/method/discovery.md, "Noise").
+/// (docs/method/search.md, "Noise").
 const ABOVE_NOISE: f64 = 1e-3;
 /// Uncertain parameters that are farther off, in standard deviations, stand for something else.
 const MAX_DEVIATIONS: f64 = 4.0;

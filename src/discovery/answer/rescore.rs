@@ -8,7 +8,7 @@ use crate::discovery::fit::candidate::candidate_set;
 use crate::discovery::problem::Problem;
 use crate::discovery::search::{ScoredSet, Search};
 
-/// Sets at most this far behind in score are rescored (docs/method/discovery.md, "Searching sets", step
+/// Sets at most this far behind in score are rescored (docs/method/search.md, "Searching sets", step
 /// 9).
 const RESCORED_DISTANCE: f64 = 30.0;
 /// Maximum number of rescored sets.

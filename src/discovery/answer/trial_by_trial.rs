@@ -20,7 +20,7 @@ use crate::math::distribution::{student_95, student_beyond};
 use crate::math::summary::{mean, standard_deviation};
 
 /// Number of sets with the largest scores that are judged. This and the constants below were chosen
-/// on one trunk (docs/method/discovery.md, "Robots whose physics is not exactly the model's").
+/// on one trunk (docs/method/search.md, "Robots whose physics is not exactly the model's").
 const MAX_JUDGED: usize = 6;
 /// Fewest trials on either side.
 const MIN_TRIALS: usize = 3;

@@ -1,4 +1,4 @@
-//! Decides the verdict (docs/method/discovery.md, "The verdict"): `consistent`, `named`, `ambiguous` or
+//! Decides the verdict (docs/method/search.md, "The verdict"): `consistent`, `named`, `ambiguous` or
 //! `unexplained`.
 
 use crate::data::findings::Verdict;

@@ -48,7 +48,7 @@ struct Amounts {
     freedom: f64,
 }
 
-/// Alternating rounds of noise and nuisance estimation (docs/method/discovery.md, "Noise").
+/// Alternating rounds of noise and nuisance estimation (docs/method/search.md, "Noise").
 const ROUNDS: usize = 5;
 
 impl Nuisances {

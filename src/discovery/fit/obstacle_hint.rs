@@ -34,8 +34,8 @@ pub(crate) struct BodyRow {
 }
 
 /// A residual beyond this multiple of the lower quartile is large: of the lengths of Gaussian
-/// vectors 1 % are. The thresholds were set before the recordings of docs/method/discovery.md,
-/// "Obstacles", were asked.
+/// vectors 1 % are. The thresholds were set before any recording was tested
+/// (docs/method/search.md, "Obstacles").
 const LARGE_RATIO: f64 = 3.1;
 /// Shares of rows with a large residual between which there are rows without and with contact.
 const CONTACT_SHARES: std::ops::Range<f64> = 0.04..0.9;

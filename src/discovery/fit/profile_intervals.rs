@@ -13,7 +13,7 @@ const MAX_PROFILE_STEPS: usize = 5;
 const END_TOLERANCE: f64 = 0.1;
 /// Fractions of the way to an end at which other equally good values are evaluated.
 const EVALUATED_SHARES: [f64; 3] = [1.0, 0.5, 0.25];
-/// Evaluations beyond an end, each twice as far out (docs/method/discovery.md, "Intervals") …
+/// Evaluations beyond an end, each twice as far out (docs/method/search.md, "Intervals") …
 const MAX_DOUBLINGS: i32 = 5;
 /// … and more as long as the last one fits, up to this distance in probes: a slack tendon stays
 /// slack for any larger zero.

@@ -4,7 +4,7 @@ use nalgebra::DVector;
 
 use super::gauss_newton::{FitProblem, FittedSet};
 
-/// Search distances in standard deviations, up to far beyond an interval (docs/method/discovery.md,
+/// Search distances in standard deviations, up to far beyond an interval (docs/method/search.md,
 /// "Searching sets", step 8).
 const DISTANCES_SIGMA: [f64; 4] = [2.0, 6.0, 20.0, 60.0];
 /// Minimum decrease of the deviance.

@@ -42,7 +42,7 @@ pub(crate) struct GoodnessOfFit {
 }
 
 /// Correlation above which a residual is no tracker noise, and significance level of the variance
-/// test for such a residual. This and the constants below are those of docs/method/discovery.md, "Is
+/// test for such a residual. This and the constants below are those of docs/method/search.md, "Is
 /// anything missing?".
 const MAX_TRACKER_CORRELATION: f64 = 0.8;
 const SLOW_SIGNIFICANCE: f64 = 0.05;

@@ -22,7 +22,7 @@ struct Hold {
     first: usize,
 }
 
-/// Time after which a held command counts as at rest, seconds (docs/method/discovery.md, "Noise").
+/// Time after which a held command counts as at rest, seconds (docs/method/search.md, "Noise").
 const SETTLED_S: f64 = 1.0;
 
 /// Groups of repeated samples: first rows of all trials under the same weight, then each dwell.

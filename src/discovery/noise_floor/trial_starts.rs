@@ -6,7 +6,7 @@ use crate::discovery::recording::samples::{Sample, Samples};
 use crate::effects::Model;
 
 /// First tip positions that scatter by more than this share of the backbone's length are doubtful
-/// (docs/method/discovery.md, "What to record").
+/// (docs/reference/discovery.md, "What to record").
 const MAX_SCATTER_SHARE: f64 = 0.01;
 /// Time after which the start of a trial has no influence, seconds.
 const EXCLUDED_START_S: f64 = 1.0;

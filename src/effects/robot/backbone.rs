@@ -159,6 +159,19 @@ impl Backbone {
         self.pieces.iter().map(piece).collect()
     }
 
+    /// Radius at a distance from the base, metres.
+    pub fn radius_at_m(&self, s_m: f64) -> f64 {
+        let mut start_m = 0.0;
+        for (piece, radii) in self.pieces.iter().zip(self.radii()) {
+            if s_m <= piece.end_m {
+                let share = (s_m - start_m) / (piece.end_m - start_m);
+                return radii.outer[0] + share * (radii.outer[1] - radii.outer[0]);
+            }
+            start_m = piece.end_m;
+        }
+        self.radii().last().map_or(self.radius_m, |radii| radii.outer[1])
+    }
+
     /// Cross-sections from base to tip.
     pub(super) fn spans(&self) -> Vec<Span> {
         if self.pieces.is_empty() {

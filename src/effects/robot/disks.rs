@@ -154,7 +154,7 @@ impl Robot {
     }
 
     /// Where each disk begins and ends, metres from the base; lumped ones have no thickness.
-    fn disk_places_m(&self, rod: &RodParams) -> Vec<[f64; 2]> {
+    pub fn disk_places_m(&self, rod: &RodParams) -> Vec<[f64; 2]> {
         if let Some(positions_m) = &self.disks.positions_m {
             return positions_m.iter().map(|&position_m| [position_m; 2]).collect();
         }

@@ -8,8 +8,8 @@ use crate::report::drawing::{
 };
 use crate::report::order::last_training;
 use crate::report::style::{
-    INK, Marker, TALL, TEXT, capitalised, claim_sentence, mode_title, policies_in_order,
-    policy_label, policy_look, training_label,
+    INK, Marker, TALL, TEXT, capitalised, claim_words, mode_title, policies_in_order, policy_label,
+    policy_look, training_label,
 };
 use crate::report::{Artifact, Figure, Published, ReportError, csv, text};
 use crate::rows::population::{PopulationRow, RobotClaimRow};
@@ -132,7 +132,7 @@ fn shares(canvas: &mut Canvas, claims: &[&RobotClaimRow], top: f64) -> f64 {
     };
     let name = |claim: &&RobotClaimRow| {
         let words =
-            format!("{}: {} of {}", claim_sentence(&claim.statement), claim.held, claim.robots);
+            format!("{}: {} of {}", claim_words(&claim.statement), claim.held, claim.robots);
         DotRow::Named(words, 1)
     };
     let chart = DotChart {

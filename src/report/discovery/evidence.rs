@@ -9,10 +9,20 @@ use super::residuals::{AXES, held_out};
 use super::scale::SIGNIFICANCE_LEVEL;
 use crate::data::findings::{Findings, MissingTest, ResidualRow, Verdict};
 use crate::math::summary::root_mean_square;
+use crate::report::scene::player;
 use maud::{Markup, html};
 
 /// Rows of a table; the rest is in the files beside the page.
 const MAX_ROWS: usize = 12;
+
+/// The robot on a held-out trial.
+pub(super) fn robot(report: &DiscoveryReport) -> Markup {
+    let note = "The robot of the model under the commands of one held-out trial. The diamond is \
+                the measured tip; the dotted line from it ends at the tip of the model.";
+    let shown = player("The robot on a held-out trial", report.scenes);
+    let content = html! { @if !shown.0.is_empty() { p .note { (note) } (shown) } };
+    section("Model and measurement in motion", &content)
+}
 
 /// Where they disagree.
 pub(super) fn place(report: &DiscoveryReport, map: &Markup) -> Markup {

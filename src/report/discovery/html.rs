@@ -3,7 +3,7 @@
 use maud::{DOCTYPE, Markup, PreEscaped, Render, html};
 
 use crate::report::ReportError;
-use crate::report::drawing::{Canvas, PaintError, SvgSize, svg};
+use crate::report::drawing::{Canvas, PaintError, svg};
 use crate::report::style::PAGE_WIDTH;
 
 /// Width of the figures on a telephone, hundredths of an inch.
@@ -45,7 +45,7 @@ pub(crate) fn figure(
     let mut drawings = Markup::default();
     for (class, width) in [("wide", PAGE_WIDTH), ("narrow", TELEPHONE_WIDTH)] {
         if let Some(canvas) = draw(width) {
-            drawings.0 += &drawing(&svg(&canvas, SvgSize::Pixels).map_err(failed)?, class, name).0;
+            drawings.0 += &drawing(&svg(&canvas).map_err(failed)?, class, name).0;
         }
     }
     Ok(drawings)

@@ -21,6 +21,7 @@ mod scale;
 use super::style::PAGE_WIDTH;
 use super::{Artifact, ReportError, pictures, some_csv, text};
 use crate::data::findings::{Findings, PlaceRow, ResidualRow};
+use crate::data::scene::Scene;
 
 pub use folder::{folder_files, is_commands, write_folder};
 pub use given::GivenRecordings;
@@ -56,6 +57,8 @@ pub struct DiscoveryReport<'a> {
     pub model_before: &'a str,
     /// The written model as YAML from the same writer; the report shows the lines that differ.
     pub model_after: &'a str,
+    /// The robot on a held-out trial, before and after, with what was measured.
+    pub scenes: &'a [Scene],
 }
 
 impl DiscoveryReport<'_> {

@@ -15,6 +15,7 @@ pub(super) fn page(report: &DiscoveryReport) -> Result<String, ReportError> {
     let content = html! {
         (answer::head(report))
         (answer::effects(report))
+        (evidence::robot(report))
         (evidence::place(report, &map?))
         (evidence::proof(report, &gap?, &residuals?))
         (appendix::candidates(report))

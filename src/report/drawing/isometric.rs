@@ -60,22 +60,40 @@ impl View {
     /// Draws the three axes as arrows of `length` from a point on the figure.
     pub(crate) fn triad(&self, canvas: &mut Canvas, at: CanvasPoint, length: f64) {
         for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
-            let mut point = [0.0; 3];
-            point[axis] = 1.0;
-            let [u, v] = isometric(point);
-            let tip = [at[0] + length * u, at[1] - length * v];
-            canvas.line(&[at, tip], 1.1, INK, &[]);
-            let side = [-v * 2.4, -u * 2.4];
-            let back = [tip[0] - 6.0 * u, tip[1] + 6.0 * v];
-            let barbs = vec![
-                tip,
-                [back[0] + side[0], back[1] + side[1]],
-                [back[0] - side[0], back[1] - side[1]],
-            ];
-            canvas.area(barbs, INK, 1.0);
-            let label = [tip[0] + 9.0 * u, tip[1] - 9.0 * v + HALF_CAP * SMALL];
-            canvas.text(Text::new(name, label, SMALL, TextAlign::Centre));
+            let mut direction = [0.0; 3];
+            direction[axis] = 1.0;
+            self.arrow(canvas, at, direction, length, name);
         }
+    }
+
+    /// Draws a direction as a named arrow.
+    pub(crate) fn arrow(
+        &self,
+        canvas: &mut Canvas,
+        at: CanvasPoint,
+        direction: Point3,
+        length: f64,
+        name: &str,
+    ) {
+        let [u, v] = isometric(direction);
+        let tip = [at[0] + length * u, at[1] - length * v];
+        canvas.line(&[at, tip], 1.1, INK, &[]);
+        let side = [-v * 2.4, -u * 2.4];
+        let back = [tip[0] - 6.0 * u, tip[1] + 6.0 * v];
+        let barbs = vec![
+            tip,
+            [back[0] + side[0], back[1] + side[1]],
+            [back[0] - side[0], back[1] - side[1]],
+        ];
+        canvas.area(barbs, INK, 1.0);
+        let label = [tip[0] + 9.0 * u, tip[1] - 9.0 * v + HALF_CAP * SMALL];
+        canvas.text(Text::new(name, label, SMALL, TextAlign::Centre));
+    }
+
+    /// Length on the figure of a length across the line of sight.
+    pub(crate) fn length(&self, length_m: f64) -> f64 {
+        // The axes are drawn at full length, so that all else is longer by this.
+        self.scale * length_m * 1.5f64.sqrt()
     }
 
     /// Draws a scale bar of `length_m` with its label, with its left end at a point on the figure.

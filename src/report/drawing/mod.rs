@@ -15,5 +15,5 @@ pub(super) use dots::{Dot, DotChart, DotPanel, DotRow, MIN_PANEL};
 pub(super) use ends::{LineEnd, ends_width, name_ends};
 pub(super) use isometric::View;
 pub(super) use legend::{LegendEntry, legend};
-pub(super) use paint::{PaintError, SvgSize, png, svg, text_width};
+pub(super) use paint::{PaintError, pixels, png, printed_svg, svg, text_width};
 pub(super) use words::lines;

@@ -41,9 +41,19 @@ fn failed(error: impl std::fmt::Display) -> PaintError {
 
 /// The PNG of a figure.
 pub(crate) fn png(canvas: &Canvas) -> Result<Vec<u8>, PaintError> {
+    let (pixels, wide, high) = pixels(canvas, PIXELS)?;
+    encode(&pixels, wide, high)
+}
+
+/// The pixels of a figure, three bytes each, and their number across and down; `density` to the
+/// hundredth of an inch.
+pub(crate) fn pixels(
+    canvas: &Canvas,
+    density: usize,
+) -> Result<(Vec<u8>, usize, usize), PaintError> {
     register()?;
-    let scale = (PIXELS * SAMPLES) as f64;
-    let (wide, high) = ((canvas.width as usize) * PIXELS, (canvas.height as usize) * PIXELS);
+    let scale = (density * SAMPLES) as f64;
+    let (wide, high) = ((canvas.width as usize) * density, (canvas.height as usize) * density);
     let mut fine = vec![255u8; wide * SAMPLES * high * SAMPLES * 3];
     {
         let size = ((wide * SAMPLES) as u32, (high * SAMPLES) as u32);
@@ -52,20 +62,20 @@ pub(crate) fn png(canvas: &Canvas) -> Result<Vec<u8>, PaintError> {
         canvas.marks.iter().try_for_each(|mark| painter.paint(mark))?;
         backend.present().map_err(failed)?;
     }
-    encode(&shrink(&fine, wide), wide, high)
+    Ok((shrink(&fine, wide), wide, high))
 }
 
-/// How an SVG states its size.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum SvgSize {
-    /// In pixels, one per hundredth of an inch, as a page shows it.
-    Pixels,
-    /// In millimetres, as it is printed.
-    Millimetres,
+/// The SVG of a figure, as a page shows it: a pixel per hundredth of an inch.
+pub(crate) fn svg(canvas: &Canvas) -> Result<Vec<u8>, PaintError> {
+    sized_svg(canvas, |length| length.to_string())
 }
 
-/// The SVG of a figure.
-pub(crate) fn svg(canvas: &Canvas, size: SvgSize) -> Result<Vec<u8>, PaintError> {
+/// The SVG of a figure with its size in millimetres, as it is printed.
+pub(crate) fn printed_svg(canvas: &Canvas) -> Result<Vec<u8>, PaintError> {
+    sized_svg(canvas, |length| format!("{:.1}mm", 0.254 * length))
+}
+
+fn sized_svg(canvas: &Canvas, size: impl Fn(f64) -> String) -> Result<Vec<u8>, PaintError> {
     register()?;
     let mut text = String::new();
     let (wide, high) = ((canvas.width * SVG_UNITS) as u32, (canvas.height * SVG_UNITS) as u32);
@@ -79,11 +89,8 @@ pub(crate) fn svg(canvas: &Canvas, size: SvgSize) -> Result<Vec<u8>, PaintError>
         backend.present().map_err(failed)?;
     }
     let grid = format!("width=\"{wide}\" height=\"{high}\"");
-    let stated = |length: f64| match size {
-        SvgSize::Pixels => length.to_string(),
-        SvgSize::Millimetres => format!("{:.1}mm", 0.254 * length),
-    };
-    let size = format!("width=\"{}\" height=\"{}\"", stated(canvas.width), stated(canvas.height));
+    let [width, height] = [canvas.width, canvas.height].map(size);
+    let size = format!("width=\"{width}\" height=\"{height}\"");
     Ok(text.replacen(&grid, &size, 1).into_bytes())
 }
 

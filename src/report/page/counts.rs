@@ -1,6 +1,7 @@
-//! Numbers in the prose of a page: `<!-- count:FILE; COLUMN=VALUE; … -->48<!-- end -->` is the
-//! number of rows of a published table in which every condition holds. So a sentence cannot
-//! contradict the table that it is about.
+//! Published values in the prose of a page, so that a sentence cannot contradict the table that it
+//! is about. `<!-- count:FILE; COLUMN=VALUE; … -->48<!-- end -->` is the number of rows in which
+//! every condition holds, and `<!-- cell:COLUMN of FILE; COLUMN=VALUE; … -->reproduced<!-- end -->`
+//! the cell of the only such row.
 
 use std::path::Path;
 
@@ -8,7 +9,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::data::tables::{Beside, read_csv_beside};
 
-const BEGIN: &str = "<!-- count:";
+const COUNT: &str = "<!-- count:";
+const CELL: &str = "<!-- cell:";
 const CLOSE: &str = " -->";
 const END: &str = "<!-- end -->";
 
@@ -16,29 +18,46 @@ const END: &str = "<!-- end -->";
 #[derive(Serialize, Deserialize)]
 struct NoColumns {}
 
-/// `text` with every count computed again from the tables, whose names are relative to `folder`.
+/// `text` with every count and cell read again from the tables, whose names are relative to
+/// `folder`.
 ///
 /// # Errors
-/// The marker and what is wrong with it, in words: no end, no such table or column, no condition.
+/// The marker and what is wrong with it, in words: no end, no such table or column, no condition,
+/// not one row.
 pub fn recounted(text: &str, folder: &Path) -> Result<String, String> {
-    let mut pieces = text.split(BEGIN);
+    let counted = replaced(text, COUNT, |marker| {
+        let (_, rows) = rows(marker, folder)?;
+        Ok(rows.len().to_string())
+    })?;
+    replaced(&counted, CELL, |marker| cell(marker, folder))
+}
+
+/// `text` with what stands after each marker of a kind replaced.
+fn replaced(
+    text: &str,
+    begin: &str,
+    value: impl Fn(&str) -> Result<String, String>,
+) -> Result<String, String> {
+    let mut pieces = text.split(begin);
     let mut page = pieces.next().unwrap_or_default().to_owned();
     for piece in pieces {
         let marker = piece.split(CLOSE).next().unwrap_or_default();
-        let marker_error = |words: String| format!("{BEGIN}{marker}{CLOSE}: {words}");
+        let marker_error = |words: String| format!("{begin}{marker}{CLOSE}: {words}");
         let (_, rest) = piece
             .split_once(CLOSE)
             .ok_or_else(|| marker_error("found no end of the marker".into()))?;
         let (_, after) = rest
             .split_once(END)
             .ok_or_else(|| marker_error(format!("found no `{END}` after it, expected one")))?;
-        let count = count(marker, folder).map_err(marker_error)?;
-        page.push_str(&format!("{BEGIN}{marker}{CLOSE}{count}{END}{after}"));
+        let value = value(marker).map_err(marker_error)?;
+        page.push_str(&format!("{begin}{marker}{CLOSE}{value}{END}{after}"));
     }
     Ok(page)
 }
 
-fn count(marker: &str, folder: &Path) -> Result<usize, String> {
+/// The columns of the table that a marker names, and the numbers of the rows that meet its
+/// conditions.
+fn rows(marker: &str, folder: &Path) -> Result<(Vec<Beside>, Vec<usize>), String> {
     let mut parts = marker.split(';').map(str::trim);
     let file = parts.next().unwrap_or_default();
     let (columns, _) = read_csv_beside::<NoColumns>(&folder.join(file), |_| true)
@@ -46,8 +65,24 @@ fn count(marker: &str, folder: &Path) -> Result<usize, String> {
     let conditions = parts
         .map(|part| RowCondition::parse(part, &columns))
         .collect::<Result<Vec<_>, String>>()?;
-    let rows = columns.first().map_or(0, |(_, cells)| cells.len());
-    Ok((0..rows).filter(|&row| conditions.iter().all(|condition| condition.holds(row))).count())
+    let count = columns.first().map_or(0, |(_, cells)| cells.len());
+    let holds = |row: &usize| conditions.iter().all(|condition| condition.holds(*row));
+    let rows = (0..count).filter(holds).collect();
+    Ok((columns, rows))
+}
+
+/// The cell of the column that a marker names first, in the only row that meets its conditions.
+fn cell(marker: &str, folder: &Path) -> Result<String, String> {
+    let (name, marker) = marker
+        .split_once(" of ")
+        .ok_or_else(|| "found no ` of `, expected COLUMN of FILE".to_owned())?;
+    let (columns, rows) = rows(marker, folder)?;
+    let [row] = rows[..] else {
+        return Err(format!("found {} such rows, expected one", rows.len()));
+    };
+    let column = columns.iter().find(|(column, _)| column == name);
+    let (_, cells) = column.ok_or_else(|| format!("found no column `{name}` in the table"))?;
+    Ok(cells[row].clone())
 }
 
 /// A condition on a row.
@@ -111,12 +146,16 @@ mod tests {
             once.split("-->").map(|part| part.split("<!--").next().unwrap()).collect();
         assert_eq!(plain, "Of 3, 1 hold; 2, 1.");
         assert_eq!(recounted(&once, folder.path()).unwrap(), once);
+        let cell = "it is <!-- cell:verdict of t.csv; claim=a_1 --><!-- end -->.";
+        assert!(recounted(cell, folder.path()).unwrap().contains("-->reproduced<!--"));
         for bad in [
+            "<!-- cell:verdict of t.csv -->1<!-- end -->",
+            "<!-- cell:verdict -->1<!-- end -->",
             "<!-- count:t.csv -->1",
             "<!-- count:u.csv -->1<!-- end -->",
             "<!-- count:t.csv; x=1 -->1<!-- end -->",
         ] {
-            assert!(recounted(bad, folder.path()).unwrap_err().starts_with("<!-- count:"), "{bad}");
+            assert!(recounted(bad, folder.path()).unwrap_err().starts_with("<!-- c"), "{bad}");
         }
     }
 }

@@ -1,12 +1,13 @@
 //! The verdicts of the paper's claims: a table in Markdown, and a figure of the statements in groups
 //! with a mark for each verdict.
 
-use crate::report::drawing::{Canvas, LegendEntry, Text, TextAlign, legend, lines, signed};
+use super::claim_lines::{ClaimCells, ClaimLine, claim_lines};
+use crate::report::drawing::{Canvas, LegendEntry, Text, TextAlign, legend, lines};
 use crate::report::order::{distinct, trainings};
 use crate::report::page::markup::MarkdownTable;
 use crate::report::style::{
-    Colour, GREEN, GREY, GRID, HAIR, HALF_CAP, MARKER, Marker, NARROW, SMALL, TALL, TEXT,
-    VERMILION, capitalised, claim_sentence, training_short,
+    ANY_TRAINING, Colour, GREEN, GREY, GRID, HAIR, HALF_CAP, MARKER, Marker, NARROW, SMALL, TALL,
+    TEXT, VERMILION, capitalised, claim_words, training_short,
 };
 use crate::report::{Artifact, Figure, Published, ReportError, text};
 use crate::rows::experiment::ClaimRow;
@@ -28,59 +29,52 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     FIGURE.files(tables, &caption(claims), |width| draw(claims, width))
 }
 
-/// The numbers of a claim as text, with a common number of decimals (three significant digits of
-/// our largest value); metres as millimetres.
-struct ClaimCells {
-    paper: String,
-    ours: String,
-    interval: Option<String>,
-    unit: String,
-}
-
-fn shown(row: &ClaimRow) -> ClaimCells {
-    let metres = row.unit == "m" || row.unit.starts_with("m/");
-    let (scale, unit) =
-        if metres { (1e3, format!("m{}", row.unit)) } else { (1.0, row.unit.clone()) };
-    let finite = [row.ours, row.low_95, row.high_95].into_iter().filter(|value| value.is_finite());
-    let largest = finite.map(|value| (scale * value).abs()).fold(0.0, f64::max);
-    let number = |value: f64, largest: f64| {
-        let digits = if largest > 0.0 {
-            (2.0 - largest.log10().floor()).clamp(0.0, 6.0) as usize
-        } else {
-            0
-        };
-        if value.is_finite() { signed(scale * value, digits) } else { "–".to_owned() }
-    };
-    let has_interval = row.low_95.is_finite() && row.high_95.is_finite();
-    ClaimCells {
-        paper: number(row.paper, (scale * row.paper).abs()),
-        ours: number(row.ours, largest),
-        interval: has_interval.then(|| {
-            format!("[{}, {}]", number(row.low_95, largest), number(row.high_95, largest))
-        }),
-        unit,
-    }
-}
-
+/// One table an experiment: a line a claim, with the verdict of every kind of training.
 fn markdown(claims: &[ClaimRow]) -> String {
-    let line = |row: &ClaimRow| {
-        let shown = shown(row);
-        vec![
-            row.statement.clone(),
-            row.experiment.clone(),
-            training_short(&row.training).to_owned(),
-            shown.paper,
-            shown.ours,
-            shown.interval.unwrap_or_else(|| "–".to_owned()),
-            shown.unit,
-            row.seeds.to_string(),
-            format!("**{}**", row.verdict),
-        ]
+    let lines = claim_lines(claims);
+    let mut experiments: Vec<&str> =
+        lines.iter().map(|line| line.first().experiment.as_str()).collect();
+    experiments.dedup();
+    let counts = count(claims);
+    let mut text = format!(
+        "Verdicts: {counts}. A claim is reproduced where the 95 % interval of its quantity over \
+         the seeds lies inside the range of “holds if”, not reproduced where it lies outside, and \
+         undecided where it crosses a limit.\n"
+    );
+    for experiment in experiments {
+        let rows = lines
+            .iter()
+            .filter(|line| line.first().experiment == experiment)
+            .flat_map(markdown_rows);
+        let header = "Claim | Quantity | Holds if | Paper | Networks | Ours, 95 % interval | \
+                      Seeds | Verdict";
+        let table = MarkdownTable::new(header, rows).markdown();
+        text.push_str(&format!("\n## {experiment}\n\n{table}"));
+    }
+    text
+}
+
+/// The rows of a claim; what all share stands in the first.
+fn markdown_rows(line: &ClaimLine) -> Vec<Vec<String>> {
+    let row = |(index, row): (usize, &&ClaimRow)| {
+        let cells = ClaimCells::of(row);
+        let shared = [
+            format!("“{}” (`{}`)", row.statement, row.claim),
+            row.quantity.clone(),
+            line.holds_if(),
+            if row.paper.is_finite() {
+                format!("{} {}", cells.paper, cells.unit)
+            } else {
+                cells.paper.clone()
+            },
+        ];
+        let shared = shared.map(|text| if index == 0 { text } else { String::new() });
+        let ours = format!("{} {}", cells.ours_with_interval(), cells.unit);
+        let verdict = format!("**{}**", row.verdict);
+        let own = [training_short(&row.training).to_owned(), ours, row.seeds.to_string(), verdict];
+        [shared, own].concat()
     };
-    let header =
-        "Claim | Experiment | Networks | Paper | Ours | 95 % interval | Unit | Seeds | Verdict";
-    let table = MarkdownTable::new(header, claims.iter().map(line)).markdown();
-    format!("{table}\n{}.\n", count(claims))
+    line.rows.iter().enumerate().map(row).collect()
 }
 
 /// How many claims have each verdict.
@@ -110,54 +104,26 @@ const GROUPS: [(&str, &str); 4] = [
 /// How the statements of the table's numbers begin, and the heading above them.
 const VALUES: [&str; 2] = ["Table I, ", "Table I: each number"];
 
-/// The verdicts on one statement, by training.
-struct Claim<'a> {
-    group: String,
-    statement: &'a str,
-    rows: Vec<&'a ClaimRow>,
+/// The heading above a claim, and its statement.
+fn group<'a>(line: &'a ClaimLine) -> (&'a str, &'a str) {
+    let row = line.first();
+    if let Some(value) = row.statement.strip_prefix(VALUES[0]) {
+        return (VALUES[1], value);
+    }
+    let known = GROUPS.iter().find(|(name, _)| *name == row.experiment);
+    (known.map_or(&row.experiment, |(_, words)| words), &row.statement)
 }
 
-impl<'a> Claim<'a> {
-    /// The claims in the order of their groups.
-    fn all(claims: &'a [ClaimRow]) -> Vec<Claim<'a>> {
-        let mut all: Vec<Claim> = Vec::new();
-        for row in claims {
-            let same = |claim: &&mut Claim| {
-                claim.rows[0].claim == row.claim && claim.rows[0].experiment == row.experiment
-            };
-            if let Some(claim) = all.iter_mut().find(same) {
-                claim.rows.push(row);
-                continue;
-            }
-            let heading = GROUPS.iter().find(|(name, _)| *name == row.experiment);
-            let (group, statement) = match row.statement.strip_prefix(VALUES[0]) {
-                Some(value) => (VALUES[1].to_owned(), value),
-                None => (
-                    heading.map_or(row.experiment.clone(), |(_, words)| (*words).to_owned()),
-                    row.statement.as_str(),
-                ),
-            };
-            all.push(Claim { group, statement, rows: vec![row] });
-        }
-        let headings = distinct(all.iter().map(|claim| claim.group.clone()));
-        let place = |claim: &Claim| {
-            let known = GROUPS.iter().position(|(_, words)| *words == claim.group);
-            (known.unwrap_or(GROUPS.len()), headings.iter().position(|name| *name == claim.group))
-        };
-        all.sort_by_key(place);
-        all
-    }
-
-    /// The statement as a sentence, with the unit of its number and the paper's.
-    fn sentence(&self) -> String {
-        let shown = shown(self.rows[0]);
-        let paper = if self.rows[0].paper.is_finite() {
-            format!("paper: {} {}", shown.paper, shown.unit)
-        } else {
-            shown.unit
-        };
-        format!("{} ({paper})", claim_sentence(self.statement))
-    }
+/// The statement as a sentence, with the range in which it holds and the paper's number.
+fn sentence(line: &ClaimLine) -> String {
+    let cells = ClaimCells::of(line.first());
+    let paper = if line.first().paper.is_finite() {
+        format!("; paper: {} {}", cells.paper, cells.unit)
+    } else {
+        String::new()
+    };
+    let words = claim_words(group(line).1);
+    format!("{words} (holds if {}{paper})", line.holds_if())
 }
 
 fn caption(claims: &[ClaimRow]) -> String {
@@ -173,10 +139,11 @@ fn caption(claims: &[ClaimRow]) -> String {
 }
 
 fn draw(claims: &[ClaimRow], width: f64) -> Canvas {
-    let of_networks = claims.iter().map(|row| row.training.as_str()).filter(|name| *name != "any");
+    let of_networks =
+        claims.iter().map(|row| row.training.as_str()).filter(|name| *name != ANY_TRAINING);
     let mut trainings = trainings(of_networks);
     if trainings.is_empty() {
-        trainings.push("any");
+        trainings.push(ANY_TRAINING);
     }
     let mut canvas = Canvas::new(width, TALL);
     let keys = ["reproduced", "not reproduced", "undecided"].map(|verdict| {
@@ -189,18 +156,25 @@ fn draw(claims: &[ClaimRow], width: f64) -> Canvas {
         let heading = capitalised(training_short(name));
         canvas.text(Text::new(heading, [*column, y], SMALL, TextAlign::Left).bold());
     }
-    let mut group = String::new();
-    for claim in Claim::all(claims) {
-        if claim.group != group {
-            group.clone_from(&claim.group);
+    let mut all = claim_lines(claims);
+    let headings = distinct(all.iter().map(|line| group(line).0.to_owned()));
+    all.sort_by_key(|line| {
+        let heading = group(line).0;
+        let known = GROUPS.iter().position(|(_, words)| *words == heading);
+        (known.unwrap_or(GROUPS.len()), headings.iter().position(|name| name == heading))
+    });
+    let mut heading = String::new();
+    for claim in &all {
+        if group(claim).0 != heading {
+            heading = group(claim).0.to_owned();
             y += 10.0;
-            for line in lines(&group, TEXT, 0.88 * width) {
+            for line in lines(&heading, TEXT, 0.88 * width) {
                 y += TEXT + 2.0;
                 canvas.text(Text::new(line, [10.0, y], TEXT, TextAlign::Left).bold());
             }
             y += 5.0;
         }
-        y = layout.claim(&mut canvas, &claim, y);
+        y = layout.claim(&mut canvas, claim, y);
     }
     canvas.height = (y + 8.0).round();
     canvas
@@ -229,25 +203,24 @@ impl<'a> ClaimLayout<'a> {
     }
 
     /// Draws one claim below `top`; returns where it ends.
-    fn claim(&self, canvas: &mut Canvas, claim: &Claim, top: f64) -> f64 {
+    fn claim(&self, canvas: &mut Canvas, claim: &ClaimLine, top: f64) -> f64 {
         let right = canvas.width - 10.0;
         canvas.line(&[[10.0, top], [right, top]], HAIR, GRID, &[]);
         let pitch = SMALL + 3.0;
         let mut base = top + SMALL + 2.0;
         let first = base;
-        for (index, line) in lines(&claim.sentence(), SMALL, self.room).into_iter().enumerate() {
+        for (index, line) in lines(&sentence(claim), SMALL, self.room).into_iter().enumerate() {
             base = first + pitch * index as f64;
             canvas.text(Text::new(line, [10.0, base], SMALL, TextAlign::Left));
         }
         let numbers = if self.stacked { base + pitch } else { first };
         for row in &claim.rows {
             let (colour, marker, hollow) = look(&row.verdict);
-            let shown = shown(row);
-            let words = format!("{} {}", shown.ours, shown.interval.unwrap_or_default());
+            let words = ClaimCells::of(row).ours_with_interval();
             // Where no network takes part, the number is that of every training.
             let columns = self.trainings.iter().zip(&self.columns);
             for (_, x) in
-                columns.filter(|(name, _)| **name == row.training || row.training == "any")
+                columns.filter(|(name, _)| **name == row.training || row.training == ANY_TRAINING)
             {
                 let at = [x + 4.0, numbers - HALF_CAP * SMALL];
                 canvas.marker(at, marker, MARKER, colour, hollow);

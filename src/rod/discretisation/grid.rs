@@ -14,7 +14,7 @@ const SAME_END_M: f64 = 1e-6;
 /// … but at most this share of the length.
 const SAME_END_SHARE: f64 = 1e-4;
 /// Cell ends closer than this are merged, metres: they differ by rounding only. Merging ends 0.8 µm
-/// apart moved a tip by 15 µm (docs/method/robustness.md).
+/// apart moved a tip by 15 µm (docs/evidence/design_log.md).
 const SAME_PLACE_M: f64 = 1e-10;
 
 /// The discretisation of one rod.

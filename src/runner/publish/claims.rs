@@ -94,11 +94,16 @@ fn judge(
     let [low_95, high_95] = interval.unwrap_or([f64::NAN; 2]);
     let decided = interval.filter(|_| values.len() >= SEEDS_NEEDED);
     let range = accepted_range(&claim.relation);
+    let [holds_above, holds_below] =
+        range.map(|limit| if limit.is_finite() { limit } else { f64::NAN });
     ClaimRow {
         experiment: experiment.to_owned(),
         claim: claim.claim.clone(),
         statement: claim.statement.clone(),
+        quantity: claim.relation.quantity(),
         training: training.to_owned(),
+        holds_above,
+        holds_below,
         paper: claim.paper.unwrap_or(f64::NAN),
         ours: mean(&values),
         low_95,

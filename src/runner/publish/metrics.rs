@@ -101,10 +101,7 @@ fn reach_errors_m(tables: &Tables, cell: &ReachCell, seed: u64, training: &str) 
     let matches = |row: &&TrialRow| {
         row.seed == seed
             && row.training == training
-            && row.cell.policy == cell.policy
-            && row.cell.mode == cell.mode
-            && cell.gp_points.is_none_or(|points| points == row.cell.gp_points)
-            && cell.real_points.is_none_or(|points| points == row.cell.real_points)
+            && cell.includes(&row.cell)
             && row.status.is_ok()
             && row.error_m.is_finite()
     };

@@ -9,7 +9,11 @@ use std::collections::BTreeSet;
 
 /// The numbers of all stages behind what an experiment publishes.
 pub(crate) fn stages_behind(campaign: &Campaign, entry: &CampaignEntry) -> BTreeSet<usize> {
-    let mut needed = entry.wanted();
+    with_inputs(campaign, entry.wanted())
+}
+
+/// These stages and all before them.
+pub(super) fn with_inputs(campaign: &Campaign, mut needed: BTreeSet<usize>) -> BTreeSet<usize> {
     for number in (0..campaign.graph.len()).rev() {
         if needed.contains(&number) {
             needed.extend(campaign.graph.inputs(number));

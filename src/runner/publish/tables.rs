@@ -124,11 +124,15 @@ fn add_trained(
     }));
     for (cell, stage) in &cells.track {
         let samples = repetition.values(*stage, |status| vec![TrackSample::unmeasured(status)]);
-        let row = |sample| TrackRow {
+        let is_first = seed == experiment.first_seed;
+        let pulls_m = |sample: &TrackSample| {
+            if is_first { sample.pulls_m.clone() } else { String::new() }
+        };
+        let row = |sample: TrackSample| TrackRow {
             seed,
             training: training.clone(),
             policy: cell.policy.clone(),
-            sample,
+            sample: TrackSample { pulls_m: pulls_m(&sample), ..sample },
         };
         published.tracks.extend(samples.into_iter().map(row));
     }

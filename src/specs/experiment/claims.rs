@@ -4,6 +4,8 @@
 //! Each relation yields one number per seed and a range in which the claim holds; see
 //! `runner::claims`.
 
+use crate::policies;
+use crate::rows::cell::CellLabel;
 use serde::{Deserialize, Serialize};
 
 /// A claim of the paper.
@@ -176,7 +178,82 @@ pub enum FrameAxis {
     Z,
 }
 
+impl Size {
+    fn words(self) -> &'static str {
+        match self {
+            Size::GpPoints => "points of the Gaussian process",
+            Size::RealPoints => "points of π_real’s network",
+        }
+    }
+}
+
+impl ReachCell {
+    /// Whether trials of this cell count.
+    pub fn includes(&self, cell: &CellLabel) -> bool {
+        cell.policy == self.policy
+            && cell.mode == self.mode
+            && self.gp_points.is_none_or(|points| points == cell.gp_points)
+            && self.real_points.is_none_or(|points| points == cell.real_points)
+    }
+
+    /// Policy, mode and sizes.
+    fn words(&self) -> String {
+        let mode = match self.mode.as_str() {
+            "open" => "open loop",
+            "closed" => "closed loop",
+            "closed_load" => "closed loop with load",
+            other => other,
+        };
+        let size = |points: Option<u64>, over: Size| {
+            points.map_or_else(String::new, |points| format!(", {points} {}", over.words()))
+        };
+        let sizes =
+            size(self.gp_points, Size::GpPoints) + &size(self.real_points, Size::RealPoints);
+        format!("{}, {mode}{sizes}", policy_name(&self.policy))
+    }
+}
+
+/// The name of a policy in text.
+fn policy_name(policy: &str) -> &str {
+    policies::find(policy).map_or(policy, |entry| entry.label.plain)
+}
+
 impl ClaimMetric {
+    /// What is measured, in words.
+    fn words(&self) -> String {
+        match self {
+            ClaimMetric::ReachMean(cell) => format!("mean error ({})", cell.words()),
+            ClaimMetric::ReachSd(cell) => format!("SD of the error ({})", cell.words()),
+            ClaimMetric::NetworkMae { network, points } => {
+                let points = points.map_or_else(String::new, |points| format!(", {points} points"));
+                format!("validation error of the network `{network}`{points}")
+            }
+            ClaimMetric::GpError { points } => {
+                format!("cross-validation error of the Gaussian process, {points} points")
+            }
+            ClaimMetric::TrackMean { policy } => {
+                format!("mean error on the path ({})", policy_name(policy))
+            }
+            ClaimMetric::TrackTime { policy } => {
+                format!("time for the path ({})", policy_name(policy))
+            }
+            ClaimMetric::TrackOscillation { policy } => {
+                format!("oscillation on the path ({})", policy_name(policy))
+            }
+            ClaimMetric::TrackStart { policy } => {
+                format!("error at the first path point ({})", policy_name(policy))
+            }
+            ClaimMetric::GapRms { axis } => {
+                let axis = match axis {
+                    FrameAxis::X => "x",
+                    FrameAxis::Y => "y",
+                    FrameAxis::Z => "z",
+                };
+                format!("rms simulation error along {axis}")
+            }
+        }
+    }
+
     /// `m` or `s`.
     pub fn unit(&self) -> &'static str {
         if matches!(self, ClaimMetric::TrackTime { .. }) { "s" } else { "m" }
@@ -202,6 +279,37 @@ impl ClaimMetric {
 }
 
 impl Relation {
+    /// The number that decides, in words.
+    pub fn quantity(&self) -> String {
+        let range = |values: &[u64]| match values {
+            [first, .., last] => format!("{first} to {last}"),
+            _ => values.iter().map(u64::to_string).collect(),
+        };
+        match self {
+            Relation::Less { left, right, times } => {
+                let factor = if *times == 1.0 { String::new() } else { format!("{times} × ") };
+                format!("{} − {factor}{}", left.words(), right.words())
+            }
+            Relation::Between { metric, .. } | Relation::Near { metric, .. } => metric.words(),
+            Relation::Falls { metric, over, values } => {
+                format!(
+                    "slope of the {} per tenfold {}, {}",
+                    metric.words(),
+                    over.words(),
+                    range(values)
+                )
+            }
+            Relation::NoGain { metric, over, from, beyond, .. } => {
+                let (metric, over, beyond) = (metric.words(), over.words(), range(beyond));
+                format!("{metric}, average with {beyond} {over} − that with {from}")
+            }
+            Relation::Alike { metrics, times } => {
+                let words: Vec<String> = metrics.iter().map(ClaimMetric::words).collect();
+                format!("largest − {times} × smallest of: {}", words.join("; "))
+            }
+        }
+    }
+
     /// The metrics that it compares, with their sizes.
     pub fn metrics(&self) -> Vec<ClaimMetric> {
         let swept = |metric: &ClaimMetric, over: &Size, values: &mut dyn Iterator<Item = u64>| {

@@ -56,6 +56,8 @@ pub struct TrackStep {
     pub path_point: usize,
     /// The target, metres.
     pub target_m: Point3,
+    /// Displacements of the tendons during the step, metres; none in a step that failed.
+    pub pulls_m: Vec<f64>,
     /// Measured tip at the end of the step, metres.
     pub tip_m: Point3,
     /// Distance of the tip from the target, metres.
@@ -92,6 +94,7 @@ pub fn track(
             time_s: last.map_or(0.0, |step| step.time_s),
             path_point,
             target_m,
+            pulls_m: Vec::new(),
             tip_m,
             error_m: distance_m(&tip_m, &target_m),
             branch: last.map_or("", |step| step.branch),
@@ -125,6 +128,7 @@ fn follow(
                 time_s: observation.time_s,
                 path_point,
                 target_m: *target_m,
+                pulls_m: action.pulls_m,
                 tip_m: observation.tip_m,
                 error_m,
                 branch: action.branch,

@@ -1,6 +1,5 @@
 //! A recording simulated by a model.
 
-pub(super) mod body_lines;
 pub(super) mod robot_recordings;
 pub(super) mod simulate_recording;
 pub(super) mod simulated_columns;

@@ -150,6 +150,14 @@ fn track_sample(step: TrackStep) -> TrackSample {
         path_point: step.path_point as u64,
         error_m: step.error_m,
         branch: step.branch.to_owned(),
+        pulls_m: micrometres(&step.pulls_m),
         ..TrackSample::new(step.target_m, step.tip_m, step.status)
     }
+}
+
+/// Displacements in whole micrometres, separated by spaces, as text in metres.
+fn micrometres(pulls_m: &[f64]) -> String {
+    let each: Vec<String> =
+        pulls_m.iter().map(|pull_m| ((pull_m * 1e6).round() / 1e6).to_string()).collect();
+    each.join(" ")
 }

@@ -1,0 +1,4 @@
+//! Scenes of simulated robots for viewers.
+
+pub(super) mod recorded;
+pub(super) mod robot_shape;
