@@ -113,8 +113,8 @@ def publish(robot, data):
     numbers = tables.numbers_page(tables.read(results / "numbers.csv"))
     (results / "numbers.md").write_text(numbers, encoding="utf-8")
     for figure in ("errors", "map"):
-        for end in ("png", "svg"):
-            shutil.copyfile(WORK / robot.name / f"{figure}.{end}", f"plots/real/{robot.name}_{figure}.{end}")
+        for end in (".png", ".svg", "_column.svg", ".md"):
+            shutil.copyfile(WORK / robot.name / f"{figure}{end}", f"plots/real/{robot.name}_{figure}{end}")
     return tables.summary_row(robot, found)
 
 

@@ -19,6 +19,7 @@ mod cells;
 mod control;
 pub mod discovery;
 mod drawing;
+mod effect_picture;
 mod order;
 pub mod overview;
 pub mod page;
@@ -33,6 +34,7 @@ use std::path::Path;
 
 use crate::data::{DataError, write_atomic};
 
+pub use effect_picture::{EffectCurve, EffectPicture, EffectView};
 pub use paper::claim_lines::claim_sentence;
 pub use paper::summarise::{OSCILLATION_WINDOW_S, reach_summary, track_summary};
 pub use published::{FigureContext, Published, published_rows};
@@ -110,13 +112,14 @@ impl Figure {
         if missing { Err(ReportError::NoRows { figure: self.name, needs: rows }) } else { Ok(()) }
     }
 
-    /// These files, and the PNG and SVG of the drawing.
+    /// These files, and those of the drawing.
     fn files(
         &self,
         mut files: Vec<Artifact>,
-        canvas: &drawing::Canvas,
+        caption: &str,
+        draw: impl Fn(f64) -> drawing::Canvas,
     ) -> Result<Vec<Artifact>, ReportError> {
-        files.extend(pictures(self.name, self.name, canvas)?);
+        files.extend(captioned(self.name, self.name, caption, draw)?);
         Ok(files)
     }
 }
@@ -148,6 +151,11 @@ pub fn write(artifacts: &[Artifact], results: &Path, plots: &Path) -> Result<(),
     Ok(())
 }
 
+/// A file in `plots/`.
+fn plot(stem: &str, end: &str, bytes: Vec<u8>) -> Artifact {
+    Artifact { name: format!("{stem}{end}"), folder: OutputFolder::Plots, bytes }
+}
+
 /// PNG and SVG of a drawing.
 fn pictures(
     figure: &'static str,
@@ -156,15 +164,25 @@ fn pictures(
 ) -> Result<[Artifact; 2], ReportError> {
     let failed =
         |error: drawing::PaintError| ReportError::Draw { figure, reason: error.to_string() };
-    let file = |end: &str, bytes| Artifact {
-        name: format!("{stem}.{end}"),
-        folder: OutputFolder::Plots,
-        bytes,
-    };
     Ok([
-        file("png", drawing::png(canvas).map_err(failed)?),
-        file("svg", drawing::svg(canvas).map_err(failed)?),
+        plot(stem, ".png", drawing::png(canvas).map_err(failed)?),
+        plot(stem, ".svg", drawing::svg(canvas).map_err(failed)?),
     ])
+}
+
+/// A published picture: PNG and SVG over the page, an SVG over one column, and the caption.
+fn captioned(
+    figure: &'static str,
+    stem: &str,
+    caption: &str,
+    draw: impl Fn(f64) -> drawing::Canvas,
+) -> Result<Vec<Artifact>, ReportError> {
+    let mut files = pictures(figure, stem, &draw(style::PAGE_WIDTH))?.to_vec();
+    let column = drawing::printed_svg(&draw(style::COLUMN_WIDTH))
+        .map_err(|error| ReportError::Draw { figure, reason: error.to_string() })?;
+    files.push(plot(stem, "_column.svg", column));
+    files.push(plot(stem, ".md", format!("{caption}\n").into_bytes()));
+    Ok(files)
 }
 
 /// A CSV for `results/<experiment>/`.

@@ -15,7 +15,7 @@ use crate::rows::experiment::{
     ScalingRow, SweepRow, TrackRow, TrialRow, WaypointRow, WorkspaceRow,
 };
 use crate::rows::learning_peers::LearningPeerRow;
-use crate::rows::population::{RobotClaimRow, RobotRow};
+use crate::rows::population::{PopulationRow, RobotClaimRow, RobotRow};
 use crate::rows::repairs::{IdentificationRow, MonitorRow, RepairRow, RepairTrialRow};
 use crate::rows::responses::{PaceRow, ResponseRow};
 
@@ -42,6 +42,11 @@ macro_rules! published {
             $($(#[doc = $about])+ pub $field: Vec<$row>,)*
             /// Points of a sweep (`sweep.csv`).
             pub sweep: SweepTable,
+            /// Goal reaching in summary (`summary.csv`), where the trials of many robots are not
+            /// published.
+            pub reached: Vec<ReachSummaryRow>,
+            /// Errors over these robots (`population.csv`), there too.
+            pub robot_errors: Vec<PopulationRow>,
             /// What the rows do not say of the experiment.
             pub context: FigureContext,
         }
@@ -59,6 +64,8 @@ macro_rules! published {
                 Ok(Published {
                     $($field: as_published(&folder.join(<$row>::TABLE.file), &self.$field)?,)*
                     sweep: self.sweep.clone(),
+                    reached: self.reached.clone(),
+                    robot_errors: self.robot_errors.clone(),
                     context: self.context.clone(),
                 })
             }
@@ -154,9 +161,11 @@ impl Published {
         style::training_label(training)
     }
 
-    /// [`reach_summary`] of these trials, with the paper's numbers where the robot is the paper's.
+    /// [`reach_summary`] of these trials, or what is published in their place; with the paper's
+    /// numbers where the robot is the paper's.
     pub(super) fn reach_summary(&self, trials: &[TrialRow]) -> Vec<ReachSummaryRow> {
-        let mut summary = reach_summary(trials);
+        let mut summary =
+            if trials.is_empty() { self.reached.clone() } else { reach_summary(trials) };
         if !self.context.is_paper_robot {
             for row in &mut summary {
                 (row.paper_mean_m, row.paper_sd_m) = (f64::NAN, f64::NAN);
@@ -175,7 +184,12 @@ impl Published {
             // The other tables are those of all its points: no figure is made of them together.
             return Ok(Published { sweep, ..Published::default() });
         }
-        Published::read_tables(folder)
+        let tables = Published::read_tables(folder)?;
+        if tables.robots.is_empty() || !tables.trials.is_empty() {
+            return Ok(tables);
+        }
+        let (reached, robot_errors) = (published_rows(folder)?, published_rows(folder)?);
+        Ok(Published { reached, robot_errors, ..tables })
     }
 
     /// Writes every kind that has rows into a folder of results and gives the rows back as they

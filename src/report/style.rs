@@ -34,6 +34,10 @@ pub const WHITE: Colour = [255, 255, 255];
 
 /// Width of a figure over two columns, hundredths of an inch.
 pub const PAGE_WIDTH: f64 = 720.0;
+/// Width of a figure over one column: 85 mm, hundredths of an inch.
+pub const COLUMN_WIDTH: f64 = 334.6;
+/// A drawing below this width puts its panels one below the other.
+pub(crate) const NARROW: f64 = 500.0;
 /// Room for the numbers and the label of the y axis left of a panel, hundredths of an inch.
 pub(crate) const LEFT_MARGIN: f64 = 56.0;
 /// Size of labels and legends (8 pt).
@@ -142,7 +146,7 @@ pub(crate) fn mode_title(mode: &str) -> String {
     }
 }
 
-/// The short name of a claim as text.
-pub(crate) fn claim_label(claim: &str) -> String {
-    claim.replace("pi_real", policy_label("pi_real")).replace('_', " ")
+/// The statement of a claim as a sentence.
+pub(crate) fn claim_words(statement: &str) -> String {
+    capitalised(&statement.replace("pi_real", policy_label("pi_real")))
 }

@@ -1,6 +1,7 @@
 //! Stages, their store, threads and progress.
 
 mod campaign;
+mod effect_curves;
 mod execute;
 mod graph;
 mod jobs;
@@ -10,6 +11,7 @@ pub mod stages;
 mod store;
 
 pub use campaign::{Campaign, CampaignEntry, PlannedRun};
+pub use effect_curves::effect_pictures;
 pub use execute::executor::{
     EXCHANGE_INTERVAL, MAX_PAUSE, MAX_RESULTS_IN_MEMORY, MAX_RESUMED_STAGES, MAX_UNWRITTEN_RESULTS,
     MIN_PAUSE, RunOptions, RunRecord, WorkerShare, execute, execute_share,
@@ -37,6 +39,7 @@ pub use publish::metrics::Tables;
 pub use publish::one_claim::published_cost;
 pub use publish::provenance::{first_difference, provenance};
 pub use publish::publish_all::{RunFacts, publish_all};
+pub use publish::redraw::{redraw, redraw_claims};
 pub use publish::results::{Files, Publication, PublishError, all_claims, put, write_files};
 pub use store::{
     EntryLock, EntryState, Lookup, Note, Store, StoreTraffic, StoredEntry, store_folder,

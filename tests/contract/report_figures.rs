@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::support::report_rows::{published, sweep};
+use crate::support::text_overlap::assert_apart;
 use spinebench::report::{OutputFolder, Published, ReportError, figure, figures, write};
 use spinebench::rows::table_descriptions;
 
@@ -18,7 +19,7 @@ fn no_rows_are_an_error() {
 }
 
 #[test]
-fn names_are_unique_and_one_repetition_makes_a_png_and_an_svg() {
+fn names_are_unique_and_one_repetition_makes_pictures_and_a_caption() {
     for (index, one) in figures().enumerate() {
         assert!(figures().take(index).all(|other| other.name != one.name));
         assert_eq!(figure(one.name).unwrap().about, one.about);
@@ -29,6 +30,42 @@ fn names_are_unique_and_one_repetition_makes_a_png_and_an_svg() {
             assert_eq!(file.folder, OutputFolder::Plots);
             let start: &[u8] = if end == "png" { b"\x89PNG\r\n" } else { b"<svg " };
             assert!(file.bytes.starts_with(start), "{name}");
+        }
+        let captions = files
+            .iter()
+            .filter(|file| file.folder == OutputFolder::Plots && file.name.ends_with(".md"));
+        for caption in captions {
+            let words = String::from_utf8(caption.bytes.clone()).unwrap();
+            let sentences = words.matches(". ").count() + usize::from(words.ends_with(".\n"));
+            assert!((1..=5).contains(&sentences), "{}: {words}", caption.name);
+        }
+    }
+}
+
+/// Sizes of the texts of an SVG, points, of one that is printed 85 mm wide.
+fn sizes_pt(svg: &str) -> Vec<f64> {
+    let width: f64 =
+        svg.split("viewBox=\"0 0 ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+    let sizes = svg.split("font-size=\"").skip(1).map(|rest| rest.split('"').next().unwrap());
+    sizes.map(|size| size.parse::<f64>().unwrap() / width * 85.0 / 25.4 * 72.0).collect()
+}
+
+#[test]
+fn over_one_column_every_text_is_read_and_none_lies_on_another() {
+    for figure in figures() {
+        let files = (figure.render)(&published(figure.name, 3)).unwrap();
+        let svgs: Vec<_> = files.iter().filter(|file| file.name.ends_with(".svg")).collect();
+        for svg in &svgs {
+            assert_apart(&svg.name, &svg.bytes);
+        }
+        let columns: Vec<_> =
+            svgs.iter().filter(|file| file.name.ends_with("_column.svg")).collect();
+        assert!(2 * columns.len() == svgs.len(), "{}: one for each picture", figure.name);
+        for column in columns {
+            let text = String::from_utf8_lossy(&column.bytes);
+            assert!(text.contains("width=\"85.0mm\""), "{}", column.name);
+            let least = sizes_pt(&text).into_iter().fold(f64::INFINITY, f64::min);
+            assert!(least >= 7.0, "{}: a text of {least:.1} pt", column.name);
         }
     }
 }
@@ -115,7 +152,7 @@ fn sweeps_of_two_and_three_fields_are_heat_maps_and_of_more_are_left_to_the_tabl
     let numbers =
         svg.lines().filter(|line| line.trim().parse::<f64>().is_ok_and(|mm| mm > 1.0)).count();
     assert!(numbers >= 9 * 7, "{numbers}");
-    assert!(svg.contains("matern52") && svg.contains("switch_threshold (mm)"), "{svg}");
+    assert!(svg.contains("matern52") && svg.contains("threshold of policy C (mm)"), "{svg}");
     let triple = [models, kernels, thresholds];
     for (name, fields) in
         [("pair", &[kernels, thresholds][..]), ("files", &[models, kernels]), ("triple", &triple)]

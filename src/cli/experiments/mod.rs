@@ -7,6 +7,7 @@ pub(super) mod gather;
 pub(super) mod pack;
 pub(super) mod page;
 pub(super) mod plan;
+pub(super) mod plot;
 pub(super) mod report;
 pub(super) mod run;
 pub(super) mod verify;

@@ -192,8 +192,11 @@ fn summarise(
 fn tell_files(progress: &Progress, campaign: &Campaign, published: &[Publication], out: &Path) {
     for (entry, publication) in campaign.entries.iter().zip(published) {
         let name = &entry.experiment.name;
-        let is_shown =
-            |path: &&PathBuf| path.extension().is_some_and(|end| end == "md" || end == "png");
+        // Of a picture the PNG: beside it lie its other sizes and its caption.
+        let is_shown = |path: &&PathBuf| {
+            let end = if path.starts_with("plots") { "png" } else { "md" };
+            path.extension().is_some_and(|found| found == end)
+        };
         let shown = publication
             .files
             .keys()

@@ -7,10 +7,13 @@ use serde::Serialize;
 use super::cases::AnswerClass;
 use crate::data::findings::CaseRow;
 use crate::report::discovery::format::fitted;
-use crate::report::drawing::{Canvas, CanvasPoint, Text, TextAlign, text_width};
+use crate::report::drawing::{
+    Canvas, CanvasPoint, LegendEntry, Text, TextAlign, legend, text_width,
+};
 use crate::report::order::distinct;
 use crate::report::style::{
-    BLUE, Colour, GREY, HAIR, HALF_CAP, INK, PAGE_WIDTH, SKY, SMALL, TEXT, VERMILION, WHITE,
+    BLUE, Colour, GREY, HAIR, HALF_CAP, INK, Marker, NARROW, PAGE_WIDTH, SKY, SMALL, TALL, TEXT,
+    VERMILION, WHITE,
 };
 
 /// Number of cases with one truth and one answer (`confusion.csv`).
@@ -99,11 +102,24 @@ fn columns(lines: &[MatrixRow]) -> Vec<AnswerClass> {
     columns
 }
 
-/// Draws the matrix.
-pub(crate) fn draw(cases: &[CaseRow]) -> Canvas {
+/// What the picture shows.
+pub(crate) fn caption(cases: &[CaseRow]) -> String {
+    format!(
+        "Answers of discovery to {} blind cases: a row for each hidden effect, a column for each \
+         answer, in a cell the number of cases; the stronger the colour, the larger the share of \
+         the row. Over one column: the answers other than the hidden effect in words.",
+        cases.len()
+    )
+}
+
+/// Draws the matrix; where there is no room for its columns, the answers in words.
+pub(crate) fn draw(cases: &[CaseRow], width: f64) -> Canvas {
     let lines = lines(cases);
+    if width < NARROW {
+        return in_words(&lines, width);
+    }
     let columns = columns(&lines);
-    let mut canvas = Canvas::new(PAGE_WIDTH, 1e5);
+    let mut canvas = Canvas::new(PAGE_WIDTH, TALL);
     keys(&mut canvas);
     let wide = (PAGE_WIDTH - LEFT_MARGIN - 44.0) / columns.len() as f64;
     let size = SMALL.min(0.9 * wide);
@@ -165,6 +181,63 @@ pub(crate) fn draw(cases: &[CaseRow]) -> Canvas {
     canvas
 }
 
+/// A bar for each row, right answers first, and the other answers in words.
+fn in_words(rows: &[MatrixRow], width: f64) -> Canvas {
+    const NAMES: f64 = 120.0;
+    const BAR: f64 = 40.0;
+    let mut canvas = Canvas::new(width, TALL);
+    let keys: [(LegendEntry, &str); 3] =
+        [(BLUE, "right"), (SKY, "truth in the group"), (VERMILION, "not right")]
+            .map(|(colour, words)| (LegendEntry::Marker(Marker::Square, colour, false), words));
+    let mut y = legend(&mut canvas, [10.0, 16.0], width - 8.0, &keys) + 10.0;
+    let mut group = "";
+    for row in rows {
+        if row.group != group {
+            group = row.group;
+            y = heading(&mut canvas, group, y);
+        }
+        let base = y + 0.5 * ROW_HEIGHT + HALF_CAP * SMALL;
+        let name = if row.truth.is_empty() { "nothing" } else { row.truth };
+        let name = fitted(&name.replace('_', " "), SMALL, NAMES - 16.0);
+        canvas.text(Text::new(name, [NAMES - 6.0, base], SMALL, TextAlign::Right));
+        let mut answers: Vec<(AnswerClass, Colour, usize)> = Vec::new();
+        for case in &row.cases {
+            let answer = AnswerClass::of(case);
+            let colour = if case.right {
+                BLUE
+            } else if matches!(answer, AnswerClass::GroupWith | AnswerClass::Group) {
+                SKY
+            } else {
+                VERMILION
+            };
+            match answers.iter_mut().find(|(other, hue, _)| *other == answer && *hue == colour) {
+                Some((_, _, count)) => *count += 1,
+                None => answers.push((answer, colour, 1)),
+            }
+        }
+        answers.sort_by_key(|(_, colour, count)| {
+            (*colour != BLUE, *colour != SKY, usize::MAX - count)
+        });
+        let mut x = NAMES;
+        for (_, colour, count) in &answers {
+            let end = x + BAR * *count as f64 / row.cases.len() as f64;
+            canvas.rectangle([x, y + 2.0], [end - 0.6, y + ROW_HEIGHT - 2.0], *colour, 1.0);
+            x = end;
+        }
+        let own = AnswerClass::Named(row.truth.to_owned());
+        let words: Vec<String> = answers
+            .iter()
+            .filter(|(answer, _, _)| *answer != own)
+            .map(|(answer, _, count)| format!("{count} × {}", answer.name().replace('_', " ")))
+            .collect();
+        let words = fitted(&words.join(", "), SMALL, width - NAMES - BAR - 14.0);
+        canvas.text(Text::new(words, [NAMES + BAR + 6.0, base], SMALL, TextAlign::Left));
+        y += ROW_HEIGHT;
+    }
+    canvas.height = (y + 8.0).round();
+    canvas
+}
+
 /// Gap before columns of classes.
 fn gap(answer: &AnswerClass) -> f64 {
     if matches!(answer, AnswerClass::Named(_)) { 0.0 } else { 6.0 }
@@ -173,7 +246,8 @@ fn gap(answer: &AnswerClass) -> f64 {
 fn heading(canvas: &mut Canvas, group: &str, y: f64) -> f64 {
     let words = GROUPS.iter().find(|(name, _)| *name == group).map_or(group, |(_, words)| *words);
     canvas.text(Text::new(words, [12.0, y + 13.0], SMALL, TextAlign::Left).bold());
-    canvas.line(&[[12.0, y], [PAGE_WIDTH - 10.0, y]], HAIR, crate::report::style::GRID, &[]);
+    let right = canvas.width - 10.0;
+    canvas.line(&[[12.0, y], [right, y]], HAIR, crate::report::style::GRID, &[]);
     y + 18.0
 }
 
@@ -186,8 +260,6 @@ fn keys(canvas: &mut Canvas) {
         canvas.text(Text::new(words, [x + 18.0, 18.0], SMALL, TextAlign::Left));
         x += 34.0 + text_width(words, SMALL, false);
     }
-    let words = "number: cases; stronger: a larger share of the row";
-    canvas.text(Text::new(words, [x, 18.0], SMALL, TextAlign::Left).colour(GREY));
 }
 
 /// Number of cases of a row with an answer; darker for a larger share.

@@ -9,9 +9,9 @@ use super::table::percent;
 use crate::data::findings::CaseRow;
 use crate::report::discovery::answer::closed;
 use crate::report::discovery::format::NONE;
-use crate::report::drawing::{Axis, Canvas, Panel, Text, TextAlign};
+use crate::report::drawing::{Axis, Canvas, Dot, DotChart, DotPanel, DotRow};
 use crate::report::page::markup::MarkdownTable;
-use crate::report::style::{GREY, HALF_CAP, LOOKS, SMALL, TEXT};
+use crate::report::style::{GREY, LOOKS, Look, TALL};
 
 /// One figure of one method (`fault_isolation.csv`).
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -158,51 +158,44 @@ fn shown(score: &MethodScore) -> String {
     value
 }
 
-/// Width of the figure: that of one column, so that it can be read on a phone.
-const WIDTH: f64 = 400.0;
-const LEFT: f64 = 126.0;
-const RIGHT: f64 = 106.0;
-const TOP: f64 = 24.0;
-/// Height of a method's row, and of what stands between two panels.
-const ROW: f64 = 17.0;
-const BETWEEN: f64 = 44.0;
+/// What the picture shows.
+pub(crate) const CAPTION: &str = "Discovery and four methods of comparison in the terms of fault \
+    isolation, in % with 95 % intervals: cases with a hidden effect in which the method reports one, \
+    cases without one in which it does, and the mean probability that it gives to the hidden effect \
+    where it reports one.";
 
-/// Draws detection, false alarms and isolation of single effects, a panel each, one below the
-/// other.
-pub(crate) fn draw(scores: &[MethodScore]) -> Canvas {
+/// Draws detection, false alarms and isolation of single effects, a panel each.
+pub(crate) fn draw(scores: &[MethodScore], width: f64) -> Canvas {
     let panels = [
-        (DETECTION, "true detection (%): more is better"),
-        (FALSE_ALARMS, "false alarms (%): fewer is better"),
-        (SINGLES, "probability given to the hidden effect (%): more is better"),
+        (DETECTION, "True detection", "% (more is better)"),
+        (FALSE_ALARMS, "False alarms", "% (fewer is better)"),
+        (SINGLES, "Probability of the truth", "% (more is better)"),
     ];
-    let high = ROW * METHODS.len() as f64;
-    let mut canvas = Canvas::new(WIDTH, TOP + (high + BETWEEN) * panels.len() as f64 - 16.0);
-    for (index, (measure, title)) in panels.into_iter().enumerate() {
-        let top = TOP + (high + BETWEEN) * index as f64;
-        canvas.text(Text::new(title, [10.0, top - 9.0], TEXT, TextAlign::Left).bold());
-        let panel = canvas.panel(Panel {
-            corner: [LEFT, top],
-            size: [WIDTH - LEFT - RIGHT, high],
-            x: Axis::exact("", 0.0, 100.0, 4),
-            y: Axis::bare_to(1.0),
-            title: String::new(),
-        });
-        for (turn, (method, look)) in METHODS.iter().zip(LOOKS).enumerate() {
-            let y = top + ROW * (turn as f64 + 0.5);
-            let baseline = y + HALF_CAP * TEXT;
-            let name = Text::new(method.name, [LEFT - 7.0, baseline], TEXT, TextAlign::Right);
-            canvas.text(name);
-            let at = [WIDTH - RIGHT + 7.0, baseline];
+    let panel = |(measure, title, axis): (&str, &str, &str)| {
+        let dot = |(row, (method, look)): (usize, (&Method, Look))| {
             let Some(score) = find(scores, method.name, measure) else {
-                canvas.text(Text::new("names nothing", at, SMALL, TextAlign::Left).colour(GREY));
-                continue;
+                let words = "names nothing".to_owned();
+                return Dot { words, ..Dot::new(row, 0, f64::NAN, look.marker, GREY) };
             };
-            let place = |share: f64| [panel.at(100.0 * share.clamp(0.0, 1.0), 0.0)[0], y];
-            canvas.line(&[place(score.low_95), place(score.high_95)], 2.0, look.colour, &[]);
-            canvas.marker(place(score.value), look.marker, 4.2, look.colour, false);
-            canvas.text(Text::new(shown(score), at, SMALL, TextAlign::Left));
-        }
-    }
+            let percent = |share: f64| (100.0 * share).clamp(0.0, 100.0);
+            Dot {
+                thin: Some([score.low_95, score.high_95].map(percent)),
+                words: shown(score),
+                ..Dot::new(row, 0, percent(score.value), look.marker, look.colour)
+            }
+        };
+        let dots = METHODS.iter().zip(LOOKS).enumerate().map(dot).collect();
+        DotPanel::new(title, Axis::exact(axis, 0.0, 100.0, 4), dots)
+    };
+    let chart = DotChart {
+        rows: METHODS.iter().map(|method| DotRow::Named(method.name.to_owned(), 1)).collect(),
+        lane_height: 15.0,
+        min_panel: 80.0,
+        aside: 108.0,
+        panels: panels.into_iter().map(panel).collect(),
+    };
+    let mut canvas = Canvas::new(width, TALL);
+    canvas.height = chart.draw(&mut canvas, 24.0).round();
     canvas
 }
 

@@ -285,7 +285,7 @@ pub(crate) fn summary(cases: &[CaseRow]) -> Vec<SummaryRow> {
 }
 
 /// A level of noise in words.
-pub(crate) fn noise_name(noise_m: f64) -> String {
+fn noise_name(noise_m: f64) -> String {
     // Nine digits are published; three are read.
     format!("noise {} mm", (1e6 * noise_m).round() / 1e3)
 }

@@ -1,21 +1,20 @@
 //! The blind benchmark of discovery: which effects are named for which, how often the answer is
-//! right, and what is left of it with fewer samples.
+//! right.
 
 mod cases;
 mod confusion;
 mod fault_isolation;
 mod measures;
 mod rates;
-mod samples;
 mod share;
 mod table;
 
-use super::{Artifact, Figure, Published, ReportError, csv, pictures, text};
+use super::{Artifact, Figure, Published, ReportError, captioned, csv, text};
 
 /// Registry entry.
 pub(super) const FIGURE: Figure = Figure {
     name: "discovery",
-    about: "Blind benchmark of discovery: confusion matrix, rates, samples",
+    about: "Blind benchmark of discovery: confusion matrix and rates",
     render,
 };
 
@@ -28,16 +27,24 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
         csv("confusion.csv", &confusion::counts(cases))?,
         text("discovery.md", table::markdown(&summary)),
     ];
-    files.extend(pictures(FIGURE.name, FIGURE.name, &confusion::draw(cases))?);
-    files.extend(pictures(FIGURE.name, "discovery_rates", &rates::draw(&summary))?);
-    files.extend(pictures(FIGURE.name, "discovery_samples", &samples::draw(cases))?);
+    let drawn = captioned(FIGURE.name, FIGURE.name, &confusion::caption(cases), |width| {
+        confusion::draw(cases, width)
+    });
+    files.extend(drawn?);
+    let drawn = captioned(FIGURE.name, "discovery_rates", &rates::caption(&summary), |width| {
+        rates::draw(&summary, width)
+    });
+    files.extend(drawn?);
     // Older tables have no methods of comparison.
     let scores = fault_isolation::scores(cases);
     if !scores.is_empty() {
         files.push(csv("fault_isolation.csv", &scores)?);
         files.push(text("fault_isolation.md", fault_isolation::markdown(&scores)));
-        let drawn = fault_isolation::draw(&scores);
-        files.extend(pictures(FIGURE.name, "discovery_isolation", &drawn)?);
+        let caption = fault_isolation::CAPTION;
+        let drawn = captioned(FIGURE.name, "discovery_isolation", caption, |width| {
+            fault_isolation::draw(&scores, width)
+        });
+        files.extend(drawn?);
     }
     Ok(files)
 }

@@ -2,69 +2,59 @@
 
 use super::measures::{SummaryRow, is_ratio};
 use super::table::{interval, plain};
-use crate::report::discovery::format::fitted;
 use crate::report::drawing::{
-    Axis, Canvas, CanvasPoint, LegendEntry, Panel, Text, TextAlign, legend,
+    Axis, Canvas, Dot, DotChart, DotPanel, DotRow, LegendEntry, Text, TextAlign, legend,
 };
 use crate::report::order::distinct;
-use crate::report::style::{GREEN, GREY, INK, LOOKS, Look, MARKER, PAGE_WIDTH, SMALL};
+use crate::report::style::{GREEN, LOOKS, Look, SMALL, TALL};
 
-const LEFT_MARGIN: f64 = 262.0;
-const RIGHT_MARGIN: f64 = 150.0;
-const TOP_MARGIN: f64 = 52.0;
+/// What the picture shows.
+pub(crate) fn caption(rows: &[SummaryRow]) -> String {
+    let cases = rows.iter().map(|row| row.cases).max().unwrap_or(0);
+    format!(
+        "Results of the blind benchmark of discovery over up to {cases} cases: share of the cases \
+         that each line is about, in %, with Wilson’s 95 % interval (of medians, order statistics). \
+         Green: the range that was to be reached."
+    )
+}
 
 /// Draws every share: all cases, or each number of samples where there are several.
-pub(crate) fn draw(rows: &[SummaryRow]) -> Canvas {
+pub(crate) fn draw(rows: &[SummaryRow], width: f64) -> Canvas {
     let rows: Vec<&SummaryRow> = rows.iter().filter(|row| !is_ratio(&row.measure)).collect();
     let parts = parts(&rows);
     let measures = distinct(rows.iter().map(|row| row.measure.as_str()));
-    let pitch = 9.0 + 11.0 * parts.len() as f64;
-    let high = pitch * measures.len() as f64;
-    let mut canvas = Canvas::new(PAGE_WIDTH, (TOP_MARGIN + high + 46.0).ceil());
+    let mut canvas = Canvas::new(width, TALL);
     let keys: Vec<(LegendEntry, &str)> =
         parts.iter().zip(LOOKS).map(|(part, look)| (marker(look), *part)).collect();
-    legend(&mut canvas, [LEFT_MARGIN, 18.0], 520.0, &keys);
-    let goal = [540.0, 18.0];
-    canvas.rectangle([goal[0], goal[1] - 9.0], [goal[0] + 22.0, goal[1] + 2.0], GREEN, 0.22);
-    canvas.line(&[[goal[0], goal[1] - 9.0], [goal[0], goal[1] + 2.0]], 1.4, GREEN, &[]);
+    let base = legend(&mut canvas, [10.0, 16.0], width - 130.0, &keys);
+    let goal = [width - 112.0, 16.0];
+    canvas.rectangle([goal[0], goal[1] - 9.0], [goal[0] + 22.0, goal[1] + 2.0], GREEN, 0.25);
     canvas.text(Text::new("to be reached", [goal[0] + 27.0, goal[1]], SMALL, TextAlign::Left));
-    canvas.text(
-        Text::new(
-            "[95 % interval]",
-            [PAGE_WIDTH - 10.0, TOP_MARGIN - 8.0],
-            SMALL,
-            TextAlign::Right,
-        )
-        .colour(GREY),
-    );
-    let panel = canvas.panel(Panel {
-        corner: [LEFT_MARGIN, TOP_MARGIN],
-        size: [PAGE_WIDTH - LEFT_MARGIN - RIGHT_MARGIN, high],
-        x: Axis::exact("share (%)", 0.0, 100.0, 5),
-        y: Axis::bare_to(1.0),
-        title: String::new(),
+    let cells = measures.iter().enumerate().flat_map(|(row, measure)| {
+        let of_measure = rows.iter().copied().filter(move |row| row.measure == *measure);
+        of_measure.map(move |of_measure| (row, of_measure))
     });
-    for (index, measure) in measures.iter().enumerate() {
-        let y = TOP_MARGIN + pitch * index as f64;
-        let name = fitted(measure, SMALL, LEFT_MARGIN - 24.0);
-        canvas.text(Text::new(
-            name,
-            [LEFT_MARGIN - 8.0, y + 0.5 * pitch + 3.5],
-            SMALL,
-            TextAlign::Right,
-        ));
-        let of = |part: &&str| {
-            rows.iter().find(|row| row.measure == *measure && row.part == **part).copied()
-        };
-        if let Some(row) = rows.iter().find(|row| row.measure == *measure) {
-            reach(&mut canvas, &panel, row, [y + 1.5, y + pitch - 1.5]);
-        }
-        for (turn, (part, look)) in parts.iter().zip(LOOKS).enumerate() {
-            if let Some(row) = of(part) {
-                mark(&mut canvas, &panel, row, look, y + 10.0 + 11.0 * turn as f64);
-            }
-        }
-    }
+    let dots = cells.clone().filter_map(|(row, share)| {
+        let lane = parts.iter().position(|part| *part == share.part)?;
+        Some(dot(row, lane, share))
+    });
+    let has_goal = |share: &SummaryRow| share.goal_low.is_finite() && share.goal_high.is_finite();
+    let goals = cells
+        .clone()
+        .filter(|(_, share)| has_goal(share))
+        .map(|(row, share)| (row, [share.goal_low, share.goal_high].map(|share| 100.0 * share)));
+    let mut goals: Vec<(usize, [f64; 2])> = goals.collect();
+    goals.dedup_by_key(|goal| goal.0);
+    let x = Axis::exact("share (%)", 0.0, 100.0, 5);
+    let lanes = parts.len();
+    let chart = DotChart {
+        rows: measures.iter().map(|name| DotRow::Named((*name).to_owned(), lanes)).collect(),
+        lane_height: 13.0,
+        min_panel: 80.0,
+        aside: 108.0,
+        panels: vec![DotPanel { goals, ..DotPanel::new("", x, dots.collect()) }],
+    };
+    canvas.height = chart.draw(&mut canvas, base + 16.0).round();
     canvas
 }
 
@@ -81,34 +71,13 @@ fn parts<'a>(rows: &[&'a SummaryRow]) -> Vec<&'a str> {
     parts.into_iter().take(4).collect()
 }
 
-/// The range to be reached, its inner edge marked.
-fn reach(canvas: &mut Canvas, panel: &Panel, row: &SummaryRow, [top, bottom]: [f64; 2]) {
-    if !(row.goal_low.is_finite() && row.goal_high.is_finite()) {
-        return;
-    }
-    let x = |share: f64| panel.at(100.0 * share, 0.0)[0];
-    canvas.rectangle([x(row.goal_low) - 0.8, top], [x(row.goal_high) + 0.8, bottom], GREEN, 0.22);
-    let always = row.goal_low == row.goal_high;
-    for edge in [row.goal_low, row.goal_high]
-        .into_iter()
-        .filter(|edge| *edge > 0.0 && (*edge < 1.0 || always))
-    {
-        canvas.line(&[[x(edge), top], [x(edge), bottom]], 1.4, GREEN, &[]);
-    }
-}
-
 /// A share with its interval, and both in numbers.
-fn mark(canvas: &mut Canvas, panel: &Panel, row: &SummaryRow, look: Look, y: f64) {
-    let place =
-        |share: f64| -> CanvasPoint { [panel.at((100.0 * share).clamp(0.0, 100.0), 0.0)[0], y] };
-    if row.low_95.is_finite() && row.high_95.is_finite() {
-        canvas.line(&[place(row.low_95), place(row.high_95)], 1.6, look.colour, &[]);
+fn dot(row: usize, lane: usize, share: &SummaryRow) -> Dot {
+    let look = LOOKS[lane.min(LOOKS.len() - 1)];
+    let percent = |share: f64| (100.0 * share).clamp(0.0, 100.0);
+    Dot {
+        thin: Some([share.low_95, share.high_95].map(percent)),
+        words: format!("{}{}", plain(share), interval(share)),
+        ..Dot::new(row, lane, percent(share.value), look.marker, look.colour)
     }
-    if row.value.is_finite() {
-        canvas.marker(place(row.value), look.marker, 0.85 * MARKER, look.colour, false);
-    }
-    let label = format!("{}{}", plain(row), interval(row));
-    canvas.text(
-        Text::new(label, [PAGE_WIDTH - 10.0, y + 3.5], 0.92 * SMALL, TextAlign::Right).colour(INK),
-    );
 }

@@ -3,8 +3,8 @@
 
 use super::CalibrationReport;
 use crate::report::discovery::format::millimetres;
-use crate::report::drawing::{Axis, Canvas, Panel, Text, TextAlign};
-use crate::report::style::{BLUE, Colour, DASHED, INK, SMALL};
+use crate::report::drawing::{Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend};
+use crate::report::style::{BLUE, Colour, DASHED, INK, Marker, SMALL, TALL};
 
 const ROW_HEIGHT: f64 = 21.0;
 const BAR_HEIGHT: f64 = 14.0;
@@ -17,11 +17,22 @@ pub(super) fn draw(report: &CalibrationReport, width: f64) -> Option<Canvas> {
     let models: Vec<_> = held_out.models.iter().filter(|model| model.rms_m.is_finite()).collect();
     let label = if width > 500.0 { 190.0 } else { 130.0 };
     let high = ROW_HEIGHT * models.len() as f64 + 8.0;
-    let mut canvas = Canvas::new(width, (high + 56.0).ceil());
+    let mut canvas = Canvas::new(width, TALL);
+    let mut keys = vec![
+        (LegendEntry::Marker(Marker::Square, BLUE, false), "the fitted model".to_owned()),
+        (LegendEntry::Marker(Marker::Square, OTHER, false), "others".to_owned()),
+    ];
+    if let Some(noise) = &report.findings.noise {
+        keys.push((LegendEntry::Line(INK, DASHED), noise_words(&noise.from)));
+    }
+    let keys: Vec<(LegendEntry, &str)> =
+        keys.iter().map(|(entry, words)| (*entry, words.as_str())).collect();
+    let top = legend(&mut canvas, [10.0, 16.0], width - 8.0, &keys) + 14.0;
+    canvas.height = (top + high + 44.0).ceil();
     let panel = canvas.panel(Panel {
-        corner: [label, 14.0],
+        corner: [label, top],
         size: [width - label - 78.0, high],
-        x: Axis::covering("rms error on unseen positions (mm)", scale_mm(&models), 5),
+        x: Axis::from_zero("rms error (mm)", scale_mm(&models), 4),
         y: Axis::bare_to(1.0),
         title: String::new(),
     });
@@ -45,6 +56,15 @@ pub(super) fn draw(report: &CalibrationReport, width: f64) -> Option<Canvas> {
         canvas.line(&[[x, panel.corner[1]], [x, panel.corner[1] + high]], 1.3, INK, DASHED);
     }
     Some(canvas)
+}
+
+/// Where the noise is known from, in two or three words.
+pub(super) fn noise_words(from: &str) -> String {
+    if from.ends_with("an upper bound") {
+        "noise, upper bound".to_owned()
+    } else {
+        "noise of the measurement".to_owned()
+    }
 }
 
 /// The scale: up to one and a half times the second largest, so that one failure does not flatten

@@ -2,8 +2,8 @@
 //! the side, from above and along the robot.
 
 use super::CalibrationReport;
-use crate::report::drawing::{Axis, Canvas, Panel};
-use crate::report::style::{BLUE, GREY, VERMILION};
+use crate::report::drawing::{Axis, Canvas, LegendEntry, Panel, legend};
+use crate::report::style::{BLUE, GREY, SOLID, TALL, VERMILION};
 
 /// Arrows: more would cover each other.
 const MAX_ARROWS: usize = 220;
@@ -34,7 +34,14 @@ pub(super) fn draw(report: &CalibrationReport, width: f64) -> Option<Canvas> {
     let in_row = if width > 500.0 { 3 } else { 1 };
     let room = (width - 20.0) / in_row as f64 - 62.0;
     let rows = VIEWS.len().div_ceil(in_row);
-    let mut canvas = Canvas::new(width, (rows as f64 * (room + 60.0) + 10.0).ceil());
+    let mut canvas = Canvas::new(width, TALL);
+    let keys = [
+        (LegendEntry::Dot(GREY), "measured"),
+        (LegendEntry::Dot(BLUE), "simulated with the fitted model"),
+        (LegendEntry::Line(VERMILION, SOLID), "error"),
+    ];
+    let top = legend(&mut canvas, [10.0, 16.0], width - 8.0, &keys) + 12.0;
+    canvas.height = (top + rows as f64 * (room + 60.0)).ceil();
     for (index, &(across, up)) in VIEWS.iter().enumerate() {
         let spans = [across, up].map(|axis| span(&arrows, axis));
         let half = 0.52 * spans.iter().map(|[low, high]| high - low).fold(1.0, f64::max);
@@ -45,7 +52,7 @@ pub(super) fn draw(report: &CalibrationReport, width: f64) -> Option<Canvas> {
         let panel = canvas.panel(Panel {
             corner: [
                 52.0 + (index % in_row) as f64 * (room + 62.0),
-                8.0 + (index / in_row) as f64 * (room + 60.0),
+                top + (index / in_row) as f64 * (room + 60.0),
             ],
             size: [room, room],
             x: axis(0, across),

@@ -4,12 +4,12 @@
 
 use super::controllers_table::{controller_rows, mm};
 use crate::report::cells::modes_in_order;
-use crate::report::drawing::{Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend};
+use crate::report::drawing::{Axis, Canvas, LineEnd, Panel, ends_width, name_ends, thousands};
 use crate::report::order::{distinct, last_training, trainings};
 use crate::report::page::markup::MarkdownTable;
 use crate::report::style::{
-    GREY, PAGE_WIDTH, SMALL, TALL, mode_title, policies_in_order, policy_label, policy_look,
-    policy_markdown, training_label,
+    HAIR, LEFT_MARGIN, NARROW, TALL, capitalised, mode_title, policies_in_order, policy_label,
+    policy_look, policy_markdown, training_label,
 };
 use crate::report::{Artifact, Figure, Published, ReportError, csv, text};
 use crate::rows::responses::{ControllerRow, PointsNeededRow};
@@ -34,7 +34,8 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
             csv("points_needed.csv", &needed)?,
             text("data_efficiency.md", markdown(&needed, &rows)),
         ],
-        &draw(&rows),
+        &caption(&rows),
+        |width| draw(&rows, width),
     )
 }
 
@@ -131,63 +132,86 @@ fn markdown(needed: &[PointsNeededRow], rows: &[ControllerRow]) -> String {
     head.to_owned() + &MarkdownTable { header, rows }.markdown()
 }
 
+fn caption(rows: &[ControllerRow]) -> String {
+    let training = last_training(rows.iter().map(|row| row.training.as_str()));
+    let trials = rows.iter().map(|row| row.trials).max().unwrap_or(0);
+    let seeds = rows.iter().map(|row| row.seeds).max().unwrap_or(0);
+    format!(
+        "Error of the true tip at the end of a trial and after 2 s, in mm, against the number of \
+         real points that each policy uses, both on logarithmic axes; level lines from 0 are policies \
+         without real points; {}. Marks are means over {trials} trials in {seeds} repetitions.",
+        training_label(training)
+    )
+}
+
 /// The panels of the last kind of training, where networks are at their best: at the end above,
 /// after 2 s below.
-fn draw(rows: &[ControllerRow]) -> Canvas {
+fn draw(rows: &[ControllerRow], width: f64) -> Canvas {
     let training = last_training(rows.iter().map(|row| row.training.as_str()));
     let rows: Vec<&ControllerRow> = rows.iter().filter(|row| row.training == training).collect();
     let modes = modes_in_order(rows.iter().map(|row| row.cell.mode.as_str()));
     let policies = policies_in_order(rows.iter().map(|row| row.cell.policy.as_str()));
     let mut sizes = distinct(rows.iter().map(|row| points(row)));
     sizes.sort_unstable();
-    let names: Vec<String> = sizes.iter().map(u64::to_string).collect();
-    let (left, gap, high, pitch) = (56.0, 22.0, 180.0, 250.0);
-    let width = (PAGE_WIDTH - left - 12.0 - gap * (modes.len() - 1) as f64) / modes.len() as f64;
-    let keys: Vec<(LegendEntry, &str)> = policies
-        .iter()
-        .map(|policy| (LegendEntry::Plain(policy_look(policy)), policy_label(policy)))
-        .collect();
-    let mut canvas = Canvas::new(PAGE_WIDTH, TALL);
-    let base = legend(&mut canvas, [left, 16.0], PAGE_WIDTH - 8.0, &keys);
-    let note = format!(
-        "means over targets and repetitions, error of the true tip; {}",
-        training_label(training)
-    );
-    canvas.text(Text::new(&note, [left, base + 17.0], SMALL, TextAlign::Left).colour(GREY));
-    for (line, when) in ["at the end", "after 2 s"].into_iter().enumerate() {
-        let error_m =
-            |row: &ControllerRow| if line == 0 { row.error_end_m } else { row.error_2s_m };
-        let all = rows
-            .iter()
-            .map(|row| 1e3 * error_m(row))
-            .filter(|error_mm| error_mm.is_finite() && *error_mm > 0.0);
-        let y = Axis::decades("error (mm)", all);
-        for (column, mode) in modes.iter().enumerate() {
+    let names = ends_width(policies.iter().map(|policy| policy_label(policy)));
+    let per_line = if width < NARROW { 1 } else { modes.len().max(1) };
+    let (high, pitch) = (150.0, 206.0);
+    let wide = (width - (LEFT_MARGIN + names) * per_line as f64) / per_line as f64;
+    let mut canvas = Canvas::new(width, TALL);
+    let moments: [(&str, fn(&ControllerRow) -> f64); 2] =
+        [("at the end", |row| row.error_end_m), ("after 2 s", |row| row.error_2s_m)];
+    let mut place = 0;
+    for (when, error_m) in moments {
+        let all = rows.iter().map(|row| 1e3 * error_m(row));
+        let y = Axis::log("error (mm)", all, 2.0 * high);
+        for mode in &modes {
+            let (line, column) = (place / per_line, place % per_line);
+            let left = LEFT_MARGIN + (LEFT_MARGIN + names + wide) * column as f64;
             let panel = canvas.panel(Panel {
-                corner: [left + column as f64 * (width + gap), base + 46.0 + pitch * line as f64],
-                size: [width, high],
-                x: Axis::categories("real points", &names),
-                y: if column == 0 { y.clone() } else { y.bare() },
-                title: format!("{}, {when}", mode_title(mode)),
+                corner: [left, 26.0 + pitch * line as f64],
+                size: [wide, high],
+                x: Axis::sizes("real points", &sizes),
+                y: y.clone(),
+                title: capitalised(&format!("{}, {when}", mode_title(mode))),
             });
-            for policy in &policies {
-                let place = |row: &ControllerRow| {
-                    sizes.iter().position(|size| *size == points(row)).unwrap_or(0)
-                };
-                let point = |row: &&ControllerRow| {
-                    [place(row) as f64, (1e3 * error_m(row)).log10(), f64::NAN]
-                };
-                let line: Vec<[f64; 3]> = curve(&rows, mode, policy)
-                    .iter()
-                    .map(point)
-                    .filter(|point| point[1].is_finite())
-                    .collect();
-                panel.series(&mut canvas, &line, policy_look(policy));
-            }
+            let curves = policies.iter().map(|policy| (*policy, curve(&rows, mode, policy)));
+            lines(&mut canvas, &panel, curves, error_m);
+            place += 1;
         }
     }
-    canvas.height = base + 46.0 + 2.0 * pitch;
+    canvas.height = (26.0 + pitch * place.div_ceil(per_line) as f64 - 10.0).round();
     canvas
+}
+
+/// The lines of one panel, each with its name at its end.
+fn lines<'a>(
+    canvas: &mut Canvas,
+    panel: &Panel,
+    curves: impl Iterator<Item = (&'a str, Vec<&'a ControllerRow>)>,
+    error_m: fn(&ControllerRow) -> f64,
+) {
+    let mut ends = Vec::new();
+    for (policy, cells) in curves {
+        let tick = |size: u64| {
+            let label = thousands(size);
+            panel.x.ticks.iter().find(|(_, name)| *name == label).map_or(f64::NAN, |tick| tick.0)
+        };
+        let point =
+            |row: &&ControllerRow| [tick(points(row)), (1e3 * error_m(row)).log10(), f64::NAN];
+        let line: Vec<[f64; 3]> =
+            cells.iter().map(point).filter(|point| point[1].is_finite()).collect();
+        let look = policy_look(policy);
+        let Some(&[x, y, _]) = line.last() else { continue };
+        // The error of a policy without real points is the same for any number of them.
+        let is_level = cells.iter().all(|row| points(row) == 0);
+        if is_level {
+            panel.line(canvas, &[[x, y], [panel.x.high, y]], look.colour, look.dash, HAIR);
+        }
+        panel.series(canvas, &line, look);
+        let at = panel.at(if is_level { panel.x.high } else { x }, y);
+        ends.push(LineEnd { at, name: policy_label(policy).to_owned(), colour: look.colour });
+    }
+    name_ends(canvas, panel, ends);
 }
 
 #[cfg(test)]

@@ -2,9 +2,9 @@
 //! points against the promised one, by axis.
 
 use crate::math::summary::mean;
-use crate::report::drawing::{Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend};
+use crate::report::drawing::{Axis, Canvas, LegendEntry, Panel, legend};
 use crate::report::order::{ascending, distinct};
-use crate::report::style::{DASHED, GREY, HAIR, LEFT_MARGIN, LOOKS, Look, PAGE_WIDTH, SMALL, TALL};
+use crate::report::style::{DASHED, GREY, HAIR, LEFT_MARGIN, LOOKS, Look, NARROW, TALL};
 use crate::report::{Artifact, Figure, Published, ReportError};
 use crate::rows::experiment::GpCoverageRow;
 
@@ -20,10 +20,20 @@ const PANEL_GAP: f64 = 18.0;
 
 fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     FIGURE.needs("gp_coverage.csv", published.gp_coverages.is_empty())?;
-    FIGURE.files(Vec::new(), &draw(&published.gp_coverages))
+    let rows = &published.gp_coverages;
+    FIGURE.files(Vec::new(), &caption(rows), |width| draw(rows, width))
 }
 
-fn draw(rows: &[GpCoverageRow]) -> Canvas {
+fn caption(rows: &[GpCoverageRow]) -> String {
+    let seeds = distinct(rows.iter().map(|row| row.seed)).len();
+    format!(
+        "Share of unseen points that an interval of the Gaussian process covers, against the share \
+         that it promises, both in %, along each axis of the tip, by number of real points. Marks \
+         are means over {seeds} repetitions; below the broken line the intervals are too narrow."
+    )
+}
+
+fn draw(rows: &[GpCoverageRow], width: f64) -> Canvas {
     let mut sizes = distinct(rows.iter().map(|row| row.coverage.points));
     sizes.sort_unstable();
     let looks: Vec<Look> = (0..sizes.len()).map(|index| LOOKS[index % LOOKS.len()]).collect();
@@ -34,21 +44,20 @@ fn draw(rows: &[GpCoverageRow]) -> Canvas {
         .zip(names.iter().map(String::as_str))
         .collect();
     let axes = distinct(rows.iter().map(|row| row.coverage.axis.as_str()));
-    let wide =
-        (PAGE_WIDTH - LEFT_MARGIN - 12.0 - PANEL_GAP * (axes.len() - 1) as f64) / axes.len() as f64;
-    let mut canvas = Canvas::new(PAGE_WIDTH, TALL);
-    let below = legend(&mut canvas, [LEFT_MARGIN, 16.0], PAGE_WIDTH - 8.0, &keys);
-    let note = "means over repetitions; below the broken line: intervals too narrow";
-    canvas.text(Text::new(note, [LEFT_MARGIN, below + 17.0], SMALL, TextAlign::Left).colour(GREY));
-    let top = below + 44.0;
+    let per_line = if width < NARROW { 2 } else { axes.len().max(1) };
+    let wide = (width - LEFT_MARGIN - 14.0 - PANEL_GAP * (per_line - 1) as f64) / per_line as f64;
+    let mut canvas = Canvas::new(width, TALL);
+    let top = legend(&mut canvas, [LEFT_MARGIN, 16.0], width - 8.0, &keys) + 30.0;
     let y = Axis::exact("covered (%)", 0.0, 100.0, 5);
-    for (column, axis) in axes.iter().enumerate() {
+    for (place, axis) in axes.iter().enumerate() {
+        let (line, column) = (place / per_line, place % per_line);
+        let left = LEFT_MARGIN + column as f64 * (wide + PANEL_GAP);
         let panel = canvas.panel(Panel {
-            corner: [LEFT_MARGIN + column as f64 * (wide + PANEL_GAP), top],
+            corner: [left, top + (wide + 62.0) * line as f64],
             size: [wide, wide],
             x: Axis::exact("promised (%)", 0.0, 100.0, 5),
             y: if column == 0 { y.clone() } else { y.bare() },
-            title: format!("gap along {axis}"),
+            title: format!("Gap along {axis}"),
         });
         panel.line(&mut canvas, &[[0.0, 0.0], [100.0, 100.0]], GREY, DASHED, HAIR);
         for (points, look) in sizes.iter().zip(&looks) {
@@ -66,6 +75,7 @@ fn draw(rows: &[GpCoverageRow]) -> Canvas {
             panel.series(&mut canvas, &line, *look);
         }
     }
-    canvas.height = (top + wide + 46.0).round();
+    let lines = axes.len().div_ceil(per_line) as f64;
+    canvas.height = (top + (wide + 62.0) * lines - 16.0).round();
     canvas
 }

@@ -3,11 +3,13 @@
 
 use super::population_table::{attribution_rows, markdown, population_rows};
 use crate::report::cells::modes_in_order;
-use crate::report::drawing::{Axis, Canvas, Panel, Text, TextAlign};
+use crate::report::drawing::{
+    Axis, Canvas, Dot, DotChart, DotPanel, DotRow, LegendEntry, MIN_PANEL, Text, TextAlign, legend,
+};
 use crate::report::order::last_training;
 use crate::report::style::{
-    GREY, HAIR, HALF_CAP, INK, LEFT_MARGIN, MARKER, Marker, PAGE_WIDTH, SMALL, TALL, TEXT,
-    claim_label, mode_title, policies_in_order, policy_label, policy_look, training_label,
+    INK, Marker, TALL, TEXT, capitalised, claim_words, mode_title, policies_in_order, policy_label,
+    policy_look, training_label,
 };
 use crate::report::{Artifact, Figure, Published, ReportError, csv, text};
 use crate::rows::population::{PopulationRow, RobotClaimRow};
@@ -20,21 +22,19 @@ pub(super) const FIGURE: Figure = Figure {
     render,
 };
 
-/// Height of a panel of errors, distance from one to the next, and height of the line of a claim.
-const PANEL_HEIGHT: f64 = 150.0;
-const PANEL_PITCH: f64 = 206.0;
-const CLAIM_HEIGHT: f64 = 19.0;
-/// Left edge of the panel of claims, beside their names.
-const CLAIMS_LEFT: f64 = 410.0;
-
 fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
+    let Published { trials, robots, robot_claims: claims, robot_errors, .. } = published;
     FIGURE.needs(
         "robots.csv and trials.csv",
-        published.robots.is_empty() || published.trials.is_empty(),
+        robots.is_empty() || trials.is_empty() && robot_errors.is_empty(),
     )?;
-    let rows = population_rows(&published.trials);
-    let effects = attribution_rows(&published.trials, &published.robots);
-    let claims = &published.robot_claims;
+    if trials.is_empty() {
+        // The tables of these robots are published in place of their trials.
+        return FIGURE
+            .files(Vec::new(), &caption(robot_errors), |width| draw(robot_errors, claims, width));
+    }
+    let rows = population_rows(trials);
+    let effects = attribution_rows(trials, robots);
     let mut files = vec![
         csv("population.csv", &rows)?,
         text("population.md", markdown(&rows, claims, &effects)),
@@ -43,102 +43,111 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     if !effects.is_empty() {
         files.push(csv("attribution.csv", &effects)?);
     }
-    FIGURE.files(files, &draw(&rows, claims))
+    FIGURE.files(files, &caption(&rows), |width| draw(&rows, claims, width))
+}
+
+fn caption(rows: &[PopulationRow]) -> String {
+    let training = last_training(rows.iter().map(|row| row.training.as_str()));
+    let robots = rows.iter().map(|row| row.robots).max().unwrap_or(0);
+    format!(
+        "Goal-reaching error of each policy over {robots} simulated robots with different missing \
+         effects, in mm on a logarithmic axis, by mode; {}. Mark: median over robots, also \
+         in numbers; thick: half of all robots; thin: 90 %; hollow: the worst robot. Below: the share of robots \
+         on which each claim of the paper holds, with Wilson’s 95 % interval.",
+        training_label(training)
+    )
 }
 
 /// Panels of the last kind of training: networks are at their best there.
-fn draw(rows: &[PopulationRow], claims: &[RobotClaimRow]) -> Canvas {
+fn draw(rows: &[PopulationRow], claims: &[RobotClaimRow], width: f64) -> Canvas {
     let training = last_training(rows.iter().map(|row| row.training.as_str()));
     let rows: Vec<&PopulationRow> = rows.iter().filter(|row| row.training == training).collect();
     let claims: Vec<&RobotClaimRow> =
         claims.iter().filter(|row| row.training == training).collect();
     let modes = modes_in_order(rows.iter().map(|row| row.cell.mode.as_str()));
     let policies = policies_in_order(rows.iter().map(|row| row.cell.policy.as_str()));
-    let robots = rows.iter().map(|row| row.robots).max().unwrap_or(0);
-    let mut canvas = Canvas::new(PAGE_WIDTH, TALL);
-    let note = format!(
-        "{robots} robots; marks: median, thick: half of all robots, thin: 90 %, hollow: the worst \
-         robot; {}",
-        training_label(training)
-    );
-    canvas.text(Text::new(&note, [LEFT_MARGIN, 18.0], SMALL, TextAlign::Left).colour(GREY));
-    let y = Axis::decades(
+    let x = Axis::log(
         "error (mm)",
-        rows.iter().flat_map(|row| [1e3 * row.p05_m, 1e3 * row.largest_m]),
+        // Room for the number right of the worst robot.
+        rows.iter().flat_map(|row| [1e3 * row.p05_m, 2.0 * 1e3 * row.largest_m]),
+        110.0,
     );
-    let width = PAGE_WIDTH - LEFT_MARGIN - 12.0;
-    let mut top = 46.0;
-    for mode in &modes {
-        let names: Vec<String> =
-            policies.iter().map(|policy| policy_label(policy).to_owned()).collect();
-        let panel = canvas.panel(Panel {
-            corner: [LEFT_MARGIN, top],
-            size: [width, PANEL_HEIGHT],
-            x: Axis::categories("", &names),
-            y: y.clone(),
-            title: mode_title(mode),
+    let panel = |mode: &&str| {
+        let of_mode = rows.iter().filter(|row| row.cell.mode == **mode);
+        let dots = of_mode.flat_map(|row| {
+            let place = policies.iter().position(|name| *name == row.cell.policy).unwrap_or(0);
+            spread(place, row)
         });
-        for (place, policy) in policies.iter().enumerate() {
-            if let Some(row) =
-                rows.iter().find(|row| row.cell.policy == *policy && row.cell.mode == *mode)
-            {
-                spread(&mut canvas, &panel, place as f64, row);
-            }
-        }
-        top += PANEL_PITCH;
-    }
+        let title = capitalised(&mode_title(mode));
+        DotPanel { title, x: x.clone(), dots: dots.collect(), joined: false, goals: Vec::new() }
+    };
+    let chart = DotChart {
+        rows: policies.iter().map(|name| DotRow::Named(policy_label(name).to_owned(), 1)).collect(),
+        lane_height: 15.0,
+        min_panel: 90.0,
+        aside: 0.0,
+        panels: modes.iter().map(panel).collect(),
+    };
+    let mut canvas = Canvas::new(width, TALL);
+    let keys = [
+        (LegendEntry::Marker(Marker::Circle, INK, false), "median robot"),
+        (LegendEntry::Marker(Marker::Diamond, INK, true), "worst robot"),
+    ];
+    legend(&mut canvas, [10.0, 16.0], width - 8.0, &keys);
+    let mut below = chart.draw(&mut canvas, 46.0);
     if !claims.is_empty() {
-        top = shares(&mut canvas, &claims, top);
+        below = shares(&mut canvas, &claims, below + 22.0);
     }
-    canvas.height = (top + 6.0).round();
+    canvas.height = below.round();
     canvas
 }
 
-/// The errors of one policy over robots.
-fn spread(canvas: &mut Canvas, panel: &Panel, x: f64, row: &PopulationRow) {
-    let look = policy_look(&row.cell.policy);
-    let at = |error_m: f64| panel.at(x, (1e3 * error_m).log10());
-    if !(row.p05_m > 0.0 && row.largest_m.is_finite()) {
-        return;
+/// The errors of one policy over robots: the median in numbers above the marks.
+fn spread(row: usize, errors: &PopulationRow) -> Vec<Dot> {
+    let look = policy_look(&errors.cell.policy);
+    let at = |error_m: f64| (1e3 * error_m).log10();
+    if !(errors.p05_m > 0.0 && errors.largest_m.is_finite()) {
+        return Vec::new();
     }
-    canvas.line(&[at(row.p05_m), at(row.p95_m)], 1.4, look.colour, &[]);
-    canvas.line(&[at(row.p25_m), at(row.p75_m)], 5.0, look.colour, &[]);
-    canvas.marker(at(row.largest_m), Marker::Diamond, MARKER, look.colour, true);
-    canvas.marker(at(row.median_m), look.marker, MARKER, look.colour, false);
-    let label = format!("{:.1}", 1e3 * row.median_m);
-    let [left, middle] = at(row.median_m);
-    canvas.text(Text::new(label, [left + 9.0, middle + HALF_CAP * SMALL], SMALL, TextAlign::Left));
+    let dot = |value, marker| Dot::new(row, 0, value, marker, look.colour);
+    vec![
+        Dot {
+            thin: Some([at(errors.p05_m), at(errors.p95_m)]),
+            thick: Some([at(errors.p25_m), at(errors.p75_m)]),
+            ..dot(at(errors.median_m), look.marker)
+        },
+        Dot {
+            hollow: true,
+            words: format!("{:.1}", 1e3 * errors.median_m),
+            ..dot(at(errors.largest_m), Marker::Diamond)
+        },
+    ]
 }
 
 /// The share of robots on which each claim holds, below `top`; returns where it ends.
 fn shares(canvas: &mut Canvas, claims: &[&RobotClaimRow], top: f64) -> f64 {
-    let high = CLAIM_HEIGHT * claims.len() as f64;
-    let rows = Axis::bare_to(claims.len() as f64);
-    let axis = Axis::exact("share of robots on which the claim holds (%)", 0.0, 100.0, 4);
-    let size = [PAGE_WIDTH - CLAIMS_LEFT - 60.0, high];
-    let panel = canvas.panel(Panel {
-        corner: [CLAIMS_LEFT, top],
-        size,
-        x: axis,
-        y: rows,
-        title: String::new(),
-    });
-    canvas.text(Text::new("Claims of the paper", [12.0, top - 8.0], TEXT, TextAlign::Left).bold());
-    for (index, row) in claims.iter().enumerate() {
-        let y = claims.len() as f64 - index as f64 - 0.5;
-        let at = |share: f64| panel.at(100.0 * share, y);
-        canvas.line(&[at(row.low_95), at(row.high_95)], 1.8, INK, &[]);
-        canvas.marker(at(row.share), Marker::Circle, MARKER, INK, false);
-        let base = at(0.0)[1] + HALF_CAP * SMALL;
-        canvas.text(Text::new(
-            claim_label(&row.claim),
-            [CLAIMS_LEFT - 8.0, base],
-            SMALL,
-            TextAlign::Right,
-        ));
-        let label = format!("{} of {}", row.held, row.robots);
-        canvas.text(Text::new(label, [PAGE_WIDTH - 52.0, base], SMALL, TextAlign::Left));
-    }
-    canvas.line(&[panel.at(50.0, 0.0), panel.at(50.0, claims.len() as f64)], HAIR, GREY, &[]);
-    top + high + 44.0
+    let dot = |(row, claim): (usize, &&RobotClaimRow)| Dot {
+        thin: Some([100.0 * claim.low_95, 100.0 * claim.high_95]),
+        ..Dot::new(row, 0, 100.0 * claim.share, Marker::Circle, INK)
+    };
+    let name = |claim: &&RobotClaimRow| {
+        let words =
+            format!("{}: {} of {}", claim_words(&claim.statement), claim.held, claim.robots);
+        DotRow::Named(words, 1)
+    };
+    let chart = DotChart {
+        rows: claims.iter().map(name).collect(),
+        lane_height: 14.0,
+        min_panel: MIN_PANEL,
+        aside: 0.0,
+        panels: vec![DotPanel {
+            title: String::new(),
+            x: Axis::exact("robots on which it holds (%)", 0.0, 100.0, 4),
+            dots: claims.iter().enumerate().map(dot).collect(),
+            joined: false,
+            goals: Vec::new(),
+        }],
+    };
+    canvas.text(Text::new("Claims of the paper", [10.0, top], TEXT, TextAlign::Left).bold());
+    chart.draw(canvas, top + 10.0)
 }

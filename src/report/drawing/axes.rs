@@ -67,6 +67,56 @@ impl Axis {
         Axis { label: label.to_owned(), low, high, ticks: ticks.collect() }
     }
 
+    /// An axis from zero that covers `values`: distances, whose spread may reach below.
+    pub(crate) fn from_zero(label: &str, values: impl Iterator<Item = f64>, wanted: usize) -> Axis {
+        Axis::covering(label, values.filter(|value| *value > 0.0).chain([0.0]), wanted)
+    }
+
+    /// An axis of logarithms to base ten that covers `values` (positive), its ends on 1, 2 or 5
+    /// times a power of ten, with as many of these for ticks as fit in `long`.
+    pub(crate) fn log(label: &str, values: impl Iterator<Item = f64>, long: f64) -> Axis {
+        const STEPS: [f64; 3] = [1.0, 2.0, 5.0];
+        let place =
+            |step: i64| STEPS[step.rem_euclid(3) as usize].log10() + step.div_euclid(3) as f64;
+        let (low, high) = range(values.filter(|value| *value > 0.0).map(f64::log10));
+        let near = (3.0 * low).floor() as i64 - 1;
+        let first = (near..near + 4).rev().find(|step| place(*step) <= low + 1e-9).unwrap_or(near);
+        let far = (3.0 * high).ceil() as i64 + 1;
+        let last = (far - 4..=far).find(|step| place(*step) >= high - 1e-9).unwrap_or(far);
+        let last = last.max(first + 1);
+        let whole = |step: &i64| step.rem_euclid(3) == 0;
+        let room = ((long / 26.0) as usize).max(2);
+        let all: Vec<i64> = (first..=last).collect();
+        let powers: Vec<i64> = all.iter().copied().filter(whole).collect();
+        let shown = if all.len() <= room || powers.len() < 2 { all } else { powers };
+        let every = shown.len().div_ceil(room).max(1);
+        let label_of = |step: i64| {
+            let power = power_of_ten(step.div_euclid(3));
+            if whole(&step) { power } else { plain(10f64.powf(place(step))) }
+        };
+        let ticks = shown.into_iter().step_by(every).map(|step| (place(step), label_of(step)));
+        Axis {
+            label: label.to_owned(),
+            low: place(first),
+            high: place(last),
+            ticks: ticks.collect(),
+        }
+    }
+
+    /// An axis of logarithms with a tick at each of these sizes, from a little before the first to
+    /// a little after the last; sizes of zero stand a step before the others.
+    pub(crate) fn sizes(label: &str, sizes: &[u64]) -> Axis {
+        let positive: Vec<u64> = sizes.iter().copied().filter(|size| *size > 0).collect();
+        let (low, high) = range(positive.iter().map(|size| (*size as f64).log10()));
+        let step = 0.14 * (high - low);
+        let place = |size: u64| if size > 0 { (size as f64).log10() } else { low - step };
+        let ticks: Vec<(f64, String)> =
+            sizes.iter().map(|size| (place(*size), thousands(*size))).collect();
+        let first = ticks.iter().map(|(place, _)| *place).fold(low, f64::min);
+        let room = 0.05 * (high - low);
+        Axis { label: label.to_owned(), low: first - room, high: high + room, ticks }
+    }
+
     /// An axis from zero without label and ticks.
     pub(crate) fn bare_to(high: f64) -> Axis {
         Axis { label: String::new(), low: 0.0, high, ticks: Vec::new() }
@@ -99,6 +149,24 @@ fn power_of_ten(power: i64) -> String {
             format!("10{}{raised}", if power < 0 { "⁻" } else { "" })
         }
     }
+}
+
+/// A positive number in plain notation, one significant digit.
+fn plain(value: f64) -> String {
+    let digits = (-value.log10().floor()).max(0.0) as usize;
+    format!("{value:.digits$}")
+}
+
+/// A count with commas between thousands.
+pub(crate) fn thousands(count: u64) -> String {
+    let digits = count.to_string();
+    let groups: Vec<&str> = digits
+        .as_bytes()
+        .rchunks(3)
+        .rev()
+        .map(|group| std::str::from_utf8(group).unwrap_or_default())
+        .collect();
+    groups.join(",")
 }
 
 /// A number with a minus sign (U+2212), without one before zero.
@@ -164,11 +232,17 @@ impl Panel {
     pub(crate) fn draw(&self, canvas: &mut Canvas) {
         let [left, top] = self.corner;
         let [right, bottom] = [left + self.size[0], top + self.size[1]];
+        let mut free = f64::NEG_INFINITY;
         for (value, label) in &self.x.ticks {
             let x = self.at(*value, self.y.low)[0];
             canvas.line(&[[x, top], [x, bottom]], HAIR, GRID, &[]);
             canvas.line(&[[x, bottom], [x, bottom + 3.5]], HAIR, INK, &[]);
-            canvas.text(Text::new(label, [x, bottom + 5.0 + SMALL], SMALL, TextAlign::Centre));
+            // A label that would touch the one before is left out.
+            let half = 0.5 * text_width(label, SMALL, false);
+            if x - half > free {
+                canvas.text(Text::new(label, [x, bottom + 5.0 + SMALL], SMALL, TextAlign::Centre));
+                free = x + half + 4.0;
+            }
         }
         let mut widest: f64 = 0.0;
         for (value, label) in &self.y.ticks {
@@ -281,6 +355,17 @@ mod tests {
             ["0.00", "0.25", "0.50", "0.75", "1.00"]
         );
         assert_eq!(labels(&Axis::exact("x", 3.0, 11.0, 3)), ["5", "10"]);
+    }
+
+    #[test]
+    fn logarithms_have_round_ends_and_as_many_ticks_as_fit() {
+        let axis = Axis::log("x", [0.9, 31.0].into_iter(), 200.0);
+        assert_eq!(labels(&axis), ["0.5", "1", "2", "5", "10", "20", "50"]);
+        let axis = Axis::log("x", [0.9, 31.0].into_iter(), 80.0);
+        assert_eq!(labels(&axis), ["1", "10"]);
+        let axis = Axis::sizes("x", &[0, 500, 10_000]);
+        assert_eq!(labels(&axis), ["0", "500", "10,000"]);
+        assert!(axis.low < 500f64.log10() && axis.high > 4.0);
     }
 
     #[test]

@@ -65,8 +65,17 @@ pub(crate) fn pixels(
     Ok((shrink(&fine, wide), wide, high))
 }
 
-/// The SVG of a figure.
+/// The SVG of a figure, as a page shows it: a pixel per hundredth of an inch.
 pub(crate) fn svg(canvas: &Canvas) -> Result<Vec<u8>, PaintError> {
+    sized_svg(canvas, |length| length.to_string())
+}
+
+/// The SVG of a figure with its size in millimetres, as it is printed.
+pub(crate) fn printed_svg(canvas: &Canvas) -> Result<Vec<u8>, PaintError> {
+    sized_svg(canvas, |length| format!("{:.1}mm", 0.254 * length))
+}
+
+fn sized_svg(canvas: &Canvas, size: impl Fn(f64) -> String) -> Result<Vec<u8>, PaintError> {
     register()?;
     let mut text = String::new();
     let (wide, high) = ((canvas.width * SVG_UNITS) as u32, (canvas.height * SVG_UNITS) as u32);
@@ -79,9 +88,9 @@ pub(crate) fn svg(canvas: &Canvas) -> Result<Vec<u8>, PaintError> {
         canvas.marks.iter().try_for_each(|mark| painter.paint(mark))?;
         backend.present().map_err(failed)?;
     }
-    // The size is in hundredths of an inch, as the PNG's, not in units of the grid.
     let grid = format!("width=\"{wide}\" height=\"{high}\"");
-    let size = format!("width=\"{}\" height=\"{}\"", canvas.width, canvas.height);
+    let [width, height] = [canvas.width, canvas.height].map(size);
+    let size = format!("width=\"{width}\" height=\"{height}\"");
     Ok(text.replacen(&grid, &size, 1).into_bytes())
 }
 

@@ -46,7 +46,7 @@ fn only(text: &str, marker: &str) -> Result<usize, PageError> {
 }
 
 /// A picture in Markdown.
-pub fn picture(path: &str, words: &str) -> String {
+pub(super) fn picture(path: &str, words: &str) -> String {
     format!("![{words}]({path})")
 }
 

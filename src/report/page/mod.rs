@@ -1,9 +1,13 @@
-//! Pages: Markdown and LaTeX tables, generated parts between markers, and counts that a page
-//! states.
+//! Pages: Markdown and LaTeX tables, generated parts between markers, pictures with captions, and
+//! counts that a page states.
 
 mod counts;
 mod document;
+mod gallery;
+mod keys;
 pub mod markup;
 
 pub use counts::recounted;
-pub use document::{PageError, picture, splice};
+pub use document::{PageError, splice};
+pub use gallery::{captioned_picture, gallery};
+pub use keys::keys_table;

@@ -1,20 +1,20 @@
-//! Fig. 5: tips that the model computes and tips that the robot shows, under the same commands:
+//! Fig. 5: tips that the model computes and tips that the “real” robot shows, under the same commands:
 //! three projections, and how the difference is distributed along each axis.
 
 use crate::base::Point3;
 use crate::math::summary::{mean, quantile, root_mean_square};
 use crate::report::drawing::{
-    Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend, range, signed,
+    Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend, range, signed, thousands,
 };
 use crate::report::order::distinct;
-use crate::report::style::{BLUE, DASHED, GREY, INK, PAGE_WIDTH, SMALL, VERMILION};
+use crate::report::style::{BLUE, DASHED, GREY, INK, LEFT_MARGIN, NARROW, SMALL, TALL, VERMILION};
 use crate::report::{Artifact, Figure, Published, ReportError, csv};
 use crate::rows::experiment::{GapRow, GapSummaryRow};
 
 /// Registry entry.
 pub(super) const FIGURE: Figure = Figure {
     name: "fig5",
-    about: "Fig. 5: simulated against real workspace, and their difference by axis",
+    about: "Fig. 5: workspace of the model and of the simulated “real” robot, and their difference",
     render,
 };
 
@@ -22,13 +22,14 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 /// Horizontal and vertical axis of each projection.
 const PROJECTIONS: [(usize, usize); 3] = [(2, 0), (2, 1), (1, 0)];
 /// Dots of each kind in a projection: more would only cover each other.
-const MAX_DOTS: usize = 1500;
+const MAX_DOTS: usize = 900;
 const BINS: usize = 40;
 
 fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     let gaps = &published.gaps;
     FIGURE.needs("gap.csv", gaps.is_empty())?;
-    FIGURE.files(vec![csv("summary.csv", &summary(gaps))?], &draw(gaps))
+    let summary = summary(gaps);
+    FIGURE.files(vec![csv("summary.csv", &summary)?], &caption(gaps), |width| draw(gaps, width))
 }
 
 fn simulated(row: &GapRow) -> Point3 {
@@ -67,31 +68,51 @@ fn summary(gaps: &[GapRow]) -> Vec<GapSummaryRow> {
     axes.chain([row("distance", distances)]).collect()
 }
 
-fn draw(gaps: &[GapRow]) -> Canvas {
+fn caption(gaps: &[GapRow]) -> String {
+    let seeds = distinct(gaps.iter().map(|row| row.seed)).len();
+    let stride = gaps.len().div_ceil(MAX_DOTS).max(1);
+    let dots = if stride == 1 { String::new() } else { format!(" (one in {stride} is drawn)") };
+    format!(
+        "Tips that the model computes and tips that the simulated “real” robot shows under the same \
+         {} commands in {seeds} repetitions{dots}: (a) to (c) three projections in mm; (d) to (f) \
+         share of samples against the difference along each axis, model minus “real”. Broken lines \
+         are means; samples beyond an axis are counted in its outer bins.",
+        thousands(gaps.len() as u64)
+    )
+}
+
+fn draw(gaps: &[GapRow], width: f64) -> Canvas {
     let stride = gaps.len().div_ceil(MAX_DOTS).max(1);
     let shown: Vec<&GapRow> = gaps.iter().step_by(stride).collect();
     let spans = spans_mm(gaps);
     let span = |axis: usize| spans[axis][1] - spans[axis][0];
+    let is_narrow = width < NARROW;
     // One scale for all three projections, so that shapes are true and can be compared.
-    let free_width = PAGE_WIDTH - 3.0 * 56.0 - 12.0;
-    let scale = (free_width / PROJECTIONS.iter().map(|(across, _)| span(*across)).sum::<f64>())
-        .min(260.0 / span(0));
+    let free_width = width - 3.0 * LEFT_MARGIN - 12.0;
+    let scale = if is_narrow {
+        ((width - LEFT_MARGIN - 14.0) / span(1)).min(180.0 / span(0))
+    } else {
+        (free_width / PROJECTIONS.iter().map(|(across, _)| span(*across)).sum::<f64>())
+            .min(260.0 / span(0))
+    };
     let axes: Vec<Axis> = (0..3)
         .map(|axis| {
             let ticks = (scale * span(axis) / 42.0).round().max(2.0) as usize;
             Axis::exact(&format!("{} (mm)", AXES[axis]), spans[axis][0], spans[axis][1], ticks)
         })
         .collect();
-    let top = 44.0;
+    let mut canvas = Canvas::new(width, TALL);
+    let keys = [
+        (LegendEntry::Dot(BLUE), "model"),
+        (LegendEntry::Dot(VERMILION), "simulated “real” robot"),
+    ];
+    let mut top = legend(&mut canvas, [10.0, 16.0], width, &keys) + 28.0;
     let high = scale * span(0);
-    let mut canvas = Canvas::new(PAGE_WIDTH, (top + high + 234.0).round());
-    let dots = format!("one sample in {stride} of {} is drawn", gaps.len());
-    let note = if stride == 1 { String::new() } else { dots };
-    let keys = [(LegendEntry::Dot(BLUE), "simulated"), (LegendEntry::Dot(VERMILION), "real")];
-    legend(&mut canvas, [56.0, 16.0], PAGE_WIDTH, &keys);
-    canvas.text(Text::new(note, [PAGE_WIDTH - 12.0, 16.0], SMALL, TextAlign::Right).colour(GREY));
-    let mut left = 56.0;
+    let mut left = LEFT_MARGIN;
     for (index, (across, up)) in PROJECTIONS.into_iter().enumerate() {
+        if is_narrow && index == 2 {
+            (left, top) = (LEFT_MARGIN, top + high + 62.0);
+        }
         let panel = canvas.panel(Panel {
             corner: [left, top + high - scale * span(up)],
             size: [scale * span(across), scale * span(up)],
@@ -108,9 +129,9 @@ fn draw(gaps: &[GapRow]) -> Canvas {
                 canvas.disc(panel.at(1e3 * point[across], 1e3 * point[up]), 1.15, colour, 0.5);
             }
         }
-        left += panel.size[0] + 56.0;
+        left += panel.size[0] + LEFT_MARGIN;
     }
-    histograms(&mut canvas, gaps, top + high + 76.0);
+    canvas.height = histograms(&mut canvas, gaps, top + high + 70.0).round();
     canvas
 }
 
@@ -124,8 +145,8 @@ fn spans_mm(gaps: &[GapRow]) -> [[f64; 2]; 3] {
     [across, across, wide(range(tips_mm(2)))]
 }
 
-/// Share of the samples by difference, one panel an axis, all to one scale.
-fn histograms(canvas: &mut Canvas, gaps: &[GapRow], top: f64) {
+/// Share of the samples by difference, one panel an axis, all to one scale. Returns where they end.
+fn histograms(canvas: &mut Canvas, gaps: &[GapRow], top: f64) -> f64 {
     let gaps_mm: Vec<Vec<f64>> = (0..3)
         .map(|axis| differences_m(gaps, axis).iter().map(|gap| 1e3 * gap).collect())
         .collect();
@@ -136,14 +157,20 @@ fn histograms(canvas: &mut Canvas, gaps: &[GapRow], top: f64) {
     let x = Axis::covering("", [-largest, largest].into_iter(), 4);
     let width = (x.high - x.low) / BINS as f64;
     let shares: Vec<Vec<f64>> = gaps_mm.iter().map(|gaps| shares(gaps, x.low, width)).collect();
-    let y =
-        Axis::covering("share of samples (%)", shares.iter().flatten().copied().chain([0.0]), 4);
+    let y = Axis::covering("samples (%)", shares.iter().flatten().copied().chain([0.0]), 4);
+    let per_line = if canvas.width < NARROW { 1 } else { 3 };
+    let gap = 24.0;
+    let wide = (canvas.width - LEFT_MARGIN - 12.0 - gap * (per_line - 1) as f64) / per_line as f64;
+    let (high, pitch) = if per_line == 1 { (70.0, 124.0) } else { (110.0, 160.0) };
+    let first_line = top;
     for axis in 0..3 {
+        let (line, column) = (axis / per_line, axis % per_line);
+        let top = first_line + pitch * line as f64;
         let panel = canvas.panel(Panel {
-            corner: [56.0 + 228.0 * axis as f64, top],
-            size: [196.0, 110.0],
-            x: Axis { label: format!("simulated − real, {} (mm)", AXES[axis]), ..x.clone() },
-            y: if axis == 0 { y.clone() } else { y.bare() },
+            corner: [LEFT_MARGIN + (wide + gap) * column as f64, top],
+            size: [wide, high],
+            x: Axis { label: format!("model − “real”, {} (mm)", AXES[axis]), ..x.clone() },
+            y: if column == 0 { y.clone() } else { y.bare() },
             title: format!("({}) along {}", ["d", "e", "f"][axis], AXES[axis]),
         });
         for (bin, share) in shares[axis].iter().enumerate().filter(|(_, share)| **share > 0.0) {
@@ -172,6 +199,7 @@ fn histograms(canvas: &mut Canvas, gaps: &[GapRow], top: f64) {
             canvas.text(Text::new(label, at, SMALL, align));
         }
     }
+    first_line + pitch * (3 / per_line) as f64 - 4.0
 }
 
 /// Percentage of the values in each bin; the first and last bins take what lies beyond.

@@ -2,10 +2,13 @@
 //! policy A against the real points of its Gaussian process. Open and closed loop, bands of one
 //! standard deviation.
 
-use crate::report::drawing::{Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend};
+use crate::report::drawing::{
+    Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend, text_width,
+};
 use crate::report::order::{distinct, trainings};
 use crate::report::style::{
-    BLUE, GREY, INK, Look, MARKER, Marker, PAGE_WIDTH, SMALL, SOLID, TEXT, VERMILION, capitalised,
+    BLUE, INK, LEFT_MARGIN, Look, MARKER, Marker, SOLID, TALL, TEXT, VERMILION, capitalised,
+    training_short,
 };
 use crate::report::{Artifact, Figure, Published, ReportError, csv};
 use crate::rows::experiment::ReachSummaryRow;
@@ -30,23 +33,14 @@ const LOOKS: [(&str, &str, Look); 2] = [
 struct PolicyPanel {
     policy: &'static str,
     title: &'static str,
-    axis: &'static str,
     size: fn(&ReachSummaryRow) -> u64,
 }
 
 const PARTS: [PolicyPanel; 2] = [
     PolicyPanel {
-        policy: "pi_real",
-        title: "(a) πᵣₑₐₗ",
-        axis: "real points that the network is trained on",
-        size: |row| row.cell.real_points,
+        policy: "pi_real", title: "(a) πᵣₑₐₗ", size: |row| row.cell.real_points
     },
-    PolicyPanel {
-        policy: "a",
-        title: "(b) policy A",
-        axis: "real points that the Gaussian process is fitted to",
-        size: |row| row.cell.gp_points,
-    },
+    PolicyPanel { policy: "a", title: "(b) policy A", size: |row| row.cell.gp_points },
 ];
 
 fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
@@ -60,34 +54,50 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
         .collect();
     FIGURE.needs("trials.csv of pi_real or a", swept.is_empty())?;
     let summary = published.reach_summary(&swept);
-    FIGURE.files(vec![csv("summary.csv", &summary)?], &draw(published, &summary))
+    FIGURE.files(vec![csv("summary.csv", &summary)?], &caption(&summary), |width| {
+        draw(published, &summary, width)
+    })
 }
 
-fn draw(published: &Published, summary: &[ReachSummaryRow]) -> Canvas {
+fn caption(summary: &[ReachSummaryRow]) -> String {
+    let seeds = summary.iter().map(|row| row.seeds).max().unwrap_or(0);
+    let trials = summary.iter().map(|row| row.trials).max().unwrap_or(0);
+    format!(
+        "Goal-reaching error in mm against the number of real points (logarithmic axis): (a) πᵣₑₐₗ, \
+         points that its network is trained on; (b) policy A, points that its Gaussian process is \
+         fitted to. Marks are means over {trials} trials in {seeds} repetitions, bars their 95 % \
+         intervals, bands one standard deviation over targets; hollow: the paper’s Table I."
+    )
+}
+
+fn draw(published: &Published, summary: &[ReachSummaryRow], width: f64) -> Canvas {
     let columns = trainings(summary.iter().map(|row| row.training.as_str()));
     let parts: Vec<&PolicyPanel> = PARTS
         .iter()
         .filter(|part| summary.iter().any(|row| row.cell.policy == part.policy))
         .collect();
-    let (left, gap) = (56.0, 22.0);
-    let width =
-        (PAGE_WIDTH - left - 12.0 - gap * (columns.len() - 1) as f64) / columns.len() as f64;
-    let (top, high, pitch) = (76.0, 165.0, 236.0);
-    let mut canvas = Canvas::new(PAGE_WIDTH, top + pitch * parts.len() as f64 - 22.0);
+    let gap = 18.0;
+    let wide =
+        (width - LEFT_MARGIN - 14.0 - gap * (columns.len() - 1) as f64) / columns.len() as f64;
+    let (high, pitch) = (150.0, 212.0);
+    let mut canvas = Canvas::new(width, TALL);
     let mut keys: Vec<(LegendEntry, &str)> =
         LOOKS.iter().map(|(_, name, look)| (LegendEntry::Series(*look), *name)).collect();
     if published.context.is_paper_robot {
-        keys.push((LegendEntry::Marker(Marker::Square, INK, true), "paper, Table I, open"));
-        keys.push((LegendEntry::Marker(Marker::Circle, INK, true), "paper, Table I, closed"));
+        keys.push((LegendEntry::Marker(Marker::Square, INK, true), "paper, open"));
+        keys.push((LegendEntry::Marker(Marker::Circle, INK, true), "paper, closed"));
     }
-    legend(&mut canvas, [left, 16.0], PAGE_WIDTH, &keys);
-    let note = "band: ± 1 standard deviation over targets; bar: 95 % interval of the mean over \
-                repetitions";
-    canvas.text(Text::new(note, [left, 33.0], SMALL, TextAlign::Left).colour(GREY));
+    let top = legend(&mut canvas, [10.0, 16.0], width - 8.0, &keys) + 48.0;
     for (column, training) in columns.iter().enumerate() {
-        let middle = left + column as f64 * (width + gap) + width / 2.0;
-        let heading = capitalised(&published.training_label(training));
-        canvas.text(Text::new(heading, [middle, 52.0], TEXT, TextAlign::Centre).bold());
+        let middle = LEFT_MARGIN + column as f64 * (wide + gap) + wide / 2.0;
+        let label = published.training_label(training);
+        let heading = if text_width(&label, TEXT, true) < wide {
+            label
+        } else {
+            training_short(training).to_owned()
+        };
+        let at = [middle, top - 26.0];
+        canvas.text(Text::new(capitalised(&heading), at, TEXT, TextAlign::Centre).bold());
     }
     for (line, part) in parts.iter().enumerate() {
         let y = errors(summary.iter().filter(|row| row.cell.policy == part.policy));
@@ -98,17 +108,17 @@ fn draw(published: &Published, summary: &[ReachSummaryRow]) -> Canvas {
                 .collect();
             let mut sizes = distinct(rows.iter().map(|row| (part.size)(row)));
             sizes.sort_unstable();
-            let names: Vec<String> = sizes.iter().map(u64::to_string).collect();
             let panel = canvas.panel(Panel {
-                corner: [left + column as f64 * (width + gap), top + pitch * line as f64],
-                size: [width, high],
-                x: Axis::categories(part.axis, &names),
+                corner: [LEFT_MARGIN + column as f64 * (wide + gap), top + pitch * line as f64],
+                size: [wide, high],
+                x: Axis::sizes("real points", &sizes),
                 y: if column == 0 { y.clone() } else { y.bare() },
                 title: part.title.to_owned(),
             });
-            lines(&mut canvas, &panel, &rows, &sizes, part);
+            lines(&mut canvas, &panel, &rows, part);
         }
     }
+    canvas.height = (top + pitch * parts.len() as f64 - 14.0).round();
     canvas
 }
 
@@ -116,24 +126,14 @@ fn draw(published: &Published, summary: &[ReachSummaryRow]) -> Canvas {
 fn errors<'a>(rows: impl Iterator<Item = &'a ReachSummaryRow>) -> Axis {
     let ends = rows.flat_map(|row| {
         let spread = if row.sd_m.is_finite() { row.sd_m } else { 0.0 };
-        [row.mean_m + spread, row.mean_m - spread, row.high_95_m, row.paper_mean_m]
-            .map(|value| 1e3 * value)
+        [row.mean_m + spread, row.high_95_m, row.paper_mean_m].map(|value| 1e3 * value)
     });
-    Axis::covering("goal-reaching error (mm)", ends.chain([0.0]), 5)
+    Axis::from_zero("error (mm)", ends, 5)
 }
 
-/// Open and closed loop in one panel; sizes stand at equal distances, in their order. Bands go
-/// below all lines.
-fn lines(
-    canvas: &mut Canvas,
-    panel: &Panel,
-    rows: &[&ReachSummaryRow],
-    sizes: &[u64],
-    part: &PolicyPanel,
-) {
-    let place = |row: &ReachSummaryRow| {
-        sizes.iter().position(|size| *size == (part.size)(row)).unwrap_or(0) as f64
-    };
+/// Open and closed loop in one panel. Bands go below all lines.
+fn lines(canvas: &mut Canvas, panel: &Panel, rows: &[&ReachSummaryRow], part: &PolicyPanel) {
+    let place = |row: &ReachSummaryRow| ((part.size)(row) as f64).log10();
     let of_mode = |mode: &str| {
         let mut rows: Vec<&ReachSummaryRow> =
             rows.iter().copied().filter(|row| row.cell.mode == mode && row.trials > 0).collect();
@@ -156,7 +156,8 @@ fn lines(
         panel.series(canvas, &points(&rows), look);
         for row in rows.iter().filter(|row| row.paper_mean_m.is_finite()) {
             // A little beside, so that neither covers the other.
-            let beside = place(row) + if index == 0 { -0.16 } else { 0.16 };
+            let aside = 0.025 * (panel.x.high - panel.x.low);
+            let beside = place(row) + if index == 0 { -aside } else { aside };
             canvas.marker(
                 panel.at(beside, 1e3 * row.paper_mean_m),
                 look.marker,

@@ -10,10 +10,10 @@ use crate::report::drawing::{
 use crate::report::order::trainings;
 use crate::report::page::markup::MarkdownTable;
 use crate::report::style::{
-    CLOUD, DASHED, GREY, HAIR, INK, LEFT_MARGIN, Marker, PAGE_WIDTH, SMALL, SOLID, TEXT,
-    capitalised, policies_in_order, policy_label, policy_look, policy_markdown, training_short,
+    CLOUD, DASHED, GREY, HAIR, INK, LEFT_MARGIN, Marker, NARROW, SMALL, SOLID, TALL, TEXT,
+    policies_in_order, policy_label, policy_look, policy_markdown, training_short,
 };
-use crate::report::{Artifact, Figure, Published, ReportError, csv, pictures, text};
+use crate::report::{Artifact, Figure, Published, ReportError, captioned, csv, text};
 use crate::rows::experiment::{TrackRow, TrackSummaryRow};
 
 /// Registry entry.
@@ -26,8 +26,9 @@ pub(super) const FIGURE: Figure = Figure {
 /// Points of the workspace drawn behind the path.
 const MAX_CLOUD_DOTS: usize = 2000;
 const STRIP_HEIGHT: f64 = 58.0;
-/// From one small picture of a tracked path to the next, across and down.
-const PICTURE_PITCH: [f64; 2] = [184.0, 168.0];
+/// Largest error over the median one, from which the axis is logarithmic, and what it begins at.
+const FLAT: f64 = 15.0;
+const SMALLEST_MM: f64 = 0.1;
 
 /// One policy's run.
 struct Run<'a> {
@@ -45,7 +46,8 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     {
         let stem =
             if index == 0 { FIGURE.name.to_owned() } else { format!("{}_{training}", FIGURE.name) };
-        files.extend(pictures(FIGURE.name, &stem, &draw(published, &summary, training))?);
+        let drawing = |width| draw(published, &summary, training, width);
+        files.extend(captioned(FIGURE.name, &stem, &caption(published, training), drawing)?);
     }
     Ok(files)
 }
@@ -113,18 +115,39 @@ fn markdown(summary: &[TrackSummaryRow]) -> String {
     )
 }
 
-fn draw(published: &Published, summary: &[TrackSummaryRow], training: &str) -> Canvas {
+fn caption(published: &Published, training: &str) -> String {
+    let axis =
+        if is_logarithmic(&runs(&published.tracks, training)) { ", logarithmic axis" } else { "" };
+    format!(
+        "Path tracking, first repetition, {}: (a) the target path; (b) the path of the tip under \
+         each policy, the target in grey; (c) distance from the moving target in mm{axis} against \
+         time in s. Dashed: mean over the run; vertical line: end of the run; oscillation: median \
+         peak-to-peak of the error about its moving mean.",
+        published.training_label(training)
+    )
+}
+
+fn draw(published: &Published, summary: &[TrackSummaryRow], training: &str, width: f64) -> Canvas {
     let runs = runs(&published.tracks, training);
-    let series_top = 74.0 + PICTURE_PITCH[1] * runs.len().div_ceil(2).max(2) as f64;
-    let high = series_top + (STRIP_HEIGHT + 12.0) * runs.len() as f64 + 40.0;
-    let mut canvas = Canvas::new(PAGE_WIDTH, high.round());
-    let heading = capitalised(&published.training_label(training));
+    let mut canvas = Canvas::new(width, TALL);
+    let is_narrow = width < NARROW;
+    let size = if is_narrow { [width - 60.0, 190.0] } else { [318.0, 274.0] };
+    target_path(&mut canvas, published, &runs, size);
+    let corner = if is_narrow { [12.0, size[1] + 128.0] } else { [346.0, 20.0] };
+    let pictures_end = tracked(&mut canvas, &runs, corner);
+    let below = pictures_end.max(size[1] + 120.0);
+    canvas.height = series(&mut canvas, &runs, summary, below + 18.0).round();
     canvas
-        .text(Text::new(heading, [PAGE_WIDTH - 12.0, 18.0], SMALL, TextAlign::Right).colour(GREY));
-    target_path(&mut canvas, published, &runs);
-    tracked(&mut canvas, &runs, series_top);
-    series(&mut canvas, &runs, summary, series_top);
-    canvas
+}
+
+/// Whether most of the time errors are small beside the largest one, so that a linear axis would
+/// show a flat line.
+fn is_logarithmic(runs: &[Run]) -> bool {
+    let mut errors_m: Vec<f64> =
+        runs.iter().flat_map(|run| run.rows.iter().map(|row| row.sample.error_m)).collect();
+    errors_m.sort_by(f64::total_cmp);
+    let median_m = errors_m.get(errors_m.len() / 2).copied().unwrap_or(f64::NAN);
+    errors_m.last().is_some_and(|largest_m| *largest_m > FLAT * median_m)
 }
 
 /// Targets as the first run meets them, and the points that they connect.
@@ -140,8 +163,8 @@ fn path(published: &Published, runs: &[Run]) -> (Vec<Point3>, Vec<Point3>) {
     (targets, waypoints.map(|row| [row.x_m, row.y_m, row.z_m]).collect())
 }
 
-/// (a): the path and its points inside the workspace.
-fn target_path(canvas: &mut Canvas, published: &Published, runs: &[Run]) {
+/// (a): the path and its points inside the workspace, `size` large.
+fn target_path(canvas: &mut Canvas, published: &Published, runs: &[Run], size: [f64; 2]) {
     let (targets, waypoints) = path(published, runs);
     let seed = runs.first().map(|run| run.rows[0].seed);
     let workspace_m = published.workspace.iter().filter(|row| Some(row.seed) == seed);
@@ -149,7 +172,7 @@ fn target_path(canvas: &mut Canvas, published: &Published, runs: &[Run]) {
     let stride = workspace_m.len().div_ceil(MAX_CLOUD_DOTS).max(1);
     let cloud: Vec<Point3> = workspace_m.into_iter().step_by(stride).collect();
     let tips = runs.iter().flat_map(|run| run.rows.iter().map(|row| tip(row)));
-    let (corner, size) = ([12.0, 52.0], [318.0, 274.0]);
+    let corner = [12.0, 52.0];
     let everything = cloud.iter().chain(&targets).chain(&waypoints).copied().chain(tips);
     let view = View::of(everything, corner, size, 8.0);
     canvas.text(
@@ -181,19 +204,17 @@ fn target_path(canvas: &mut Canvas, published: &Published, runs: &[Run]) {
     view.scale_bar(canvas, [corner[0] + size[0] - 90.0, corner[1] + size[1] + 50.0], 0.05);
 }
 
-/// (b): one small picture a policy, seen as in (a) and closer.
-fn tracked(canvas: &mut Canvas, runs: &[Run], series_top: f64) {
-    let left = 346.0;
-    canvas.text(Text::new("(b) tracked paths", [left, 20.0], TEXT, TextAlign::Left).bold());
+/// (b): one small picture a policy, seen as in (a) and closer. Returns where they end.
+fn tracked(canvas: &mut Canvas, runs: &[Run], [left, top]: CanvasPoint) -> f64 {
+    canvas.text(Text::new("(b) tracked paths", [left, top], TEXT, TextAlign::Left).bold());
     let tracked_points =
         runs.iter().flat_map(|run| run.rows.iter().flat_map(|row| [target(row), tip(row)]));
-    let size = [180.0, 150.0];
+    let wide = (canvas.width - left - 12.0) / 2.0;
+    let size = [wide - 6.0, 0.85 * wide];
     let close = View::of(tracked_points, [0.0, 0.0], size, 6.0);
     for (index, run) in runs.iter().enumerate() {
-        let corner = [
-            left + PICTURE_PITCH[0] * (index % 2) as f64,
-            52.0 + PICTURE_PITCH[1] * (index / 2) as f64,
-        ];
+        let corner =
+            [left + wide * (index % 2) as f64, top + 32.0 + (size[1] + 16.0) * (index / 2) as f64];
         let view = close.moved(corner, size);
         let places = |points: fn(&TrackRow) -> Point3| {
             run.rows.iter().map(|row| view.at(points(row))).collect::<Vec<_>>()
@@ -213,48 +234,66 @@ fn tracked(canvas: &mut Canvas, runs: &[Run], series_top: f64) {
         (LegendEntry::Line(CLOUD, SOLID), "target"),
         (LegendEntry::Line(INK, SOLID), "tip (marker: start)"),
     ];
-    legend(canvas, [left, 38.0], PAGE_WIDTH, &keys);
-    close.moved([left, 52.0], size).scale_bar(canvas, [PAGE_WIDTH - 80.0, series_top - 26.0], 0.05);
+    legend(canvas, [left, top + 18.0], canvas.width, &keys);
+    let bottom = top + 32.0 + (size[1] + 16.0) * runs.len().div_ceil(2) as f64;
+    let bar = [canvas.width - 100.0, bottom + 12.0];
+    close.moved([left, top], size).scale_bar(canvas, bar, 0.05);
+    bottom + 18.0
 }
 
-/// (c): error against time, one strip a policy, all to one scale.
-fn series(canvas: &mut Canvas, runs: &[Run], summary: &[TrackSummaryRow], top: f64) {
-    let title =
-        Text::new("(c) tracking error over time", [LEFT_MARGIN - 44.0, top], TEXT, TextAlign::Left);
+/// (c): error against time, one strip a policy, all to one scale. Returns where they end.
+fn series(canvas: &mut Canvas, runs: &[Run], summary: &[TrackSummaryRow], top: f64) -> f64 {
+    let title = Text::new("(c) error against time", [12.0, top], TEXT, TextAlign::Left);
     canvas.text(title.bold());
     let keys = [
         (LegendEntry::Line(GREY, DASHED), "mean over the run"),
         (LegendEntry::Line(INK, SOLID), "end of the run"),
     ];
-    legend(canvas, [LEFT_MARGIN + 170.0, top], PAGE_WIDTH, &keys);
+    let top = legend(canvas, [12.0, top + 18.0], canvas.width, &keys) + 12.0;
     let rows = || runs.iter().flat_map(|run| &run.rows);
     let x = Axis::covering("time (s)", rows().map(|row| row.sample.time_s).chain([0.0]), 8);
-    let y = Axis::covering("", rows().map(|row| 1e3 * row.sample.error_m).chain([0.0]), 2);
+    let errors_mm = rows().map(|row| 1e3 * row.sample.error_m);
+    let is_logarithmic = is_logarithmic(runs);
+    let y = if is_logarithmic {
+        // Below a tenth of a millimetre, noise of the tracker.
+        Axis::decades("", errors_mm.map(|error_mm| error_mm.max(SMALLEST_MM)))
+    } else {
+        Axis::covering("", errors_mm.chain([0.0]), 2)
+    };
     for (index, run) in runs.iter().enumerate() {
         let last = index + 1 == runs.len();
         let panel = canvas.panel(Panel {
-            corner: [LEFT_MARGIN, top + 12.0 + (STRIP_HEIGHT + 12.0) * index as f64],
-            size: [PAGE_WIDTH - LEFT_MARGIN - 96.0, STRIP_HEIGHT],
+            corner: [LEFT_MARGIN, top + (STRIP_HEIGHT + 12.0) * index as f64],
+            size: [canvas.width - LEFT_MARGIN - 100.0, STRIP_HEIGHT],
             x: if last { x.clone() } else { x.bare() },
             y: y.clone(),
             title: String::new(),
         });
-        strip(canvas, &panel, run, summary);
+        strip(canvas, &panel, run, summary, is_logarithmic);
     }
-    let middle = top + 12.0 + (STRIP_HEIGHT + 12.0) * runs.len() as f64 / 2.0;
-    canvas.text(
-        Text::new("error (mm)", [LEFT_MARGIN - 34.0, middle], TEXT, TextAlign::Centre).upwards(),
-    );
+    let bottom = top + (STRIP_HEIGHT + 12.0) * runs.len() as f64;
+    let middle = [LEFT_MARGIN - 38.0, 0.5 * (top + bottom)];
+    canvas.text(Text::new("error (mm)", middle, TEXT, TextAlign::Centre).upwards());
+    bottom + 32.0
 }
 
-fn strip(canvas: &mut Canvas, panel: &Panel, run: &Run, summary: &[TrackSummaryRow]) {
+fn strip(
+    canvas: &mut Canvas,
+    panel: &Panel,
+    run: &Run,
+    summary: &[TrackSummaryRow],
+    is_logarithmic: bool,
+) {
+    let height = |error_mm: f64| {
+        if is_logarithmic { error_mm.max(SMALLEST_MM).log10() } else { error_mm }
+    };
     let look = policy_look(run.policy);
     let first = run.rows[0];
     let is_run = |row: &&TrackSummaryRow| {
         row.policy == first.policy && row.training == first.training && row.seed == first.seed
     };
     let points: Vec<[f64; 2]> =
-        run.rows.iter().map(|row| [row.sample.time_s, 1e3 * row.sample.error_m]).collect();
+        run.rows.iter().map(|row| [row.sample.time_s, height(1e3 * row.sample.error_m)]).collect();
     panel.line(canvas, &points, look.colour, SOLID, 1.1);
     let right = panel.corner[0] + panel.size[0] + 10.0;
     let line = |number: f64| panel.corner[1] + 12.0 + 14.0 * number;
@@ -262,7 +301,8 @@ fn strip(canvas: &mut Canvas, panel: &Panel, run: &Run, summary: &[TrackSummaryR
     canvas.text(name.colour(look.colour).bold());
     let Some(row) = summary.iter().find(is_run) else { return };
     let mean_mm = 1e3 * row.mean_error_m;
-    panel.line(canvas, &[[panel.x.low, mean_mm], [panel.x.high, mean_mm]], GREY, DASHED, HAIR);
+    let mean_line = [panel.x.low, panel.x.high].map(|x| [x, height(mean_mm)]);
+    panel.line(canvas, &mean_line, GREY, DASHED, HAIR);
     let end = row.completion_time_s;
     panel.line(canvas, &[[end, panel.y.low], [end, panel.y.high]], INK, SOLID, HAIR);
     let end_words = if row.status.is_ok() { format!("{end:.0} s") } else { row.status.to_string() };

@@ -5,13 +5,13 @@ use super::printed;
 use crate::policies::{self, OutsidePolicies};
 use crate::report::cells::MODES;
 use crate::report::drawing::{
-    Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend, text_width,
+    Axis, Canvas, Dot, DotChart, DotPanel, DotRow, LegendEntry, MIN_PANEL, legend,
 };
 use crate::report::order::trainings;
 use crate::report::page::markup::{MarkdownTable, latex};
 use crate::report::style::{
-    BLUE, Colour, GREEN, HAIR, HALF_CAP, INK, MARKER, Marker, ORANGE, PAGE_WIDTH, SMALL,
-    policies_in_order, policy_label, policy_latex, policy_markdown,
+    BLUE, Colour, GREEN, INK, Marker, NARROW, ORANGE, TALL, policies_in_order, policy_label,
+    policy_latex, policy_markdown,
 };
 use crate::report::{Artifact, Figure, Published, ReportError, csv, text};
 use crate::rows::experiment::ReachSummaryRow;
@@ -22,13 +22,6 @@ pub(super) const FIGURE: Figure = Figure {
     about: "Table I: goal-reaching error of every policy, ours and the paper's",
     render,
 };
-
-/// Room of the panels, hundredths of an inch: where the last one ends, between two, beside the
-/// names of the policies, and least for these.
-const PANELS_RIGHT: f64 = 706.0;
-const PANEL_GAP: f64 = 30.0;
-const NAME_GAP: f64 = 14.0;
-const MIN_LEFT_MARGIN: f64 = 52.0;
 
 const HEADINGS: [&str; 3] = ["Open-loop", "Closed-loop", "Closed-loop with load"];
 
@@ -50,11 +43,11 @@ struct TableEntry {
 
 fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     let trials = &published.trials;
-    FIGURE.needs("trials.csv", trials.is_empty())?;
+    FIGURE.needs("trials.csv", trials.is_empty() && published.reached.is_empty())?;
     let summary = published.reach_summary(trials);
     one_size(&summary)?;
     let table = ControllerTable {
-        sources: sources(published),
+        sources: sources(published, &summary),
         shown: policies_in_order(summary.iter().map(|row| row.cell.policy.as_str())),
         summary: &summary,
         outside: &published.context.outside,
@@ -65,7 +58,8 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
             text("table1.md", table.markdown()),
             text("table1.tex", table.tex()),
         ],
-        &table.draw(),
+        &table.caption(),
+        |width| table.draw(width),
     )
 }
 
@@ -95,11 +89,11 @@ fn one_size(summary: &[ReachSummaryRow]) -> Result<(), ReportError> {
     Err(ReportError::Mixed { figure: FIGURE.name, found, expected: "size of data for a policy" })
 }
 
-fn sources(published: &Published) -> Vec<Source<'_>> {
+fn sources<'a>(published: &Published, summary: &'a [ReachSummaryRow]) -> Vec<Source<'a>> {
     let looks = [(BLUE, Marker::Circle), (GREEN, Marker::Diamond), (ORANGE, Marker::Triangle)];
     let paper =
         Source { label: "paper".to_owned(), colour: INK, marker: Marker::Square, training: None };
-    let names = trainings(published.trials.iter().map(|row| row.training.as_str()));
+    let names = trainings(summary.iter().map(|row| row.training.as_str()));
     let ours = names.into_iter().enumerate().map(|(index, name)| {
         let (colour, marker) = looks[index % looks.len()];
         let label = format!("ours, {}", published.training_label(name));
@@ -217,11 +211,26 @@ impl ControllerTable<'_> {
         out
     }
 
-    fn draw(&self) -> Canvas {
+    /// What the picture shows.
+    fn caption(&self) -> String {
+        let paper = if self.sources.iter().any(|source| source.training.is_none()) {
+            ", ours and the paper’s"
+        } else {
+            ""
+        };
+        let seeds = self.summary.iter().map(|row| row.seeds).max().unwrap_or(0);
+        let trials = self.summary.iter().map(|row| row.trials).max().unwrap_or(0);
+        format!(
+            "Goal-reaching error of each controller in open loop, in closed loop and with a load, in \
+             mm{paper}. Marks are means over {trials} trials in {seeds} repetitions; thin lines: one \
+             standard deviation over targets; thick lines: 95 % interval of the mean. N/A: the \
+             controller does not run in open loop; –: not run."
+        )
+    }
+
+    fn draw(&self, width: f64) -> Canvas {
         let ControllerTable { sources, shown, .. } = self;
-        let policy_height = 16.0 * sources.len() as f64 + 10.0;
-        let high = policy_height * shown.len() as f64;
-        let mut canvas = Canvas::new(PAGE_WIDTH, (high + 112.0).round());
+        let mut canvas = Canvas::new(width, TALL);
         let keys: Vec<(LegendEntry, &str)> = sources
             .iter()
             .map(|source| {
@@ -231,86 +240,63 @@ impl ControllerTable<'_> {
                 )
             })
             .collect();
-        legend(&mut canvas, [52.0, 18.0], PAGE_WIDTH - 10.0, &keys);
-        let entries: Vec<TableEntry> = MODES
-            .iter()
-            .flat_map(|mode| shown.iter().map(|policy| (*policy, *mode)))
-            .flat_map(|(policy, mode)| {
+        let base = legend(&mut canvas, [10.0, 16.0], width - 8.0, &keys);
+        let every = || {
+            let cells =
+                MODES.iter().flat_map(|mode| shown.iter().map(move |policy| (policy, mode)));
+            cells.flat_map(|(policy, mode)| {
                 sources.iter().filter_map(move |source| self.entry(source, policy, mode))
             })
-            .collect();
-        let ends = entries.iter().flat_map(|entry| {
-            [entry.mean_m + entry.sd_m, entry.mean_m - entry.sd_m, entry.mean_m]
-                .map(|value| 1e3 * value)
+        };
+        let ends = every().flat_map(|entry| [entry.mean_m, entry.mean_m + entry.sd_m]);
+        let wanted = if width < NARROW { 2 } else { 4 };
+        let x = Axis::from_zero("error (mm)", ends.map(|end_m| 1e3 * end_m), wanted);
+        let panels = MODES.iter().zip(HEADINGS).map(|(mode, heading)| DotPanel {
+            title: if width < NARROW {
+                heading.replace("Closed-loop with", "With")
+            } else {
+                heading.to_owned()
+            },
+            x: x.clone(),
+            dots: self.dots(mode),
+            joined: false,
+            goals: Vec::new(),
         });
-        let x = Axis::covering("goal-reaching error (mm)", ends.chain([0.0]), 4);
-        let longest = shown
-            .iter()
-            .map(|policy| text_width(policy_label(policy), SMALL, false))
-            .fold(0.0, f64::max);
-        let left = (longest + NAME_GAP).max(MIN_LEFT_MARGIN);
-        let wide = (PANELS_RIGHT - left - 2.0 * PANEL_GAP) / 3.0;
-        for (place, (mode, heading)) in MODES.iter().zip(HEADINGS).enumerate() {
-            let names: Vec<String> =
-                shown.iter().rev().map(|policy| policy_label(policy).to_owned()).collect();
-            let named =
-                Axis { low: -0.5, high: shown.len() as f64 - 0.5, ..Axis::categories("", &names) };
-            let panel = canvas.panel(Panel {
-                corner: [left + (wide + PANEL_GAP) * place as f64, 54.0],
-                size: [wide, high],
-                x: x.clone(),
-                y: if place == 0 { named } else { named.bare() },
-                title: heading.to_owned(),
-            });
-            self.facet(&mut canvas, &panel, mode);
-        }
-        let note = "thin: ± 1 standard deviation over targets; thick: 95 % interval of the mean over \
-                repetitions";
-        canvas.text(
-            Text::new(note, [PAGE_WIDTH - 10.0, high + 106.0], SMALL, TextAlign::Right)
-                .colour(crate::report::style::GREY),
-        );
+        let lanes = sources.len();
+        let chart = DotChart {
+            rows: shown
+                .iter()
+                .map(|policy| DotRow::Named(policy_label(policy).to_owned(), lanes))
+                .collect(),
+            lane_height: if shown.len() > 6 { 11.0 } else { 15.0 },
+            min_panel: MIN_PANEL,
+            aside: 0.0,
+            panels: panels.collect(),
+        };
+        canvas.height = chart.draw(&mut canvas, base + 30.0).round();
         canvas
     }
 
     /// The dots and intervals of one mode.
-    fn facet(&self, canvas: &mut Canvas, panel: &Panel, mode: &str) {
-        let ControllerTable { sources, shown, .. } = self;
-        let slot = panel.size[1] / shown.len() as f64;
-        for (row, policy) in shown.iter().enumerate() {
-            let middle = panel.at(panel.x.low, (shown.len() - 1 - row) as f64)[1];
-            if row > 0 {
-                let edge = middle - slot / 2.0;
-                let [left, right] = [panel.corner[0], panel.corner[0] + panel.size[0]];
-                canvas.line(&[[left, edge], [right, edge]], HAIR, INK, &[1.0, 3.0]);
+    fn dots(&self, mode: &str) -> Vec<Dot> {
+        let sources = self.sources.iter().enumerate();
+        let cells = sources.flat_map(|(lane, source)| {
+            self.shown.iter().enumerate().map(move |(row, policy)| (lane, source, row, policy))
+        });
+        let dot = |(lane, source, row, policy): (usize, &Source, usize, &&str)| {
+            let empty = Dot::new(row, lane, f64::NAN, source.marker, source.colour);
+            let Some(TableEntry { mean_m, sd_m, interval_m }) = self.entry(source, policy, mode)
+            else {
+                return Dot { words: self.absent(policy, mode).to_owned(), ..empty };
+            };
+            Dot {
+                value: 1e3 * mean_m,
+                hollow: source.training.is_none(),
+                thin: Some([mean_m - sd_m, mean_m + sd_m].map(|end_m| 1e3 * end_m)),
+                thick: interval_m.map(|ends| ends.map(|end_m| 1e3 * end_m)),
+                ..empty
             }
-            for (line, source) in sources.iter().enumerate() {
-                let y = middle + 16.0 * (line as f64 - (sources.len() - 1) as f64 / 2.0);
-                let Some(entry) = self.entry(source, policy, mode) else {
-                    let absent = self.absent(policy, mode);
-                    let x = panel.corner[0] + 8.0;
-                    canvas.text(
-                        Text::new(absent, [x, y + HALF_CAP * SMALL], SMALL, TextAlign::Left)
-                            .colour(source.colour),
-                    );
-                    continue;
-                };
-                let place = |value_m: f64| [panel.at(1e3 * value_m, 0.0)[0], y];
-                if entry.sd_m.is_finite() {
-                    let ends = [place(entry.mean_m - entry.sd_m), place(entry.mean_m + entry.sd_m)];
-                    canvas.line(&ends, 1.0, source.colour, &[]);
-                }
-                if let Some([low, high]) = entry.interval_m {
-                    canvas.line(&[place(low), place(high)], 3.6, source.colour, &[]);
-                }
-                canvas.marker(
-                    place(entry.mean_m),
-                    source.marker,
-                    MARKER,
-                    source.colour,
-                    source.training.is_none(),
-                );
-            }
-        }
+        };
+        cells.map(dot).collect()
     }
 }

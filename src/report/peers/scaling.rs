@@ -1,8 +1,8 @@
 //! Scaling of campaigns: efficiency and time over the number of nodes, simulated from recorded
 //! stage times.
 
-use crate::report::drawing::{Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend};
-use crate::report::style::{DASHED, GREY, HAIR, LINE, LOOKS, MARKER, PAGE_WIDTH, SMALL};
+use crate::report::drawing::{Axis, Canvas, LegendEntry, Panel, legend, thousands};
+use crate::report::style::{DASHED, GREY, HAIR, LEFT_MARGIN, LINE, LOOKS, MARKER, NARROW, TALL};
 use crate::report::{Artifact, Figure, Published, ReportError, text};
 use crate::rows::experiment::ScalingRow;
 use std::fmt::Write as _;
@@ -14,37 +14,50 @@ pub(super) const FIGURE: Figure =
 /// Drawn systems and their names in the figure.
 const SYSTEMS: [(&str, &str); 2] =
     [("ideal cluster", "stages alone, best order"), ("workers", "workers: launches, locks, store")];
-const PANEL_HEIGHT: f64 = 230.0;
-const LEFT_MARGIN: f64 = 58.0;
 
 fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     let drawn =
         |row: &&ScalingRow| SYSTEMS.iter().any(|(name, _)| *name == row.system) && row.wall_s > 0.0;
     let rows: Vec<&ScalingRow> = published.scaling.iter().filter(drawn).collect();
     FIGURE.needs("scaling.csv with a replayed cluster", rows.is_empty())?;
-    FIGURE.files(vec![text("scaling.md", markdown(&published.scaling))], &draw(&rows))
+    let tables = vec![text("scaling.md", markdown(&published.scaling))];
+    FIGURE.files(tables, &caption(&rows), |width| draw(&rows, width))
 }
 
-fn draw(rows: &[&ScalingRow]) -> Canvas {
-    let mut canvas = Canvas::new(PAGE_WIDTH, 348.0);
+fn caption(rows: &[&ScalingRow]) -> String {
+    let stages = rows.iter().map(|row| row.stages).max().unwrap_or(0);
+    format!(
+        "A campaign of {} stages, whose times were recorded on one processor, replayed on clusters: \
+         (a) time from begin to end in h and (b) share of the nodes’ time that goes into stages, \
+         against the number of nodes (logarithmic axis). Broken line: 90 %.",
+        thousands(stages)
+    )
+}
+
+fn draw(rows: &[&ScalingRow], width: f64) -> Canvas {
+    let mut canvas = Canvas::new(width, TALL);
     let keys: Vec<(LegendEntry, &str)> = SYSTEMS
         .iter()
         .enumerate()
         .map(|(index, (_, words))| (LegendEntry::Plain(LOOKS[index]), *words))
         .collect();
-    let below = legend(&mut canvas, [LEFT_MARGIN, 18.0], PAGE_WIDTH - 12.0, &keys);
+    let top = legend(&mut canvas, [10.0, 16.0], width - 8.0, &keys) + 32.0;
     let max_workers = rows.iter().map(|row| row.workers as f64).fold(1.0, f64::max);
     let nodes = Axis::decades("nodes of one processor", [1.0, max_workers].into_iter());
-    let time =
-        Axis::decades("time from begin to end (h)", rows.iter().map(|row| row.wall_s / 3600.0));
-    let share = Axis::exact("share of the nodes’ time in stages (%)", 0.0, 100.0, 5);
-    let wide = (PAGE_WIDTH - LEFT_MARGIN - 14.0) / 2.0;
+    let time = Axis::decades("time (h)", rows.iter().map(|row| row.wall_s / 3600.0));
+    let share = Axis::exact("time in stages (%)", 0.0, 100.0, 5);
+    let (per_line, high) = if width < NARROW { (1, 140.0) } else { (2, 230.0) };
+    let wide = width / per_line as f64 - LEFT_MARGIN - 16.0;
     for (index, (title, y)) in
-        [("(a) time", time), ("(b) efficiency", share)].into_iter().enumerate()
+        [("(a) Time", time), ("(b) Efficiency", share)].into_iter().enumerate()
     {
+        let (line, column) = (index / per_line, index % per_line);
         let panel = canvas.panel(Panel {
-            corner: [LEFT_MARGIN + (wide + 14.0) * index as f64, below + 34.0],
-            size: [wide - 44.0, PANEL_HEIGHT],
+            corner: [
+                LEFT_MARGIN + (wide + LEFT_MARGIN + 8.0) * column as f64,
+                top + (high + 62.0) * line as f64,
+            ],
+            size: [wide, high],
             x: nodes.clone(),
             y,
             title: title.to_owned(),
@@ -68,17 +81,7 @@ fn draw(rows: &[&ScalingRow]) -> Canvas {
             panel.marked(&mut canvas, &points, *look, [LINE, MARKER]);
         }
     }
-    let stages = rows.iter().map(|row| row.stages).max().unwrap_or(0);
-    let note = format!("{stages} stages, their times recorded on one processor; dashed: 90 %");
-    canvas.text(
-        Text::new(
-            &note,
-            [PAGE_WIDTH - 14.0, below + 34.0 + PANEL_HEIGHT + 44.0],
-            SMALL,
-            TextAlign::Right,
-        )
-        .colour(GREY),
-    );
+    canvas.height = (top + (high + 62.0) * (2 / per_line) as f64 - 14.0).round();
     canvas
 }
 

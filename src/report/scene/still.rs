@@ -4,7 +4,8 @@ use super::super::drawing::{Canvas, CanvasPoint, Text, TextAlign, View};
 use crate::base::Point3;
 use crate::base::series::{Colour, DASHED, DOTTED};
 use crate::data::scene::{
-    Scene, SceneFrame, SceneObstacle, SceneRobot, SceneStation, SceneTendon, StationPose, between_stations_m,
+    Scene, SceneFrame, SceneObstacle, SceneRobot, SceneStation, SceneTendon, StationPose,
+    between_stations_m,
 };
 use crate::report::style::{GREEN, GREY, GRID, HALF_CAP, INK, SMALL, SOLID, WHITE};
 
@@ -192,7 +193,8 @@ impl Sight {
             (0..CORNERS).map(corner).collect()
         };
         let (low, high) = (circle(from_m), circle(to_m));
-        let faces = self.nearness(section.place_m([0.0, 0.0, 1.0])) > self.nearness(section.position_m());
+        let faces =
+            self.nearness(section.place_m([0.0, 0.0, 1.0])) > self.nearness(section.position_m());
         let front = if faces { high.clone() } else { low.clone() };
         let outline = hull(low.into_iter().chain(high).collect());
         let middle = self.nearness(section.place_m([0.0, 0.0, 0.5 * (from_m + to_m)]));

@@ -1,5 +1,6 @@
 //! A swept field as an axis: linear or logarithmic for numbers, equidistant for names.
 
+use super::words::{key_words, value_words};
 use crate::data::tables::{SIGNIFICANT_DIGITS, round_significant};
 use crate::report::drawing::{Axis, signed, text_width};
 use crate::report::style::{SMALL, TEXT};
@@ -95,7 +96,7 @@ impl SweptAxis {
         }
     }
 
-    /// The field's name with its unit, shortened from the front to fit.
+    /// What the field sets in words, else its name, with its unit, shortened from the front to fit.
     pub(super) fn label(&self, room: f64) -> String {
         let (stem, unit) = unit_of(&self.name);
         let unit = unit
@@ -108,6 +109,7 @@ impl SweptAxis {
             .collect();
         let mut stem =
             stem.strip_prefix("spec.").or(stem.strip_prefix("runs.reach.")).unwrap_or(&stem);
+        stem = key_words(stem).unwrap_or(stem);
         let mut head = "";
         while text_width(&format!("{head}{stem}{unit}"), TEXT, false) > room {
             let Some((_, tail)) = stem.split_once('.') else { break };
@@ -236,7 +238,7 @@ fn shown(value: &str, room: f64) -> String {
     let text = if number(value).is_some() {
         written(value)
     } else {
-        value.trim_end_matches(".yaml").to_owned()
+        value_words(value.trim_end_matches(".yaml"))
     };
     if text_width(&text, SMALL, false) <= room {
         return text;
@@ -283,8 +285,8 @@ mod tests {
             (short.label(400.0), short.shown("0.015", 60.0)),
             ("policies.c.error (mm)".into(), "15".into())
         );
-        assert_eq!(field("runs.reach[0].gp_points[0]", &["1"]).label(400.0), "gp_points");
-        assert_eq!(field("spec.control_hz", &["1"]).label(400.0), "control (Hz)");
+        assert_eq!(field("runs.reach[0].gp_points[0]", &["1"]).label(400.0), "real points");
+        assert_eq!(field("spec.control_hz", &["1"]).label(400.0), "control rate (Hz)");
         let long = field("plant.simulated.model.robot.backbone.youngs_modulus_pa", &["1"]);
         assert_eq!(long.label(200.0), "…backbone.youngs_modulus (Pa)");
         assert_eq!(shown("../models/tentacle.yaml", 60.0), "tentacle");

@@ -1,12 +1,12 @@
-//! Two swept fields: a heat map for each kind of training, mode and policy, each from its smallest
-//! to its largest value: what differs between modes would hide what differs within one.
+//! Two swept fields: a heat map for each kind of training, mode and policy. The colour is the error
+//! over the smallest one of its map, on one scale for all maps.
 
 use super::field::SweptAxis;
 use super::{SweepEntry, series_label, sized, training_heading};
 use crate::report::drawing::{Canvas, CanvasPoint, Text, TextAlign, text_width};
 use crate::report::order::{distinct, trainings};
 use crate::report::style::{
-    Colour, GREY, HAIR, HALF_CAP, INK, PAGE_WIDTH, SMALL, TALL, TEXT, WHITE, capitalised, heading,
+    Colour, GREY, HAIR, HALF_CAP, INK, NARROW, SMALL, TALL, TEXT, WHITE, capitalised, heading,
     mode_title,
 };
 
@@ -19,8 +19,6 @@ const MIN_NUMBER_WIDTH: f64 = 36.0;
 const MAX_CELL_HEIGHT: f64 = 22.0;
 /// Largest height of a map.
 const MAX_MAP_HEIGHT: f64 = 300.0;
-/// Least distance of two maps side by side: the width of a title.
-const MIN_MAP_WIDTH: f64 = 150.0;
 /// Width for the name of a row.
 const NAME_WIDTH: f64 = 160.0;
 
@@ -30,12 +28,15 @@ struct HeatMap<'a> {
     entries: Vec<&'a SweepEntry<'a>>,
 }
 
-/// Smallest and largest value of a map, lightest and darkest.
+/// Smallest value of a map, and the ratio to it that is darkest in all maps.
 #[derive(Clone, Copy)]
 struct ColourScale {
     low_mm: f64,
-    high_mm: f64,
+    darkest: f64,
 }
+
+/// Ratios up to this one are not drawn darker than they are, and larger ones are all darkest.
+const DARKEST: [f64; 2] = [1.5, 4.0];
 
 /// Sizes of a map.
 struct HeatMapLayout {
@@ -45,6 +46,8 @@ struct HeatMapLayout {
     /// Number of maps side by side, and the distance between maps.
     columns: usize,
     pitch: [f64; 2],
+    /// The ratio to the smallest value that is darkest.
+    darkest: f64,
 }
 
 /// `blocks` are the values of a third field, each with its rows, or one block without a name.
@@ -52,13 +55,16 @@ pub(super) fn draw(
     blocks: &[(String, Vec<&SweepEntry>)],
     [down, across]: [&SweptAxis; 2],
     measure: &str,
+    width: f64,
 ) -> Canvas {
-    let layout = HeatMapLayout::new(down, across);
-    let mut canvas = Canvas::new(PAGE_WIDTH, TALL);
+    let titles = all_maps(blocks).map(|map| text_width(&map.title, TEXT, true));
+    let title_width = titles.fold(0.0, f64::max);
+    let layout = HeatMapLayout::new([down, across], width, darkest(blocks), title_width);
+    let mut canvas = Canvas::new(width, TALL);
     canvas.text(Text::new(capitalised(measure), [12.0, 18.0], TEXT, TextAlign::Left));
-    let note = "means over repetitions; light to dark in each map by itself; –: every trial failed";
-    canvas.text(Text::new(note, [PAGE_WIDTH - 12.0, 18.0], SMALL, TextAlign::Right).colour(GREY));
-    let mut top = 22.0;
+    let key = if width < NARROW { [12.0, 34.0] } else { [width - 310.0, 18.0] };
+    colour_key(&mut canvas, layout.darkest, key);
+    let mut top = key[1] + 6.0;
     for (block, entries) in blocks {
         if !block.is_empty() {
             top += 20.0;
@@ -87,16 +93,19 @@ fn group(
         canvas.text(Text::new(heading(training), [12.0, top], TEXT, TextAlign::Left).bold());
     }
     let maps = maps(entries, training);
+    let lines = maps.len().div_ceil(layout.columns);
+    // As many in each line, so that no map stands alone.
+    let per_line = maps.len().div_ceil(lines.max(1)).max(1);
     for (index, map) in maps.iter().enumerate() {
-        let (line, column) = (index / layout.columns, index % layout.columns);
-        let left = 12.0 + layout.names + layout.pitch[0] * column as f64;
+        let (line, column) = (index / per_line, index % per_line);
+        let left = 8.0 + layout.names + layout.pitch[0] * column as f64;
         let corner = [left, top + 26.0 + layout.pitch[1] * line as f64];
         paint(canvas, map, [down, across], layout, corner);
         if column == 0 {
             rows(canvas, down, layout, corner);
         }
     }
-    top + layout.pitch[1] * maps.len().div_ceil(layout.columns) as f64
+    top + layout.pitch[1] * lines as f64
 }
 
 /// The maps of one kind of training, mode by mode.
@@ -128,12 +137,8 @@ fn paint(
     layout: &HeatMapLayout,
     corner: CanvasPoint,
 ) {
-    let means_mm =
-        || map.entries.iter().map(|entry| 1e3 * entry.row.mean_m).filter(|value| value.is_finite());
-    let scale = ColourScale {
-        low_mm: means_mm().fold(f64::INFINITY, f64::min),
-        high_mm: means_mm().fold(f64::NEG_INFINITY, f64::max),
-    };
+    let [low_mm, _] = range_mm(map.entries.iter().copied());
+    let scale = ColourScale { low_mm, darkest: layout.darkest };
     let [wide, high] = layout.cell;
     let (width, height) = (wide * across.values.len() as f64, high * down.values.len() as f64);
     canvas.text(Text::new(&map.title, [corner[0], corner[1] - 6.0], TEXT, TextAlign::Left).bold());
@@ -192,24 +197,70 @@ fn rows(canvas: &mut Canvas, down: &SweptAxis, layout: &HeatMapLayout, corner: C
             TextAlign::Right,
         ));
     }
-    let height = high * down.values.len() as f64;
-    let beside = [corner[0] - layout.names + TEXT, corner[1] + 0.5 * height];
-    canvas.text(Text::new(down.label(height + 20.0), beside, TEXT, TextAlign::Centre).upwards());
+    let above = [corner[0] - 5.0, corner[1] - 6.0];
+    canvas.text(Text::new(down.label(NAME_WIDTH), above, SMALL, TextAlign::Right).colour(GREY));
 }
 
-/// A number with three significant digits of the scale's larger end.
+/// Smallest and largest mean, millimetres.
+fn range_mm<'a>(entries: impl Iterator<Item = &'a SweepEntry<'a>>) -> [f64; 2] {
+    let means_mm = entries.map(|entry| 1e3 * entry.row.mean_m).filter(|value| value.is_finite());
+    means_mm.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
+        [low.min(value), high.max(value)]
+    })
+}
+
+/// The maps of all blocks and kinds of training.
+fn all_maps<'a>(
+    blocks: &'a [(String, Vec<&'a SweepEntry<'a>>)],
+) -> impl Iterator<Item = HeatMap<'a>> {
+    blocks.iter().flat_map(|(_, entries)| {
+        let kinds = trainings(entries.iter().map(|entry| entry.row.training.as_str()));
+        kinds.into_iter().flat_map(|training| maps(entries, training))
+    })
+}
+
+/// The ratio that is darkest: the largest one of all maps, within bounds.
+fn darkest(blocks: &[(String, Vec<&SweepEntry>)]) -> f64 {
+    let ratios = all_maps(blocks).map(|map| {
+        let [low_mm, high_mm] = range_mm(map.entries.into_iter());
+        high_mm / low_mm
+    });
+    ratios.filter(|ratio| ratio.is_finite()).fold(DARKEST[0], f64::max).min(DARKEST[1])
+}
+
+/// The scale of colours with the ratios at its ends, its baseline at `at`.
+fn colour_key(canvas: &mut Canvas, darkest: f64, [x, y]: CanvasPoint) {
+    const STEPS: usize = 24;
+    const STEP_WIDTH: f64 = 3.0;
+    let words = "error over the smallest: 1×";
+    canvas.text(Text::new(words, [x, y], SMALL, TextAlign::Left));
+    let left = x + text_width(words, SMALL, false) + 5.0;
+    for step in 0..STEPS {
+        let share = step as f64 / (STEPS - 1) as f64;
+        let scale = ColourScale { low_mm: 1.0, darkest };
+        let (colour, _) = shade(1.0 + share * (darkest - 1.0), scale);
+        let from = left + STEP_WIDTH * step as f64;
+        canvas.rectangle([from, y - 8.5], [from + STEP_WIDTH + 0.1, y + 1.5], colour, 1.0);
+    }
+    let more = if darkest < DARKEST[1] { "" } else { " and more" };
+    let end = [left + STEP_WIDTH * STEPS as f64 + 5.0, y];
+    canvas.text(Text::new(format!("{darkest:.1}×{more}"), end, SMALL, TextAlign::Left));
+}
+
+/// A number with three significant digits of the smallest one of its map.
 fn digits(value_mm: f64, scale: ColourScale) -> String {
-    let largest = scale.low_mm.abs().max(scale.high_mm.abs()).max(1e-12);
+    let largest = scale.low_mm.abs().max(1e-12);
     let places = (2.0 - largest.log10().floor()).clamp(0.0, 4.0) as usize;
     if value_mm.is_finite() { format!("{value_mm:.places$}") } else { "–".to_owned() }
 }
 
 /// Colour of a cell and of its number.
-fn shade(value_mm: f64, ColourScale { low_mm, high_mm }: ColourScale) -> (Colour, Colour) {
+fn shade(value_mm: f64, ColourScale { low_mm, darkest }: ColourScale) -> (Colour, Colour) {
     if !value_mm.is_finite() {
         return (WHITE, GREY);
     }
-    let share = if high_mm > low_mm { (value_mm - low_mm) / (high_mm - low_mm) } else { 0.0 };
+    let share = (value_mm / low_mm - 1.0) / (darkest - 1.0);
+    let share = if share.is_finite() { share } else { 0.0 };
     let place = share.clamp(0.0, 1.0) * (SHADES.len() - 1) as f64;
     let first = (place.floor() as usize).min(SHADES.len() - 2);
     let part = place - first as f64;
@@ -235,30 +286,35 @@ fn contrast(one: Colour, other: Colour) -> f64 {
 }
 
 impl HeatMapLayout {
-    fn new(down: &SweptAxis, across: &SweptAxis) -> HeatMapLayout {
+    fn new(
+        [down, across]: [&SweptAxis; 2],
+        width: f64,
+        darkest: f64,
+        title_width: f64,
+    ) -> HeatMapLayout {
         let widest = down
             .values
             .iter()
             .map(|value| text_width(&down.shown(value, NAME_WIDTH), SMALL, false))
             .fold(0.0, f64::max);
-        let names = widest + TEXT + 14.0;
+        let names = widest.max(text_width(&down.label(NAME_WIDTH), SMALL, false)) + 14.0;
         let label_width = across
             .values
             .iter()
             .map(|value| text_width(&across.shown(value, NAME_WIDTH), SMALL, false) + 8.0);
         let label_width = label_width.fold(MIN_NUMBER_WIDTH, f64::max);
-        let free_width = PAGE_WIDTH - 24.0 - names;
+        let free_width = width - 24.0 - names;
         let wide = label_width.min(free_width / across.values.len() as f64);
         let high = MAX_CELL_HEIGHT.min(MAX_MAP_HEIGHT / down.values.len() as f64);
-        // Wide enough for a title such as "Gaussian process, closed loop with load", which may be
-        // longer than a map.
-        let map = (wide * across.values.len() as f64).max(MIN_MAP_WIDTH) + 18.0;
-        let columns = (((PAGE_WIDTH - 12.0 - names) / map).floor() as usize).max(1);
+        // A title may be longer than its map.
+        let map = (wide * across.values.len() as f64).max(title_width) + 16.0;
+        let columns = (((width - 12.0 - names) / map).floor() as usize).max(1);
         HeatMapLayout {
             names,
             cell: [wide, high],
             columns,
             pitch: [map, high * down.values.len() as f64 + 64.0],
+            darkest,
         }
     }
 }
@@ -269,9 +325,9 @@ mod tests {
 
     #[test]
     fn shades_grow_darker_and_numbers_on_them_are_read() {
-        let scale = |low_mm, high_mm| ColourScale { low_mm, high_mm };
+        let scale = ColourScale { low_mm: 1.0, darkest: 2.0 };
         let shades: Vec<(Colour, Colour)> =
-            (0..=100).map(|step| shade(f64::from(step), scale(0.0, 100.0))).collect();
+            (100..=200).map(|step| shade(0.01 * f64::from(step), scale)).collect();
         assert!(
             shades.windows(2).all(|pair| contrast(pair[0].0, WHITE) < contrast(pair[1].0, WHITE))
         );
@@ -281,7 +337,8 @@ mod tests {
         for (ground, ink) in shades {
             assert!(contrast(ground, ink) > min_contrast, "{ground:?}");
         }
-        assert_eq!(shade(f64::NAN, scale(0.0, 1.0)), (WHITE, GREY));
-        assert_eq!(shade(2.0, scale(2.0, 2.0)).0, SHADES[0]);
+        assert_eq!(shade(f64::NAN, scale), (WHITE, GREY));
+        assert_eq!(shade(1.0, scale).0, SHADES[0]);
+        assert_eq!(shade(9.0, scale).0, SHADES[SHADES.len() - 1]);
     }
 }

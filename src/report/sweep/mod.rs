@@ -6,10 +6,12 @@ mod field;
 mod heat;
 mod lines;
 pub(super) mod rows;
+mod words;
 
 use super::drawing::Canvas;
-use super::style::{PAGE_WIDTH, policy_label, training_label};
-use super::{Artifact, Figure, Published, ReportError, pictures};
+use super::order::trainings;
+use super::style::{PAGE_WIDTH, capitalised, policy_label, training_label};
+use super::{Artifact, Figure, Published, ReportError, captioned};
 use crate::rows::experiment::SweepRow;
 use field::SweptAxis;
 use std::collections::HashMap;
@@ -62,26 +64,68 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     for (task, measure) in TASKS {
         let of_task: Vec<&SweepEntry> =
             entries.iter().filter(|entry| entry.row.task == task).collect();
-        if of_task.is_empty() {
+        // Of a later task that no field changes there is nothing to see.
+        if of_task.is_empty() || (!files.is_empty() && is_constant(&of_task)) {
             continue;
         }
-        let canvas: Canvas = match fields.as_slice() {
-            [first, second] => heat::draw(&[(String::new(), of_task)], [first, second], measure),
-            [third, first, second] => {
-                heat::draw(&blocks(third, &of_task), [first, second], measure)
+        let draw = |width: f64| match fields.as_slice() {
+            [first, second] => {
+                heat::draw(&[(String::new(), of_task.clone())], [first, second], measure, width)
             }
-            [first, ..] => lines::draw(&of_task, first, measure),
-            [] => continue,
+            [third, first, second] => {
+                heat::draw(&blocks(third, &of_task), [first, second], measure, width)
+            }
+            [first, ..] => lines::draw(&of_task, first, measure, width),
+            [] => Canvas::new(width, 1.0),
         };
         let stem = if files.is_empty() {
             FIGURE.name.to_owned()
         } else {
             format!("{}_{task}", FIGURE.name)
         };
-        files.extend(pictures(FIGURE.name, &stem, &canvas)?);
+        files.extend(captioned(FIGURE.name, &stem, &caption(&of_task, &fields, measure), draw)?);
     }
     FIGURE.needs("sweep.csv of a known task", files.is_empty())?;
     Ok(files)
+}
+
+/// Whether every policy has the same errors at all points.
+fn is_constant(entries: &[&SweepEntry]) -> bool {
+    let mut first = HashMap::new();
+    entries.iter().all(|entry| {
+        let row = entry.row;
+        let cell = (&row.training, &row.cell.policy, &row.cell.mode);
+        let points = (row.cell.gp_points, row.cell.real_points);
+        let mean_m = row.mean_m.to_bits();
+        *first.entry((cell, points)).or_insert(mean_m) == mean_m
+    })
+}
+
+fn caption(entries: &[&SweepEntry], fields: &[SweptAxis], measure: &str) -> String {
+    let names: Vec<String> = fields.iter().map(|field| field.label(f64::INFINITY)).collect();
+    let trainings = trainings(
+        entries.iter().map(|entry| entry.row.training.as_str()).filter(|name| *name != "any"),
+    );
+    let trained: Vec<String> = trainings.into_iter().map(training_label).collect();
+    let trained =
+        if trained.is_empty() { String::new() } else { format!("; {}", trained.join(", and ")) };
+    let seeds = entries.iter().map(|entry| entry.row.seeds).max().unwrap_or(0);
+    let marks = if fields.len() == 1 {
+        "Marks are means, bars and bands one standard deviation over repetitions."
+    } else {
+        "Numbers are means in mm; the colour is the error over the smallest one of its map, on one \
+         scale; –: every trial failed."
+    };
+    let kernels = if names.iter().any(|name| name == "kernel") {
+        " SE: squared exponential; ARD: one length scale for each input."
+    } else {
+        ""
+    };
+    format!(
+        "{} by {} over {seeds} repetitions{trained}. {marks}{kernels}",
+        capitalised(measure),
+        names.join(" and ")
+    )
 }
 
 /// The rows of each value of the first field, with a heading.

@@ -12,6 +12,7 @@ pub(super) mod metrics;
 pub(super) mod one_claim;
 pub(super) mod provenance;
 pub(super) mod publish_all;
+pub(super) mod redraw;
 pub(super) mod repair_tables;
 pub(super) mod results;
 pub(super) mod sweep;

@@ -11,6 +11,7 @@ use crate::rows::experiment::ClaimRow;
 use crate::rows::population::{RobotClaimRow, RobotRow};
 use crate::runner::campaign::{CampaignEntry, PointStages};
 use crate::runner::execute::outcomes::Outcomes;
+use crate::specs::Experiment;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -79,20 +80,16 @@ impl CampaignEntry {
         if self.experiment.population.is_some() {
             tables.published.robot_claims = self.robot_claims(point, &tables);
         }
-        tables.published.context = FigureContext {
-            outside: self.experiment.policies.outside.clone(),
-            is_paper_robot: self.experiment.is_of_paper_robot(),
-        };
+        tables.published.context = figure_context(&self.experiment);
         let mut files = Files::new();
         files.insert(folder.join("spec.yaml"), self.spec_yaml());
         for (name, bytes) in Published::csv_files(&[&tables.published], |_| Vec::new())? {
             files.insert(folder.join(name), bytes);
         }
-        let mut notices =
-            self.draw(&self.experiment.figures, &tables.published, &folder, &mut files);
+        let name = &self.experiment.name;
+        let mut notices = draw(name, &self.experiment.figures, &tables.published, &mut files);
         let mut remarks = Vec::new();
         if !self.experiment.claims.is_empty() && !tables.published.context.is_paper_robot {
-            let name = &self.experiment.name;
             remarks.push(format!(
                 "{name}: no claim is judged: the claims are about the paper's robot"
             ));
@@ -143,47 +140,51 @@ impl CampaignEntry {
         format!("# The spec as it was run, with everything filled in.\n{}", self.spec_yaml)
             .into_bytes()
     }
+}
 
-    /// Draws the figures of these names: that of the experiment's name to `plots/`, others to a
-    /// folder there.
-    pub(crate) fn draw(
-        &self,
-        figures: &[String],
-        published: &Published,
-        folder: &Path,
-        files: &mut Files,
-    ) -> Vec<String> {
-        let mut notices = Vec::new();
-        for name in figures {
-            let Some(figure) = report::figure(name) else { continue };
-            let plots = Path::new("plots");
-            let plots = if *name == self.experiment.name {
-                plots.into()
-            } else {
-                plots.join(&self.experiment.name)
-            };
-            let artifacts = (figure.render)(published).unwrap_or_else(|error| {
-                notices.push(format!("{}: {error}", self.experiment.name));
-                Vec::new()
-            });
-            for artifact in artifacts {
-                let path = match artifact.folder {
-                    OutputFolder::Plots => plots.join(&artifact.name),
-                    OutputFolder::Results => folder.join(&artifact.name),
-                };
-                // Two figures of one experiment may each have a summary: the later one carries its
-                // figure's name.
-                let exists = files.contains_key(&path);
-                let path = if exists {
-                    path.with_file_name(format!("{name}_{}", artifact.name))
-                } else {
-                    path
-                };
-                files.insert(path, artifact.bytes);
-            }
-        }
-        notices
+/// What figures know of an experiment beside its rows.
+pub(super) fn figure_context(experiment: &Experiment) -> FigureContext {
+    FigureContext {
+        outside: experiment.policies.outside.clone(),
+        is_paper_robot: experiment.is_of_paper_robot(),
     }
+}
+
+/// Draws figures of an experiment and adds their files: the pictures of the figure of the
+/// experiment's name in `plots/`, those of others in a folder there. Returns what could not be drawn.
+pub(super) fn draw(
+    experiment: &str,
+    figures: &[String],
+    published: &Published,
+    files: &mut Files,
+) -> Vec<String> {
+    let folder = Path::new("results").join(experiment);
+    let mut notices = Vec::new();
+    for name in figures {
+        let Some(figure) = report::figure(name) else { continue };
+        let plots = Path::new("plots");
+        let plots = if *name == experiment { plots.into() } else { plots.join(experiment) };
+        let artifacts = (figure.render)(published).unwrap_or_else(|error| {
+            notices.push(format!("{experiment}: {error}"));
+            Vec::new()
+        });
+        for artifact in artifacts {
+            let path = match artifact.folder {
+                OutputFolder::Plots => plots.join(&artifact.name),
+                OutputFolder::Results => folder.join(&artifact.name),
+            };
+            // Two figures of one experiment may each have a summary: the later one carries its
+            // figure's name.
+            let exists = files.contains_key(&path);
+            let path = if exists {
+                path.with_file_name(format!("{name}_{}", artifact.name))
+            } else {
+                path
+            };
+            files.insert(path, artifact.bytes);
+        }
+    }
+    notices
 }
 
 /// Adds the table of these rows to the files of `folder`, unless there are none.

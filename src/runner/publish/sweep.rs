@@ -3,7 +3,7 @@
 
 use super::failed_cells::failed_cells;
 use super::metrics::Tables;
-use super::results::{Files, Publication, PublishError};
+use super::results::{Files, Publication, PublishError, draw};
 use crate::data::TableRow;
 use crate::data::tables::{Beside, to_csv_beside};
 use crate::report::{
@@ -18,7 +18,7 @@ use crate::specs::track_cells;
 use std::path::Path;
 
 /// The figure that every sweep has.
-const FIGURE: &str = "sweep";
+pub(super) const FIGURE: &str = "sweep";
 
 impl CampaignEntry {
     /// Makes the files of this sweep from the results of its stages. The claims are judged at every
@@ -51,7 +51,8 @@ impl CampaignEntry {
             let path = folder.join(SweepRow::TABLE.file);
             let bytes = to_csv_beside(&path, &published.sweep.fields, &published.sweep.rows)?;
             files.insert(path, bytes);
-            notices = self.draw(&[FIGURE.to_owned()], &published, &folder, &mut files);
+            let name = &self.experiment.name;
+            notices = draw(name, &[FIGURE.to_owned()], &published, &mut files);
         }
         let mut remarks = Vec::new();
         self.tell_range_ends(&parts, &mut notices, &mut remarks);

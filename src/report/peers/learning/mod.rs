@@ -6,8 +6,11 @@ mod labels;
 mod ratios;
 mod table;
 
-use crate::report::drawing::{Axis, Canvas, LegendEntry, Panel, Text, TextAlign, legend};
-use crate::report::style::{DASHED, GREY, HAIR, LINE, MARKER, PAGE_WIDTH, SMALL};
+use crate::report::drawing::{
+    Axis, Canvas, Dot, DotChart, DotPanel, DotRow, LegendEntry, MIN_PANEL, Panel, Text, TextAlign,
+    legend,
+};
+use crate::report::style::{GREY, LINE, MARKER, NARROW, SMALL, TALL};
 use crate::report::{Artifact, Figure, Published, ReportError, text};
 use labels::{PACKAGES, title};
 use ratios::{OURS, TaskRows};
@@ -33,14 +36,15 @@ struct TaskCurves {
     units_per_s: f64,
 }
 
-/// Room for the names of tasks.
-const NAMES_WIDTH: f64 = 186.0;
+/// Room for the numbers of a lower panel.
 const LEFT_MARGIN: f64 = 46.0;
-/// Height of a task, and of the lower panels.
-const TASK_HEIGHT: f64 = 25.0;
+/// Height of a lower panel.
 const CURVES_HEIGHT: f64 = 150.0;
-/// From one lower panel to the next.
-const CURVES_PITCH: f64 = (PAGE_WIDTH - 14.0) / CURVES.len() as f64;
+
+const CAPTION: &str = "Learning beside other packages on one thread: (a) processor time of each \
+    package over that of this program, geometric mean of the rounds with its 95 % interval, on a \
+    logarithmic axis; right of 1 this program is faster. (b) to (d) processor time against the \
+    number of samples, both on logarithmic axes.";
 
 fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     let tasks = TaskRows::all(&published.learning_peers);
@@ -49,7 +53,8 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
         !tasks.iter().any(|task| task.cpu_s(OURS).is_some()),
     )?;
     let peers = PACKAGES.sorted(published.learning_peers.iter().map(|row| row.peer.as_str()));
-    FIGURE.files(vec![text("learning.md", table::markdown(&tasks, &peers))], &draw(&tasks, &peers))
+    let tables = vec![text("learning.md", table::markdown(&tasks, &peers))];
+    FIGURE.files(tables, CAPTION, |width| draw(&tasks, &peers, width))
 }
 
 /// Whether the task is one that somebody wants done, not one that explains times.
@@ -57,78 +62,63 @@ fn wanted(task: &TaskRows) -> bool {
     !task.task.starts_with("product") && task.task != "evaluation"
 }
 
-fn draw(tasks: &[TaskRows], peers: &[&str]) -> Canvas {
+fn draw(tasks: &[TaskRows], peers: &[&str], width: f64) -> Canvas {
     let shown: Vec<TaskRows> = tasks.iter().copied().filter(wanted).collect();
-    let high = TASK_HEIGHT * shown.len().max(1) as f64;
     let keys: Vec<(LegendEntry, &str)> = peers
         .iter()
         .map(|peer| (LegendEntry::Plain(PACKAGES.look(peer)), PACKAGES.label(peer)))
         .collect();
-    let mut canvas = Canvas::new(PAGE_WIDTH, high + CURVES_HEIGHT + 190.0);
-    let below = legend(&mut canvas, [LEFT_MARGIN, 18.0], PAGE_WIDTH - 12.0, &keys);
-    ratio_panel(&mut canvas, &shown, peers, [NAMES_WIDTH, below + 34.0], high);
-    let top = below + 34.0 + high + 76.0;
+    let mut canvas = Canvas::new(width, TALL);
+    let below = legend(&mut canvas, [10.0, 16.0], width - 8.0, &keys);
+    let top = ratios_chart(&shown, peers).draw(&mut canvas, below + 32.0) + 32.0;
     let sizes = tasks
         .iter()
         .filter(|task| CURVES.iter().any(|curves| curves.task == task.task))
         .map(|task| task.size as f64);
     let x = Axis::decades("samples N", sizes);
+    let per_line = if width < NARROW { 1 } else { CURVES.len() };
+    let pitch = (width - 10.0) / per_line as f64;
     for (index, curves) in CURVES.iter().enumerate() {
-        let corner = [LEFT_MARGIN + CURVES_PITCH * index as f64, top];
-        curves.draw(&mut canvas, tasks, peers, corner, &x);
+        let (line, column) = (index / per_line, index % per_line);
+        let corner =
+            [LEFT_MARGIN + pitch * column as f64, top + (CURVES_HEIGHT + 62.0) * line as f64];
+        curves.draw(&mut canvas, tasks, peers, corner, pitch - LEFT_MARGIN - 8.0, &x);
     }
+    let lines = CURVES.len().div_ceil(per_line) as f64;
+    canvas.height = (top + (CURVES_HEIGHT + 62.0) * lines - 14.0).round();
     canvas
 }
 
-/// Ratios with intervals, a line of marks for each task, the packages one below the other.
-fn ratio_panel(
-    canvas: &mut Canvas,
-    tasks: &[TaskRows],
-    peers: &[&str],
-    corner: [f64; 2],
-    high: f64,
-) {
+/// Ratios with intervals, a row for each task, the packages one below the other.
+fn ratios_chart(tasks: &[TaskRows], peers: &[&str]) -> DotChart {
     let others: Vec<&str> = peers.iter().copied().filter(|peer| *peer != OURS).collect();
-    let ratios =
-        |task: &TaskRows| others.iter().filter_map(|peer| task.ratio(peer)).collect::<Vec<_>>();
-    let names: Vec<String> = tasks.iter().rev().map(title).collect();
-    let values = tasks
-        .iter()
-        .flat_map(ratios)
-        .flat_map(|ratio| ratio.interval.into_iter().flatten().chain([ratio.mean]));
-    let panel = canvas.panel(Panel {
-        corner,
-        size: [PAGE_WIDTH - 18.0 - corner[0], high],
-        x: Axis::decades(
-            "processor time of the package over ours (geometric mean of the rounds, 95 % interval)",
-            values.chain([1.0]),
-        ),
-        y: Axis::categories("", &names),
-        title: "(a) times over ours".to_owned(),
-    });
-    panel.line(canvas, &[[0.0, panel.y.low], [0.0, panel.y.high]], GREY, DASHED, HAIR);
-    for (place, task) in tasks.iter().rev().enumerate() {
-        let seen: Vec<&&str> = others.iter().filter(|peer| task.ratio(peer).is_some()).collect();
-        for (lane, peer) in seen.iter().enumerate() {
-            let Some(ratio) = task.ratio(peer) else { continue };
-            // Lanes are spread evenly within the task.
-            let y = place as f64 + 0.68 * (0.5 - (lane as f64 + 0.5) / seen.len() as f64);
-            let colour = PACKAGES.look(peer).colour;
-            if let Some(ends) = ratio.interval {
-                let [low, high] = ends.map(|end| panel.at(end.log10(), y));
-                canvas.line(&[low, high], 1.1, colour, &[]);
-                for [x, y] in [low, high] {
-                    canvas.line(&[[x, y - 2.0], [x, y + 2.0]], 1.1, colour, &[]);
-                }
+    let seen = |task: &TaskRows| -> Vec<(&str, ratios::Averaged)> {
+        others.iter().filter_map(|peer| Some((*peer, task.ratio(peer)?))).collect()
+    };
+    let all = tasks.iter().flat_map(seen);
+    let values =
+        all.flat_map(|(_, ratio)| ratio.interval.into_iter().flatten().chain([ratio.mean]));
+    let dots = tasks.iter().enumerate().flat_map(|(row, task)| {
+        seen(task).into_iter().enumerate().map(move |(lane, (peer, ratio))| {
+            let look = PACKAGES.look(peer);
+            Dot {
+                thin: ratio.interval.map(|ends| ends.map(f64::log10)),
+                ..Dot::new(row, lane, ratio.mean.log10(), look.marker, look.colour)
             }
-            canvas.marker(
-                panel.at(ratio.mean.log10(), y),
-                PACKAGES.look(peer).marker,
-                0.85 * MARKER,
-                colour,
-                false,
-            );
-        }
+        })
+    });
+    DotChart {
+        rows: tasks.iter().map(|task| DotRow::Named(title(task), seen(task).len())).collect(),
+        lane_height: 9.5,
+        min_panel: MIN_PANEL,
+        aside: 0.0,
+        panels: vec![DotPanel {
+            title: "(a) times over ours".to_owned(),
+            x: Axis::decades("time over ours", values.chain([1.0])),
+            dots: dots.collect(),
+            joined: false,
+            goals: Vec::new(),
+        }],
     }
 }
 
@@ -140,6 +130,7 @@ impl TaskCurves {
         tasks: &[TaskRows],
         peers: &[&str],
         corner: [f64; 2],
+        wide: f64,
         x: &Axis,
     ) {
         let of_task: Vec<&TaskRows> = tasks.iter().filter(|task| task.task == self.task).collect();
@@ -150,7 +141,7 @@ impl TaskCurves {
             of_task.iter().filter_map(point).collect()
         };
         let times = peers.iter().flat_map(|peer| line(peer)).map(|[_, time]| time);
-        let size = [CURVES_PITCH - LEFT_MARGIN - 8.0, CURVES_HEIGHT];
+        let size = [wide, CURVES_HEIGHT];
         let y = Axis::decades("", times);
         let panel =
             canvas.panel(Panel { corner, size, x: x.clone(), y, title: self.title.to_owned() });
