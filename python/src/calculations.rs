@@ -13,7 +13,7 @@ use spinebench::discovery::{
     Options, Question, Round, Rounds, RoundsError, discover_until_named, with_step_listener,
 };
 use spinebench::effects::Model;
-use spinebench::report::discovery::GivenRecordings;
+use spinebench::report::discovery::{DiscoverySources, GivenRecordings};
 use spinebench::specs::read_options;
 use spinebench::tasks::{
     SimulationOptions, are_at_rest, read_commands, read_to_calibrate, read_to_explain,
@@ -209,6 +209,9 @@ pub(crate) fn _discover(
             arguments;
         let mut settings =
             options.as_deref().map_or_else(|| Ok(Options::default()), read_options)?;
+        let file = options.iter().map(|file| format!("--options {}", file.display()));
+        let left_out = leave_out.iter().map(|name| format!("--leave-out {name}"));
+        let mut further: Vec<String> = file.chain(left_out).collect();
         settings.left_out.extend(leave_out);
         settings.at_rest |= at_rest;
         let read = reader(&model.model, settings.at_rest);
@@ -222,9 +225,15 @@ pub(crate) fn _discover(
         let at_rest =
             are_at_rest(settings.at_rest, files.clone().zip(parts.iter().chain(&baseline)))?;
         let settings = Options { at_rest, ..settings };
+        further.extend(at_rest.then(|| "--static".to_owned()));
         let read = reader(&model.model, settings.at_rest);
         let files: Vec<&Path> = files.take(parts.len()).collect();
         let mut given = GivenRecordings::new(&files, &parts, baseline.as_ref());
+        let sources = |given: &GivenRecordings| {
+            let file = model.file.as_ref().map_or(Path::new("model.yaml"), |file| &file.name);
+            let of_baseline = of_baseline.as_ref().map(|one| one.source().name());
+            DiscoverySources::new(file, given, of_baseline, further.clone())
+        };
         let mut earlier: Vec<WrittenDiscovery> = Vec::new();
         let stop = stop.clone();
         // A search that nobody waits for ends at its next step.
@@ -240,7 +249,8 @@ pub(crate) fn _discover(
             let commands: Vec<Vec<PyColumn>> =
                 proposals.map(|next| columns(&next.commands)).collect::<Result<_, Fault>>()?;
             let shown = (round.measured, settings.at_rest);
-            let answer = written(round.answer, &model, shown, given.limitations(round.measured))?;
+            let limitations = given.limitations(round.measured);
+            let answer = written(round.answer, &model, shown, limitations, &sources(&given))?;
             let recorded: Option<PyRecording> =
                 Python::attach(|py| record.bind(py).call1((answer.clone(), commands))?.extract())?;
             let Some(recorded) = recorded.map(PyRecording::named).transpose()? else {
@@ -256,7 +266,8 @@ pub(crate) fn _discover(
         match with_step_listener(step, || discover_until_named(question, whole, max_rounds, ask)) {
             Ok(Rounds { answer, measured, .. }) => {
                 let shown = (&measured, settings.at_rest);
-                earlier.push(written(&answer, &model, shown, given.limitations(&measured))?);
+                let limitations = given.limitations(&measured);
+                earlier.push(written(&answer, &model, shown, limitations, &sources(&given))?);
                 Ok(Ok(earlier))
             }
             Err(RoundsError::Record(exception)) => Ok(Err(exception)),

@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedBytes;
 use spinebench::data::{Recording, tables};
 use spinebench::discovery::Discovery;
-use spinebench::report::discovery::write_folder;
+use spinebench::report::discovery::{DiscoverySources, write_folder};
 use spinebench::runner::{AskedDiscovery, discovery_files};
 
 use crate::calculations::json;
@@ -24,6 +24,7 @@ pub(crate) fn written(
     model: &PyModel,
     (measured, at_rest): (&Recording, bool),
     limitations: Vec<String>,
+    sources: &DiscoverySources,
 ) -> Result<WrittenDiscovery, Fault> {
     let mut answer = answer.clone();
     let starts = model.model.tracking.starts.told().map(str::to_owned);
@@ -34,9 +35,9 @@ pub(crate) fn written(
         Some(file) => file.text.clone(),
         None => model.yaml()?,
     };
-    let asked = AskedDiscovery { model: &model.model, model_text: &text, measured, at_rest };
-    let files =
-        discovery_files(&answer, &asked).map_err(|error| Fault::Run(error.to_string()))?;
+    let asked =
+        AskedDiscovery { model: &model.model, model_text: &text, measured, at_rest, sources };
+    let files = discovery_files(&answer, &asked).map_err(|error| Fault::Run(error.to_string()))?;
     let residuals = tables::to_csv(Path::new("residuals.csv"), &answer.residuals)?;
     let places = tables::to_csv(Path::new("disagreement.csv"), &answer.places)?;
     let findings = json(&answer.findings)?;

@@ -111,7 +111,8 @@ fn the_page_shows_the_robot_and_fetches_nothing() {
     // A still for readers without scripts.
     assert_eq!(page.matches("aria-label=\"last frame\"").count(), 2);
     assert_eq!(page.matches("<script").count(), 2);
-    for foreign in ["http-equiv", "href=", "src=", "url(", "@import", "<link", "<iframe", "fetch("] {
+    for foreign in ["http-equiv", "href=", "src=", "url(", "@import", "<link", "<iframe", "fetch("]
+    {
         assert!(!page.contains(foreign), "{foreign}");
     }
     let without = page.len();
@@ -352,4 +353,10 @@ fn candidates_are_drawn_on_the_scale_of_the_gap() {
     assert!(drawn.contains("the answer") && !drawn.contains("far_off"), "{drawn}");
     let page = page(&made);
     assert!(page.contains("far_off") && page.contains("depends on single trials"));
+}
+
+#[test]
+fn the_map_marks_places_at_the_level_of_the_tests() {
+    let tests = spinebench::discovery::Options::default().false_alarm;
+    assert_eq!(spinebench::report::discovery::SIGNIFICANCE_LEVEL, tests);
 }

@@ -8,12 +8,13 @@ use spinebench::data::findings::{
     ResidualRow, Verdict,
 };
 use spinebench::data::scene::Scene;
-use spinebench::report::discovery::{DiscoveryReport, EffectText};
+use spinebench::report::discovery::{DiscoveryReport, DiscoverySources, EffectText};
 
 use rand::RngExt;
 
 /// Everything that a page is made of.
 pub(crate) struct Made {
+    pub(crate) sources: DiscoverySources,
     pub(crate) findings: Findings,
     pub(crate) residuals: Vec<ResidualRow>,
     pub(crate) places: Vec<PlaceRow>,
@@ -26,6 +27,7 @@ pub(crate) struct Made {
 impl Made {
     pub(crate) fn story(&self) -> DiscoveryReport<'_> {
         DiscoveryReport {
+            sources: &self.sources,
             findings: &self.findings,
             residuals: &self.residuals,
             places: &self.places,
@@ -45,6 +47,12 @@ const FLOOR_M: f64 = 0.00087;
 pub(crate) fn named() -> Made {
     let residuals = residuals();
     Made {
+        sources: DiscoverySources {
+            model: "nominal.yaml".into(),
+            measured: vec!["measured.csv".into()],
+            baseline: Some("baseline.csv".into()),
+            options: Vec::new(),
+        },
         findings: findings(),
         places: places(&residuals),
         residuals,

@@ -14,7 +14,7 @@ use spinebench::discovery::{
     with_step_listener,
 };
 use spinebench::effects::{CATALOGUE, Model};
-use spinebench::report::discovery::{GivenRecordings, is_commands, write_folder};
+use spinebench::report::discovery::{DiscoverySources, GivenRecordings, is_commands, write_folder};
 use spinebench::runner::{AskedDiscovery, Progress, discovery_files};
 use spinebench::specs::{
     PlantSpec, SimulatedSpec, files_behind, read_model, read_options, read_plant,
@@ -111,11 +111,18 @@ impl DiscoverCommand {
         answer.model.tracking.clone_from(&written.tracking);
         // A file that cannot be read any more counts as empty.
         let model_text = read_text(&self.model).unwrap_or_default();
+        let sources = DiscoverySources::new(
+            &self.model,
+            &given,
+            self.baseline.as_deref(),
+            self.further_options(options.at_rest),
+        );
         let asked = AskedDiscovery {
             model: &written,
             model_text: &model_text,
             measured: &measured,
             at_rest: options.at_rest,
+            sources: &sources,
         };
         self.write(&answer, &asked, &recorded)?;
         if !progress.is_quiet() {
@@ -124,6 +131,14 @@ impl DiscoverCommand {
             println!("{}", self.out.join("report.html").display());
         }
         Ok(())
+    }
+
+    /// The options that decide about the answer, beside the files, as they are typed.
+    fn further_options(&self, at_rest: bool) -> Vec<String> {
+        let file = self.options.iter().map(|file| format!("--options {}", file.display()));
+        let left_out = self.leave_out.iter().map(|name| format!("--leave-out {name}"));
+        let at_rest = at_rest.then(|| "--static".to_owned());
+        file.chain(left_out).chain(at_rest).collect()
     }
 
     /// Refuses an output path that is a file, and a folder in which an output would overwrite an

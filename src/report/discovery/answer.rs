@@ -71,8 +71,23 @@ pub(super) fn head(report: &DiscoveryReport) -> Markup {
             h1 { (title(report)) }
             @if !findings.summary.is_empty() { p .lead { (findings.summary) } }
             p { (meaning(findings)) }
+            (sources(report))
             @if !findings.summary.contains(&findings.pattern) { p { strong { "Pattern: " } (findings.pattern) } }
             (tiles(report))
+        }
+    }
+}
+
+/// What was asked, by which version, and how to ask again.
+fn sources(report: &DiscoveryReport) -> Markup {
+    let sources = report.sources;
+    html! {
+        details .sources {
+            summary {
+                "Model " code { (sources.model) } ", recording " code { (sources.measured.join(", ")) }
+                @if let Some(baseline) = &sources.baseline { ", baseline " code { (baseline) } }
+            }
+            p .note { "spinebench " (crate::VERSION) } pre { (sources.command()) }
         }
     }
 }

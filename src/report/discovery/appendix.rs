@@ -2,46 +2,47 @@
 //! added to the model.
 
 use super::DiscoveryReport;
-use super::format::{millimetres, number, times};
+use super::format::number;
 use super::html::{list, section, table};
 use super::model_diff::{DiffLine, compare};
+use crate::data::findings::Candidate;
 use maud::{Markup, html};
 
-/// Candidates in the table; the others are in `candidates.csv`.
+/// Candidates that are shown at once.
+const SHOWN_CANDIDATES: usize = 5;
+/// Candidates in the tables; the others are in `candidates.csv`.
 const MAX_CANDIDATES: usize = 30;
 /// Lines that are shown around those that changed.
 const CONTEXT_LINES: usize = 2;
 
-/// What else was considered, and why not.
+/// What else was considered, and why not: the best candidates, the others folded.
 pub(crate) fn candidates(report: &DiscoveryReport) -> Markup {
-    let (candidates, floor_m) = (&report.findings.candidates, report.findings.noise_floor_m);
-    let rows = candidates.iter().take(MAX_CANDIDATES).map(|candidate| {
-        let why = html! { @if candidate.why_not.is_empty() { strong { "the answer" } } @else { (candidate.why_not) } };
-        // Without one of the trials the others do not pin it down.
-        let unstable = candidate.after_m > report.findings.gap.before_m;
-        let [error, over] = match unstable {
-            true => ["depends on single trials".to_owned(), String::new()],
-            false => [millimetres(candidate.after_m), times(candidate.after_m, floor_m)],
-        };
-        let numbers = [score(candidate.score), error, over].map(|number| html! { (number) });
-        std::iter::once(html! { code { (candidate.name) } }).chain(numbers).chain([why]).collect()
-    });
-    let rows: Vec<Vec<Markup>> = rows.collect();
-    if rows.is_empty() {
+    let candidates = &report.findings.candidates;
+    if candidates.is_empty() {
         return Markup::default();
     }
-    let more = candidates.len().saturating_sub(MAX_CANDIDATES);
-    let beyond =
-        if more > 0 { format!(" {more} more are in candidates.csv.") } else { String::new() };
-    let before = report.before();
+    let row = |candidate: &Candidate| {
+        let why = html! { @if candidate.why_not.is_empty() { strong { "the answer" } } @else { (candidate.why_not) } };
+        vec![html! { code { (candidate.name) } }, html! { (score(candidate.score)) }, why]
+    };
+    let rows: Vec<Vec<Markup>> = candidates.iter().take(MAX_CANDIDATES).map(row).collect();
+    let (shown, folded) = rows.split_at(rows.len().min(SHOWN_CANDIDATES));
+    let header = ["candidate", "score", "why not"];
     let note = format!(
-        "Score: gain in 2 ln likelihood over the {before}, minus a penalty for parameters and for \
-         the number of candidates; larger is better. Error: leave-one-trial-out error after \
-         removal of uncertain parameters and of errors shared with the baseline; the error of the \
-         model alone, as in the held-out test, can be larger."
+        "Score: gain in 2 ln likelihood over the {}, minus a penalty for parameters and for the \
+         number of candidates; larger is better. candidates.csv has all {} with their \
+         leave-one-trial-out errors.",
+        report.before(),
+        candidates.len()
     );
-    let header = ["candidate", "score", "error", "over the floor", "why not"];
-    section("Other candidates", &html! { (table(&header, &rows)) p .note { (note) (beyond) } })
+    let content = html! {
+        (table(&header, shown))
+        @if !folded.is_empty() {
+            details { summary { (folded.len()) " more candidates" } (table(&header, folded)) }
+        }
+        p .note { (note) }
+    };
+    section("Other candidates", &content)
 }
 
 /// A score; what is close to a threshold is shown with a decimal.

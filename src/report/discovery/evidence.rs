@@ -6,7 +6,7 @@ use super::answer::closed;
 use super::format::{NONE, enumerate, millimetres, number, percent, probability, times};
 use super::html::{captioned, cells, section, table};
 use super::residuals::{AXES, held_out};
-use super::scale::SIGNIFICANCE_LEVEL;
+use super::scale::{SIGNIFICANCE_LEVEL, marked};
 use crate::data::findings::{Findings, MissingTest, ResidualRow, Verdict};
 use crate::math::summary::root_mean_square;
 use crate::report::scene::player;
@@ -32,13 +32,14 @@ pub(super) fn place(report: &DiscoveryReport, map: &Markup) -> Markup {
                    robot, with z to the right.";
     let rows = findings.disagreement.iter().take(MAX_ROWS).map(|place| {
         let p = probability(place.p_value);
+        let is_marked = marked(findings)[0] && place.p_value < SIGNIFICANCE_LEVEL;
         vec![
             html! { (place.place) },
             html! { @if place.axis == "all" { "distance" } @else { (place.axis) } },
             html! { (millimetres(place.rms_m)) },
             html! { (times(place.rms_m, floor_m(findings, &place.axis))) },
             html! { (percent(place.share)) },
-            html! { @if place.p_value < SIGNIFICANCE_LEVEL { strong { (p) } } @else { (p) } },
+            html! { @if is_marked { strong { (p) } } @else { (p) } },
         ]
     });
     let header = ["place", "axis", "residual, rms", "over the floor", "share of all squares", "p"];
@@ -125,8 +126,7 @@ fn missing(report: &DiscoveryReport) -> Markup {
             _ if more => "yes",
             _ => "no evidence",
         };
-        let sizes =
-            [millimetres(test.rms_m), millimetres(test.foretold_m), probability(test.p_value)];
+        let sizes = [millimetres(test.foretold_m), probability(test.p_value)];
         let cells = cells(std::iter::once(name.to_owned()).chain(sizes));
         [cells, vec![html! { strong { (verdict) } }]].concat()
     };
@@ -149,6 +149,6 @@ fn missing(report: &DiscoveryReport) -> Markup {
                     differences between trials, means of repeated measurements, small amounts of \
                     all effects together, and growth with the effects’ displacement. The last \
                     column is the verdict of all tests.";
-    let header = ["model", "residual, rms", "predicted by other trials", "p", "effect missing?"];
+    let header = ["model", "predicted by other trials", "p", "effect missing?"];
     html! { p { (question) } (table(&header, &rows)) }
 }

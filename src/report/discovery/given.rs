@@ -37,6 +37,14 @@ impl GivenRecordings {
         }
     }
 
+    /// The files, each once.
+    pub(super) fn files(&self) -> Vec<String> {
+        let mut files: Vec<String> =
+            self.trials.iter().map(|(file, _)| file.display().to_string()).collect();
+        files.dedup();
+        files
+    }
+
     /// With a recording that was added before the others, as [`crate::data::Recording::joined`]
     /// has it.
     pub fn extend(&mut self, file: &Path, recording: &Recording) {
@@ -62,6 +70,45 @@ impl GivenRecordings {
             format!("{} to {} are from {name}", of[0].1, of[of.len() - 1].1)
         });
         format!("Trials were renumbered: {}.", each.collect::<Vec<_>>().join(", "))
+    }
+}
+
+/// The files of a question, and what else was asked for.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct DiscoverySources {
+    /// The model.
+    pub model: String,
+    /// The recordings.
+    pub measured: Vec<String>,
+    /// The recording of the robot as built.
+    pub baseline: Option<String>,
+    /// Further options of the command.
+    pub options: Vec<String>,
+}
+
+impl DiscoverySources {
+    /// Those of a model file, the recordings and the file of a baseline.
+    pub fn new(
+        model: &Path,
+        given: &GivenRecordings,
+        baseline: Option<&Path>,
+        options: Vec<String>,
+    ) -> DiscoverySources {
+        DiscoverySources {
+            model: model.display().to_string(),
+            measured: given.files(),
+            baseline: baseline.map(|file| file.display().to_string()),
+            options,
+        }
+    }
+
+    /// The command that asks again.
+    pub(super) fn command(&self) -> String {
+        let baseline = self.baseline.iter().map(|file| format!(" --baseline {file}"));
+        let options = self.options.iter().map(|option| format!(" {option}"));
+        let further: String = baseline.chain(options).collect();
+        let (model, measured) = (&self.model, self.measured.join(" "));
+        format!("spinebench discover --model {model} --measured {measured}{further} --out DIR")
     }
 }
 

@@ -2,8 +2,9 @@
 //! over the noise floor without and with the effects.
 
 use super::super::style::{GREY, HAIR, INK, SMALL, TEXT, capitalised};
+use super::DiscoveryReport;
 use super::format::{fitted, ratio_text};
-use super::scale::{SIGNIFICANCE_LEVEL, cell};
+use super::scale::{SIGNIFICANCE_LEVEL, cell, marked};
 use crate::data::findings::PlaceRow;
 use crate::report::drawing::{Canvas, CanvasPoint, Text, TextAlign};
 
@@ -23,17 +24,20 @@ struct Columns<'a> {
     wide: f64,
     /// Whether the effects changed anything.
     has_after: bool,
+    /// Whether places are marked before and after.
+    marked: [bool; 2],
 }
 
 /// Draws the table from `top` down and returns where it ends.
-pub(super) fn draw(canvas: &mut Canvas, rows: &[PlaceRow], has_after: bool, top: f64) -> f64 {
+pub(super) fn draw(canvas: &mut Canvas, report: &DiscoveryReport, top: f64) -> f64 {
+    let (rows, has_after) = (report.places, report.changed());
     let (left, right) = (12.0, canvas.width - 12.0);
     let axes: Vec<_> =
         AXES.iter().filter(|(axis, _)| rows.iter().any(|row| row.axis == *axis)).collect();
     let first = left + if canvas.width > 500.0 { 200.0 } else { 112.0 };
     let pitch = (right - first + 8.0) / axes.len().max(1) as f64;
     let wide = (pitch - 8.0) / if has_after { 2.0 } else { 1.0 };
-    let columns = Columns { axes, first, pitch, wide, has_after };
+    let columns = Columns { axes, first, pitch, wide, has_after, marked: marked(report.findings) };
     let mut y = headings(canvas, &columns, top);
     let mut group = None;
     for place in places(rows) {
@@ -93,7 +97,7 @@ fn cells(canvas: &mut Canvas, columns: &Columns, row: &PlaceRow, [x, y]: CanvasP
         let ratio = rms_m / row.floor_m;
         let (ground, ink) = cell(ratio);
         canvas.rectangle([x0 + 0.6, y + 0.6], [x1 - 0.6, y + ROW_HEIGHT - 0.6], ground, 1.0);
-        let significant = p < SIGNIFICANCE_LEVEL;
+        let significant = columns.marked[turn] && p < SIGNIFICANCE_LEVEL;
         // In narrow cells the number makes room for the dot.
         let (aside, corner, radius) =
             if columns.wide < 40.0 { (2.0, 3.0, 1.3) } else { (0.0, 5.0, 1.7) };
@@ -114,7 +118,7 @@ fn cells(canvas: &mut Canvas, columns: &Columns, row: &PlaceRow, [x, y]: CanvasP
 /// A sample cell for the key: what the dot and bold type say.
 pub(super) fn key(canvas: &mut Canvas, [x, y]: CanvasPoint) {
     canvas.disc([x + 3.0, y - 3.5], 1.7, INK, 1.0);
-    let label = "bold, with a dot: more than noise (p < 0.01, corrected for all places)";
+    let label = "bold, with a dot: more than noise (p < 0.001, corrected for all places)";
     let room = canvas.width - x - 24.0;
     canvas.text(Text::new(fitted(label, SMALL, room), [x + 10.0, y], SMALL, TextAlign::Left));
 }

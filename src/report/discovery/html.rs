@@ -9,9 +9,6 @@ use crate::report::style::PAGE_WIDTH;
 /// Width of the figures on a telephone, hundredths of an inch.
 const TELEPHONE_WIDTH: f64 = 372.0;
 
-/// A table with more columns scrolls on a telephone.
-const MAX_NARROW_COLUMNS: usize = 4;
-
 /// A self-contained document: no script, no link, nothing fetched. Its control characters become
 /// replacement characters.
 pub(crate) fn document(title: &str, content: &Markup) -> String {
@@ -70,20 +67,19 @@ pub(crate) fn captioned(figure: &Markup, caption: &str) -> Markup {
     html! { @if !figure.0.is_empty() { figure { (figure) figcaption { (caption) } } } }
 }
 
-/// A table that scrolls by itself on a narrow page; nothing for no rows. The first cell of a row is
-/// its header.
+/// A table whose rows stack on a telephone; nothing for no rows. The first cell of a row is its
+/// header.
 pub(crate) fn table(header: &[&str], rows: &[Vec<Markup>]) -> Markup {
     html! {
         @if !rows.is_empty() {
-            div .scroll .many[header.len() > MAX_NARROW_COLUMNS] {
-                table {
-                    thead { tr { @for name in header { th scope="col" { (name) } } } }
-                    tbody {
-                        @for row in rows {
-                            tr {
-                                @for (index, cell) in row.iter().enumerate() {
-                                    @if index == 0 { th scope="row" { (cell) } } @else { td { (cell) } }
-                                }
+            table .stack {
+                thead { tr { @for name in header { th scope="col" { (name) } } } }
+                tbody {
+                    @for row in rows {
+                        tr {
+                            @for (cell, name) in row.iter().zip(header) {
+                                @if std::ptr::eq(name, &header[0]) { th scope="row" { (cell) } }
+                                @else { td data-label=(name) { (cell) } }
                             }
                         }
                     }

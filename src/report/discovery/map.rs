@@ -21,7 +21,7 @@ pub(super) fn draw(report: &DiscoveryReport, width: f64) -> Option<Canvas> {
     if !places.is_empty() {
         y += 17.0;
         heat::key(&mut canvas, [12.0, y]);
-        y = heat::draw(&mut canvas, places, has_after, y + 24.0) + 12.0;
+        y = heat::draw(&mut canvas, report, y + 24.0) + 12.0;
     }
     y = arrows::draw(&mut canvas, residuals, report.findings.noise_floor_m, has_after, y);
     if has_after {

@@ -24,7 +24,8 @@ use crate::data::findings::{Findings, PlaceRow, ResidualRow};
 use crate::data::scene::Scene;
 
 pub use folder::{folder_files, is_commands, write_folder};
-pub use given::GivenRecordings;
+pub use given::{DiscoverySources, GivenRecordings};
+pub use scale::SIGNIFICANCE_LEVEL;
 
 /// Catalogue texts of an effect, as plain text.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -42,6 +43,8 @@ pub struct EffectText {
 /// Input of the report.
 #[derive(Clone, Copy, Debug)]
 pub struct DiscoveryReport<'a> {
+    /// The files of the question.
+    pub sources: &'a DiscoverySources,
     /// The findings.
     pub findings: &'a Findings,
     /// Every sample's residual, before and after.

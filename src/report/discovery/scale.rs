@@ -2,6 +2,7 @@
 //! their order. The page turns the same six round for dark screens.
 
 use super::super::style::{Colour, GREY, INK, SMALL, WHITE};
+use crate::data::findings::{Findings, Verdict};
 use crate::report::drawing::{Canvas, CanvasPoint, Text, TextAlign, text_width};
 
 /// Upper end of each step, as a multiple of the noise floor, its colour, and the colour of a number
@@ -15,8 +16,14 @@ const STEPS: [(f64, Colour, Colour); 6] = [
     (f64::INFINITY, [84, 20, 0], WHITE),
 ];
 
-/// Corrected probability under which a place is marked as more than noise.
-pub(super) const SIGNIFICANCE_LEVEL: f64 = 0.01;
+/// Corrected probability under which a place is marked as more than noise: that of the tests
+/// (`false_alarm` of the options by default).
+pub const SIGNIFICANCE_LEVEL: f64 = 0.001;
+
+/// Whether places are marked before and after: not where the tests find no more than noise.
+pub(super) fn marked(findings: &Findings) -> [bool; 2] {
+    [findings.verdict != Verdict::Consistent, !findings.complete]
+}
 
 /// The step of a ratio; none where it is not a number.
 fn step(ratio: f64) -> Option<&'static (f64, Colour, Colour)> {

@@ -9,7 +9,7 @@ use crate::data::scene::Scene;
 use crate::discovery::Discovery;
 use crate::effects::{CATALOGUE, Model};
 use crate::report::ReportError;
-use crate::report::discovery::{DiscoveryReport, EffectText, folder_files};
+use crate::report::discovery::{DiscoveryReport, DiscoverySources, EffectText, folder_files};
 use crate::specs::{extended_text, model_text};
 use crate::tasks::scene_of_recording;
 
@@ -24,6 +24,8 @@ pub struct AskedDiscovery<'a> {
     pub measured: &'a Recording,
     /// Whether its rows are poses at rest.
     pub at_rest: bool,
+    /// The files of the question.
+    pub sources: &'a DiscoverySources,
 }
 
 /// Why the files of a discovery cannot be made.
@@ -56,6 +58,7 @@ pub fn discovery_files(
         (extended_text(asked.model_text, &answer.model, added)?, model_text(&answer.model)?)
     };
     let report = DiscoveryReport {
+        sources: asked.sources,
         findings: &answer.findings,
         residuals: &answer.residuals,
         places: &answer.places,
