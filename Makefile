@@ -107,7 +107,7 @@ else
 	cargo test --release --test discovery per_verdict::
 endif
 
-test: ## everything that guards a promise (12 minutes): format, lints, all tests, documentation
+test: ## all tests (12 minutes): format, lints, all tests, documentation
 	cargo fmt --check
 	rustfmt --check --edition 2024 $(SOURCES)
 	cargo clippy --release $(PACKAGES) --all-targets -- -D warnings
