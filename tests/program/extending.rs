@@ -31,7 +31,8 @@ struct Example {
 }
 
 fn examples() -> Vec<Example> {
-    let guide = std::fs::read_to_string(Path::new(ROOT).join("docs/reference/extending.md")).unwrap();
+    let guide =
+        std::fs::read_to_string(Path::new(ROOT).join("docs/reference/extending.md")).unwrap();
     let blocks = guide.split("```rust\n").skip(1).map(|rest| rest.split("```").next().unwrap());
     let example = |block: &str| {
         let (head, text) = block.split_once('\n').unwrap();

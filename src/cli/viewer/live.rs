@@ -59,9 +59,8 @@ fn converse(mut socket: WebSocket<TcpStream>, mut robot: LiveRobot) -> Result<()
         let tick = Instant::now();
         if let Some(state) = latest(&mut socket)? {
             asked = true;
-            let first = robot.ask(state);
-            if first.robot.is_some() || first.error.is_some() {
-                send(&mut socket, &first)?;
+            if let Some(answer) = robot.ask(state) {
+                send(&mut socket, &answer)?;
             }
         }
         if asked {

@@ -4,7 +4,8 @@ use super::super::drawing::{Canvas, CanvasPoint, Text, TextAlign, View};
 use crate::base::Point3;
 use crate::base::series::{Colour, DASHED, DOTTED};
 use crate::data::scene::{
-    Scene, SceneFrame, SceneObstacle, SceneRobot, SceneStation, SceneTendon, StationPose, between_stations_m,
+    Scene, SceneFrame, SceneObstacle, SceneRobot, SceneStation, SceneTendon, StationPose,
+    between_stations_m,
 };
 use crate::report::style::{GREEN, GREY, GRID, HALF_CAP, INK, SMALL, SOLID, WHITE};
 
@@ -34,6 +35,8 @@ const CORNERS: usize = 28;
 const PIECES: usize = 6;
 /// Frames of the tip's path that are drawn.
 const MAX_TRAIL: usize = 400;
+/// Room around each place over the radius of the largest disk: the base plate is wider.
+const ROOM: f64 = 1.7;
 /// Size of a still picture, hundredths of an inch.
 const STILL: [f64; 2] = [360.0, 270.0];
 
@@ -90,8 +93,13 @@ impl Sight {
             .iter()
             .flat_map(|y| along.iter().map(move |z| [floor_m, y * step_m, z * step_m]))
             .collect::<Vec<Point3>>();
-        let tops = places.iter().map(|[x, y, z]| [x + rim_m, *y, *z]);
-        let view = View::of(ground.into_iter().chain(tops), corner, size, 4.0);
+        let reach_m = ROOM * rim_m;
+        let around = places.iter().flat_map(|[x, y, z]| {
+            let ends = [-reach_m, reach_m];
+            ends.into_iter()
+                .flat_map(move |by| [[x + by, *y, *z], [*x, y + by, *z], [*x, *y, z + by]])
+        });
+        let view = View::of(ground.into_iter().chain(around), corner, size, 4.0);
         Sight { view, axes, floor_m, step_m, squares }
     }
 
@@ -192,7 +200,8 @@ impl Sight {
             (0..CORNERS).map(corner).collect()
         };
         let (low, high) = (circle(from_m), circle(to_m));
-        let faces = self.nearness(section.place_m([0.0, 0.0, 1.0])) > self.nearness(section.position_m());
+        let faces =
+            self.nearness(section.place_m([0.0, 0.0, 1.0])) > self.nearness(section.position_m());
         let front = if faces { high.clone() } else { low.clone() };
         let outline = hull(low.into_iter().chain(high).collect());
         let middle = self.nearness(section.place_m([0.0, 0.0, 0.5 * (from_m + to_m)]));

@@ -113,6 +113,7 @@ fn shown_trial(residuals: &[ResidualRow]) -> Option<u64> {
     let any_held_out = residuals.iter().any(|row| row.held_out);
     let size = |row: &ResidualRow| row.before_m().iter().map(|x| x * x).sum::<f64>();
     let rows = residuals.iter().filter(|row| row.held_out == any_held_out);
-    let largest = rows.filter(|row| size(row).is_finite()).max_by(|a, b| size(a).total_cmp(&size(b)));
+    let largest =
+        rows.filter(|row| size(row).is_finite()).max_by(|a, b| size(a).total_cmp(&size(b)));
     largest.map(|row| row.trial)
 }

@@ -160,10 +160,10 @@ const SceneView = (() => {
       if (closed) this.context.closePath();
     }
 
-    stroke(points, colour, width, dash = []) {
+    stroke(points, colour, width, dash = [], cap = 'round') {
       this.path(points);
       this.context.setLineDash(dash);
-      Object.assign(this.context, { strokeStyle: colour, lineWidth: width, lineJoin: 'round', lineCap: dash.length ? 'butt' : 'round' });
+      Object.assign(this.context, { strokeStyle: colour, lineWidth: width, lineJoin: 'round', lineCap: dash.length ? 'butt' : cap });
       this.context.stroke();
       this.context.setLineDash([]);
     }
@@ -266,9 +266,9 @@ const SceneView = (() => {
       const width = Math.max(2.4, (from.radius_m + to.radius_m) * points[3].size);
       const lit = points.map((p) => ({ x: p.x - 0.14 * width, y: p.y - 0.14 * width }));
       this.later(points[3].depth, () => {
-        this.stroke(points, ink.tube, width + 2);
-        this.stroke(points, ink.core, width);
-        this.stroke(lit, ink.light, Math.max(0.8, 0.3 * width));
+        this.stroke(points, ink.tube, width + 2, [], 'butt');
+        this.stroke(points, ink.core, width, [], 'butt');
+        this.stroke(lit, ink.light, Math.max(0.8, 0.3 * width), [], 'butt');
       });
     }
 
