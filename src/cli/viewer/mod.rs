@@ -4,5 +4,5 @@ pub(super) mod command;
 mod http;
 mod live;
 mod live_robot;
-mod path_scenes;
+pub(super) mod path_scenes;
 mod server;

@@ -10,7 +10,7 @@ use crate::effects::{BodyPoint, Model};
 use crate::rod::{ObstacleShape, RodParams, Tendon};
 
 /// Stations are at most this share of the length apart.
-const MAX_STEP: f64 = 1.0 / 12.0;
+const MAX_STEP: f64 = 0.1;
 /// Places nearer than this share of the length are one.
 const SAME_PLACE: f64 = 1e-6;
 /// Upper bound on the disks that are drawn.
