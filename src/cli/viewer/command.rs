@@ -2,7 +2,7 @@
 
 use super::live::LiveModel;
 use super::path_scenes::path_scenes;
-use super::server::{Shown, ViewServer};
+use super::server::{ServedPage, ViewServer};
 use crate::cli::models::several::poses_at_rest;
 use crate::cli::program::outputs::{check_ending, check_file};
 use crate::cli::program::shared::print_all;
@@ -173,7 +173,7 @@ impl ViewCommand {
     }
 
     /// Serves a page until the program is ended.
-    fn serve(&self, shown: Arc<dyn Shown>) -> CommandResult {
+    fn serve(&self, page: Arc<dyn ServedPage>) -> CommandResult {
         let server = ViewServer::open(self.port).map_err(|error| {
             CommandError::BadInput(format!(
                 "--port: found {} ({error}), expected a port that is free",
@@ -188,14 +188,14 @@ impl ViewCommand {
         if !self.no_open {
             open_browser(&url);
         }
-        server.serve(shown).map_err(CommandError::failed)
+        server.serve(page).map_err(CommandError::failed)
     }
 }
 
 /// A page that needs no answers.
 struct FixedPage(String);
 
-impl Shown for FixedPage {
+impl ServedPage for FixedPage {
     fn page(&self) -> &str {
         &self.0
     }

@@ -7,7 +7,7 @@ use tungstenite::protocol::{Role, WebSocketConfig};
 use tungstenite::{Error, Message, WebSocket};
 
 use super::live_robot::{LiveAnswer, LiveRobot, SliderState};
-use super::server::Shown;
+use super::server::ServedPage;
 use spinebench::effects::Model;
 use spinebench::report::scene::live_page;
 
@@ -32,7 +32,7 @@ impl LiveModel {
     }
 }
 
-impl Shown for LiveModel {
+impl ServedPage for LiveModel {
     fn page(&self) -> &str {
         &self.page
     }
