@@ -53,7 +53,7 @@ fn the_tip_of_a_scene_is_that_of_a_simulation() {
     let slack = scene.frames.iter().any(|frame| frame.tensions_n.contains(&0.0));
     assert!(slack, "a tendon of this recording goes slack");
     let json = serde_json::to_string(&scene).unwrap();
-    assert_eq!(serde_json::from_str::<Scene>(&json).unwrap(), scene);
+    assert!(serde_json::from_str::<Scene>(&json).unwrap() == scene, "{json:.200}");
     assert!(json.len() < 600 * scene.frames.len() + 4000, "{} bytes", json.len());
 }
 
@@ -247,7 +247,8 @@ fn the_live_robot_answers_as_simulate_says() {
     let refused = answer(&mut socket, |answer| !answer["error"].is_null());
     assert!(refused["error"].as_str().unwrap().contains("tip_load"), "{refused}");
     ask(&mut socket, &state(json!([]), true));
-    let again = answer(&mut socket, |answer| !answer["frame"].is_null());
+    let again =
+        answer(&mut socket, |answer| !answer["frame"].is_null() && answer["error"].is_null());
     near(tip(&again), tip(&first), 2e-5);
 }
 
