@@ -116,9 +116,9 @@ fn outermost_m(rod: &RodParams, s_m: f64) -> f64 {
     if passing_m > 0.0 { passing_m } else { rod.tendons.iter().map(distance_m).fold(0.0, f64::max) }
 }
 
-/// Digits that can be seen, which keep the JSON short; places to a tenth of a micrometre.
+/// Digits that can be seen, which keep the JSON short; places to ten nanometres.
 fn round(station: &mut SceneStation) {
-    station.s_m = (station.s_m * 1e7).round() / 1e7;
+    station.s_m = (station.s_m * 1e8).round() / 1e8;
     station.radius_m = to_hundredths_mm(station.radius_m);
     station.disk_radius_m = to_hundredths_mm(station.disk_radius_m);
     station.disk_thickness_m = to_hundredths_mm(station.disk_thickness_m);
