@@ -58,7 +58,7 @@ endif
 ROBOT := target/tmp/robot
 robot: build ## the README's moving picture, plots/robot.gif: Fig. 8's path under two policies, and `discover` before and after
 	$(SPINEBENCH) discover --model models/nominal.yaml --measured tests/data/twin/r12.csv --baseline tests/data/twin/baseline.csv --out $(ROBOT)
-	$(SPINEBENCH) view --record plots/robot.gif results/fig8 tests/data/twin/r12.csv --policy pi_real --policy c \
+	$(SPINEBENCH) view --record plots/robot.gif results/fig8 tests/data/twin/r12.csv --training paper --policy a --policy c \
 	  --model models/nominal.yaml --model $(ROBOT)/model.yaml
 
 controllers: build ## further controllers beside the paper's, and what tells them apart (docs/method/control.md); SEEDS=1 for a look, into out/

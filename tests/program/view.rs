@@ -53,13 +53,15 @@ fn the_tip_of_a_scene_is_that_of_a_simulation() {
     let slack = scene.frames.iter().any(|frame| frame.tensions_n.contains(&0.0));
     assert!(slack, "a tendon of this recording goes slack");
     let json = serde_json::to_string(&scene).unwrap();
-    assert_eq!(serde_json::from_str::<Scene>(&json).unwrap(), scene);
-    assert!(json.len() < 450 * scene.frames.len() + 4000, "{} bytes", json.len());
+    assert!(serde_json::from_str::<Scene>(&json).unwrap() == scene, "{json:.200}");
+    assert!(json.len() < 600 * scene.frames.len() + 4000, "{} bytes", json.len());
 }
 
 #[test]
 fn robots_are_drawn_as_their_models_say() {
-    for name in ["nominal.yaml", "tdcr_two_segments.yaml", "tentacle.yaml", "trunk.yaml", "till.yaml"] {
+    for name in
+        ["nominal.yaml", "tdcr_two_segments.yaml", "tentacle.yaml", "trunk.yaml", "till.yaml"]
+    {
         let model = model(name);
         let (robot, rod) = (scene_robot(&model), model.rod(&[]));
         let places: Vec<f64> = robot.stations.iter().map(|station| station.s_m).collect();
@@ -143,7 +145,9 @@ impl Served {
             request.headers_mut().insert("Origin", origin.parse().unwrap());
         }
         let stream = TcpStream::connect(&self.host).unwrap();
-        tungstenite::client(request, stream).map(|(socket, _)| socket).map_err(|error| error.to_string())
+        tungstenite::client(request, stream)
+            .map(|(socket, _)| socket)
+            .map_err(|error| error.to_string())
     }
 
     fn own_socket(&self) -> WebSocket<TcpStream> {
@@ -190,9 +194,7 @@ fn only_who_knows_the_token_is_served() {
 fn the_live_robot_answers_as_simulate_says() {
     let served = Served::start(&["models/nominal.yaml"]);
     let mut socket = served.own_socket();
-    let state = |effects: Value, at_rest: bool| {
-        json!({"displacements": [0.006, 0.002, -0.005, -0.002], "at_rest": at_rest, "effects": effects})
-    };
+    let state = |effects: Value, at_rest: bool| json!({"displacements": [0.006, 0.002, -0.005, -0.002], "at_rest": at_rest, "effects": effects});
     let tip = |answer: &Value| -> [f64; 3] {
         serde_json::from_value(answer["frame"]["tip_m"].clone()).unwrap()
     };
@@ -200,12 +202,22 @@ fn the_live_robot_answers_as_simulate_says() {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name);
         let nominal = std::fs::read_to_string(Path::new(ROOT).join("models/nominal.yaml")).unwrap();
-        let nominal = if extra.is_empty() { nominal } else { nominal.replace("effects: []", extra) };
+        let nominal =
+            if extra.is_empty() { nominal } else { nominal.replace("effects: []", extra) };
         std::fs::write(path("model.yaml"), nominal).unwrap();
         let commands = "trial,time_s,tendon_1_m,tendon_2_m,tendon_3_m,tendon_4_m\n0,0,0.006,0.002,-0.005,-0.002\n";
         std::fs::write(path("commands.csv"), commands).unwrap();
         let output = Command::new(PROGRAM)
-            .args(["simulate", "--static", "--model", "model.yaml", "--commands", "commands.csv", "--out", "out.csv"])
+            .args([
+                "simulate",
+                "--static",
+                "--model",
+                "model.yaml",
+                "--commands",
+                "commands.csv",
+                "--out",
+                "out.csv",
+            ])
             .current_dir(folder.path())
             .output()
             .unwrap();
@@ -235,7 +247,8 @@ fn the_live_robot_answers_as_simulate_says() {
     let refused = answer(&mut socket, |answer| !answer["error"].is_null());
     assert!(refused["error"].as_str().unwrap().contains("tip_load"), "{refused}");
     ask(&mut socket, &state(json!([]), true));
-    let again = answer(&mut socket, |answer| !answer["frame"].is_null());
+    let again =
+        answer(&mut socket, |answer| !answer["frame"].is_null() && answer["error"].is_null());
     near(tip(&again), tip(&first), 2e-5);
 }
 
@@ -249,7 +262,15 @@ fn a_recording_becomes_a_gif() {
     let out = folder.path().join("robot.gif");
     let recording = "tests/data/twin/r12.csv";
     let out_text = out.to_str().unwrap();
-    let output = view(&["--record", out_text, recording, "--model", "models/nominal.yaml", "--seconds", "1"]);
+    let output = view(&[
+        "--record",
+        out_text,
+        recording,
+        "--model",
+        "models/nominal.yaml",
+        "--seconds",
+        "1",
+    ]);
     assert!(output.status.success(), "{output:?}");
     let bytes = std::fs::read(&out).unwrap();
     assert_eq!(&bytes[..6], b"GIF89a");

@@ -2,7 +2,7 @@
 
 use super::live::LiveModel;
 use super::path_scenes::path_scenes;
-use super::server::{Shown, ViewServer};
+use super::server::{ServedPage, ViewServer};
 use crate::cli::models::several::poses_at_rest;
 use crate::cli::program::outputs::{check_ending, check_file};
 use crate::cli::program::shared::print_all;
@@ -34,7 +34,7 @@ pub(crate) struct ViewCommand {
     /// Policy of a folder of results to show; repeatable [default: all].
     #[arg(long, value_name = "NAME")]
     policy: Vec<String>,
-    /// Networks of a folder of results to show, `paper` or `converged` [default: the first there].
+    /// Networks of a folder of results to show, `paper` or `converged` [default: the paper's].
     #[arg(long, value_name = "NAME")]
     training: Option<String>,
     /// Treat every row of a recording as a pose at rest.
@@ -82,7 +82,11 @@ impl ViewCommand {
         let [strip] = strips.as_slice() else {
             refuse!("found {} recordings, expected one, or --record", strips.len());
         };
-        let note = "The robot under the commands, beside what was measured.";
+        let note = if self.shown[0].is_dir() {
+            "The robot under the commands of the first repetition, simulated again without noise."
+        } else {
+            "The robot of the model under the recorded commands, beside what was measured."
+        };
         let page = player_page(&strip.heading, note, &strip.scenes);
         self.serve(Arc::new(FixedPage(page)))
     }
@@ -123,7 +127,11 @@ impl ViewCommand {
                 let training = self.training.as_deref();
                 let scenes = path_scenes(shown, training, &self.policy, MAX_FRAMES)?;
                 let name = shown.file_name().unwrap_or_default().to_string_lossy();
-                return Ok(FilmStrip { heading: format!("Tracking a path ({name})"), scenes });
+                let networks = training.map_or(String::new(), |name| format!(", networks: {name}"));
+                return Ok(FilmStrip {
+                    heading: format!("Tracking a path ({name}{networks})"),
+                    scenes,
+                });
             }
             self.recorded(shown, &models, progress)
         };
@@ -165,7 +173,7 @@ impl ViewCommand {
     }
 
     /// Serves a page until the program is ended.
-    fn serve(&self, shown: Arc<dyn Shown>) -> CommandResult {
+    fn serve(&self, page: Arc<dyn ServedPage>) -> CommandResult {
         let server = ViewServer::open(self.port).map_err(|error| {
             CommandError::BadInput(format!(
                 "--port: found {} ({error}), expected a port that is free",
@@ -180,14 +188,14 @@ impl ViewCommand {
         if !self.no_open {
             open_browser(&url);
         }
-        server.serve(shown).map_err(CommandError::failed)
+        server.serve(page).map_err(CommandError::failed)
     }
 }
 
 /// A page that needs no answers.
 struct FixedPage(String);
 
-impl Shown for FixedPage {
+impl ServedPage for FixedPage {
     fn page(&self) -> &str {
         &self.0
     }

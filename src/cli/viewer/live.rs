@@ -7,7 +7,7 @@ use tungstenite::protocol::{Role, WebSocketConfig};
 use tungstenite::{Error, Message, WebSocket};
 
 use super::live_robot::{LiveAnswer, LiveRobot, SliderState};
-use super::server::Shown;
+use super::server::ServedPage;
 use spinebench::effects::Model;
 use spinebench::report::scene::live_page;
 
@@ -32,7 +32,7 @@ impl LiveModel {
     }
 }
 
-impl Shown for LiveModel {
+impl ServedPage for LiveModel {
     fn page(&self) -> &str {
         &self.page
     }
@@ -59,9 +59,8 @@ fn converse(mut socket: WebSocket<TcpStream>, mut robot: LiveRobot) -> Result<()
         let tick = Instant::now();
         if let Some(state) = latest(&mut socket)? {
             asked = true;
-            let first = robot.ask(state);
-            if first.robot.is_some() || first.error.is_some() {
-                send(&mut socket, &first)?;
+            if let Some(answer) = robot.ask(state) {
+                send(&mut socket, &answer)?;
             }
         }
         if asked {

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use spinebench::base::{PlantError, TendonCommand};
+use spinebench::base::{PlacedTendon, PlantError, TendonCommand, TendonLayout};
 use spinebench::data::scene::{SceneFrame, SceneRobot};
 use spinebench::effects::{CATALOGUE, Card, DrivenModel, EffectSpec, Model, Parameter, Seek};
 use spinebench::report::scene::{LiveControl, LiveEffect, LiveParameter, LiveView};
@@ -40,7 +40,8 @@ pub(super) struct LiveAnswer {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) frame: Option<SceneFrame>,
     /// The solver's status, in words.
-    pub(super) status: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) status: Option<String>,
     /// What is wrong, for the user.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) error: Option<String>,
@@ -60,14 +61,20 @@ pub(super) struct LiveRobot {
     time_s: f64,
     /// Why there is no pose now.
     failure: Option<PlantError>,
+    /// Why the effects that were asked for cannot be.
+    refusal: Option<String>,
     /// Whether the pose is the equilibrium under the commands.
     settled: bool,
 }
 
 /// The first displacement of a slider's end, radians of bending.
 const BEND_RAD: f64 = 1.2;
+/// Angles that differ by less are one, degrees.
+const SAME_ANGLE_DEG: f64 = 1.0;
 /// Steps of a slider.
 const STEPS: f64 = 200.0;
+/// Halvings between a value that is allowed and one that is not.
+const HALVINGS: usize = 12;
 /// First steps of a fit from null to the end of a parameter's slider.
 const RANGE: f64 = 10.0;
 
@@ -89,36 +96,55 @@ impl LiveRobot {
         let controls = controls(model);
         let state =
             SliderState { displacements: vec![0.0; controls.len()], ..SliderState::default() };
-        let live = LiveRobot { bare, driven, state, time_s: 0.0, failure: None, settled: false };
+        let live = LiveRobot {
+            bare,
+            driven,
+            state,
+            time_s: 0.0,
+            failure: None,
+            refusal: None,
+            settled: false,
+        };
         (live, LiveView { name: name.to_owned(), robot, controls, effects })
     }
 
-    /// Takes what the page asks for; the first answer to it.
-    pub(super) fn ask(&mut self, asked: SliderState) -> LiveAnswer {
-        let rebuilt = asked.effects != self.state.effects
+    /// Takes what the page asks for; an answer where the robot is another one, or cannot be.
+    pub(super) fn ask(&mut self, asked: SliderState) -> Option<LiveAnswer> {
+        if asked.displacements.len() != self.state.displacements.len() {
+            self.refusal = Some("the page is of another model".to_owned());
+            return Some(self.refused());
+        }
+        let rebuilds = asked.effects != self.state.effects
             || asked.restart
             || self.time_s == 0.0
             || self.failure.is_some();
-        let mut answer = LiveAnswer { restarted: rebuilt, ..LiveAnswer::default() };
-        if asked.displacements.len() != self.state.displacements.len() {
-            return LiveAnswer { error: Some("the page is of another model".into()), ..answer };
-        }
         self.settled = false;
         self.state = asked;
-        if rebuilt {
-            match self.with_effects() {
-                Ok(model) => {
-                    let robot = scene_robot(&model);
-                    self.driven = DrivenModel::new(&tracked_at_stations(&model, &robot), &[]);
-                    answer.robot = Some(robot);
-                    self.time_s = 0.0;
-                    self.failure = self.begin().err();
-                    self.state.restart = false;
-                }
-                Err(words) => return LiveAnswer { error: Some(words), ..answer },
+        rebuilds.then(|| self.rebuild())
+    }
+
+    /// The robot with the effects that are on, at its start.
+    fn rebuild(&mut self) -> LiveAnswer {
+        let model = match self.with_effects() {
+            Ok(model) => model,
+            Err(words) => {
+                self.refusal = Some(words);
+                return self.refused();
             }
-        }
-        answer
+        };
+        self.refusal = None;
+        let robot = scene_robot(&model);
+        self.driven = DrivenModel::new(&tracked_at_stations(&model, &robot), &[]);
+        self.time_s = 0.0;
+        self.failure = self.begin().err();
+        self.state.restart = false;
+        let failed = self.failure.as_ref().map(failed);
+        LiveAnswer { robot: Some(robot), restarted: true, ..failed.unwrap_or_default() }
+    }
+
+    /// The answer to what cannot be: the robot stays as it was.
+    fn refused(&self) -> LiveAnswer {
+        LiveAnswer { error: self.refusal.clone(), ..LiveAnswer::default() }
     }
 
     /// Home after a restart, else at rest under the commands.
@@ -144,31 +170,28 @@ impl LiveRobot {
     }
 
     fn answer(&mut self, moved: Result<(), PlantError>, commands: &[TendonCommand]) -> LiveAnswer {
-        let mut answer = LiveAnswer { pace: 1.0, ..LiveAnswer::default() };
-        match moved {
-            Ok(()) => {
-                let mut frame = scene_frame(&self.driven.observation(commands, self.time_s));
-                frame.time_s = self.time_s;
-                answer.frame = Some(frame);
-                let touches = self.driven.rod().contact().is_some();
-                let itself = self.driven.rod().self_contact().is_some();
-                "converged".clone_into(&mut answer.status);
-                if touches {
-                    answer.status.push_str(", touches an obstacle");
-                }
-                if itself {
-                    answer.status.push_str(", touches itself");
-                }
-            }
-            Err(error) => {
-                answer.status = error.to_string();
-                answer.error = Some(format!(
-                    "The solver has no solution ({error}). Move a slider to restart from home."
-                ));
-                self.failure = Some(error);
-            }
+        if let Err(error) = moved {
+            let answer = failed(&error);
+            self.failure = Some(error);
+            return answer;
         }
-        answer
+        let mut frame = scene_frame(&self.driven.observation(commands, self.time_s));
+        frame.time_s = self.time_s;
+        let rod = self.driven.rod();
+        let facts = [
+            (true, "converged"),
+            (rod.contact().is_some(), ", touches an obstacle"),
+            (rod.self_contact().is_some(), ", touches itself"),
+        ];
+        let status =
+            facts.into_iter().filter(|(holds, _)| *holds).map(|(_, words)| words).collect();
+        LiveAnswer {
+            frame: Some(frame),
+            status: Some(status),
+            error: self.refusal.clone(),
+            pace: 1.0,
+            ..LiveAnswer::default()
+        }
     }
 
     /// Displacement of each tendon under those of the sliders.
@@ -199,13 +222,25 @@ impl LiveRobot {
     }
 }
 
+/// The answer to commands without a solution.
+fn failed(error: &PlantError) -> LiveAnswer {
+    let words =
+        format!("The solver has no solution ({error}). Move a slider to restart from home.");
+    LiveAnswer { status: Some(error.to_string()), error: Some(words), ..LiveAnswer::default() }
+}
+
 /// A slider for each drive, or for each tendon where the model has no drives.
 fn controls(model: &Model) -> Vec<LiveControl> {
     let travel_m = BEND_RAD * model.robot.lever_m();
     if model.drives.is_empty() {
         let tendons = 1..=model.robot.tendons.angles_deg.len();
-        let tendon =
-            |k: usize| LiveControl { name: format!("tendon_{k}"), unit: "m", travel: travel_m };
+        let layout = model.robot.tendon_layout();
+        let tendon = |k: usize| LiveControl {
+            name: format!("tendon_{k}"),
+            unit: "m",
+            travel: travel_m,
+            opposite: opposite(&layout, k - 1),
+        };
         return tendons.map(tendon).collect();
     }
     let drive = |(name, gains): (String, Vec<(usize, f64)>)| {
@@ -213,9 +248,18 @@ fn controls(model: &Model) -> Vec<LiveControl> {
         let travel = travel_m / largest.max(f64::MIN_POSITIVE);
         // A drive of metres moves its tendons by about as much.
         let unit = if (0.2..=5.0).contains(&largest) { "m" } else { "rad" };
-        LiveControl { name, unit, travel }
+        LiveControl { name, unit, travel, opposite: None }
     };
     model.drive_gains().into_iter().map(drive).collect()
+}
+
+/// The tendon (from 0) that ends where this one does, on the other side of the backbone.
+fn opposite(layout: &TendonLayout, tendon: usize) -> Option<usize> {
+    let segment = layout.segments.iter().find(|all| all.iter().any(|one| one.tendon == tendon))?;
+    let own_deg = segment.iter().find(|one| one.tendon == tendon)?.angle_deg;
+    let apart_deg =
+        |one: &&PlacedTendon| ((one.angle_deg - own_deg).rem_euclid(360.0) - 180.0).abs();
+    segment.iter().find(|one| apart_deg(one) < SAME_ANGLE_DEG).map(|one| one.tendon)
 }
 
 /// The sliders of an effect; `None` for one that this robot cannot have.
@@ -240,11 +284,8 @@ fn live_effect(card: &'static Card, model: &Model) -> Option<LiveEffect> {
             values[index] = candidate;
             fits(&values)
         };
-        let [low, high] = range(parameter, model, first[index]);
-        let low = [low, 0.5 * (low + first[index]), first[index] - 0.25 * (first[index] - low)]
-            .into_iter()
-            .find(|low| allowed(*low))
-            .unwrap_or(first[index]);
+        let [low, high] = range(parameter, model, first[index])
+            .map(|end| furthest_allowed(first[index], end, &allowed));
         let whole =
             matches!(parameter.seek, Seek::Tendon | Seek::Segment | Seek::Flag | Seek::Convention);
         LiveParameter {
@@ -262,6 +303,19 @@ fn live_effect(card: &'static Card, model: &Model) -> Option<LiveEffect> {
         on: given.is_some(),
         parameters: card.parameters.iter().enumerate().map(parameter).collect(),
     })
+}
+
+/// `end`, or the place nearest to it that is allowed, seen from a place that is.
+fn furthest_allowed(allowed_place: f64, end: f64, allowed: &dyn Fn(f64) -> bool) -> f64 {
+    if allowed(end) {
+        return end;
+    }
+    let (mut inside, mut outside) = (allowed_place, end);
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (inside + outside);
+        *(if allowed(middle) { &mut inside } else { &mut outside }) = middle;
+    }
+    inside
 }
 
 /// Number of a model's effect.

@@ -4,7 +4,7 @@ pub(super) mod command;
 mod http;
 mod live;
 mod live_robot;
-mod path_scenes;
+pub(super) mod path_scenes;
 mod server;
 
 pub(super) use path_scenes::path_scenes;

@@ -15,9 +15,11 @@ use std::path::Path;
 
 /// The file of a folder of results that says what robot it was.
 const SPEC: &str = "spec.yaml";
+/// Networks that stop at the errors of the paper.
+const PAPER_TRAINING: &str = "paper";
 
 /// The scenes of the path under each of `policies` (all that there are, for none), for networks of
-/// `training` (the first that there is, for none), with at most `frames` frames each.
+/// `training` (the paper's where there are any, for none), with at most `frames` frames each.
 ///
 /// # Errors
 /// [`CommandError::BadInput`] for a folder without such results, or with those of a robot that is
@@ -32,9 +34,9 @@ pub(crate) fn path_scenes(
     let experiment = Experiment::read(&spec, &[]).map_err(CommandError::bad_input)?;
     let tracks = published_rows::<TrackRow>(folder).map_err(CommandError::bad_input)?;
     let moved = tracks.iter().filter(|row| !row.sample.pulls_m.is_empty());
-    // Rows of the paper's training come first.
-    let first = moved.clone().next().map(|row| row.training.as_str());
-    let training = training.or(first).unwrap_or_default();
+    let mut trainings: Vec<&str> = moved.clone().map(|row| row.training.as_str()).collect();
+    trainings.sort_by_key(|name| *name != PAPER_TRAINING);
+    let training = training.or(trainings.first().copied()).unwrap_or_default();
     let rows: Vec<&TrackRow> = moved.filter(|row| row.training == training).collect();
     if rows.is_empty() {
         let found = folder.display();

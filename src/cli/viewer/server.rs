@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use super::http::{BrowserRequest, accept_socket, answer_page, refuse_request};
 
 /// What the server shows.
-pub(super) trait Shown: Send + Sync + 'static {
+pub(super) trait ServedPage: Send + Sync + 'static {
     /// The page.
     fn page(&self) -> &str;
     /// Talks with a page over an open socket until either side ends it.
@@ -40,7 +40,7 @@ impl ViewServer {
     }
 
     /// Serves until the process ends.
-    pub(super) fn serve(self, shown: Arc<dyn Shown>) -> io::Result<()> {
+    pub(super) fn serve(self, page: Arc<dyn ServedPage>) -> io::Result<()> {
         let (address, token) = (self.listener.local_addr()?, Arc::new(self.token));
         let visitors = Arc::new(AtomicUsize::new(0));
         for stream in self.listener.incoming() {
@@ -49,10 +49,10 @@ impl ViewServer {
                 visitors.fetch_sub(1, Ordering::SeqCst);
                 continue;
             }
-            let (shown, token, visitors) = (shown.clone(), token.clone(), visitors.clone());
+            let (page, token, visitors) = (page.clone(), token.clone(), visitors.clone());
             std::thread::spawn(move || {
                 // A browser that goes away is no error.
-                let _ = answer(stream, address, &token, shown.as_ref());
+                let _ = answer(stream, address, &token, page.as_ref());
                 visitors.fetch_sub(1, Ordering::SeqCst);
             });
         }
@@ -64,7 +64,7 @@ fn answer(
     mut stream: TcpStream,
     address: SocketAddr,
     token: &str,
-    shown: &dyn Shown,
+    served: &dyn ServedPage,
 ) -> io::Result<()> {
     let Some(request) = BrowserRequest::read(&mut stream)? else {
         return refuse_request(&mut stream, "400 Bad Request");
@@ -73,12 +73,12 @@ fn answer(
     let is_page = request.method == "GET" && request.is_from(address);
     match (inside, &request.socket_key) {
         _ if !is_page => refuse_request(&mut stream, "403 Forbidden"),
-        (Some("/"), None) => answer_page(&mut stream, shown.page()),
+        (Some("/"), None) => answer_page(&mut stream, served.page()),
         // A browser says where the page is from; what says nothing is none.
         (Some("/socket"), Some(key)) if request.origin.is_some() => {
             accept_socket(&mut stream, key)?;
             stream.set_nodelay(true)?;
-            shown.talk(stream);
+            served.talk(stream);
             Ok(())
         }
         (Some("/socket"), _) => refuse_request(&mut stream, "403 Forbidden"),

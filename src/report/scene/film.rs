@@ -99,14 +99,20 @@ fn picture(rows: &[(&FilmStrip, Vec<Sight>)], share: f64) -> Canvas {
         }
     }
     let top = rows.len() as f64 * ROW;
+    let frames =
+        || rows.iter().flat_map(|(strip, _)| &strip.scenes).flat_map(|scene| &scene.frames);
+    let has_target = frames().any(|frame| frame.target_m.is_some());
+    let is_measured = frames().any(|frame| !frame.measured_m.is_empty());
     let keys = [
-        (LegendEntry::Line(TAUT, SOLID), "tendon, taut"),
-        (LegendEntry::Line(SLACK, DASHED), "slack"),
-        (LegendEntry::Line(TRAIL, SOLID), "path of the tip"),
-        (LegendEntry::Marker(Marker::Circle, GREEN, true), "target"),
-        (LegendEntry::Marker(Marker::Diamond, MEASURED, false), "measured tip"),
-        (LegendEntry::Line(MEASURED, DOTTED), "its path"),
+        (true, LegendEntry::Line(TAUT, SOLID), "tendon, taut"),
+        (true, LegendEntry::Line(SLACK, DASHED), "slack"),
+        (true, LegendEntry::Line(TRAIL, SOLID), "path of the tip"),
+        (has_target, LegendEntry::Marker(Marker::Circle, GREEN, true), "target"),
+        (is_measured, LegendEntry::Marker(Marker::Diamond, MEASURED, false), "measured tip"),
+        (is_measured, LegendEntry::Line(MEASURED, DOTTED), "its path"),
     ];
+    let keys: Vec<(LegendEntry, &str)> =
+        keys.into_iter().filter(|key| key.0).map(|(_, entry, words)| (entry, words)).collect();
     legend(&mut canvas, [12.0, top + 15.0], WIDTH, &keys);
     canvas
 }

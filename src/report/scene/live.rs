@@ -29,6 +29,8 @@ pub struct LiveControl {
     pub unit: &'static str,
     /// Largest displacement to either side.
     pub travel: f64,
+    /// Index of the tendon on the other side of the backbone.
+    pub opposite: Option<usize>,
 }
 
 /// An effect that can be switched on.
@@ -91,6 +93,7 @@ pub fn live_page(view: &LiveView) -> String {
                     p .scene-hint { "Positive pulls." }
                     div #live-controls {}
                     p .live-buttons {
+                        label { input #live-opposite type="checkbox" checked; " The opposite tendon pays out" }
                         label { input #live-static type="checkbox"; " Static: show the equilibrium" }
                         button #live-home type="button" { "All to 0" }
                         button #live-restart type="button" { "Restart" }

@@ -35,6 +35,8 @@ const CORNERS: usize = 28;
 const PIECES: usize = 6;
 /// Frames of the tip's path that are drawn.
 const MAX_TRAIL: usize = 400;
+/// Room around each place over the radius of the largest disk: the base plate is wider.
+const ROOM: f64 = 1.7;
 /// Size of a still picture, hundredths of an inch.
 const STILL: [f64; 2] = [360.0, 270.0];
 
@@ -91,8 +93,13 @@ impl Sight {
             .iter()
             .flat_map(|y| along.iter().map(move |z| [floor_m, y * step_m, z * step_m]))
             .collect::<Vec<Point3>>();
-        let tops = places.iter().map(|[x, y, z]| [x + rim_m, *y, *z]);
-        let view = View::of(ground.into_iter().chain(tops), corner, size, 4.0);
+        let reach_m = ROOM * rim_m;
+        let around = places.iter().flat_map(|[x, y, z]| {
+            let ends = [-reach_m, reach_m];
+            ends.into_iter()
+                .flat_map(move |by| [[x + by, *y, *z], [*x, y + by, *z], [*x, *y, z + by]])
+        });
+        let view = View::of(ground.into_iter().chain(around), corner, size, 4.0);
         Sight { view, axes, floor_m, step_m, squares }
     }
 

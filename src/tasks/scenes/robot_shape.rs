@@ -10,7 +10,7 @@ use crate::effects::{BodyPoint, Model};
 use crate::rod::{ObstacleShape, RodParams, Tendon};
 
 /// Stations are at most this share of the length apart.
-const MAX_STEP: f64 = 1.0 / 12.0;
+const MAX_STEP: f64 = 0.1;
 /// Places nearer than this share of the length are one.
 const SAME_PLACE: f64 = 1e-6;
 /// Upper bound on the disks that are drawn.
@@ -29,7 +29,7 @@ pub fn scene_robot(model: &Model) -> SceneRobot {
     let up = -rod.gravity_m_s2;
     SceneRobot {
         length_m: rod.length_m(),
-        up: up.try_normalize(0.0).unwrap_or_else(Vector3::x).into(),
+        up: up.try_normalize(0.0).unwrap_or_else(Vector3::x).map(|x| x + 0.0).into(),
         tendons,
         obstacles: obstacles.map(|one| drawn_obstacle(&one.shape, rod.length_m())).collect(),
         stations,
@@ -97,6 +97,7 @@ fn stations(model: &Model, rod: &RodParams) -> Vec<SceneStation> {
     };
     let more: Vec<SceneStation> = stations.windows(2).flat_map(between).collect();
     stations.extend(more);
+    stations.iter_mut().for_each(round);
     stations.sort_by(|one, other| one.s_m.total_cmp(&other.s_m));
     stations
 }
@@ -113,6 +114,14 @@ fn outermost_m(rod: &RodParams, s_m: f64) -> f64 {
         |tendon: &&Tendon| tendon.start_m <= s_m + slack_m && s_m <= tendon.end_m + slack_m;
     let passing_m = rod.tendons.iter().filter(passes).map(distance_m).fold(0.0, f64::max);
     if passing_m > 0.0 { passing_m } else { rod.tendons.iter().map(distance_m).fold(0.0, f64::max) }
+}
+
+/// Digits that can be seen, which keep the JSON short; places to ten nanometres.
+fn round(station: &mut SceneStation) {
+    station.s_m = (station.s_m * 1e8).round() / 1e8;
+    station.radius_m = to_hundredths_mm(station.radius_m);
+    station.disk_radius_m = to_hundredths_mm(station.disk_radius_m);
+    station.disk_thickness_m = to_hundredths_mm(station.disk_thickness_m);
 }
 
 fn drawn_tendon(tendon: &Tendon, stations: &[SceneStation]) -> SceneTendon {

@@ -37,6 +37,14 @@ const shown = (value, unit) => {
   return unit === '1' || unit === 'number' ? words : `${words} ${unit}`;
 };
 
+// A parameter's name without its unit, components by their axes: `force_n[0]` is `force x`.
+const named = (name, unit) => {
+  const [word, index] = name.split(/[[\]]/);
+  const ending = `_${unit.toLowerCase().replace(/[/ ]/g, '_')}`;
+  const plain = word.endsWith(ending) ? word.slice(0, -ending.length) : word;
+  return `${plain.replaceAll('_', ' ')}${index ? ` ${'xyz'[index]}` : ''}`;
+};
+
 let slider = 0;
 const addSlider = (parent, { name, unit, low, high, step, value }, changed) => {
   slider += 1;
@@ -49,7 +57,7 @@ const addSlider = (parent, { name, unit, low, high, step, value }, changed) => {
   };
   input.addEventListener('input', () => { tell(); changed(); });
   tell();
-  parent.append(make('div', { className: 'live-slider' }, make('label', { htmlFor: input.id, textContent: name.replaceAll('_', ' ') }), input, output));
+  parent.append(make('div', { className: 'live-slider' }, make('label', { htmlFor: input.id, textContent: named(name, unit) }), input, output));
   return { input, tell };
 };
 
@@ -64,9 +72,18 @@ const ask = (restart = false) => {
   }));
 };
 
-const controls = view.controls.map(({ name, unit, travel }) => (
-  addSlider(element('controls'), { name, unit, low: -travel, high: travel, step: travel / 400, value: 0 }, () => ask())
-));
+const controls = view.controls.map(({ name, unit, travel, opposite }) => {
+  const made = addSlider(element('controls'), { name, unit, low: -travel, high: travel, step: travel / 400, value: 0 }, () => {
+    const other = opposite === null ? null : controls[opposite];
+    if (other && element('opposite').checked) {
+      other.input.value = -Number(made.input.value);
+      other.tell();
+    }
+    ask();
+  });
+  return made;
+});
+element('opposite').parentElement.hidden = view.controls.every(({ opposite }) => opposite === null);
 
 const effects = view.effects.map((effect) => {
   const box = make('input', { type: 'checkbox', checked: effect.on });
@@ -84,7 +101,7 @@ const receive = (answer) => {
   if (answer.robot) ({ robot } = answer);
   if (answer.restarted) trail = [];
   element('error').textContent = answer.error || '';
-  element('status').textContent = answer.status;
+  if (answer.status) element('status').textContent = answer.status;
   if (answer.frame) {
     ({ frame } = answer);
     if (!fitted) {

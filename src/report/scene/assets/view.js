@@ -80,7 +80,7 @@ const SceneView = (() => {
       const rim = Math.max(0, ...scenes.flatMap(({ robot }) => robot.stations.map((one) => one.disk_radius_m || one.radius_m)));
       const { robot, frames } = scenes[0];
       this.home = scale(add(low, high), 0.5);
-      this.radius = Math.max(0.5 * norm(sub(high, low)) + rim, 0.35 * robot.length_m, 1e-3);
+      this.radius = Math.max(0.5 * norm(sub(high, low)) + 1.5 * rim, 0.35 * robot.length_m, 1e-3);
       this.up = unit(robot.up);
       const first = frames.find((frame) => frame.poses && frame.poses.length);
       const along = first ? axes(pose(first.poses[0]).turn)[2] : [0, 0, 1];
@@ -113,7 +113,7 @@ const SceneView = (() => {
       const eye = add(this.centre, scale(back, distance));
       const right = unit(cross(this.up, flat));
       const above = cross(back, right);
-      const focal = 0.5 * Math.min(wide * 1.02, high * 1.25) * this.zoom * (distance / this.radius);
+      const focal = 0.5 * Math.min(wide, high * 1.25) * this.zoom * (distance / this.radius);
       const project = (point) => {
         const v = sub(point, eye);
         const depth = Math.max(-dot(v, back), 0.05 * distance);
@@ -160,10 +160,10 @@ const SceneView = (() => {
       if (closed) this.context.closePath();
     }
 
-    stroke(points, colour, width, dash = []) {
+    stroke(points, colour, width, dash = [], cap = 'round') {
       this.path(points);
       this.context.setLineDash(dash);
-      Object.assign(this.context, { strokeStyle: colour, lineWidth: width, lineJoin: 'round', lineCap: dash.length ? 'butt' : 'round' });
+      Object.assign(this.context, { strokeStyle: colour, lineWidth: width, lineJoin: 'round', lineCap: dash.length ? 'butt' : cap });
       this.context.stroke();
       this.context.setLineDash([]);
     }
@@ -266,9 +266,9 @@ const SceneView = (() => {
       const width = Math.max(2.4, (from.radius_m + to.radius_m) * points[3].size);
       const lit = points.map((p) => ({ x: p.x - 0.14 * width, y: p.y - 0.14 * width }));
       this.later(points[3].depth, () => {
-        this.stroke(points, ink.tube, width + 2);
-        this.stroke(points, ink.core, width);
-        this.stroke(lit, ink.light, Math.max(0.8, 0.3 * width));
+        this.stroke(points, ink.tube, width + 2, [], 'butt');
+        this.stroke(points, ink.core, width, [], 'butt');
+        this.stroke(lit, ink.light, Math.max(0.8, 0.3 * width), [], 'butt');
       });
     }
 
