@@ -107,9 +107,9 @@ impl EffectPicture {
             // One scale for both directions.
             let scale = room / (x.high - x.low);
             let (low, high) = range(all(1));
-            let half = (0.5 * (high - low)).max(0.5 * HEIGHT / scale * 0.6);
+            let half = (0.55 * (high - low)).max(0.35 * HEIGHT / scale);
             let middle = 0.5 * (low + high);
-            y = Axis::covering(labels[1], [middle - half, middle + half].into_iter(), 4);
+            y = Axis::exact(labels[1], middle - half, middle + half, 4);
             size[1] = scale * (y.high - y.low);
         }
         let panel =
