@@ -55,6 +55,7 @@ reproduce: build ## Table I, Figs 5, 6 and 8 and the claims, into results/ and p
 	@echo "Table I is in $(OUT)/results/table1/table1.md and $(OUT)/plots/table1.png, Fig. 6 in $(OUT)/plots/fig6.png."
 	$(SPINEBENCH) run $(SPECS) --seeds $(SEEDS) --out $(OUT)
 	$(SPINEBENCH) run experiments/discovery.yaml $(BLIND_LOOK) --out $(OUT)
+	$(SPINEBENCH) report --results $(OUT)
 ifeq ($(OUT),.)
 	@$(MAKE) --no-print-directory pack
 	@$(MAKE) --no-print-directory pages
@@ -137,8 +138,20 @@ test-python: ## the Python package: build, tests, types (needs Python 3.10 or la
 BROWSER_VENV := target/browser-venv
 test-browser: build ## pages in a browser: live view, player, reports (needs Python with venv, PyPI, and Chromium or $$CHROMIUM)
 	python3 -m venv $(BROWSER_VENV)
-	$(BROWSER_VENV)/bin/python -m pip install --quiet --disable-pip-version-check "playwright>=1.50,<2" "pytest>=8,<10"
+	$(BROWSER_VENV)/bin/python -m pip install --quiet --disable-pip-version-check "playwright>=1.50,<2" "axe-playwright-python>=0.1,<0.2" "pytest>=8,<10"
 	$(BROWSER_VENV)/bin/python -B -m pytest -q -p no:cacheprovider tests/browser
+
+BOOK := target/book
+REPOSITORY := https://github.com/spinebench/spinebench/blob/main
+book: ## the manual as HTML, into target/book/html (compiles mdBook the first time)
+	@[ -x target/tools/bin/mdbook ] || cargo install --quiet mdbook --version 0.5.4 --locked --root target/tools
+	rm -rf $(BOOK) && mkdir -p $(BOOK)/src && cp -r docs plots $(BOOK)/src && cp docs/book.toml $(BOOK)
+	@# mdBook has the pages and plots; links to other files lead to the repository.
+	sed 's#](#](docs/#' docs/SUMMARY.md > $(BOOK)/src/SUMMARY.md
+	find $(BOOK)/src/docs -name '*.md' -exec perl -pi -e \
+	  's#\]\((?:\.\./)+((?!plots|guide|reference|method|evidence)[^)]*)\)#]($(REPOSITORY)/$$1)#g' {} +
+	target/tools/bin/mdbook build $(BOOK)
+	@echo "$(BOOK)/html/index.html"
 
 # What one installs without Rust.
 DIST := dist

@@ -127,6 +127,18 @@ pub fn read_rows<R: DeserializeOwned>(source: RecordingSource) -> Result<Vec<R>,
     rows.collect()
 }
 
+/// All columns of a table as text.
+///
+/// # Errors
+/// [`DataError`] for a file that is no table.
+pub fn read_text_columns(path: &Path) -> Result<Vec<Beside>, DataError> {
+    let text = |(name, cells)| match cells {
+        Cells::Text(cells) => Some((name, cells)),
+        _ => None,
+    };
+    Ok(Table::read_text(path)?.columns.into_iter().filter_map(text).collect())
+}
+
 /// Reads rows back, and beside them the columns whose name `is_beside` picks.
 ///
 /// # Errors

@@ -2,6 +2,7 @@
 
 pub(super) mod cache;
 pub(super) mod cluster;
+pub(super) mod compare;
 pub(super) mod gather;
 pub(super) mod pack;
 pub(super) mod page;

@@ -1,6 +1,7 @@
 //! `spinebench report`.
 
 use super::verify::published_names;
+use crate::cli::viewer::path_scenes;
 use crate::cli::{CommandError, CommandResult};
 use clap::Args;
 use spinebench::data::write_atomic;
@@ -10,6 +11,9 @@ use spinebench::rows::experiment::StageRow;
 use spinebench::runner::{Campaign, Manifest, published_cost};
 use spinebench::specs::ExperimentSet;
 use std::path::{Path, PathBuf};
+
+/// Frames of the robot on the path, a policy.
+const PATH_FRAMES: usize = 150;
 
 /// Write all published results on one page, `results/report.html`: claims with their ranges and
 /// verdicts, Table I, the figures with their values, controllers, repair, populations, sweeps,
@@ -28,7 +32,9 @@ impl ReportCommand {
     pub(crate) fn execute(self) -> CommandResult {
         let results = self.results.join("results");
         let names = published_names(&results).map_err(CommandError::BadInput)?;
-        let mut facts = OverviewFacts::default();
+        // A path on a robot that is not simulated, or of an earlier build, has no scenes.
+        let path = path_scenes(&results.join("fig8"), None, &[], PATH_FRAMES).unwrap_or_default();
+        let mut facts = OverviewFacts { path, ..OverviewFacts::default() };
         for name in &names {
             let folder = results.join(name);
             facts.experiments.extend(experiment_facts(&folder));

@@ -6,3 +6,5 @@ mod live;
 mod live_robot;
 mod path_scenes;
 mod server;
+
+pub(super) use path_scenes::path_scenes;

@@ -13,6 +13,7 @@ use std::path::Path;
 
 use super::ReportError;
 use super::discovery::html::document;
+use crate::data::scene::Scene;
 use charts::PageData;
 
 pub use provenance::{ClaimCost, ExperimentFacts};
@@ -24,6 +25,8 @@ pub struct OverviewFacts {
     pub experiments: Vec<ExperimentFacts>,
     /// What it costs to judge each claim again.
     pub costs: Vec<ClaimCost>,
+    /// The robot on the path of Fig. 8, a scene a policy.
+    pub path: Vec<Scene>,
 }
 
 /// The page for the tables below `results`. Parts whose tables are not there are left out.
@@ -34,7 +37,7 @@ pub fn overview(results: &Path, facts: &OverviewFacts) -> Result<String, ReportE
     let mut data = PageData::default();
     let claims = claims::section(results, &facts.costs)?;
     let table1 = table1::section(results, &mut data)?;
-    let figures = sections::figures(results, &mut data)?;
+    let figures = sections::figures(results, &facts.path, &mut data)?;
     let further = sections::further(results, &mut data)?;
     let content = html! {
         (head(&claims.summary))

@@ -6,7 +6,9 @@ use std::path::Path;
 use super::charts::{AxisColumn, Chart, ChartKind, PageData};
 use super::tables::{EmbeddedTable, published_columns};
 use crate::data::DataError;
+use crate::data::scene::Scene;
 use crate::report::discovery::html::section as page_section;
+use crate::report::scene::player;
 
 /// A chart of columns of one table, or nothing where the table is not there.
 fn chart_of(
@@ -35,14 +37,19 @@ fn chart_of(
 ///
 /// # Errors
 /// [`DataError`] for a table that cannot be read.
-pub(super) fn figures(results: &Path, data: &mut PageData) -> Result<Markup, DataError> {
+pub(super) fn figures(
+    results: &Path,
+    path: &[Scene],
+    data: &mut PageData,
+) -> Result<Markup, DataError> {
     let fig5 = fig5(results, data)?;
     let fig6 = fig6(results, data)?;
     let fig8 = fig8(results, data)?;
+    let robots = player("The robot on the path under each controller", path);
     Ok(html! {
         (page_section("Fig. 5: simulated and “real” tips", &fig5))
         (page_section("Fig. 6: error against the amount of real data", &fig6))
-        (page_section("Fig. 8: a path in closed loop", &fig8))
+        (page_section("Fig. 8: a path in closed loop", &html! { (robots) (fig8) }))
     })
 }
 

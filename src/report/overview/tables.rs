@@ -1,17 +1,13 @@
 //! Columns of published tables as the page carries them.
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use std::path::Path;
 
-use crate::data::tables::{Beside, read_csv_beside};
+use crate::data::tables::{Beside, read_text_columns};
 use crate::data::{DataError, packed};
 
 /// Significant digits of a number on the page.
 const DIGITS: usize = 5;
-
-/// All columns are read as text.
-#[derive(Serialize, Deserialize)]
-struct NoRow {}
 
 /// A column: numbers, or text as indices of its distinct values.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -49,8 +45,7 @@ pub(super) fn published_columns(
     if packed::stored(&path).is_none() {
         return Ok(None);
     }
-    let (columns, _) = read_csv_beside::<NoRow>(&path, |_| true)?;
-    Ok(Some(columns))
+    read_text_columns(&path).map(Some)
 }
 
 impl EmbeddedTable {

@@ -5,18 +5,12 @@
 
 use std::path::Path;
 
-use serde::{Deserialize, Serialize};
-
-use crate::data::tables::{Beside, read_csv_beside};
+use crate::data::tables::{Beside, read_text_columns};
 
 const COUNT: &str = "<!-- count:";
 const CELL: &str = "<!-- cell:";
 const CLOSE: &str = " -->";
 const END: &str = "<!-- end -->";
-
-/// All columns are beside it.
-#[derive(Serialize, Deserialize)]
-struct NoColumns {}
 
 /// `text` with every count and cell read again from the tables, whose names are relative to
 /// `folder`.
@@ -60,8 +54,7 @@ fn replaced(
 fn rows(marker: &str, folder: &Path) -> Result<(Vec<Beside>, Vec<usize>), String> {
     let mut parts = marker.split(';').map(str::trim);
     let file = parts.next().unwrap_or_default();
-    let (columns, _) = read_csv_beside::<NoColumns>(&folder.join(file), |_| true)
-        .map_err(|error| error.to_string())?;
+    let columns = read_text_columns(&folder.join(file)).map_err(|error| error.to_string())?;
     let conditions = parts
         .map(|part| RowCondition::parse(part, &columns))
         .collect::<Result<Vec<_>, String>>()?;

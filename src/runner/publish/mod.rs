@@ -2,6 +2,7 @@
 
 pub(super) mod claims;
 pub(super) mod compare;
+pub(super) mod compare_runs;
 pub(super) mod discovery_files;
 pub(super) mod failed_cells;
 mod gp_range_ends;
