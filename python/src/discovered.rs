@@ -35,8 +35,7 @@ pub(crate) fn written(
         None => model.yaml()?,
     };
     let asked = AskedDiscovery { model: &model.model, model_text: &text, measured, at_rest };
-    let files =
-        discovery_files(&answer, &asked).map_err(|error| Fault::Run(error.to_string()))?;
+    let files = discovery_files(&answer, &asked).map_err(|error| Fault::Run(error.to_string()))?;
     let residuals = tables::to_csv(Path::new("residuals.csv"), &answer.residuals)?;
     let places = tables::to_csv(Path::new("disagreement.csv"), &answer.places)?;
     let findings = json(&answer.findings)?;

@@ -91,7 +91,8 @@ pub(crate) fn _export_mcap(
             stop.within(|| scene_of_recording("robot", name, &read, &given.model, at_rest))
         };
         let robot = model.as_ref().map(scene).transpose()?;
-        let shown = Shown { recording: &read, at_rest, robot: robot.as_ref(), residuals: &residuals };
+        let shown =
+            Shown { recording: &read, at_rest, robot: robot.as_ref(), residuals: &residuals };
         let bytes = to_mcap(&shown);
         stop.check()?;
         Ok(write_atomic(&out, &bytes)?)

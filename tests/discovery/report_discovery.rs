@@ -111,7 +111,8 @@ fn the_page_shows_the_robot_and_fetches_nothing() {
     // A still for readers without scripts.
     assert_eq!(page.matches("aria-label=\"last frame\"").count(), 2);
     assert_eq!(page.matches("<script").count(), 2);
-    for foreign in ["http-equiv", "href=", "src=", "url(", "@import", "<link", "<iframe", "fetch("] {
+    for foreign in ["http-equiv", "href=", "src=", "url(", "@import", "<link", "<iframe", "fetch("]
+    {
         assert!(!page.contains(foreign), "{foreign}");
     }
     let without = page.len();
