@@ -6,7 +6,7 @@ use super::style::{BLUE, GREY, LEFT_MARGIN, LINE, MARKER, Marker, SOLID, TALL, V
 use super::{Artifact, OutputFolder, ReportError};
 
 /// Width of the picture, hundredths of an inch, and height of its panel.
-const WIDTH: f64 = 300.0;
+const WIDTH: f64 = 330.0;
 const HEIGHT: f64 = 130.0;
 
 /// What a curve shows.
