@@ -3,7 +3,7 @@
 SHELL := bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help build pack unpack reproduce controllers sweeps population data-efficiency repair check robot test test-python test-browser wheel dist bench blind campaign peers peers-learning peers-environments scaling real verify
+.PHONY: help build pack pages plots unpack reproduce controllers sweeps population data-efficiency repair check robot test test-python test-browser wheel dist bench blind campaign peers peers-learning peers-environments scaling real verify
 
 # Repetitions of every experiment, data and training included. Claims need ten, and only ten replace the published results;
 # any other number is a look, which goes to out/.
@@ -37,6 +37,16 @@ pack: build ## rows of results/ to Parquet, as they are published
 	$(if $(RAW),$(SPINEBENCH) pack $(RAW))
 	@if cmp -s results/fig{5,8}/gap.parquet; then ln -sf ../fig5/gap.parquet results/fig8/gap.parquet; fi
 
+# Pages with generated parts: tables, pictures with captions, effects, help.
+PAGES = $(shell grep -rl --include='*.md' 'begin:' README.md docs)
+UPDATE_PAGES = @$(MAKE) --no-print-directory pages
+pages: build ## the generated parts of README.md and docs/
+	$(SPINEBENCH) effects --plots plots/effects
+	$(SPINEBENCH) page $(PAGES)
+
+plots: build ## the published figures again, from results/ alone (a minute)
+	$(SPINEBENCH) plot
+
 unpack: build ## rows of results/ back to CSV, byte for byte
 	$(SPINEBENCH) pack --undo $(wildcard results/*/*.parquet)
 
@@ -48,9 +58,7 @@ reproduce: build ## Table I, Figs 5, 6 and 8 and the claims, into results/ and p
 	$(SPINEBENCH) report --results $(OUT)
 ifeq ($(OUT),.)
 	@$(MAKE) --no-print-directory pack
-	$(SPINEBENCH) page README.md
-	$(SPINEBENCH) page docs/evidence/paper.md
-	$(SPINEBENCH) page docs/evidence/error_budget.md
+	@$(MAKE) --no-print-directory pages
 else
 	@echo "A look at $(SEEDS) of ten repetitions is in $(OUT)/; the published results/ and plots/ are as they were."
 endif
@@ -64,7 +72,7 @@ robot: build ## the README's moving picture, plots/robot.gif: Fig. 8's path unde
 controllers: build ## further controllers beside the paper's, and what tells them apart (docs/method/control.md); SEEDS=1 for a look, into out/
 	$(SPINEBENCH) run experiments/controllers.yaml experiments/perfect_model.yaml --seeds $(SEEDS) --out $(OUT)
 	$(PACK)
-	$(if $(filter .,$(OUT)),$(SPINEBENCH) page docs/method/control.md)
+	$(if $(filter .,$(OUT)),$(UPDATE_PAGES))
 
 SWEEPS := $(sort $(wildcard experiments/sweeps/*.yaml)) experiments/gp_intervals.yaml
 sweeps: build ## kernels, sizes, thresholds, noise, gaps … swept (half an hour; docs/evidence/sweeps.md); SEEDS=1 for a look, into out/
@@ -76,17 +84,17 @@ ROBOTS ?= 100
 population: build ## Table I on a hundred robots (an hour; docs/evidence/population.md); ROBOTS=10 for a look, into out/
 	@# A drawn robot that cannot be simulated is a row with its status, of which exit status 1 tells.
 	$(SPINEBENCH) run experiments/population.yaml --seeds $(ROBOTS) --out $(if $(filter 100,$(ROBOTS)),.,out) || [ $$? = 1 ]
-	$(if $(filter 100,$(ROBOTS)),$(SPINEBENCH) page docs/evidence/population.md)
+	$(if $(filter 100,$(ROBOTS)),$(UPDATE_PAGES))
 
 data-efficiency: build ## error against the number of real points, every policy (a quarter of an hour; docs/evidence/data_efficiency.md); SEEDS=1 for a look
 	$(SPINEBENCH) run experiments/data_efficiency.yaml --seeds $(SEEDS) --out $(OUT)
 	$(PACK)
-	$(if $(filter .,$(OUT)),$(SPINEBENCH) page docs/evidence/data_efficiency.md)
+	$(if $(filter .,$(OUT)),$(UPDATE_PAGES))
 
 repair: build ## a robot changes and nobody says so: noticed, named and mended (docs/evidence/repair.md); SEEDS=1 for a look, into out/
 	$(SPINEBENCH) run experiments/repair.yaml --seeds $(SEEDS) --out $(OUT)
 	$(PACK)
-	$(if $(filter .,$(OUT)),$(SPINEBENCH) page docs/evidence/repair.md)
+	$(if $(filter .,$(OUT)),$(UPDATE_PAGES))
 
 # `cargo fmt` does not follow the modules that registries declare.
 SOURCES := $(shell find src -name '*.rs')
@@ -177,7 +185,7 @@ PARTS ?= 7
 blind: build ## `discover` on 1,148 blind cases (hours; PARTS=1 for a seventh): docs/evidence/blind_benchmark.md
 	$(SPINEBENCH) run experiments/discovery_full.yaml --seeds $(PARTS) --out $(if $(filter 7,$(PARTS)),.,out)
 	$(SPINEBENCH) run experiments/discovery_twin.yaml --out $(if $(filter 7,$(PARTS)),.,out)
-	$(if $(filter 7,$(PARTS)),$(SPINEBENCH) page docs/evidence/blind_benchmark.md)
+	$(if $(filter 7,$(PARTS)),$(UPDATE_PAGES))
 
 campaign: ## the long tests (hours): 200 kills, every case of `discover`, 100,000 random robots (CAMPAIGN_DRAWS=1000 for a look)
 	mkdir -p results/robustness
@@ -211,21 +219,21 @@ peers: build ## other simulators and other packages for learning: results/peers,
 	$(call peer-packages,$(PEER_LISTS))
 	$(PEERS)
 	$(measure-environments)
-	$(SPINEBENCH) page docs/evidence/peers.md
+	$(UPDATE_PAGES)
 
 peers-learning: build ## the packages for learning alone (ROUNDS=1 for a look, which publishes nothing)
 	$(call peer-packages,benches/peers/learning/requirements.txt)
 	$(PEERS) -- learning
-	$(SPINEBENCH) page docs/evidence/peers.md
+	$(UPDATE_PAGES)
 
 peers-environments: build ## environments of others alone (ROUNDS=1 for a look, which publishes nothing)
 	$(call peer-packages,benches/peers/requirements.txt benches/peers/environments/requirements.txt)
 	$(measure-environments)
-	$(SPINEBENCH) page docs/evidence/peers.md
+	$(UPDATE_PAGES)
 
 scaling: build ## runs on one and two threads, and a cluster on paper: results/scaling, plots/scaling (docs/evidence/scaling.md)
 	cargo bench --bench scaling
-	$(SPINEBENCH) page docs/evidence/scaling.md
+	$(UPDATE_PAGES)
 
 # Files that others published, which are not part of this repository; benches/real/sources.py says where they are.
 REAL_DATA ?= ../shared/recordings
@@ -233,7 +241,7 @@ real: ## models of four published robots from REAL_DATA (10 minutes): models/rea
 	@python3 -B benches/real/real.py --check $(REAL_DATA)
 	@$(MAKE) --no-print-directory build
 	python3 -B benches/real/real.py $(REAL_DATA) target/release/spinebench
-	$(SPINEBENCH) page docs/evidence/real_robots.md
+	$(UPDATE_PAGES)
 
 verify: build ## rerun from nothing what `reproduce` makes and compare with the published results/ and plots/, byte for byte
 	$(SPINEBENCH) verify $(notdir $(basename $(SPECS))) discovery

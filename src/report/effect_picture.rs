@@ -6,7 +6,7 @@ use super::style::{BLUE, GREY, LEFT_MARGIN, LINE, MARKER, Marker, SOLID, TALL, V
 use super::{Artifact, OutputFolder, ReportError};
 
 /// Width of the picture, hundredths of an inch, and height of its panel.
-const WIDTH: f64 = 300.0;
+const WIDTH: f64 = 330.0;
 const HEIGHT: f64 = 130.0;
 
 /// What a curve shows.
@@ -107,9 +107,9 @@ impl EffectPicture {
             // One scale for both directions.
             let scale = room / (x.high - x.low);
             let (low, high) = range(all(1));
-            let half = (0.5 * (high - low)).max(0.5 * HEIGHT / scale * 0.6);
+            let half = (0.55 * (high - low)).max(0.35 * HEIGHT / scale);
             let middle = 0.5 * (low + high);
-            y = Axis::covering(labels[1], [middle - half, middle + half].into_iter(), 4);
+            y = Axis::exact(labels[1], middle - half, middle + half, 4);
             size[1] = scale * (y.high - y.low);
         }
         let panel =

@@ -148,5 +148,7 @@ pub(crate) fn mode_title(mode: &str) -> String {
 
 /// The statement of a claim as a sentence.
 pub(crate) fn claim_words(statement: &str) -> String {
-    capitalised(&statement.replace("pi_real", policy_label("pi_real")))
+    let words = statement.replace("pi_real", policy_label("pi_real"));
+    // A Greek letter stays small.
+    if words.starts_with(|letter: char| letter.is_ascii()) { capitalised(&words) } else { words }
 }

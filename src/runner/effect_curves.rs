@@ -7,7 +7,7 @@ use crate::report::{EffectCurve, EffectPicture, EffectView};
 
 /// Largest pull of a picture, metres, and the share of it by which the second tendon is pulled in a
 /// shape.
-const PULL_M: f64 = 0.014;
+const PULL_M: f64 = 0.022;
 const SECOND_SHARE: f64 = 0.5;
 /// Points along the body, and steps of a response and of a quarter of a loop.
 const BODY_POINTS: usize = 40;
@@ -21,13 +21,13 @@ const SIZES: [(&str, &[(&str, f64)]); 25] = [
     ("tip_force", &[("force_n[0]", -0.4)]),
     ("base_tilt", &[("tilt_y_rad", -0.1)]),
     ("frame_shift", &[("shift_m[0]", 0.012)]),
-    ("bending_stiffness", &[("scale", 0.6)]),
+    ("bending_stiffness", &[("scale", 0.4)]),
     ("anisotropic_stiffness", &[("ratio", 0.4), ("angle_rad", 0.8)]),
     ("precurvature", &[("kappa_y_rad_m", 1.5)]),
-    ("soft_section", &[("position_m", 0.05), ("scale", 0.15)]),
+    ("soft_section", &[("position_m", 0.05), ("scale", 0.08)]),
     ("spine_compressibility", &[("scale", 6.0)]),
     ("friction", &[("moment_nm", 0.03)]),
-    ("hysteresis", &[("share", 0.5)]),
+    ("hysteresis", &[("share", 1.5)]),
     ("creep", &[("share", 0.4), ("time_s", 2.0)]),
     ("damping", &[("time_s", 0.3)]),
     ("delay", &[("time_s", 0.2)]),
@@ -36,10 +36,10 @@ const SIZES: [(&str, &[(&str, f64)]); 25] = [
     ("actuator_offset", &[("offset_m", 0.005)]),
     ("tendon_stretch", &[("compliance_m_per_n", 1e-3)]),
     ("tendon_angle", &[("angle_rad", 0.35)]),
-    ("tendon_radius", &[("scale", 1.3)]),
-    ("tendon_friction", &[("coefficient", 0.4)]),
+    ("tendon_radius", &[("scale", 1.5)]),
+    ("tendon_friction", &[("coefficient", 1.5)]),
     ("servo_lag", &[("time_s", 0.25)]),
-    ("contact", &[("distance_m", 0.04), ("position_m", 0.15)]),
+    ("contact", &[("distance_m", 0.03), ("position_m", 0.15)]),
     ("pretension", &[("change_m", 0.006)]),
 ];
 
@@ -96,7 +96,8 @@ fn picture(model: &Model, card: &'static Card) -> Result<EffectPicture, String> 
     let words = |parameter: &(&str, f64)| {
         let unit = card.parameters.iter().find(|known| known.name == parameter.0);
         let unit = unit.map_or("", |known| if known.unit == "1" { "" } else { known.unit });
-        format!("{} {} {unit}", parameter.0, parameter.1).trim().to_owned()
+        let value = parameter.1.to_string().replace('-', "−");
+        format!("{} = {value} {unit}", parameter.0).trim().to_owned()
     };
     let parameters = sizes.iter().map(words).collect::<Vec<_>>().join(", ");
     let parameters = format!("{} ({parameters})", card.name);

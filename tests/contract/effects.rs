@@ -171,3 +171,13 @@ fn the_order_of_effects_means_nothing() {
         }
     }
 }
+
+/// The catalogue in the manual shows a picture of each.
+#[test]
+fn every_effect_has_its_picture() {
+    let plots = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("plots/effects");
+    for card in CATALOGUE {
+        let picture = plots.join(format!("{}.svg", card.name));
+        assert!(picture.is_file(), "{}: `make pages` draws it", picture.display());
+    }
+}

@@ -152,7 +152,7 @@ fn sweeps_of_two_and_three_fields_are_heat_maps_and_of_more_are_left_to_the_tabl
     let numbers =
         svg.lines().filter(|line| line.trim().parse::<f64>().is_ok_and(|mm| mm > 1.0)).count();
     assert!(numbers >= 9 * 7, "{numbers}");
-    assert!(svg.contains("matern52") && svg.contains("threshold of policy C (mm)"), "{svg}");
+    assert!(svg.contains("Matérn 5/2") && svg.contains("threshold of policy C (mm)"), "{svg}");
     let triple = [models, kernels, thresholds];
     for (name, fields) in
         [("pair", &[kernels, thresholds][..]), ("files", &[models, kernels]), ("triple", &triple)]

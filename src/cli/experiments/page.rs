@@ -8,15 +8,14 @@ use spinebench::report::page::{captioned_picture, gallery, recounted, splice};
 use spinebench::rows::table_descriptions;
 use std::path::{Path, PathBuf};
 
-/// Update the generated parts of Markdown pages, each between the lines `<!-- begin:NAME -->` and
-/// `<!-- end:NAME -->`. NAME is a file relative to the page: a `.md` is copied in, a picture is
-/// shown with its caption; or `columns:ROW`, the columns of rows of the type ROW; `figures`, all
-/// published pictures in `plots/`; `effects`, the catalogue of effects; `help`, the help of all
-/// commands; `keys:KIND`, the keys of a kind of file that `spinebench schema` knows.
+/// Update the generated parts of Markdown pages, each between the comments `begin:NAME` and
+/// `end:NAME`. NAME is a file relative to the page: a `.md` is copied in, a picture is shown with
+/// its caption; or `columns:ROW`, the columns of rows of the type ROW; `figures`, all published
+/// pictures in `plots/`; `effects`, the catalogue of effects; `help`, the help of all commands;
+/// `keys:KIND`, the keys of a kind of file that `spinebench schema` knows.
 ///
-/// In a sentence, the number after `<!-- count:FILE.csv; COLUMN=VALUE; … -->` becomes the number of
-/// rows of the table that meet the conditions, and the text after `<!-- cell:COLUMN of FILE.csv;
-/// COLUMN=VALUE; … -->` the cell of the only such row.
+/// In a sentence, the number after the comment `count:FILE.csv; COLUMN=VALUE; …` becomes the number
+/// of rows of the table that meet the conditions.
 #[derive(Args)]
 pub(crate) struct PageCommand {
     /// Pages to update in place.

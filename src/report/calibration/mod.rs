@@ -25,6 +25,11 @@ type CalibrationFigure = (&'static str, fn(&CalibrationReport, f64) -> Option<Ca
 /// The figures in page order.
 const DRAWINGS: [CalibrationFigure; 2] = [("errors", errors::draw), ("map", map::draw)];
 
+/// What the map shows.
+pub const MAP_CAPTION: &str = "Measured positions (grey), the positions that the fitted model \
+    simulates for the same commands (blue) and the error between them (red), seen from the side, \
+    from above and along the robot, in mm. Some positions are drawn, evenly chosen.";
+
 /// Everything that `calibrate --report` writes: `calibration.json`, `report.html`, the figures as
 /// PNG and SVG, and the tables `numbers.csv`, `trade_offs.csv`, `stages.csv`, `residual_groups.csv`
 /// and `residuals.csv`. What is empty is left out.
@@ -66,10 +71,7 @@ pub fn calibration_pictures(report: &CalibrationReport) -> Result<Vec<Artifact>,
 /// What a figure shows, in words.
 fn caption(name: &str, findings: &CalibrationFindings) -> String {
     if name == "map" {
-        return "Measured positions, and the positions that the fitted model simulates for the same \
-                commands, seen from the side, from above and along the robot, in mm; some, evenly \
-                chosen."
-            .to_owned();
+        return MAP_CAPTION.to_owned();
     }
     let (positions, how) = findings
         .held_out

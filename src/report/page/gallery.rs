@@ -61,9 +61,13 @@ pub fn gallery(plots: &Path, relative: &str) -> std::io::Result<String> {
         let caption = std::fs::read_to_string(plots.join(format!("{stem}.md")))?;
         let path = format!("{relative}/{stem}");
         let shown = captioned_picture(&format!("{path}.png"), stem, Some(&caption));
-        text += &format!(
-            "### `{stem}`\n\n{shown}\n\n[SVG]({path}.svg), [SVG for a column of 85 mm]({path}_column.svg)\n\n"
-        );
+        let column = format!("{stem}_column.svg");
+        let column = if plots.join(&column).is_file() {
+            format!(", [SVG for a column of 85 mm]({relative}/{column})")
+        } else {
+            String::new()
+        };
+        text += &format!("### `{stem}`\n\n{shown}\n\n[SVG]({path}.svg){column}\n\n");
     }
     Ok(text)
 }

@@ -117,7 +117,7 @@ fn markdown(summary: &[TrackSummaryRow]) -> String {
 
 fn caption(published: &Published, training: &str) -> String {
     let axis =
-        if is_logarithmic(&runs(&published.tracks, training)) { ", logarithmic axis" } else { "" };
+        if is_logarithmic(&runs(&published.tracks, training)) { ", logarithmic axis," } else { "" };
     format!(
         "Path tracking, first repetition, {}: (a) the target path; (b) the path of the tip under \
          each policy, the target in grey; (c) distance from the moving target in mm{axis} against \

@@ -94,10 +94,9 @@ fn is_constant(entries: &[&SweepEntry]) -> bool {
     let mut first = HashMap::new();
     entries.iter().all(|entry| {
         let row = entry.row;
-        let cell = (&row.training, &row.cell.policy, &row.cell.mode);
-        let points = (row.cell.gp_points, row.cell.real_points);
         let mean_m = row.mean_m.to_bits();
-        *first.entry((cell, points)).or_insert(mean_m) == mean_m
+        let cell = (&row.training, &row.cell.policy, &row.cell.mode);
+        *first.entry(cell).or_insert(mean_m) == mean_m
     })
 }
 

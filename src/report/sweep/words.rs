@@ -4,7 +4,7 @@
 const KEYS: [(&str, &str); 15] = [
     ("gp.kernel", "kernel"),
     ("gp.selection", "selection of points"),
-    ("gp_points.p_sim", "simulated by"),
+    ("gp_points.p_sim", "simulated tip from"),
     ("gp_points", "real points"),
     ("explore.points", "simulated samples"),
     ("explore.max_step", "largest step"),

@@ -3,7 +3,7 @@
 use super::results::{Files, all_claims, draw, figure_context};
 use super::sweep;
 use crate::data::calibration::CalibrationFindings;
-use crate::report::calibration::{CalibrationReport, calibration_pictures};
+use crate::report::calibration::{CalibrationReport, MAP_CAPTION, calibration_pictures};
 use crate::report::{OutputFolder, Published, ReportError, figures};
 use crate::specs::ExperimentSet;
 use std::collections::BTreeMap;
@@ -87,5 +87,7 @@ fn calibrated(folder: &Path) -> Result<Files, String> {
     let part = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let plots = PathBuf::from("plots").join(part(folder.parent().unwrap_or(folder)));
     let place = |name: String| plots.join(format!("{}_{name}", part(folder)));
-    Ok(pictures.into_iter().map(|file| (place(file.name), file.bytes)).collect())
+    // The positions behind a published map are not published: it stays, with its caption.
+    let map = (place("map.md".to_owned()), format!("{MAP_CAPTION}\n").into_bytes());
+    Ok(pictures.into_iter().map(|file| (place(file.name), file.bytes)).chain([map]).collect())
 }

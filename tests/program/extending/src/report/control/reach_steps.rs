@@ -1,8 +1,9 @@
 //! Control steps until a goal-reaching trial ends, by policy.
 
 use crate::report::drawing::{Axis, Canvas, Panel};
-use crate::report::style::{MARKER, PAGE_WIDTH, policies_in_order, policy_label, policy_look};
-use crate::report::{Artifact, Figure, Published, ReportError, pictures};
+use crate::report::style::{LEFT_MARGIN, MARKER, policies_in_order, policy_label, policy_look};
+use crate::report::{Artifact, Figure, Published, ReportError};
+use crate::rows::experiment::TrialRow;
 
 /// Registry entry.
 pub(super) const FIGURE: Figure = Figure {
@@ -12,24 +13,28 @@ pub(super) const FIGURE: Figure = Figure {
 };
 
 fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
-    let trials = &published.trials;
-    if trials.is_empty() {
-        return Err(ReportError::NoRows { figure: FIGURE.name, needs: "trials.csv" });
-    }
+    FIGURE.needs("trials.csv", published.trials.is_empty())?;
+    let caption =
+        "Control steps until a goal-reaching trial ends, a mark for each trial, by policy.";
+    FIGURE.files(Vec::new(), caption, |width| draw(&published.trials, width))
+}
+
+/// The picture at a width in hundredths of an inch: that of a page, or of one column.
+fn draw(trials: &[TrialRow], width: f64) -> Canvas {
     let policies = policies_in_order(trials.iter().map(|row| row.cell.policy.as_str()));
     let names: Vec<String> =
         policies.iter().map(|policy| policy_label(policy).to_owned()).collect();
-    let mut canvas = Canvas::new(PAGE_WIDTH, 260.0);
+    let mut canvas = Canvas::new(width, 260.0);
     let panel = Panel {
-        corner: [58.0, 30.0],
-        size: [640.0, 180.0],
+        corner: [LEFT_MARGIN, 30.0],
+        size: [width - LEFT_MARGIN - 14.0, 180.0],
         x: Axis::categories("policy", &names),
         y: Axis::covering(
             "control steps",
             trials.iter().map(|row| row.steps as f64).chain([0.0]),
             5,
         ),
-        title: "steps until a trial ends".to_owned(),
+        title: "Steps until a trial ends".to_owned(),
     };
     panel.draw(&mut canvas);
     for (place, policy) in policies.iter().enumerate() {
@@ -44,5 +49,5 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
             );
         }
     }
-    Ok(pictures(FIGURE.name, FIGURE.name, &canvas)?.to_vec())
+    canvas
 }
