@@ -149,5 +149,7 @@ fn labels() -> BTreeMap<&'static str, String> {
     for training in ["paper", "converged"] {
         labels.insert(training, training_label(training));
     }
-    labels.into_iter().map(|(name, label)| (name, capitalised(&label))).collect()
+    // π stays as it is.
+    let shown = |label: String| if label.is_ascii() { capitalised(&label) } else { label };
+    labels.into_iter().map(|(name, label)| (name, shown(label))).collect()
 }

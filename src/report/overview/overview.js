@@ -5,7 +5,7 @@
   const data = JSON.parse(document.getElementById("data").textContent);
   const SVG = "http://www.w3.org/2000/svg";
   const MARKERS = ["circle", "square", "diamond", "triangle", "cross", "plus"];
-  const label = (text) => data.labels[text] ?? String(text);
+  const label = (text) => data.labels[text] ?? String(text).replaceAll("_", " ");
 
   // ---- tables
 
@@ -37,6 +37,8 @@
     const digits = size === 0 ? 0 : Math.min(4, Math.max(0, 2 - Math.floor(Math.log10(size))));
     return value.toFixed(digits).replace("-", "−");
   };
+
+  const tickText = (value) => String(value).replace("-", "−");
 
   function ticks(low, high, wanted) {
     const step = 10 ** Math.floor(Math.log10((high - low) / wanted));
@@ -199,7 +201,7 @@
       for (const tick of scale.ticks) {
         const at = scale.place(tick);
         node("line", { x1: at, x2: at, y1: top, y2: bottom, class: "grid" }, svg);
-        node("text", { x: at, y: bottom + 16, "text-anchor": "middle" }, svg, number(tick));
+        node("text", { x: at, y: bottom + 16, "text-anchor": "middle" }, svg, tickText(tick));
       }
       node("text", { x: this.width / 2, y: bottom + 34, "text-anchor": "middle", class: "axis" }, svg, this.spec.x.label);
     }
@@ -259,7 +261,7 @@
       this.xAxis(svg, x, top, bottom);
       for (const tick of y.ticks) {
         node("line", { x1: left, x2: right, y1: y.place(tick), y2: y.place(tick), class: "grid" }, svg);
-        node("text", { x: left - 6, y: y.place(tick) + 4, "text-anchor": "end" }, svg, number(tick));
+        node("text", { x: left - 6, y: y.place(tick) + 4, "text-anchor": "end" }, svg, tickText(tick));
       }
       node("text", { x: 4, y: 11, class: "axis" }, svg, this.spec.y.label);
       this.names.forEach((name, k) => {
