@@ -150,6 +150,6 @@ fn labels() -> BTreeMap<&'static str, String> {
         labels.insert(training, training_label(training));
     }
     // π stays as it is.
-    let shown = |label: String| if label.is_ascii() { capitalised(&label) } else { label };
+    let shown = |label: String| if !label.starts_with('π') { capitalised(&label) } else { label };
     labels.into_iter().map(|(name, label)| (name, shown(label))).collect()
 }
