@@ -35,8 +35,8 @@ pub enum DiscoveryFilesError {
     #[error(transparent)]
     Report(#[from] ReportError),
     /// The text of the model.
-    #[error(transparent)]
-    Model(#[from] serde_yaml::Error),
+    #[error("model.yaml: {0}")]
+    Model(String),
 }
 
 /// Frames of a scene of the report.
@@ -51,11 +51,14 @@ pub fn discovery_files(
     asked: &AskedDiscovery,
 ) -> Result<Vec<(String, Vec<u8>)>, DiscoveryFilesError> {
     let added = answer.model.effects.len() - asked.model.effects.len();
-    let before = model_text(asked.model)?;
+    let unwritten = |error: &dyn std::error::Error| DiscoveryFilesError::Model(error.to_string());
+    let before = model_text(asked.model).map_err(|error| unwritten(&error))?;
     let (written, after) = if added == 0 {
         (asked.model_text.to_owned(), before.clone())
     } else {
-        (extended_text(asked.model_text, &answer.model, added)?, model_text(&answer.model)?)
+        let extended = extended_text(asked.model_text, &answer.model, added);
+        let after = model_text(&answer.model).map_err(|error| unwritten(&error))?;
+        (extended.map_err(|error| unwritten(&error))?, after)
     };
     let report = DiscoveryReport {
         sources: asked.sources,
