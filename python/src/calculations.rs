@@ -3,7 +3,7 @@
 
 use std::fmt::Display;
 use std::panic::resume_unwind;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use pyo3::prelude::*;
@@ -182,6 +182,43 @@ fn reader(
     move |recording| read_to_explain(recording.source(), model, at_rest)
 }
 
+/// What a discovery is asked about, as it was read.
+struct DiscoveryInput {
+    settings: Options,
+    measured: Vec<NamedRecording>,
+    whole: Recording,
+    baseline: Option<Recording>,
+    given: GivenRecordings,
+    baseline_name: Option<PathBuf>,
+    /// The options as the program takes them.
+    further: Vec<String>,
+}
+
+fn discovery_input(model: &PyModel, arguments: DiscoverArguments) -> Result<DiscoveryInput, Fault> {
+    let DiscoverArguments { measured, baseline, options, leave_out, at_rest, .. } = arguments;
+    let mut settings = options.as_deref().map_or_else(|| Ok(Options::default()), read_options)?;
+    let file = options.iter().map(|file| format!("--options {}", file.display()));
+    let left_out = leave_out.iter().map(|name| format!("--leave-out {name}"));
+    let mut further: Vec<String> = file.chain(left_out).collect();
+    settings.left_out.extend(leave_out);
+    settings.at_rest |= at_rest;
+    let read = reader(&model.model, settings.at_rest);
+    let measured = named(measured)?;
+    let parts: Vec<Recording> = measured.iter().map(&read).collect::<Result<_, _>>()?;
+    let whole = Recording::joined(&parts)
+        .map_err(|error| about(measured[error.index].source().name(), &error))?;
+    let of_baseline = baseline.map(PyRecording::named).transpose()?;
+    let files = measured.iter().chain(&of_baseline).map(|one| one.source().name());
+    let baseline = of_baseline.as_ref().map(&read).transpose()?;
+    settings.at_rest =
+        are_at_rest(settings.at_rest, files.clone().zip(parts.iter().chain(&baseline)))?;
+    further.extend(settings.at_rest.then(|| "--static".to_owned()));
+    let files: Vec<&Path> = files.take(parts.len()).collect();
+    let given = GivenRecordings::new(&files, &parts, baseline.as_ref());
+    let baseline_name = of_baseline.as_ref().map(|one| one.source().name().to_owned());
+    Ok(DiscoveryInput { settings, measured, whole, baseline, given, baseline_name, further })
+}
+
 /// Finds what a model lacks. While the answer is ambiguous, `record` gets it with the commands of
 /// its proposals and returns a new recording, or None. `tell` hears of each step: its number and
 /// name. Returns the answer of each round.
@@ -205,34 +242,20 @@ pub(crate) fn _discover(
     };
     let model = model.0;
     long_watched(py, watch, move |stop| {
-        let DiscoverArguments { measured, baseline, options, leave_out, at_rest, max_rounds } =
-            arguments;
-        let mut settings =
-            options.as_deref().map_or_else(|| Ok(Options::default()), read_options)?;
-        let file = options.iter().map(|file| format!("--options {}", file.display()));
-        let left_out = leave_out.iter().map(|name| format!("--leave-out {name}"));
-        let mut further: Vec<String> = file.chain(left_out).collect();
-        settings.left_out.extend(leave_out);
-        settings.at_rest |= at_rest;
+        let max_rounds = arguments.max_rounds;
+        let DiscoveryInput {
+            settings,
+            measured,
+            whole,
+            baseline,
+            mut given,
+            baseline_name,
+            further,
+        } = discovery_input(&model, arguments)?;
         let read = reader(&model.model, settings.at_rest);
-        let measured = named(measured)?;
-        let parts: Vec<Recording> = measured.iter().map(&read).collect::<Result<_, _>>()?;
-        let whole = Recording::joined(&parts)
-            .map_err(|error| about(measured[error.index].source().name(), &error))?;
-        let of_baseline = baseline.map(PyRecording::named).transpose()?;
-        let files = measured.iter().chain(&of_baseline).map(|one| one.source().name());
-        let baseline = of_baseline.as_ref().map(&read).transpose()?;
-        let at_rest =
-            are_at_rest(settings.at_rest, files.clone().zip(parts.iter().chain(&baseline)))?;
-        let settings = Options { at_rest, ..settings };
-        further.extend(at_rest.then(|| "--static".to_owned()));
-        let read = reader(&model.model, settings.at_rest);
-        let files: Vec<&Path> = files.take(parts.len()).collect();
-        let mut given = GivenRecordings::new(&files, &parts, baseline.as_ref());
         let sources = |given: &GivenRecordings| {
             let file = model.file.as_ref().map_or(Path::new("model.yaml"), |file| &file.name);
-            let of_baseline = of_baseline.as_ref().map(|one| one.source().name());
-            DiscoverySources::new(file, given, of_baseline, further.clone())
+            DiscoverySources::new(file, given, baseline_name.as_deref(), further.clone())
         };
         let mut earlier: Vec<WrittenDiscovery> = Vec::new();
         let stop = stop.clone();

@@ -6,6 +6,7 @@ use crate::support::discovery_rows::{Made, ambiguous, consistent, named, unexpla
 use crate::support::text_overlap as overlap;
 use serde_json::{Value, json};
 use spinebench::data::findings::{Candidate, FoundEffect, Verdict};
+use spinebench::data::scene::{Scene, SceneFrame};
 use spinebench::report::discovery::{DiscoveryReport, EffectText, artifacts};
 use spinebench::report::{Artifact, write};
 

@@ -62,6 +62,9 @@ pub(crate) struct DiscoverCommand {
     at_rest: bool,
 }
 
+/// Recordings that were made on the way, with their files.
+type RecordedFiles = Vec<(PathBuf, Recording)>;
+
 fn names() -> PossibleValuesParser {
     CATALOGUE.iter().map(|card| card.name).collect::<Vec<_>>().into()
 }
@@ -203,7 +206,7 @@ impl DiscoverCommand {
         given: &mut GivenRecordings,
         plant: Option<&SimulatedSpec>,
         progress: &Arc<Progress>,
-    ) -> Result<(Discovery, Recording, Vec<(PathBuf, Recording)>), CommandError> {
+    ) -> Result<(Discovery, Recording, RecordedFiles), CommandError> {
         let mut files = Vec::new();
         let record = |round: &Round| -> Result<Option<Recording>, Infallible> {
             // The plant file defines the base pose, so the base cannot be remounted.

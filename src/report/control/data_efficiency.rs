@@ -144,6 +144,9 @@ fn caption(rows: &[ControllerRow]) -> String {
     )
 }
 
+/// An error of a row, metres.
+type ErrorOf = fn(&ControllerRow) -> f64;
+
 /// The panels of the last kind of training, where networks are at their best: at the end above,
 /// after 2 s below.
 fn draw(rows: &[ControllerRow], width: f64) -> Canvas {
@@ -158,7 +161,7 @@ fn draw(rows: &[ControllerRow], width: f64) -> Canvas {
     let (high, pitch) = (150.0, 206.0);
     let wide = (width - (LEFT_MARGIN + names) * per_line as f64) / per_line as f64;
     let mut canvas = Canvas::new(width, TALL);
-    let moments: [(&str, fn(&ControllerRow) -> f64); 2] =
+    let moments: [(&str, ErrorOf); 2] =
         [("at the end", |row| row.error_end_m), ("after 2 s", |row| row.error_2s_m)];
     let mut place = 0;
     for (when, error_m) in moments {

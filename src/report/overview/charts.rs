@@ -117,21 +117,21 @@ impl PageData {
     /// Everything as JSON that may stand in a page.
     pub(super) fn to_json(&self) -> String {
         #[derive(Serialize)]
-        struct Data<'a> {
+        struct CarriedData<'a> {
             labels: BTreeMap<&'a str, String>,
-            tables: Vec<TableData<'a>>,
+            tables: Vec<CarriedTable<'a>>,
             charts: &'a [Chart],
         }
         #[derive(Serialize)]
-        struct TableData<'a> {
+        struct CarriedTable<'a> {
             file: &'a str,
             columns: BTreeMap<&'a str, &'a super::tables::Column>,
         }
-        let tables = self.tables.iter().map(|table| TableData {
+        let tables = self.tables.iter().map(|table| CarriedTable {
             file: &table.file,
             columns: table.columns.iter().map(|(name, column)| (name.as_str(), column)).collect(),
         });
-        let data = Data { labels: labels(), tables: tables.collect(), charts: &self.charts };
+        let data = CarriedData { labels: labels(), tables: tables.collect(), charts: &self.charts };
         // Text of a table cannot end the script.
         serde_json::to_string(&data).unwrap_or_default().replace("</", "<\\/")
     }
