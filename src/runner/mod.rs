@@ -28,10 +28,8 @@ pub use graph::stage::{Handle, InputResults, Job, Stage, StageInputs, StageKind,
 pub use graph::timing::Timing;
 pub use publish::claims::{SEEDS_NEEDED, evaluate};
 pub use publish::compare::{Difference, Standard, compare};
+pub use publish::compare_runs::{RunComparison, RunDifference, compare_runs, experiments_of_run};
 pub use publish::discovery_files::{AskedDiscovery, DiscoveryFilesError, discovery_files};
-pub use publish::compare_runs::{
-    RunComparison, RunDifference, compare_runs, experiments_of_run,
-};
 pub use publish::failed_cells::FailedCell;
 pub use publish::manifest::{Manifest, StageTimes, git_revision, processor, stage_times};
 pub use publish::merge::{MergeError, merge};

@@ -228,7 +228,8 @@ fn tracking_is_summarised_run_by_run() {
 #[test]
 fn claims_are_told_in_words() {
     let text = file("claims", &Published { claims: claims(), ..Published::default() }, "claims.md");
-    let line = "| < 0 mm | −4.10 mm | paper’s errors | −3.28 [−4.72, −1.85] mm | 10 | **reproduced** |";
+    let line =
+        "| < 0 mm | −4.10 mm | paper’s errors | −3.28 [−4.72, −1.85] mm | 10 | **reproduced** |";
     assert!(text.contains(line), "{text}");
     assert!(text.starts_with("Verdicts: 6 reproduced, 6 not reproduced, 6 undecided."), "{text}");
 }

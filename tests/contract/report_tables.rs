@@ -122,7 +122,10 @@ fn published_rows_are_flat() {
         verdict: "undecided".to_owned(),
     };
     let text = String::from_utf8(tables::to_csv(Path::new("c.csv"), &[claim]).unwrap()).unwrap();
-    assert_eq!(text.lines().nth(1).unwrap(), "table1,c,words,error of A,paper,,0.0,1.0,2.0,,,m,1,undecided");
+    assert_eq!(
+        text.lines().nth(1).unwrap(),
+        "table1,c,words,error of A,paper,,0.0,1.0,2.0,,,m,1,undecided"
+    );
 }
 
 /// `spinebench page docs/reference/outputs.md` writes them there.

@@ -84,7 +84,8 @@ pub fn to_mcap(shown: &Shown) -> Vec<u8> {
     if let Some(shown) = shown.robot {
         let channel = writer.channel("/robot", "foxglove.SceneUpdate", &scene_schema());
         add(channel, &|row| robot::robot(times_ns[row], &shown.robot, &shown.frames[row]));
-        let channel = writer.channel("/tf", "foxglove.FrameTransforms", &robot::transforms_schema());
+        let channel =
+            writer.channel("/tf", "foxglove.FrameTransforms", &robot::transforms_schema());
         add(channel, &|row| robot::transforms(times_ns[row], &shown.frames[row]));
     }
     add_residuals(shown, &times_ns, &mut writer, &mut messages);

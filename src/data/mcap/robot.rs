@@ -22,7 +22,9 @@ const SLACK: [f64; 3] = [0.44, 0.48, 0.53];
 pub(super) fn robot(time_ns: u64, robot: &SceneRobot, frame: &SceneFrame) -> Option<Value> {
     let last = frame.poses.last()?;
     let piece = |pair: &[StationPose]| -> Vec<Point3> {
-        (0..PIECES).map(|k| between_stations_m(&pair[0], &pair[1], k as f64 / PIECES as f64)).collect()
+        (0..PIECES)
+            .map(|k| between_stations_m(&pair[0], &pair[1], k as f64 / PIECES as f64))
+            .collect()
     };
     let mut backbone: Vec<Point3> = frame.poses.windows(2).flat_map(piece).collect();
     backbone.push(last.position_m());

@@ -71,9 +71,9 @@ impl PythonOptions {
     }
 
     pub(super) fn decider(&self) -> Result<Box<dyn OutsideDecider>, String> {
-        let host = PYTHON
-            .get()
-            .ok_or("policies of Python run through the Python package (docs/reference/python.md)")?;
+        let host = PYTHON.get().ok_or(
+            "policies of Python run through the Python package (docs/reference/python.md)",
+        )?;
         (host.make)(self)
     }
 }
