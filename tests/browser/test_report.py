@@ -98,10 +98,11 @@ def test_every_claim_is_there_with_range_verdict_and_command(opened, table):
 def test_claims_are_filtered_by_verdict(opened):
     lines = opened.locator("tr[data-verdicts]:visible")
     every = lines.count()
-    opened.get_by_role("button", name="undecided", exact=True).click()
+    choices = opened.get_by_role("group", name="Show claims")
+    choices.get_by_role("button", name="undecided", exact=True).click()
     assert 0 < lines.count() < every
     assert all("undecided" in verdicts for verdicts in lines.evaluate_all("all => all.map(one => one.dataset.verdicts)"))
-    opened.get_by_role("button", name="all", exact=True).click()
+    choices.get_by_role("button", name="all", exact=True).click()
     assert lines.count() == every
 
 

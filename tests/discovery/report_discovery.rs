@@ -338,22 +338,8 @@ fn twenty_one_effects_find_their_room() {
     let left = page(&made);
     assert_well_formed(&left);
     assert_eq!(left.matches("<article>").count(), 21);
-    assert!(left.contains("force_n[2]") && left.contains("270 more are in candidates.csv"));
+    assert!(left.contains("force_n[2]") && left.contains("candidates.csv has all 300"));
     overlap::assert_apart("gap.svg", &file(&made, "gap.svg"));
-}
-
-/// A candidate that depends on single trials does not decide the picture's scale, and the answer
-/// stands beside its rivals.
-#[test]
-fn candidates_are_drawn_on_the_scale_of_the_gap() {
-    let mut made = named();
-    let one = made.findings.candidates[1].clone();
-    made.findings.candidates.truncate(2);
-    made.findings.candidates.push(Candidate { name: "far_off".to_owned(), after_m: 0.22, ..one });
-    let drawn = String::from_utf8(file(&made, "gap.svg")).unwrap();
-    assert!(drawn.contains("the answer") && !drawn.contains("far_off"), "{drawn}");
-    let page = page(&made);
-    assert!(page.contains("far_off") && page.contains("depends on single trials"));
 }
 
 #[test]

@@ -162,9 +162,11 @@ impl Sight {
     ) {
         let sections = &frame.poses;
         let stations = &robot.stations;
+        // What was measured alone has no robot.
+        let (Some(first), Some(base)) = (stations.first(), sections.first()) else { return };
         let widest =
-            stations.iter().map(|one| one.disk_radius_m).fold(4.0 * stations[0].radius_m, f64::max);
-        self.disk(sections[0], [-0.35 * widest, 0.0], 1.4 * widest, [PLATE, PLATE, INK], items);
+            stations.iter().map(|one| one.disk_radius_m).fold(4.0 * first.radius_m, f64::max);
+        self.disk(*base, [-0.35 * widest, 0.0], 1.4 * widest, [PLATE, PLATE, INK], items);
         for (station, section) in stations.iter().zip(sections) {
             if station.disk_radius_m > 0.0 {
                 let half = match station.disk_thickness_m {

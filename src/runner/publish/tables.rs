@@ -124,7 +124,7 @@ fn add_trained(
     }));
     for (cell, stage) in &cells.track {
         let samples = repetition.values(*stage, |status| vec![TrackSample::unmeasured(status)]);
-        let is_first = seed == experiment.first_seed;
+        let is_first = seed == 0;
         let pulls_m = |sample: &TrackSample| {
             if is_first { sample.pulls_m.clone() } else { String::new() }
         };
