@@ -147,10 +147,13 @@ book: ## the manual as HTML, into target/book/html (compiles mdBook the first ti
 	@[ -x target/tools/bin/mdbook ] || cargo install --quiet mdbook --version 0.5.4 --locked --root target/tools
 	rm -rf $(BOOK) && mkdir -p $(BOOK)/src && cp -r docs plots $(BOOK)/src && cp docs/book.toml $(BOOK)
 	@# mdBook has the pages and plots; links to other files lead to the repository.
-	sed 's#](#](docs/#' docs/SUMMARY.md > $(BOOK)/src/SUMMARY.md
+	sed -e 's#](#](docs/#' -e 's#docs/README#README#' docs/SUMMARY.md > $(BOOK)/src/SUMMARY.md
+	sed -e 's#\[SUMMARY.md\](SUMMARY.md) lists#The list on the left has#' -e 's#](#](docs/#g' docs/README.md > $(BOOK)/src/README.md
+	rm $(BOOK)/src/docs/{README,SUMMARY}.md
 	find $(BOOK)/src/docs -name '*.md' -exec perl -pi -e \
 	  's#\]\((?:\.\./)+((?!plots|guide|reference|method|evidence)[^)]*)\)#]($(REPOSITORY)/$$1)#g' {} +
 	target/tools/bin/mdbook build $(BOOK)
+	$(if $(PACKAGES),python3 tests/browser/book_links.py $(BOOK)/html)
 	@echo "$(BOOK)/html/index.html"
 
 # What one installs without Rust.
