@@ -151,7 +151,7 @@ book: ## the manual as HTML, into target/book/html (compiles mdBook the first ti
 	sed -e 's#\[SUMMARY.md\](SUMMARY.md) lists#The list on the left has#' -e 's#](#](docs/#g' docs/README.md > $(BOOK)/src/README.md
 	rm $(BOOK)/src/docs/{README,SUMMARY}.md
 	find $(BOOK)/src/docs -name '*.md' -exec perl -pi -e \
-	  's#\]\((?:\.\./)+((?!plots|guide|reference|method|evidence)[^)]*)\)#]($(REPOSITORY)/$$1)#g' {} +
+	  's#\]\((?:\.\./)++((?!plots|guide|reference|method|evidence)[^)]*)\)#]($(REPOSITORY)/$$1)#g' {} +
 	target/tools/bin/mdbook build $(BOOK)
 	$(if $(PACKAGES),python3 tests/browser/book_links.py $(BOOK)/html)
 	@echo "$(BOOK)/html/index.html"
