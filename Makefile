@@ -101,7 +101,7 @@ SOURCES := $(shell find src -name '*.rs')
 
 # Tests run side by side under `cargo nextest` where it is installed, program by program under `cargo test` where not.
 # Incremental compilation keeps a rebuild after an edit short.
-check test campaign: export CARGO_INCREMENTAL = 1
+check test test-browser campaign: export CARGO_INCREMENTAL = 1
 NEXTEST := $(shell cargo nextest --version 2>/dev/null | head -1)
 
 check: ## while you work (3 minutes): format, lints, unit and contract tests, one `discover` per verdict
