@@ -2,6 +2,7 @@
 
 use crate::cli::program::interrupted::exit_on_interrupt;
 use crate::cli::{CommandError, CommandResult};
+use spinebench::report::overview::duration;
 use spinebench::report::{claim_sentence, published_rows};
 use spinebench::rows::experiment::ClaimRow;
 use spinebench::runner::{self, Campaign, CampaignEntry, Progress, RunOptions, Standard, Store};
@@ -105,9 +106,4 @@ fn is_same(published: &ClaimRow, found: &ClaimRow, standard: Standard) -> bool {
     numbers(published).into_iter().zip(numbers(found)).all(close)
         && published.verdict == found.verdict
         && published.seeds == found.seeds
-}
-
-/// A duration in the unit that suits it.
-pub(super) fn duration(seconds: f64) -> String {
-    if seconds < 90.0 { format!("{seconds:.0} s") } else { format!("{:.0} min", seconds / 60.0) }
 }

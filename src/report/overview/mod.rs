@@ -16,7 +16,7 @@ use super::discovery::html::document;
 use crate::data::scene::Scene;
 use charts::PageData;
 
-pub use provenance::{ClaimCost, ExperimentFacts};
+pub use provenance::{ClaimCost, ExperimentFacts, duration};
 
 /// What the page knows beside the tables.
 #[derive(Clone, Debug, Default, PartialEq)]

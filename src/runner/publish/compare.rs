@@ -124,15 +124,18 @@ fn difference(
     None
 }
 
+/// Whether two numbers differ by no more than this share of the larger one, or a nanometre.
+pub(super) fn is_close(one: f64, other: f64, share: f64) -> bool {
+    (one - other).abs() <= NEGLIGIBLE_DIFFERENCE.max(share * one.abs().max(other.abs()))
+}
+
 /// Whether two lines have the same words, and numbers that are this close.
 fn alike(one: &str, other: &str, share: f64) -> bool {
     let words = |line: &str| -> Vec<String> {
         line.split([',', ' ', '|', '(', ')', '[', ']', ':']).map(str::to_owned).collect()
     };
     let close = |one: &String, other: &String| match (one.parse::<f64>(), other.parse::<f64>()) {
-        (Ok(one), Ok(other)) => {
-            (one - other).abs() <= NEGLIGIBLE_DIFFERENCE.max(share * one.abs().max(other.abs()))
-        }
+        (Ok(one), Ok(other)) => is_close(one, other, share),
         _ => one == other,
     };
     let (one, other) = (words(one), words(other));

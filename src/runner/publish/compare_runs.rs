@@ -1,6 +1,7 @@
 //! The tables of two runs, value by value. Rows are matched by the columns that tell them apart, so
 //! that runs with other numbers of repetitions can be compared.
 
+use super::compare::is_close;
 use super::provenance::first_difference;
 use crate::data::DataError;
 use crate::data::tables::{Beside, read_csv, read_text_columns};
@@ -12,8 +13,6 @@ use std::path::{Path, PathBuf};
 
 /// Columns that differ from run to run.
 const CLOCKS: [&str; 2] = ["wall_s", "cpu_s"];
-/// With a tolerance, numbers that are this close are the same.
-const NEGLIGIBLE_DIFFERENCE: f64 = 1e-9;
 /// In the place of a value: this run alone has the table, row or column.
 const THERE: &str = "there";
 /// The trail of a run, which is compared stage by stage.
@@ -230,8 +229,7 @@ fn different(first: &str, second: &str, share: f64) -> Option<Option<f64>> {
     let (Ok(one), Ok(other)) = (first.parse::<f64>(), second.parse::<f64>()) else {
         return Some(None);
     };
-    let limit = NEGLIGIBLE_DIFFERENCE.max(share * one.abs().max(other.abs()));
-    let same = one == other || share > 0.0 && (one - other).abs() <= limit;
+    let same = one == other || share > 0.0 && is_close(one, other, share);
     (!same).then_some(Some(other - one))
 }
 
