@@ -341,7 +341,7 @@ fn a_look_leaves_published_results_alone_and_says_where_it_went() {
     assert!(!desk.ok(&run).contains("other settings"));
     let other = desk.ok(&format!("{run} --set gp.starts=3"));
     let replaced =
-        "note: out/results/smoke/ holds results of other settings (`gp`); they are replaced";
+        "note: out/results/smoke/ contains results of other settings (`gp`); they are replaced";
     assert!(other.contains(replaced), "{other}");
     // Who names the folder is obeyed.
     desk.ok(&(run + " --out ."));
@@ -371,7 +371,7 @@ fn a_run_that_is_interrupted_says_that_the_same_command_goes_on() {
     let rest: Vec<String> = lines.map(Result::unwrap).collect();
     assert_eq!(child.wait().unwrap().code(), Some(130), "{rest:?}");
     assert!(
-        rest.iter().any(|line| line.contains("the same command goes on from there")),
+        rest.iter().any(|line| line.contains("the same command resumes")),
         "{rest:?}"
     );
     let said = desk.ok(&format!("run {smoke}"));

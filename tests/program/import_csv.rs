@@ -226,7 +226,7 @@ fn an_unknown_offset_is_estimated_and_shown() {
     assert!(low_s < OFFSET_S && OFFSET_S < high_s && high_s - low_s < 0.06, "{said}");
     // As far as scatter goes; the rest is half of the lag on either side.
     assert!(offset_s - low_s - 0.5 * after("with a lag of ") < 0.02, "{said}");
-    assert!(said.contains("which no recording tells from an offset"), "{said}");
+    assert!(said.contains("a recording does not distinguish the two"), "{said}");
     let found = bench.read("out.csv");
     let error_m = |row: usize| {
         let pair =

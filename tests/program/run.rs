@@ -363,8 +363,8 @@ fn a_log_for_machines_and_the_strict_answer() {
     assert_eq!(lenient.status.code(), Some(1));
     let said = String::from_utf8(lenient.stderr).unwrap();
     assert!(
-        said.contains("error: every trial failed of reach: policy a, mode open, training converged, gp_points 20 (3 in all, the first: plant: rod solver")
-            && said.contains("and of 1 other cell"),
+        said.contains("error: every trial of reach: policy a, mode open, training converged, gp_points 20 failed (3 trials, first failure: plant: rod solver")
+            && said.contains("and every trial of 1 other cell"),
         "{said}"
     );
     let strict = spinebench(folder.path(), &[&tiny[..], &stuck[..], &["--strict"]].concat());

@@ -292,7 +292,7 @@ fn bad_input_is_one_error() {
     for (arguments, words) in [
         (vec!["nothing.yaml", "--no-open"], "nothing.yaml"),
         (vec!["models/nominal.yaml", "--record", out], "found a model"),
-        (vec!["models/nominal.yaml", "tests/data/twin/r12.csv"], "expected it alone"),
+        (vec!["models/nominal.yaml", "tests/data/twin/r12.csv"], "expected the model alone"),
         (vec!["tests/data/twin/r12.csv", "--trial", "99", "--no-open"], "--trial: found 99"),
         (vec!["tests/data/twin/r12.csv", "--record", "robot.mp4"], ".mp4"),
         (vec!["results/table1", "--no-open"], "no tracked path"),

@@ -17,7 +17,7 @@ pub(crate) struct SlurmArgs {
     /// Partition.
     #[arg(long, value_name = "NAME")]
     partition: Option<String>,
-    /// Account that is charged.
+    /// Account to charge.
     #[arg(long, value_name = "NAME")]
     account: Option<String>,
     /// Time limit of a worker, minutes.
@@ -150,7 +150,7 @@ impl CancelCommand {
     }
 }
 
-/// Work on a campaign, as the cluster starts it.
+/// Run stages of a campaign; the cluster starts this command.
 #[derive(Args)]
 pub(crate) struct WorkCommand {
     /// Folder of the campaign.

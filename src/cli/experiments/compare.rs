@@ -10,16 +10,16 @@ use std::path::PathBuf;
 
 /// Compare the tables of two runs, value by value: verdicts of claims that changed, the largest
 /// difference of each table, and the first stage whose result differs. Rows are matched by the
-/// columns that tell them apart. Exit status 1 where anything differs.
+/// columns that identify them. Exit status 1 if anything differs.
 #[derive(Args)]
 pub(crate) struct CompareCommand {
     /// Folder that a run wrote to (`--out`), or the results of one experiment.
     #[arg(value_name = "FIRST")]
     first: PathBuf,
-    /// The same of the other run.
+    /// Folder of the other run, of the same kind.
     #[arg(value_name = "SECOND")]
     second: PathBuf,
-    /// Share of the larger of two numbers by which they may differ.
+    /// Relative tolerance: permitted difference as a share of the larger number.
     #[arg(long, value_name = "SHARE", default_value_t = 0.0)]
     tolerance: f64,
     /// Write every difference to this CSV.
@@ -102,7 +102,7 @@ fn summary(table: &str, differences: &[&RunDifference]) -> String {
         differences.iter().filter(|one| one.first.is_none() || one.second.is_none()).count();
     let mut text = format!("{table}: {} values differ", differences.len() - lacking);
     if lacking > 0 {
-        text.push_str(&format!(", {lacking} tables, rows or columns are in one run alone"));
+        text.push_str(&format!(", {lacking} tables, rows or columns exist in only one run"));
     }
     if let Some((share, one)) = largest {
         let value = |text: &Option<String>| text.clone().unwrap_or_default();

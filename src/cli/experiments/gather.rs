@@ -9,8 +9,8 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// Merge repetitions of one experiment that were run on machines without a common store (`--set
-/// first_seed=N`), and write tables, claims and figures of all of them. For a single folder, write
-/// its claims and figures again from its tables.
+/// first_seed=N`), and write tables, claims and figures of all of them. For a single folder,
+/// rewrite its claims and figures from its tables.
 #[derive(Args)]
 pub(crate) struct GatherCommand {
     /// Folder of the experiment under `results/`, one for each machine.

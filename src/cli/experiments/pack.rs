@@ -5,14 +5,14 @@ use clap::Args;
 use spinebench::data::packed::{pack, unpack};
 use std::path::PathBuf;
 
-/// Replace tables `x.csv` of results by `x.parquet`, a fifth of the size. Every command reads a
-/// table of results either way.
+/// Replace tables `x.csv` of results by `x.parquet`, a fifth of the size. Every command reads
+/// tables of results in both formats.
 #[derive(Args)]
 pub(crate) struct PackCommand {
     /// Tables: CSV, or Parquet with `--undo`.
     #[arg(required = true, value_name = "TABLE")]
     tables: Vec<PathBuf>,
-    /// Give the CSVs back, byte for byte.
+    /// Restore the CSV files byte for byte.
     #[arg(long)]
     undo: bool,
 }

@@ -21,7 +21,7 @@ pub(crate) struct PageCommand {
     /// Pages to update in place.
     #[arg(value_name = "PAGE.md", required = true)]
     pages: Vec<PathBuf>,
-    /// Change nothing, and exit with status 1 where a page is not up to date.
+    /// Change nothing; exit with status 1 if a page is not up to date.
     #[arg(long)]
     check: bool,
 }

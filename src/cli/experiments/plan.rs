@@ -7,7 +7,7 @@ use spinebench::runner::{Campaign, CampaignEntry, Need, plan};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-/// Print the expanded runs, what is stored and what is left to compute; run nothing.
+/// Print the expanded runs and the numbers of stored and missing stages; run nothing.
 #[derive(Args)]
 pub(crate) struct PlanCommand {
     #[command(flatten)]

@@ -5,9 +5,9 @@ use clap::Args;
 use spinebench::runner::{Files, Progress, redraw, redraw_claims, write_files};
 use std::path::{Path, PathBuf};
 
-/// Draw the figures of published results again, without running anything: from the tables in
-/// `results/` to `plots/`, the same bytes as a run writes. A figure whose rows are not published
-/// stays as it is.
+/// Draw the figures of published results in `plots/` from the tables in `results/`, without running
+/// anything; the files equal those of a run byte for byte. Figures whose rows are not published are
+/// not changed.
 #[derive(Args)]
 pub(crate) struct PlotCommand {
     /// Folders of results, such as `results/fig6` [default: all in `results/`, and the claims].

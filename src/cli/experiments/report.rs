@@ -17,7 +17,7 @@ const PATH_FRAMES: usize = 150;
 
 /// Write all published results on one page, `results/report.html`: claims with their ranges and
 /// verdicts, Table I, the figures with their values, controllers, repair, populations, sweeps,
-/// discovery, real robots, and where the numbers come from. The page needs no network.
+/// discovery, real robots, and the provenance of the numbers. The page works offline.
 #[derive(Args)]
 pub(crate) struct ReportCommand {
     /// Folder that contains `results/`.

@@ -27,8 +27,8 @@ pub(crate) struct RunCommand {
     cache: CacheArgs,
     #[command(flatten)]
     threads: ThreadArgs,
-    /// Exit with status 1 when a claim is not reproduced or a trial failed (a failed stage, and a
-    /// cell of which every trial failed, always does).
+    /// Exit with status 1 when a claim is not reproduced or a trial failed (always for a failed
+    /// stage and for a cell in which every trial failed).
     #[arg(long)]
     strict: bool,
     /// Where to run stages.
@@ -74,7 +74,7 @@ impl RunCommand {
         // The monitor of a cluster tells itself what Ctrl-C means.
         if folder.is_none() {
             exit_on_interrupt(
-                "interrupted; what is computed is stored, and the same command goes on from there",
+                "interrupted; the computed stages are stored, and the same command resumes",
             );
         }
         let options = match &folder {
@@ -93,7 +93,7 @@ impl RunCommand {
         if let [first, ..] = outcomes.failures.as_slice() {
             let count = outcomes.failures.len();
             let words = format!(
-                "{count} stages failed, the first is {first}; rows of dependent trials name the \
+                "{count} stages failed, the first is {first}; rows of dependent trials contain the \
                  failure"
             );
             return Err(CommandError::Failed(words));
@@ -125,11 +125,12 @@ impl RunCommand {
         if let [FailedCell { cell, trials, why }, further @ ..] = failed_cells.as_slice() {
             let others = match further.len() {
                 0 => String::new(),
-                1 => ", and of 1 other cell".to_owned(),
-                count => format!(", and of {count} other cells"),
+                1 => ", and every trial of 1 other cell".to_owned(),
+                count => format!(", and every trial of {count} other cells"),
             };
             let words =
-                format!("every trial failed of {cell} ({trials} in all, the first: {why}){others}");
+                format!("every trial of {cell} failed ({trials} trials, first failure: \
+                         {why}){others}");
             return Err(CommandError::Failed(words));
         }
         if self.strict && !denied.is_empty() {
@@ -147,7 +148,7 @@ fn tell_replaced(progress: &Progress, entry: &CampaignEntry, out: &Path) {
     if !keys.is_empty() {
         let (folder, keys) = (folder.display(), keys.join("`, `"));
         progress.notice(&format!(
-            "{folder}/ holds results of other settings (`{keys}`); they are replaced"
+            "{folder}/ contains results of other settings (`{keys}`); they are replaced"
         ));
     }
 }

@@ -15,13 +15,13 @@ use std::path::{Path, PathBuf};
 
 /// Rerun the published experiments without stored results and compare with `results/` and `plots/`:
 /// byte for byte on the kind of processor that computed them, number by number on another. With
-/// `--claim`, rerun only what the number of one claim needs.
+/// `--claim`, rerun only the stages that one claim depends on.
 #[derive(Args)]
 pub(crate) struct VerifyCommand {
     /// Names of published experiments [default: all].
     #[arg(value_name = "EXPERIMENT")]
     experiments: Vec<String>,
-    /// A claim of `results/claims.csv`; the time that it takes is stated first.
+    /// Check only this claim of `results/claims.csv`; prints the expected time first.
     #[arg(long, value_name = "NAME")]
     claim: Option<String>,
     /// Folder that contains `results/` and `plots/`.
@@ -63,8 +63,8 @@ impl VerifyCommand {
         {
             let name = &study.experiment.name;
             let words = format!(
-                "{name}: found a `hardware` plant, expected a reproducible one; name the other \
-                 experiments"
+                "{name}: found a `hardware` plant, which cannot be rerun, expected another plant; \
+                 name the other experiments"
             );
             return Err(bad(words));
         }
@@ -73,7 +73,8 @@ impl VerifyCommand {
             tempfile::Builder::new().prefix("spinebench-verify-").tempdir().map_err(|error| {
                 CommandError::Failed(format!("cannot create a temporary folder: {error}"))
             })?;
-        exit_on_interrupt("interrupted; nothing was compared, and the same command begins again");
+        exit_on_interrupt("interrupted; nothing was compared. The same command starts again from \
+                           the beginning");
         let (store, wanted) = (Store::at(scratch.path()), campaign.wanted());
         let outcomes = runner::execute(
             &campaign.graph,

@@ -25,8 +25,8 @@ pub(super) fn verify_claim(
     let [(set, standard)] = <[_; 1]>::try_from(found).map_err(|found| {
         let count = found.len();
         CommandError::BadInput(format!(
-            "--claim: found `{claim}`, which {count} of the experiments state, expected a claim of \
-             {} that one of them states; name the experiment",
+            "--claim: found `{claim}`, which {count} experiments contain, expected a claim of {} \
+             that exactly one experiment contains; name the experiment",
             results.join("claims.csv").display()
         ))
     })?;
@@ -66,7 +66,7 @@ fn rerun(
     let trail = published_rows(folder).unwrap_or_default();
     let (stages, cpu_s) = runner::published_cost(campaign, &wanted, &trail);
     progress.say(&format!(
-        "{}: {}: {stages} of {} stages, {} of processor time where it was published",
+        "{}: {}: {stages} of {} stages, {} of processor time in the published run",
         claim.claim,
         claim.relation.quantity(),
         campaign.graph.len(),
@@ -76,7 +76,8 @@ fn rerun(
         .prefix("spinebench-verify-")
         .tempdir()
         .map_err(|error| CommandError::Failed(format!("cannot create a folder: {error}")))?;
-    exit_on_interrupt("interrupted; nothing was compared, and the same command begins again");
+    exit_on_interrupt("interrupted; nothing was compared. The same command starts again from the \
+                       beginning");
     let wanted: Vec<usize> = wanted.into_iter().collect();
     let outcomes = runner::execute(
         &campaign.graph,

@@ -27,7 +27,7 @@ pub(crate) struct CalibrateCommand {
     #[arg(long, value_name = "MODEL.yaml")]
     model: PathBuf,
     /// Recordings of the robot: tendon tensions (`tendon_1_n`…) or displacements (`tendon_1_m`…),
-    /// what was tracked, and known loads (`known_load_kg`, `tip_force_x_n`…), each its own.
+    /// tracked positions, and known loads (`known_load_kg`, `tip_force_x_n`…) of each recording.
     #[arg(long, value_name = "REC.csv", required = true, num_args = 1..)]
     measured: Vec<PathBuf>,
     /// Model to write.
@@ -35,10 +35,11 @@ pub(crate) struct CalibrateCommand {
     out: PathBuf,
     /// Fit these numbers of the model file (comma-separated): paths such as
     /// `robot.tendons.angles_deg[3]`, groups with `*`, `PATH=start` and `PATH~deviation`; or
-    /// `auto`, a staged set of which the data decide how much stays. See docs/reference/calibration.md.
+    /// `auto`, which adds groups in stages and keeps those that the data support. See
+    /// docs/reference/calibration.md.
     #[arg(long, value_name = "PATH,…", value_delimiter = ',', default_value = "youngs_modulus_pa")]
     fit: Vec<String>,
-    /// Keep an entry of --fit only where it lowers the blocked cross-validation error.
+    /// Keep an entry of --fit only if it lowers the blocked cross-validation error.
     #[arg(long)]
     select: bool,
     /// Treat every row of the recording as a pose at rest.
@@ -53,7 +54,7 @@ pub(crate) struct CalibrateCommand {
     /// Of several recordings `400g/circle`, or `400g/*` for all of 400g.csv.
     #[arg(long, value_name = "NAME,…", value_delimiter = ',')]
     hold_out_patterns: Vec<String>,
-    /// Assume this distribution of the errors. Default: normal, or Student's t where least squares
+    /// Assume this distribution of the errors. Default: normal, or Student's t if least squares
     /// leaves outliers.
     #[arg(long, value_name = "NAME", value_parser = ["normal", "student_t"])]
     likelihood: Option<String>,
@@ -83,7 +84,8 @@ impl CalibrateCommand {
             .map_err(|error| mismatch(&self.measured, &error))?;
         check_yaml(&self.out)?;
         self.report.as_ref().map_or(Ok(()), |folder| check_folder(folder, REPORT_BYTES))?;
-        exit_on_interrupt("interrupted; nothing was written, and the same command begins again");
+        exit_on_interrupt("interrupted; nothing was written. The same command starts again from \
+                           the beginning");
         progress.step("fitting");
         let calibration = calibrate(&model, &measured, &self.options(at_rest))
             .map_err(|error| self.refusal(&error, &model))?;
@@ -168,7 +170,7 @@ fn print(calibration: &Calibration) {
         let (name, value, low, high) = (&number.name, number.value, number.low, number.high);
         println!("{name}: {value:.5e}, 95 % interval {low:.5e} to {high:.5e}");
         if !number.determined {
-            println!("  this recording does not determine it");
+            println!("  not determined by this recording");
         }
     }
     let (before_mm, after_mm) = (before_m * 1e3, after_m * 1e3);
@@ -187,7 +189,7 @@ fn print(calibration: &Calibration) {
     }
     for pair in &calibration.findings.trade_offs {
         println!(
-            "{} and {} trade against each other (correlation {:.3})",
+            "the estimates of {} and {} are strongly correlated ({:.3})",
             pair.first, pair.second, pair.correlation
         );
     }

@@ -57,7 +57,7 @@ pub(crate) struct DiscoverCommand {
     rounds: u64,
     #[command(flatten)]
     starts: StartsArg,
-    /// Take every row as a pose at rest under its own command, whatever the times say.
+    /// Treat every row as a pose at rest under its own command; ignore the times.
     #[arg(long = "static")]
     at_rest: bool,
 }
@@ -101,7 +101,8 @@ impl DiscoverCommand {
         self.refuse_own_baseline(&measured, baseline.as_ref())?;
         let plant = self.plant.as_ref().map(|file| simulated(file, &model)).transpose()?;
         check_folder(&self.out, REPORT_BYTES)?;
-        exit_on_interrupt("interrupted; nothing was written, and the same command begins again");
+        exit_on_interrupt("interrupted; nothing was written. The same command starts again from \
+                           the beginning");
         let files: Vec<&Path> = self.measured.iter().map(PathBuf::as_path).collect();
         let mut given = GivenRecordings::new(&files, &parts, baseline.as_ref());
         let question = Question { model: &model, baseline: baseline.as_ref(), options: &options };
@@ -188,7 +189,7 @@ impl DiscoverCommand {
         match (&self.baseline, baseline) {
             (Some(file), Some(baseline)) if baseline.holds(measured) => {
                 Err(CommandError::BadInput(format!(
-                    "{}: found all trials of the measured recording, expected another recording, \
+                    "{}: found all trials of the measured recording, expected a separate recording \
                      of the robot as built",
                     file.display()
                 )))

@@ -11,16 +11,16 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 /// Print the catalogue: each effect with its parameters and units, equation, source, and the
-/// effects it is confused with. With `--plots`, draw what each effect does to a robot.
+/// effects it is confused with. With `--plots`, draw the response of a robot with each effect.
 #[derive(Args)]
 pub(crate) struct EffectsCommand {
     /// Print only this effect.
     name: Option<String>,
-    /// Folder to draw pictures in, one for each effect: the robot without it and with it under the
+    /// Folder for the figures, one for each effect: the robot without and with the effect under the
     /// same commands. Prints nothing.
     #[arg(long, value_name = "DIR", conflicts_with = "name")]
     plots: Option<PathBuf>,
-    /// Robot of the pictures.
+    /// Model of the robot in the figures.
     #[arg(long, value_name = "MODEL", default_value = "models/nominal.yaml", requires = "plots")]
     model: PathBuf,
 }
@@ -69,7 +69,7 @@ fn describe(card: &Card, text: &mut String) {
         let unit = if parameter.unit == "1" { "ratio" } else { parameter.unit };
         let _ = writeln!(
             text,
-            "  parameter:     {} ({unit}; nothing changes at {})",
+            "  parameter:     {} ({unit}; no effect at {})",
             parameter.name, parameter.null
         );
     }

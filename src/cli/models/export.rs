@@ -34,14 +34,14 @@ struct McapExport {
     /// File to write.
     #[arg(long, value_name = "REC.mcap")]
     out: PathBuf,
-    /// Show the robot that this model has under the recording's commands, with a frame for each
+    /// Add the shape that this model predicts for the recording's commands, with a frame for each
     /// disk.
     #[arg(long, value_name = "MODEL.yaml")]
     model: Option<PathBuf>,
-    /// Show what the models of a discovery on this recording leave: its `residuals.csv`.
+    /// Add the residuals of a discovery on this recording: its `residuals.csv`.
     #[arg(long, value_name = "residuals.csv")]
     residuals: Option<PathBuf>,
-    /// Treat every row as a pose at rest; row k of a trial is shown after k seconds.
+    /// Treat every row as a pose at rest; row k of a trial gets the time k seconds.
     #[arg(long = "static")]
     at_rest: bool,
 }

@@ -12,8 +12,8 @@ use spinebench::data::import::{
 use spinebench::runner::Progress;
 use std::path::PathBuf;
 
-/// Import other people's files as a recording: a tracking system's export, any logger's text files,
-/// a bag.
+/// Import files of other systems as a recording: exports of motion capture systems, text files of
+/// any logger, bags.
 #[derive(Args)]
 pub(crate) struct ImportCommand {
     #[command(subcommand)]
@@ -25,25 +25,25 @@ enum From {
     /// Import OptiTrack Motive's CSV export (format versions 1.2x): rigid bodies or single markers.
     ///
     /// The tip is expressed relative to the base body's pivot and interpolated at the times of the
-    /// commands; rows without tracking get valid = 0. The log is placed on the export's clock by a
-    /// column export_time_s (the export's time at each row) or by --offset-s.
+    /// commands; rows without tracking get valid = 0. A column export_time_s (the export's time at
+    /// each row) or --offset-s relates the log to the export's clock.
     Motive(FromExport),
     /// Import the CSV export of Vicon Nexus or Tracker: objects, segments or trajectories.
     ///
-    /// Frame 1 is at 0 s. Rotations of four numbers are quaternions; three numbers have several
-    /// meanings and are not read. All else is as for `import motive`.
+    /// Frame 1 is at 0 s. Rotations of four numbers are quaternions. Rotations of three numbers are
+    /// ambiguous and are not read. Otherwise as `import motive`.
     Vicon(FromExport),
     /// Import the TSV export of Qualisys Track Manager: rigid bodies (6D) or markers (3D).
     ///
-    /// The rotation matrix is read, not the angles. All else is as for `import motive`.
+    /// Reads the rotation matrix, not the angles. Otherwise as `import motive`.
     Qualisys(FromExport),
     /// Import the CSV of NDI's tools for Aurora, Polaris and Vega.
     ///
-    /// Tools are called as their ports or tools are in the file. All else is as for `import motive`.
+    /// Tools have the names of their ports or tools in the file. Otherwise as `import motive`.
     Ndi(FromExport),
-    /// Import C3D, as most motion capture systems write it: markers.
+    /// Import the markers of a C3D file, which most motion capture systems write.
     ///
-    /// All is as for single markers of `import motive`.
+    /// Otherwise as `import motive` with single markers.
     C3d(FromExport),
     Csv(CsvImport),
     Mcap(McapImport),
@@ -60,10 +60,11 @@ struct FromExport {
     /// Recording to write; CSV or Parquet.
     #[arg(long, value_name = "REC.csv")]
     out: PathBuf,
-    /// Rigid body or marker on the base [default: `base`, or the only one whose name begins so].
+    /// Rigid body or marker on the base [default: `base`, or the only one whose name begins with
+    /// it].
     #[arg(long, value_name = "NAME")]
     base: Option<String>,
-    /// Rigid body or marker on the tip [default: `tip`, or the only one whose name begins so].
+    /// Rigid body or marker on the tip [default: `tip`, or the only one whose name begins with it].
     #[arg(long, value_name = "NAME")]
     tip: Option<String>,
     /// Rigid bodies or markers along the robot, as `NAME` or `NAME=EXPORT NAME`: columns
@@ -78,13 +79,13 @@ struct FromExport {
     /// Motive's y is up and the robot lies along its z; other exports' axes are those of the robot.
     #[arg(long)]
     axes: Option<Axes>,
-    /// Frames a second, where the export has frames without a rate (NDI).
+    /// Frame rate in Hz, for exports without one (NDI).
     #[arg(long, value_name = "HZ", value_parser = rate)]
     rate_hz: Option<f64>,
     /// Frame in which the tip is expressed.
     #[arg(long, value_enum, default_value_t = TipFrameArg::Base)]
     frame: TipFrameArg,
-    /// Interpolate over lost frames between tracked ones up to this far apart, seconds.
+    /// Longest gap between tracked frames across which poses are interpolated, seconds.
     #[arg(long, value_name = "S", default_value_t = 0.05, value_parser = gap)]
     max_gap_s: f64,
 }
@@ -93,7 +94,8 @@ struct FromExport {
 enum TipFrameArg {
     /// Axes of the base body: a rotated tracking frame has no influence.
     Base,
-    /// Axes of the tracking frame, which must be level: a tilted base shows at the tip.
+    /// Axes of the tracking frame, which must be level: a tilt of the base appears in the tip
+    /// positions.
     Tracking,
 }
 
@@ -131,7 +133,7 @@ impl FromExport {
         if let Some((name, _)) =
             points.iter().enumerate().find(|indexed| twice(*indexed)).map(|(_, point)| point)
         {
-            refuse!("--points: found `{name}` twice, expected every name once");
+            refuse!("--points: found `{name}` twice, expected each name once");
         }
         let bodies = ImportedBodies { base, tip, points };
         let log = Log::read(&self.commands, &self.offset_s).map_err(CommandError::bad_input)?;
@@ -162,13 +164,13 @@ impl FromExport {
         if let Some(promised) = export.promised_frames.filter(|&promised| promised > frames) {
             let file = export.file.display();
             eprintln!(
-                "note: {file} has {frames} of the {promised} frames that its header announces"
+                "note: {file} has {frames} of the {promised} frames that its header states"
             );
         }
         if !export.unread_orientations.is_empty() {
             eprintln!(
-                "note: the rotations of {} are three numbers each, of which the file does not tell \
-                 the meaning; they are not read",
+                "note: the rotations of {} have three numbers each; the file does not define their \
+                 meaning, so they are not read",
                 export.unread_orientations.join(", ")
             );
         }
@@ -176,14 +178,14 @@ impl FromExport {
         if !base.has_orientation {
             eprintln!(
                 "note: `{}` is a single marker: the tip is expressed along the tracking frame's \
-                 axes, and a base that tilts is not seen",
+                 axes, and a tilt of the base is not measured",
                 base.name
             );
         }
         let turn_deg = imported.base_turn_rad.to_degrees();
         if turn_deg > MIN_REPORTED_TURN_DEG {
             let (axes_words, alternative) = match self.frame {
-                TipFrameArg::Base => ("the base's", "--frame tracking shows a tilted base"),
+                TipFrameArg::Base => ("the base's", "--frame tracking includes a tilt of the base"),
                 TipFrameArg::Tracking => {
                     ("the tracking frame's", "--frame base removes a rotated tracking frame")
                 }
@@ -237,7 +239,7 @@ fn rate(text: &str) -> Result<f64, String> {
     seconds(text)
         .ok()
         .filter(|rate_hz| *rate_hz > 0.0)
-        .ok_or_else(|| format!("found `{text}`, expected frames a second, above 0"))
+        .ok_or_else(|| format!("found `{text}`, expected a frame rate in Hz, above 0"))
 }
 
 fn gap(text: &str) -> Result<f64, String> {

@@ -14,14 +14,14 @@ use std::path::{Path, PathBuf};
 
 /// Import text files of any logger by a map of columns, units, axes, rates and clocks.
 ///
-/// The map is a YAML file (`spinebench schema map`, docs/reference/importing.md). The rows of the recording
-/// are those of the commands; poses of another file, rate or clock are interpolated at their times.
-/// An offset between the clocks is given in the map, or estimated from the motion and printed with
-/// its interval.
+/// The map is a YAML file (`spinebench schema map`, docs/reference/importing.md). The recording has
+/// one row per command. Poses from another file, or with another rate or clock, are interpolated at
+/// the command times. An offset between the clocks is given in the map, or estimated from the
+/// motion and printed with its interval.
 #[derive(Args)]
 pub(crate) struct CsvImport {
-    /// Text files, in the order in which the map counts them; or a folder or a name with * and ?,
-    /// where `trial_files` of the map says which of the files are trials.
+    /// Text files, in the order in which the map numbers them. If the map has `trial_files`, which
+    /// selects the files of the trials: a folder, or names with * and ?.
     #[arg(value_name = "LOG.csv", required = true)]
     logs: Vec<PathBuf>,
     #[command(flatten)]
@@ -30,8 +30,8 @@ pub(crate) struct CsvImport {
 
 /// Import a bag of ROS 2 (MCAP) by a map of topics and fields.
 ///
-/// Messages in CDR of any type whose definition the bag holds. The map is as for `import csv`, with
-/// `topic` in place of `file`.
+/// Reads CDR messages of any type whose definition is in the bag. The map is that of `import csv`,
+/// with `topic` instead of `file`.
 #[derive(Args)]
 pub(crate) struct McapImport {
     /// Bag.
@@ -49,16 +49,16 @@ struct ByMap {
     /// Recording to write; CSV or Parquet.
     #[arg(long, value_name = "REC.csv")]
     out: PathBuf,
-    /// What counts where rows of commands have one time, in place of the map's `commands.repeated`.
+    /// Treatment of command rows with equal times; overrides `commands.repeated` of the map.
     #[arg(long, value_enum)]
     repeated: Option<RepeatedArg>,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
 enum RepeatedArg {
-    /// They are an error.
+    /// Report an error.
     Refuse,
-    /// The last row.
+    /// Keep the last row.
     Last,
 }
 
@@ -107,10 +107,10 @@ fn print_clock(TrialClock { trial, fit }: &TrialClock) {
     let ClockFit { offset_s, interval_95_s: [low_s, high_s], lag_s, explained, dead_time_s } = fit;
     let prefix = trial.map_or(String::new(), |trial| format!("trial {trial}: "));
     let dead_time = if *dead_time_s > 0.0 {
-        format!("The interval is for a dead time of the drive up to {dead_time_s} s.")
+        format!("The interval includes a dead time of the drive of up to {dead_time_s} s.")
     } else {
-        "A drive that waits before it moves would make it larger by that time, which no recording \
-         tells from an offset (`tracking.clock.estimate.dead_time_s` widens the interval)."
+        "A dead time of the drive increases the estimated shift by that time; a recording does not \
+         distinguish the two (`tracking.clock.estimate.dead_time_s` widens the interval)."
             .to_owned()
     };
     eprintln!(

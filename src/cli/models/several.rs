@@ -14,7 +14,7 @@ pub(super) fn refuse_twins(files: &[PathBuf], parts: &[Recording]) -> CommandRes
             parts[..k].iter().position(|earlier| earlier.holds(part) || part.holds(earlier))
         {
             let [again, first] = [k, first].map(|index| files[index].display());
-            refuse!("{again}: found the trials of {first} again, expected another recording");
+            refuse!("{again}: found the same trials as in {first}, expected another recording");
         }
     }
     Ok(())

@@ -65,8 +65,8 @@ impl SimulateCommand {
         if itself > 0 {
             let (all, out) = (played.len(), self.out.display());
             progress.notice(&format!(
-                "in {itself} of {all} rows the robot touches itself, which the model does not \
-                 prevent; see the column {TOUCHES_ITSELF} of {out}"
+                "in {itself} of {all} rows the robot touches itself; the model does not simulate \
+                 self-contact; see the column {TOUCHES_ITSELF} of {out}"
             ));
         }
         progress.say(&written(&self.out, &played));
@@ -92,15 +92,16 @@ pub(crate) fn nothing_solved(
         Some(words) => words,
         None if too_coarse => format!(
             "{name}: robot.resolution.static_tolerance_m: found {}, which the finest grid does not \
-             reach where a robot bends this sharply; expected ten times as much",
+             reach at this curvature; expected a value ten times larger",
             model.robot.resolution.static_tolerance_m
         ),
         None if all_are(SolveStatus::Flutters) => format!(
-            "{name}: robot.loads: oscillations grow about every rest under these follower loads; \
-             expected smaller loads, or a simulation without --static, in which they grow"
+            "{name}: robot.loads: every equilibrium under these follower loads is unstable \
+             (growing oscillations); expected smaller loads, or a simulation without --static"
         ),
         None => format!(
-            "no number of {name} is unusual; check the sizes of the commands against the robot's"
+            "no parameter of {name} is unusual; check whether the commands are too large for this \
+             robot"
         ),
     };
     CommandError::Failed(format!(

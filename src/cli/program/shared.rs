@@ -47,7 +47,7 @@ impl SpecArgs {
             if !names.insert(&study.experiment.name) {
                 let (name, file) = (&study.experiment.name, file.display());
                 refuse!(
-                    "{file}: name: found `{name}`, expected a name that no other given spec has"
+                    "{file}: name: found `{name}`, expected a name that no other given spec uses"
                 );
             }
         }
@@ -92,8 +92,8 @@ pub(crate) struct ThreadArgs {
 /// Where experiments are written.
 #[derive(Args)]
 pub(crate) struct ResultsArg {
-    /// Folder to write `results/` and `plots/` in [default: the current one; `out` where the file
-    /// `results/PUBLISHED` says that the results there are published].
+    /// Folder to write `results/` and `plots/` in [default: the current one; `out` if the file
+    /// `results/PUBLISHED` exists, which marks the results as published].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -118,8 +118,8 @@ impl ResultsArg {
 /// How trials start.
 #[derive(Args)]
 pub(crate) struct StartsArg {
-    /// State at the start of a trial, in place of the model's `tracking.starts`: at rest at home,
-    /// at rest under the trial's first command, or as the trial before has left it.
+    /// State at the start of a trial; overrides the model's `tracking.starts`: at rest at home, at
+    /// rest under the trial's first command, or the final state of the previous trial.
     #[arg(long, value_enum)]
     starts: Option<StartsChoice>,
 }

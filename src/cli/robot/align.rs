@@ -21,17 +21,17 @@ const REST_STEPS: usize = 8;
 /// do not correspond to each other.
 const MAX_RELATIVE_RESIDUAL: f64 = 0.35;
 
-/// Find the pose of the robot's base frame in the tracker's base body, from measured tips and the
-/// model's predictions.
+/// Estimate the pose of the robot's base frame relative to the tracker's base body from measured
+/// and predicted tip positions.
 ///
 /// Prints the setting `tracking.alignment` for the plant file, or writes a plant file with it.
-/// Errors of the model enter the result: use a calibrated model and poses in all directions.
+/// Model errors bias the result: use a calibrated model and poses in all directions.
 #[derive(Args)]
 pub(crate) struct AlignCommand {
     /// Plant file with `hardware:`.
     #[arg(long, value_name = "PLANT.yaml")]
     plant: PathBuf,
-    /// Recording of this robot, measured with the present alignment of the plant file.
+    /// Recording of this robot, measured with the current alignment of the plant file.
     #[arg(
         long,
         value_name = "REC.csv",
@@ -48,7 +48,7 @@ pub(crate) struct AlignCommand {
     /// Tendon displacement with --move, metres.
     #[arg(long, value_name = "M", default_value_t = 0.012)]
     reach_m: f64,
-    /// Plant file to write, complete and with the alignment.
+    /// Plant file to write: all settings of the given file, with the new alignment.
     #[arg(long, value_name = "PLANT2.yaml")]
     out: Option<PathBuf>,
 }

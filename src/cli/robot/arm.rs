@@ -21,7 +21,7 @@ impl ArmCommand {
         match latch.release().map_err(CommandError::failed)? {
             Some(reason) => {
                 println!("armed: `{}` was stopped {reason}", options.name);
-                println!("steps may have been lost: the robot is homed before it moves again");
+                println!("steps may have been lost: the robot is homed before its next motion");
             }
             None => println!("`{}` was not stopped", options.name),
         }

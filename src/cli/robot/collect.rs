@@ -15,7 +15,7 @@ use spinebench::tasks::{
 };
 use std::path::{Path, PathBuf};
 
-/// Play commands on a plant and record what its tracker measures.
+/// Execute commands on a plant and record the tracker's measurements.
 #[derive(Args)]
 pub(crate) struct CollectCommand {
     /// Plant file, such as `simulated: {model: real.yaml, noise_m: 0.0005}`.
@@ -30,11 +30,11 @@ pub(crate) struct CollectCommand {
     /// Seed of the measurement noise.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Measure every row after the robot has come to rest under its command.
+    /// Measure every row when the robot is at rest under its command.
     #[arg(long = "static")]
     at_rest: bool,
-    /// Check the commands against the limits of a `hardware` plant and print a summary; open and
-    /// move nothing.
+    /// Check the commands against the limits of a `hardware` plant and print a summary; no device
+    /// is opened or moved.
     #[arg(long)]
     dry_run: bool,
 }
@@ -169,7 +169,8 @@ impl CollectCommand {
 
     fn out(&self) -> Result<&Path, CommandError> {
         self.out.as_deref().ok_or_else(|| {
-            CommandError::BadInput("--out: found nothing, expected the recording to write".into())
+            CommandError::BadInput("--out: found no value, expected the name of the recording to \
+                                    write".into())
         })
     }
 }

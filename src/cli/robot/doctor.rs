@@ -126,7 +126,7 @@ fn print_check(good: bool, what: &str) -> usize {
 fn alarm_text(code: u16) -> String {
     let number = if code == 0 { "of unknown number".to_owned() } else { code.to_string() };
     let clears = if codes::needs_person(code) {
-        "no program moves the robot until then"
+        "until then no program can move the robot"
     } else {
         "the next program that moves the robot (`collect`, `doctor --move`) resets and homes it"
     };
@@ -136,9 +136,9 @@ fn alarm_text(code: u16) -> String {
 /// Names limit switches that are closed, and what opens them.
 fn closed_text(axes: &str) -> String {
     format!(
-        "controller: limit switch closed: {axes}; an axis that stands on its switch leaves it when \
-         it is homed (`doctor --move` resets, unlocks and homes); if it stays closed, check the \
-         switch, its cable and $5, or turn the screw by hand with the power off"
+        "controller: limit switch closed: {axes}; homing moves an axis off its switch (`doctor \
+         --move` resets, unlocks and homes); if it stays closed, check the switch, its cable and \
+         $5, or turn the screw by hand with the power off"
     )
 }
 

@@ -16,11 +16,11 @@ use std::path::PathBuf;
 /// Control step of the session, s.
 pub(crate) const STEP_S: f64 = 0.2;
 
-/// Record the robot at rest in poses, under one weight after the other, for `spinebench calibrate
-/// --static`.
+/// Record the robot at rest in several poses under each of several weights, for `spinebench
+/// calibrate --static`.
 ///
-/// Asks the operator to hang each weight on the tip. An interrupted recording is resumed by the
-/// same command. In a rehearsal the simulated robot takes the weights and nobody is asked.
+/// Asks the operator to hang each weight on the tip. The same command resumes an interrupted
+/// recording. In a rehearsal the weights are added to the simulated robot without a prompt.
 #[derive(Args)]
 pub(crate) struct WeighCommand {
     /// Plant file with `hardware:`.
@@ -41,7 +41,7 @@ pub(crate) struct WeighCommand {
     /// Steps of 0.2 s during which the robot comes to rest in each pose.
     #[arg(long, value_name = "N", default_value_t = StaticPoseOptions::default().rest_steps)]
     rest_steps: usize,
-    /// Do not ask the operator: the weights are already attached when they are due.
+    /// Do not prompt the operator: each weight is attached before its trials begin.
     #[arg(long)]
     yes: bool,
 }

@@ -18,35 +18,36 @@ use spinebench::tasks::{scene_of_measurement, scene_of_recording};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Show a robot in three dimensions in the browser: a model that sliders drive, a recording beside
-/// the model's answer, or a tracked path of published results.
+/// Show a robot in three dimensions in the browser: a model with sliders for its commands, a
+/// recording next to its simulation, or a tracked path of published results.
 #[derive(Args)]
 pub(crate) struct ViewCommand {
     /// A model file, recordings (CSV or Parquet), or a folder such as results/fig8.
     #[arg(required = true, value_name = "MODEL.yaml|REC.csv|RESULTS")]
     shown: Vec<PathBuf>,
-    /// Model to show under a recording's commands; repeatable, side by side.
+    /// Model to simulate with a recording's commands; repeatable, shown side by side.
     #[arg(long, value_name = "MODEL.yaml")]
     model: Vec<PathBuf>,
     /// Trial of a recording to show [default: the first].
     #[arg(long, value_name = "N")]
     trial: Option<u64>,
-    /// Policy of a folder of results to show; repeatable [default: all].
+    /// Policy to show, for a folder of results; repeatable [default: all].
     #[arg(long, value_name = "NAME")]
     policy: Vec<String>,
-    /// Networks of a folder of results to show, `paper` or `converged` [default: the paper's].
+    /// Training of the networks to show, for a folder of results, `paper` or `converged` [default:
+    /// the paper's].
     #[arg(long, value_name = "NAME")]
     training: Option<String>,
     /// Treat every row of a recording as a pose at rest.
     #[arg(long = "static")]
     at_rest: bool,
-    /// Port of this computer to serve at; 0 takes a free one.
+    /// Local port of the server; 0 selects a free port.
     #[arg(long, value_name = "N", default_value_t = 0)]
     port: u16,
-    /// Print the address and open no browser.
+    /// Print the address without opening a browser.
     #[arg(long)]
     no_open: bool,
-    /// Write a GIF in place of a page: a row for each recording or folder.
+    /// Write a GIF instead of serving a page: one row per recording or folder.
     #[arg(long, value_name = "OUT.gif")]
     record: Option<PathBuf>,
     /// Duration of the GIF, s.
@@ -83,9 +84,9 @@ impl ViewCommand {
             refuse!("found {} recordings, expected one, or --record", strips.len());
         };
         let note = if self.shown[0].is_dir() {
-            "The robot under the commands of the first repetition, simulated again without noise."
+            "The robot with the commands of the first repetition, simulated again without noise."
         } else {
-            "The robot of the model under the recorded commands, beside what was measured."
+            "The model simulated with the recorded commands, and the measured tip."
         };
         let page = player_page(&strip.heading, note, &strip.scenes);
         self.serve(Arc::new(FixedPage(page)))
@@ -102,7 +103,7 @@ impl ViewCommand {
                 )
             }
             (Some(file), None) if self.shown.len() > 1 || !self.model.is_empty() => {
-                refuse!("{}: found a model beside other files, expected it alone", file.display())
+                refuse!("{}: found a model and other files, expected the model alone", file.display())
             }
             _ => {}
         }
@@ -176,13 +177,13 @@ impl ViewCommand {
     fn serve(&self, page: Arc<dyn ServedPage>) -> CommandResult {
         let server = ViewServer::open(self.port).map_err(|error| {
             CommandError::BadInput(format!(
-                "--port: found {} ({error}), expected a port that is free",
+                "--port: found {} ({error}), expected a free port",
                 self.port
             ))
         })?;
         let url = server.url().map_err(CommandError::failed)?;
         print_all(
-            format!("{url}\nThis computer alone can open it. Ctrl-C ends the program.\n")
+            format!("{url}\nOnly this computer can open it. Ctrl-C ends the program.\n")
                 .as_bytes(),
         );
         if !self.no_open {

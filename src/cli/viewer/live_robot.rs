@@ -111,7 +111,7 @@ impl LiveRobot {
     /// Takes what the page asks for; an answer where the robot is another one, or cannot be.
     pub(super) fn ask(&mut self, asked: SliderState) -> Option<LiveAnswer> {
         if asked.displacements.len() != self.state.displacements.len() {
-            self.refusal = Some("the page is of another model".to_owned());
+            self.refusal = Some("the page belongs to another model".to_owned());
             return Some(self.refused());
         }
         let rebuilds = asked.effects != self.state.effects

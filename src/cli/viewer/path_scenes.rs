@@ -97,7 +97,7 @@ fn scene(
         let pulls_m = pulls_m.unwrap_or_default();
         if pulls_m.len() != commands.commands.width() {
             let found = &step.sample.pulls_m;
-            refuse!("{}: pulls_m: found `{found}`, expected one number a tendon", spec.display());
+            refuse!("{}: pulls_m: found `{found}`, expected one number per tendon", spec.display());
         }
         commands.trial.push(0);
         commands.time_s.push(time_s);

@@ -139,7 +139,7 @@ fn short_lines_and_zeros_are_lost_frames() {
     assert_eq!(difference(&Bench::new(&zeros).imported(&[]).0, &known), 0.0);
     let cut = text.lines().take(300).map(|line| line.to_owned() + "\r\n").collect::<String>();
     let (_, said) = Bench::new(&cut).imported(&[]);
-    assert!(said.contains("293 of the 361 frames that its header announces"), "{said}");
+    assert!(said.contains("293 of the 361 frames that its header states"), "{said}");
 }
 
 #[test]

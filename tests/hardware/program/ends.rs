@@ -170,7 +170,7 @@ fn a_trial_in_which_steps_are_lost_is_not_kept() {
         .end()
         .is(1, &["trial 1: robot stopped: the tip rests at home ", "1 of 3 trials are kept"]);
     assert!(bench.is_latched() && bench.is_distrusted());
-    bench.run("arm --plant served.yaml").is(0, &["armed: `robot`", "homed before it moves"]);
+    bench.run("arm --plant served.yaml").is(0, &["armed: `robot`", "homed before its next motion"]);
     goes_on(&bench);
     assert_eq!(served.homings(), 2);
 }
@@ -193,7 +193,7 @@ fn after_a_stop_the_position_is_found_anew() {
     served.stands();
     served.wish("repair");
     served.wish("tell homed");
-    bench.run("arm --plant served.yaml").is(0, &["armed: `robot`", "homed before it moves"]);
+    bench.run("arm --plant served.yaml").is(0, &["armed: `robot`", "homed before its next motion"]);
     assert!(!bench.is_latched() && bench.is_distrusted(), "arming finds no position");
     // What else it says depends on how busy the computer is.
     let found = |words: &str| {

@@ -6,26 +6,25 @@ use spinebench::simulators::{ControllerFault, Intervention, Simulator, TrackedBo
 /// How much earlier a torn report reads its last axis, s: as measured with grblHAL's simulator.
 const TORN_S: f64 = 0.0064;
 
-const HELP: &str = "\
-hang KG          hang a weight on the tip, kilograms; 0 removes it
+const HELP: &str = "hang KG          hang a weight on the tip, kilograms; 0 removes it
 unplug           unplug the serial cable
 power            interrupt the controller's power briefly
 mute DEVICE      silence the controller (`motors`) or the tracker (`tracker`)
 freeze DEVICE    `motors`: stop motion and repeat the last report; `tracker`: repeat one pose; `tip`: of the tip alone,
                  with noise of 0.02 mm
-second server    stream other poses from the tracker's address and port as well
+second server    also stream other poses from the tracker's address and port
 lose SHARE       lose this share of the tracker's frames
 jitter S         delay the tracker's frames by random times up to S seconds
 lose query       lose the controller's next `?`
-babble           send bytes that are no lines from the controller
+babble           send bytes from the controller that do not form lines
 slow S           delay the controller's answers, seconds
 hide BODY        hide `tip` or `base` from the cameras
 jump M           displace the measured tip, metres
 swap             interchange the two bodies
 dead AXIS        block an axis (X, Y, Z, A)
 slip AXIS        let an axis count its steps without turning
-miss AXIS MM     let an axis lose steps: its screw is MM millimetres from where it is counted
-torn             let one report during a move read its last axis 6 ms before the others
+miss AXIS MM     let an axis lose steps: its screw is MM millimetres from the counted position
+torn             read the last axis of one report during a move 6 ms before the others
 press AXIS       close a limit switch
 alarm N          stop the controller with alarm N
 tell homed       include the homing state in every report of the controller

@@ -18,11 +18,10 @@ use std::io::stdin;
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, channel};
 
-/// Serve simulated motors on a serial port and a simulated tracker on UDP, around a simulated
-/// robot.
+/// Simulate a robot, its motor controller on a serial port and its tracker on UDP.
 ///
-/// Other commands and programs use them through the plant file that this command writes. Lines on
-/// standard input inject faults: `help` lists them. Ends with Ctrl-C or `quit`.
+/// Other commands and programs connect through the plant file that this command writes. Lines on
+/// standard input inject faults: `help` lists them. Ctrl-C or `quit` ends the command.
 #[derive(Args)]
 pub(crate) struct RehearseCommand {
     /// Plant file with `hardware:` and `rehearsal:`.
@@ -31,7 +30,7 @@ pub(crate) struct RehearseCommand {
     /// Plant file to write, for other commands to use.
     #[arg(long, value_name = "SERVED.yaml")]
     out: PathBuf,
-    /// CSV file for all input of the controller and all starts and stops of the screws.
+    /// CSV log of all input of the controller and of all starts and stops of the screws.
     #[arg(long, value_name = "LOG.csv")]
     log_file: Option<PathBuf>,
     /// Run with real-time priority, as real devices would (needs CAP_SYS_NICE or `rtprio`).
