@@ -72,7 +72,8 @@ pub(crate) fn in_metres(pulls_m: Vec<f64>, length_m: f64) -> Result<Vec<f64>, Fa
         None => Ok(pulls_m),
         Some(pull) => {
             let expected = format!(
-                "metres that a robot of {length_m} m could be pulled by (are these millimetres?)"
+                "metres, a possible displacement for a robot of {length_m} m (are these \
+                 millimetres?)"
             );
             Err(Fault::argument("pulls_m", pull.to_string(), &expected))
         }

@@ -71,7 +71,7 @@ def test_numbers_in_other_units_are_refused_with_the_unit_that_was_meant(model: 
         model.with_value("robot.backbone.youngs_modulus_pa", 2.3)
     millimetres = [3.0, 0.0, -3.0, 0.0]
     for call in (Rod(model).settle, Rod(model).step, lambda pulls: Rods([model] * 2).play(np.full((2, 5, 4), pulls))):
-        with pytest.raises(InputError, match=r"found -?3, expected metres that a robot of 0.22 m could be pulled by"):
+        with pytest.raises(InputError, match=r"found -?3, expected metres, a possible displacement for a robot of 0.22 m"):
             call(millimetres)
 
 

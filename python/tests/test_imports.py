@@ -137,7 +137,7 @@ def test_dates_without_a_zone(tmp_path: Path, model: Model, zone: str | None) ->
     motors["stamp"] = motors["stamp"].dt.tz_localize(None)
     motors.to_csv(file, index=False)
     if zone is None:
-        with pytest.raises(InputError, match=r"motors_1.csv, all rows: found dates without a zone.*expected `zone` beside"):
+        with pytest.raises(InputError, match=r"motors_1.csv, all rows: found dates without a time zone.*expected `zone` in addition"):
             spinebench.import_csv(tmp_path, lab_map())
         offset = lab_map(tracking__clock={"offset_s": 3600.0})
         agree(spinebench.import_csv(tmp_path, offset).recording, played[0])
@@ -204,16 +204,16 @@ def test_bad_files_are_refused_with_file_and_line(tmp_path: Path, model: Model) 
     error = refused("\n".join([*lines[:3], lines[3].replace("T", "X", 1), *lines[4:]]))
     assert (error.file, error.line, error.key) == (str(mocap), 4, "time") and "date and time" in str(error)
     error = refused("\n".join([*lines[:3], lines[3].replace("+00:00", ""), *lines[4:]]))
-    assert (error.line, error.key) == (4, "time") and "with a zone as in the rows before" in str(error)
+    assert (error.line, error.key) == (4, "time") and "with a zone, as in the previous rows" in str(error)
     error = refused("\n".join([*lines[:5], ",".join([*lines[5].split(",")[:4], "left", "0", "0"]), *lines[6:]]))
     assert (error.line, error.key, error.found) == (6, "roll", "`left`")
     mocap.unlink()
-    with pytest.raises(InputError, match=r"motors_2.csv, its name: found commands of trial `2` alone, expected .* `mocap_2.csv`"):
+    with pytest.raises(InputError, match=r"motors_2.csv, its name: found only the commands of trial `2`, expected .* `mocap_2.csv`"):
         spinebench.import_csv(tmp_path, lab_map())
     motors.unlink()
     with pytest.raises(InputError, match="names like `run_{trial}.csv`"):
         spinebench.import_csv(tmp_path, lab_map(trial_files={"commands": "run_{trial}.csv"}))
-    with pytest.raises(InputError, match=r"trial_files: found no such key, and a folder"):
+    with pytest.raises(InputError, match=r"trial_files: found no such key for a folder"):
         by = lab_map()
         del by["trial_files"]
         spinebench.import_csv(tmp_path, by)

@@ -39,7 +39,7 @@ pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Table, DataError> {
     let parsed: Table = parse_csv(path, text)?;
     if parsed.rows != rows || parsed.columns.len() != width {
         let reason = format!(
-            "{rows} lines of {width} cells came out as {} of {}",
+            "{rows} lines of {width} cells were read as {} lines of {}",
             parsed.rows,
             parsed.columns.len()
         );
@@ -61,7 +61,7 @@ fn check_header(path: &Path, header: &str) -> Result<usize, DataError> {
         let found = if name.trim().is_empty() {
             format!("no name for column {}", index + 1)
         } else if names[..index].contains(name) {
-            "the name twice".to_owned()
+            "a second column of this name".to_owned()
         } else {
             continue;
         };
@@ -71,7 +71,7 @@ fn check_header(path: &Path, header: &str) -> Result<usize, DataError> {
             place: "line 1",
             column,
             found,
-            expected: "one name a column".to_owned(),
+            expected: "one name per column".to_owned(),
         });
     }
     Ok(names.len())
@@ -113,7 +113,7 @@ pub(super) fn split(line: &str) -> Option<Vec<&str>> {
 
 /// The error for a line with an odd number of quotation marks.
 pub(super) fn unclosed(path: &Path, number: usize) -> DataError {
-    line_error(path, number, "a quotation mark that is not closed", "cells that end in their line")
+    line_error(path, number, "a quotation mark that is not closed", "cells without line breaks")
 }
 
 /// The error for a line, counted from 1.

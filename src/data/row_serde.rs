@@ -22,11 +22,11 @@ pub(crate) enum FieldValue {
 /// Why a struct is not a row, or a cell does not fit its field.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub(crate) enum RowError {
-    #[error("a row has fields of numbers, text and flags only: {0}")]
+    #[error("a row may contain only numbers, text and flags: {0}")]
     NotFlat(String),
     #[error("no column `{0}`")]
     MissingColumn(String),
-    #[error("column `{0}` is not known")]
+    #[error("unknown column `{0}`")]
     UnknownColumn(String),
     #[error("{expected} expected")]
     Value { column: String, expected: String },

@@ -35,7 +35,7 @@ fn decode_utf16(
             Err(_) => {
                 return Err((
                     1 + text.matches('\n').count(),
-                    "UTF-16, as its byte-order mark says",
+                    "UTF-16, as in its byte-order mark",
                 ));
             }
         }

@@ -173,7 +173,8 @@ fn faults_are_named_with_line_column_found_and_expected() {
              `base_qz`",
         ),
         (cell("tendon_2_m", "tendon_5_m"), "expected a column `tendon_2_m`"),
-        (cell("tendon_2_m", "tendon_1_m"), "column `tendon_1_m`: found the name twice"),
+        (cell("tendon_2_m", "tendon_1_m"), "column `tendon_1_m`: found a second column of this \
+                                            name"),
         (cell("tendon_2_m", "tendon_2_n"), "found commands as lengths and as tensions"),
         (cell("tip_y_m", ""), "found no name for column 8"),
         (
@@ -492,7 +493,7 @@ fn poses_have_any_times_and_gravity_stays_in_a_trial() {
     let error = turned("0,-9.8,0").unwrap_err();
     assert!(
         error.contains(
-            "line 3, column `gravity_y_m_s2`: found `-9.8`, expected -9.81 as in the row before"
+            "line 3, column `gravity_y_m_s2`: found `-9.8`, expected -9.81, as in the previous row"
         ),
         "{error}"
     );

@@ -26,7 +26,7 @@ fn jumps_and_repeated_poses_are_left_out_and_the_load_is_found() {
     assert_eq!(rows, expected);
     let limitations = found.findings.limitations.join(" ");
     assert!(
-        limitations.contains("In 2 of 200 rows what is tracked jumps")
+        limitations.contains("In 2 of 200 rows the tracked position jumps")
             && limitations.contains("In 8 of 200 rows the pose")
     );
     assert!(found.findings.noise_floor_m < 1.2e-3, "{}", found.findings.noise_floor_m);

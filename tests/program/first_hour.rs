@@ -89,8 +89,8 @@ fn commands_in_millimetres_are_refused() {
         "collect --plant plant.yaml --commands mm.csv --out out.csv",
     ] {
         let said = desk.refused(command);
-        let place = "mm.csv, line 3, column `tendon_1_m`: found 1, expected metres that a robot of \
-                     0.22 m could be pulled by (are these millimetres?)";
+        let place = "mm.csv, line 3, column `tendon_1_m`: found 1, expected metres, a possible \
+                     displacement for a robot of 0.22 m (are these millimetres?)";
         assert!(said.contains(place), "{command}: {said}");
     }
 }

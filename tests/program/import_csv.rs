@@ -296,7 +296,7 @@ fn faults_of_maps_and_files_are_told_with_their_place() {
     let maps = [
         ("column: t}, tendons", "colum: t}, tendons", "map.yaml:1:", "did you mean `column`"),
         ("columns: [a, b]", "columns: [a, 0]", "commands.tendons.columns[1]", "its number from 1"),
-        ("columns: [a, b]", "columns: []", "commands.tendons.columns", "one column a tendon"),
+        ("columns: [a, b]", "columns: []", "commands.tendons.columns", "one column per tendon"),
         ("[a, b]", "[a, b], unit: furlong", "commands.tendons.unit", "`furlong`"),
         (
             "[a, b]",
@@ -316,7 +316,7 @@ fn faults_of_maps_and_files_are_told_with_their_place() {
             "time: {column: t}, tip",
             "clock: {offset_s: 1}, tip",
             "tracking.clock",
-            "`time` beside it",
+            "`time` in addition",
         ),
         (
             "tip: {",

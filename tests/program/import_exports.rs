@@ -152,7 +152,7 @@ fn every_system_gives_the_same_rows() {
     assert!(refused("import qualisys v.csv").contains("expected `MARKER_NAMES` or `BODY_NAMES`"));
     let said = refused("import ndi n.csv --base Port:0A --tip Port:0B");
     assert!(said.contains("found frames without a rate, expected --rate-hz"), "{said}");
-    assert!(refused("import vicon v.csv --rate-hz 50").contains("the file tells it"));
+    assert!(refused("import vicon v.csv --rate-hz 50").contains("the file contains it"));
     assert!(refused("import c3d v.csv").contains("another kind of file, expected a C3D file"));
     bytes("a.c3d", &c3d("ft", FRAMES));
     assert!(refused("import c3d a.c3d").contains("POINT:UNITS: found `ft`"));

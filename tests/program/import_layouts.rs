@@ -159,11 +159,11 @@ fn rows_of_several_bodies_are_not_taken_for_one() {
         ),
         "{said}"
     );
-    assert!(said.contains("`tracking.tip.where` of the map chooses"), "{said}");
+    assert!(said.contains("`tracking.tip.where` of the map selects"), "{said}");
     // At times of their own nothing contradicts itself, but the tip jumps.
     bench.put("log.csv", &long_log(0.002));
     let (said, _) = bench.import(&tracking);
-    assert!(said.contains("the tip jumps by") && said.contains("`tracking.tip.where`"), "{said}");
+    assert!(said.contains("the tip repeatedly jumps by") && said.contains("`tracking.tip.where`"), "{said}");
 }
 
 #[test]
@@ -187,7 +187,7 @@ fn repeated_rows_count_once_and_a_later_command_on_request() {
     let output =
         bench.run("import csv commands.csv log.csv --map map.yaml --repeated last --out out.csv");
     let said = String::from_utf8(output.stderr).unwrap();
-    assert!(said.contains("note: 1 rows of commands have the time of the row after"), "{said}");
+    assert!(said.contains("note: 1 rows of commands have the same time as the next row"), "{said}");
     let found = Recording::read(&bench.path("out.csv")).unwrap();
     assert_eq!((found.len(), found.commands.row(1)[0] < 0.001), (5, true));
 }
@@ -261,11 +261,11 @@ fn faults_of_times_name_what_helps() {
     assert!(said.contains("`unit: time_of_day` for times of day"), "{said}");
     bench.put("log.csv", &log("time,x,y,z\n", ",", |frame| format!("{}", 1000 + frame)));
     let said = bench.refused(&format!("time: {{column: time}}, {TIP}"));
-    assert!(said.contains("`{first_row_after_s: 0}` where both begin together"), "{said}");
+    assert!(said.contains("`{first_row_after_s: 0}` if both begin together"), "{said}");
     for (time, expected) in [
         ("{rate_hz: 0}", "above 0"),
-        ("{rate_hz: 100, unit: ms}", "frames are counted"),
-        ("{column: time, first_frame: 3}", "`rate_hz` beside it"),
+        ("{rate_hz: 100, unit: ms}", "which numbers the frames"),
+        ("{column: time, first_frame: 3}", "`rate_hz` in addition"),
         ("{column: time, sum: [{column: x, unit: s}]}", "one of the two"),
         ("{unit: s}", "the column of times, or `sum`, or `rate_hz`"),
         ("{rate_hz: SPEED}", "no word `SPEED`"),
@@ -314,7 +314,7 @@ fn poses_at_rest_need_no_times() {
     let output = bench.run("import csv poses.csv --map map.yaml --out out.csv");
     let said = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(0), "{said}");
-    assert!(said.contains("the 3 rows are poses at rest"), "{said}");
+    assert!(said.contains("the 3 rows are marked as poses at rest"), "{said}");
     let found = Recording::read(&bench.path("out.csv")).unwrap();
     assert_eq!(found.tip_m.unwrap()[2], [0.01, 0.0, 0.2194]);
 }

@@ -90,7 +90,7 @@ impl Axes {
             (3, -1.0) => {
                 Err(bad(if left_handed { "right-handed axes" } else { "left-handed axes" }))
             }
-            _ => Err(bad("an axis twice or none at all")),
+            _ => Err(bad("an axis twice, or no axis")),
         }
     }
 }
@@ -137,7 +137,7 @@ mod tests {
         for (words, found) in [
             ("x=+y,y=+x,z=+z", "left-handed"),
             ("x=+y,y=-y,z=+z", "twice"),
-            ("x=+y,y=-x", "none at all"),
+            ("x=+y,y=-x", "no axis"),
             ("x=+y,y=-x,z=+w", "`z=+w`"),
             ("x=+y,y=-x,z=+z,z=+z", "twice"),
             ("", "``"),

@@ -72,7 +72,7 @@ impl Export {
         if kind.iter().any(|body| body.name == word) {
             return self.body(word);
         }
-        let expected = || format!("one called `{word}`, or a single one whose name begins so");
+        let expected = || format!("one called `{word}`, or a single one whose name begins with it");
         only(kind, &begins).ok_or_else(|| self.unclear(expected()))
     }
 

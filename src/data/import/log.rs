@@ -51,11 +51,11 @@ fn check_pace(path: &Path, commands: &Recording, at_s: &[f64]) -> Result<(), Dat
         for row in rows.clone() {
             let (in_export_s, in_trial_s) = (at_s[row] - at_s[rows.start], commands.time_s[row]);
             if row > 0 && at_s[row] <= at_s[row - 1] {
-                let expected = format!("more than {:.6} s, as in the row before", at_s[row - 1]);
+                let expected = format!("more than {:.6} s, the time of the previous row", at_s[row - 1]);
                 return wrong(row, format!("{:.6} s in the export", at_s[row]), expected);
             }
             if (in_export_s - in_trial_s).abs() > MAX_JITTER_S + MAX_RATE_ERROR * in_trial_s {
-                let expected = format!("about {in_trial_s} s, as `time_s` says");
+                let expected = format!("about {in_trial_s} s, as in `time_s`");
                 return wrong(
                     row,
                     format!("{in_export_s:.6} s after the trial's first row"),
@@ -79,7 +79,7 @@ fn export_times(
     if let Some(at_s) =
         commands.extra_numbers(path, EXPORT_TIME, "seconds in the export, a number")?
     {
-        let found = "the time of each row, and --offset-s besides";
+        let found = "the time of each row, and also --offset-s";
         return if offsets_s.is_empty() {
             Ok(at_s)
         } else {

@@ -35,41 +35,41 @@ impl Imported {
         let mut notes = Vec::new();
         if doubts.exchanged {
             notes.push(format!(
-                "the base body moves and the tip body hardly does; are {bodies} exchanged?"
+                "the base body moves and the tip body hardly moves; are {bodies} exchanged?"
             ));
         }
         if let (Some(home_m), Some(axes)) = (doubts.home_m, doubts.axes) {
             let [x, y, z] = home_m.map(|x| 1e3 * x);
             notes.push(format!(
-                "at the start of the trials the tip is at ({x:.0}, {y:.0}, {z:.0}) mm, where no \
-                 robot that lies along z has it; {key}{axes} would turn it along z, or {bodies} are \
-                 exchanged"
+                "at the start of the trials the tip is at ({x:.0}, {y:.0}, {z:.0}) mm, which is \
+                 impossible for a straight robot along z; {key}{axes} would rotate it to z, or \
+                 {bodies} are exchanged"
             ));
         }
         if let Some((away_m, row)) = doubts.base_moves {
             let (trial, time_s) = (recording.trial[row], recording.time_s[row]);
             notes.push(format!(
-                "the base moves by up to {:.1} mm (trial {trial} at {time_s} s); the robot's \
-                 model has a base at rest",
+                "the base moves by up to {:.1} mm (trial {trial} at {time_s} s); the model assumes \
+                 a fixed base",
                 1e3 * away_m
             ));
         }
         if let Some(jumps_m) = doubts.jumps_m {
             notes.push(format!(
-                "the tip jumps by {:.0} mm or more from row to row and comes back each time, as \
-                 where the rows of several bodies are taken for one{rows}",
+                "the tip repeatedly jumps by {:.0} mm or more between rows and returns, as if the \
+                 rows of several bodies were read as one{rows}",
                 1e3 * jumps_m
             ));
         }
         match doubts.onset_s {
             Some(onset_s) if onset_s < -MAX_LEAD_S => notes.push(format!(
-                "the tip begins to move {:.2} s before its commands: the tracker's clock is \
-                 ahead of the log's by at least that ({clock})",
+                "the tip begins to move {:.2} s before its commands: the tracker's clock is ahead \
+                 of the log's by at least this time ({clock})",
                 -onset_s
             )),
             Some(onset_s) if onset_s > MAX_ONSET_S => notes.push(format!(
-                "the tip begins to follow its commands {onset_s:.2} s late: the tracker's clock \
-                 is behind the log's, or the drive is late"
+                "the tip begins to follow its commands {onset_s:.2} s late: the tracker's clock is \
+                 behind the log's, or the drive has a delay"
             )),
             _ => {}
         }

@@ -54,13 +54,13 @@ pub fn to_mcap(shown: &Shown) -> Vec<u8> {
     let numbers = writer.channel(
         "/commands",
         "spinebench.Commands",
-        &any_object("The commands in force from now on."),
+        &any_object("The commands from this time on."),
     );
     add(numbers, &|row| Some(commands(recording, row)));
     let rows = writer.channel(
         "/row",
         "spinebench.Row",
-        &any_object("What else the row of the recording holds."),
+        &any_object("The other values in the row of the recording."),
     );
     add(rows, &|row| Some(other_cells(recording, row)));
     let mut pose = |topic: &str,

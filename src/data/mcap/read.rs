@@ -136,7 +136,7 @@ type Damage = (usize, String, &'static str);
 impl Contents {
     /// Reads records to the end of the data; `bytes` begin with one.
     fn records(&mut self, bytes: &[u8]) -> Result<(), Damage> {
-        const WHOLE: &str = "a whole record (`mcap recover` mends a bag that was not closed)";
+        const WHOLE: &str = "a whole record (`mcap recover` repairs a bag that was not closed)";
         let mut fields = RecordFields(bytes);
         while !fields.0.is_empty() {
             let remaining = fields.0.len();

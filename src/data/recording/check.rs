@@ -62,7 +62,8 @@ impl Recording {
                 continue;
             };
             let expected = format!(
-                "metres that a robot of {length_m} m could be pulled by (are these millimetres?)"
+                "metres, a possible displacement for a robot of {length_m} m (are these \
+                 millimetres?)"
             );
             let column = self.actuation.column(tendon);
             return Err(cell_error(path, row, &column, command[tendon].to_string(), expected));
@@ -83,7 +84,7 @@ impl Recording {
             total_s += self.time_s[last] - self.time_s[range.start];
             if total_s > MAX_DURATION_S {
                 let expected = format!(
-                    "seconds, {MAX_DURATION_S} of them in all trials at most (are these \
+                    "seconds, at most {MAX_DURATION_S} in all trials together (are these \
                      milliseconds?)"
                 );
                 return Err(cell_error(
@@ -102,7 +103,8 @@ impl Recording {
         match long_steps.clone().next() {
             Some(&(row, step_s)) if 2 * long_steps.count() > steps.len() => {
                 let expected = format!(
-                    "seconds, not {step_s} from one row to the next (are these milliseconds?)"
+                    "seconds, with a step below the {step_s} between these rows (are these \
+                     milliseconds?)"
                 );
                 Err(cell_error(path, row, "time_s", self.time_s[row].to_string(), expected))
             }
@@ -120,7 +122,8 @@ impl Recording {
             let first = loads_kg[range.start];
             if let Some(row) = range.clone().find(|&row| loads_kg[row] != first) {
                 let expected =
-                    format!("{first} as at the trial's start: the same weight to its end");
+                    format!("{first}, as at the start of the trial: the weight is constant within \
+                             a trial");
                 return Err(cell_error(
                     path,
                     row,

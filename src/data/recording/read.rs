@@ -49,7 +49,7 @@ pub(super) fn recording(
     }
     columns::refuse_missing(table, expected)?;
     let trial = trials(table)?;
-    let at_rest = optional::flags(table, "at_rest", "1 for a pose at rest, else 0")?;
+    let at_rest = optional::flags(table, "at_rest", "1 for a pose at rest, otherwise 0")?;
     let all_at_rest = at_rest.as_ref().is_some_and(|rows| rows.iter().all(|at_rest| *at_rest));
     let in_time = match expected.times {
         Times::Increasing => true,
@@ -123,7 +123,7 @@ fn same_in_trial(
     let Some(row) = (1..table.rows).find(changed) else { return Ok(()) };
     let axis = (0..3).find(|&axis| all[row][axis] != all[row - 1][axis]).unwrap_or(0);
     let expected =
-        format!("{} as in the row before: the same gravity in a trial", all[row - 1][axis]);
+        format!("{}, as in the previous row: gravity is constant within a trial", all[row - 1][axis]);
     Err(table.cell_error(row, GRAVITY[axis], expected))
 }
 
@@ -149,7 +149,7 @@ fn trials(table: &Table) -> Result<Vec<u64>, DataError> {
             return Err(table.cell_error(
                 row,
                 "trial",
-                "a new trial: the rows of a trial stand together",
+                "a new trial: the rows of a trial must be contiguous",
             ));
         }
         trials.push(number);
@@ -197,7 +197,7 @@ fn times(table: &Table, trial: &[u64], in_time: bool) -> Result<Vec<f64>, DataEr
         }
         if !is_first && time_s <= times[row - 1] {
             let expected = format!(
-                "more than {} as in the row before: time increases in a trial",
+                "more than {}, the time of the previous row: time increases within a trial",
                 times[row - 1]
             );
             return Err(table.cell_error(row, NAME, expected));

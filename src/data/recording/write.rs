@@ -147,6 +147,6 @@ fn check(name: &str, found: usize, rows: usize) -> Result<(), String> {
     if found == rows {
         Ok(())
     } else {
-        Err(format!("column `{name}` has {found} rows where `trial` has {rows}"))
+        Err(format!("column `{name}` has {found} rows, but `trial` has {rows}"))
     }
 }

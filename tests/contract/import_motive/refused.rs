@@ -10,7 +10,7 @@ fn a_log_that_cannot_be_placed_is_refused() {
     assert!(
         bench
             .refused(&["--offset-s", "0"])
-            .contains("the time of each row, and --offset-s besides")
+            .contains("the time of each row, and also --offset-s")
     );
     let milliseconds = "trial,time_s,tendon_1_m,export_time_s\n0,0,0,250\n0,0.2,0,450\n";
     let cases: [(&str, &[&str], &str); 9] = [
@@ -95,7 +95,7 @@ fn a_broken_export_is_refused_by_line_and_column() {
         ),
         (
             good.replace("Rigid Body", "Bone"),
-            "line 3: found no column of a `Rigid Body` or a `Marker`, only `Bone`",
+            "line 3: found only `Bone`, no column of a `Rigid Body` or a `Marker`",
         ),
         (
             good.replacen("Frame,Time (Seconds)", "Frame,Time (ms)", 1),

@@ -48,7 +48,7 @@ fn export(path: &Path, points: &Points) -> Result<Export, DataError> {
     };
     let rate_hz = f64::from(points.frame_rate);
     if !(rate_hz.is_finite() && rate_hz > 0.0) {
-        return Err(refuse("POINT:RATE", rate_hz.to_string(), "frames a second, above 0"));
+        return Err(refuse("POINT:RATE", rate_hz.to_string(), "a frame rate in Hz, above 0"));
     }
     let frames = points.points.rows();
     if frames == 0 || points.labels.is_empty() {

@@ -50,8 +50,8 @@ impl ExportFormat {
             return Err(DataError::Line {
                 file: path.to_owned(),
                 place: "all frames".to_owned(),
-                found: format!("a rate of {rate_hz} Hz beside that of the file"),
-                expected: "no rate: the file tells it".to_owned(),
+                found: format!("a rate of {rate_hz} Hz in addition to that of the file"),
+                expected: "no rate: the file contains it".to_owned(),
             });
         }
         match self {

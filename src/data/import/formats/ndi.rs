@@ -12,8 +12,8 @@ use crate::data::{DataError, csv};
 /// What a tracked tool's status says.
 const TRACKED: &[&str] =
     &["ok", "enabled", "partially out of volume", "partiallyoutofvolume", "valid"];
-const EXPECTED: &str = "the columns `Q0`, `Qx`, `Qy`, `Qz`, `Tx`, `Ty`, `Tz` for each tool, as NDI's \
-                        tools write them (a map reads others: `import csv`)";
+const EXPECTED: &str = "the columns `Q0`, `Qx`, `Qy`, `Qz`, `Tx`, `Ty`, `Tz` for each tool, as \
+                        NDI's tools write them (for other columns: `import csv` with a map)";
 
 /// Reads an export. `rate_hz`: of the frames, for a file without times.
 pub(super) fn parse(path: &Path, bytes: &[u8], rate_hz: Option<f64>) -> Result<Export, DataError> {

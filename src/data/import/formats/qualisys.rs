@@ -50,7 +50,7 @@ pub(super) fn parse(path: &Path, bytes: &[u8]) -> Result<Export, DataError> {
     // Frame and time stand before the bodies, or nothing does.
     let Some(before @ (0 | 2)) = before else {
         let found = format!("{} columns for {} names", table.columns.len(), names.len());
-        let expected = format!("{width} a name, after `Frame` and `Time` where they are");
+        let expected = format!("{width} per name, after `Frame` and `Time` if present");
         return Err(csv::line_error(path, table.rows[0], found, expected));
     };
     let rate_hz = table.number_in_preamble("FREQUENCY", "the header")?;

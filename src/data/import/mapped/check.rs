@@ -51,21 +51,21 @@ impl ImportMap {
         let same_file = tracking.file_of(source) == self.commands.file;
         let is_text = matches!(source, SourceKind::Text { .. });
         if is_text && self.commands.time.is_none() && tracking.time.is_some() {
-            let expected = "times of the commands, as the tracking has some";
+            let expected = "the times of the commands, because the tracking has times";
             return Err(fault("commands", "time", "no such key", expected));
         }
         if is_text && tracking.time.is_none() {
             let chosen = tracking.bodies().find(|(_, body)| !body.conditions.is_empty());
             if let Some((path, _)) = chosen {
-                let expected = "`tracking.time` beside it: rows that are chosen have times";
-                return Err(fault(&path, "where", "such a key", expected));
+                let expected = "`tracking.time` in addition: selected rows need times";
+                return Err(fault(&path, "where", "this key", expected));
             }
             if !same_file {
-                let expected = "the column of times, as the commands are in another file";
+                let expected = "the column of times, because the commands are in another file";
                 return Err(fault("tracking", "time", "no such key", expected));
             }
             if tracking.clock != ClockMap::Same {
-                let expected = "`time` beside it, or the same clock for rows that hold both";
+                let expected = "`time` in addition, or the same clock for rows that contain both";
                 return Err(fault("tracking", "clock", "an offset", expected));
             }
         }
@@ -78,12 +78,12 @@ impl ImportMap {
         let Some(names) = &self.trial_files else {
             if let SourceKind::Text { from_folder: true, .. } = source {
                 let expected = "the names of its files, such as `{commands: \"run_{trial}.csv\"}`";
-                return Err(fault("", PATH, "no such key, and a folder", expected));
+                return Err(fault("", PATH, "no such key for a folder", expected));
             }
             return Ok(source);
         };
         if source == SourceKind::Bag {
-            return Err(fault("", PATH, "such a key", "no such key: a bag is one file"));
+            return Err(fault("", PATH, "this key", "no such key: a bag is one file"));
         }
         names.check()?;
         let CommandsMap { file, trial, trial_gap_s, .. } = &self.commands;
@@ -105,7 +105,7 @@ impl ImportMap {
                 "",
                 "tracking",
                 "no such key",
-                "what stands in the files `trial_files.tracking`",
+                "the columns of the files `trial_files.tracking`",
             )),
             (tracking_names, _) => Ok(SourceKind::Text {
                 files: 1 + usize::from(tracking_names.is_some()),
@@ -129,7 +129,7 @@ impl TrialFilesMap {
             }
         }
         if self.tracking.as_ref() == Some(&self.commands) {
-            let expected = "another name, or no such key where each file holds both";
+            let expected = "another name, or no such key if each file contains both";
             return Err(fault(
                 PATH,
                 "tracking",
@@ -159,7 +159,7 @@ impl TimeMap {
         }
         self.check_frames(path, source)?;
         if let Some(part) = self.sum.iter().find(|part| part.unit == TimeUnit::Iso8601) {
-            let expected = "times that can be added; dates stand in one column";
+            let expected = "times that can be added; a date must be in one column";
             return Err(fault(path, "sum", format!("{} as a date", part.column), expected));
         }
         match &self.zone {
@@ -167,7 +167,7 @@ impl TimeMap {
                 path,
                 "zone",
                 format!("`{zone}`"),
-                "`unit: iso8601` beside it: numbers have no zone",
+                "`unit: iso8601` in addition: numbers have no zone",
             )),
             Some(zone) if zone_s(zone).is_none() => Err(fault(
                 path,
@@ -182,18 +182,18 @@ impl TimeMap {
     fn check_frames(&self, path: &str, source: SourceKind) -> Result<(), Fault> {
         match self.rate_hz {
             Some(_) if source == SourceKind::Bag && self.first_frame.is_none() => {
-                let expected = "the number of the frame at time 0: topics begin at several";
+                let expected = "the number of the frame at time 0, which differs between topics";
                 Err(fault(path, "first_frame", "no such key", expected))
             }
             Some(FrameRate::Hz(rate_hz)) if !(rate_hz.is_finite() && rate_hz > 0.0) => {
-                Err(fault(path, "rate_hz", rate_hz.to_string(), "frames a second, above 0"))
+                Err(fault(path, "rate_hz", rate_hz.to_string(), "a frame rate in Hz, above 0"))
             }
             Some(_) if self.unit != TimeUnit::S => {
-                let expected = "no such key beside `rate_hz`: frames are counted";
-                Err(fault(path, "unit", "such a key", expected))
+                let expected = "no such key together with `rate_hz`, which numbers the frames";
+                Err(fault(path, "unit", "this key", expected))
             }
             None if self.first_frame.is_some() => {
-                Err(fault(path, "first_frame", "such a key", "`rate_hz` beside it"))
+                Err(fault(path, "first_frame", "this key", "`rate_hz` in addition"))
             }
             _ => Ok(()),
         }
@@ -278,7 +278,7 @@ impl CommandsMap {
         }
         if let Some(gap_s) = self.trial_gap_s {
             if self.time.is_none() && source != SourceKind::Bag {
-                return Err(fault(PATH, "time", "no such key", "times, of which gaps are told"));
+                return Err(fault(PATH, "time", "no such key", "times, to find the gaps"));
             }
             BadOption::unless_positive("trial_gap_s", gap_s)
                 .map_err(|error| (PATH.to_owned(), error))?;
@@ -312,13 +312,13 @@ impl TendonsMap {
         const PATH: &str = "commands.tendons";
         let count = self.columns.len();
         if count == 0 {
-            return Err(fault(PATH, "columns", "an empty list", "one column a tendon"));
+            return Err(fault(PATH, "columns", "an empty list", "one column per tendon"));
         }
         let kind = self.unit.factor().0;
         match &self.scale {
             None if matches!(kind, CommandKind::Angle | CommandKind::Count) => {
                 let expected =
-                    "metres of tendon per radian or per count: one number, or one a tendon";
+                    "metres of tendon per radian or per count: one number, or one per tendon";
                 return Err(fault(PATH, "scale", "no such key", expected));
             }
             Some(scale) if !(scale.len() == 1 || scale.len() == count) => {
@@ -326,7 +326,7 @@ impl TendonsMap {
                     PATH,
                     "scale",
                     format!("{} numbers", scale.len()),
-                    "one number, or one a tendon",
+                    "one number, or one per tendon",
                 ));
             }
             Some(scale) if scale.iter().any(|number| !number.is_finite() || *number == 0.0) => {
@@ -347,7 +347,7 @@ impl TendonsMap {
             return Err(fault(PATH, "home", "`zero` and `home`", "one of the two"));
         }
         if home.len() != count || home.iter().any(|number| !number.is_finite()) {
-            return Err(fault(PATH, "home", format!("{home:?}"), "one finite number a tendon"));
+            return Err(fault(PATH, "home", format!("{home:?}"), "one finite number per tendon"));
         }
         Ok(())
     }
@@ -438,7 +438,8 @@ impl TrackingMap {
             }
         }
         if self.euler.is_some() && self.bodies().all(|(_, body)| body.angles.is_none()) {
-            return Err(fault(PATH, "euler", "such a key", "`angles` of a body that it is about"));
+            return Err(fault(PATH, "euler", "this key", "`angles` of a body to which it \
+                                                           applies"));
         }
         Ok(())
     }

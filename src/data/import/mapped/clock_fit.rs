@@ -156,7 +156,8 @@ pub(crate) fn estimate(
     let Some(&best) = optima.first().filter(|best| 1.0 - best.unexplained >= MIN_EXPLAINED) else {
         let share = optima.first().map_or(0.0, |best| 100.0 * (1.0 - best.unexplained));
         let found =
-            format!("a tip whose motion follows the commands to {share:.0} % at the best offset");
+            format!("a tip of which the commands explain {share:.0} % of the motion at the best \
+                     offset");
         return refuse(found, "20 % or more, or `clock.offset_s`");
     };
     let is_distinct = |other: &&OffsetCandidate| {
@@ -170,7 +171,8 @@ pub(crate) fn estimate(
     {
         let (best_s, other_s) = (best.offset_s, other.offset_s);
         let found =
-            format!("a motion that repeats: offsets of {best_s:.3} s and {other_s:.3} s fit alike");
+            format!("a periodic motion: offsets of {best_s:.3} s and {other_s:.3} s fit equally \
+                     well");
         return refuse(
             found,
             "narrower limits `clock.estimate.from_s` and `to_s`, or `clock.offset_s`",
@@ -179,7 +181,8 @@ pub(crate) fn estimate(
     if let Some(other_s) = rival_by_lag_s(&coarse, best, every_s) {
         let best_s = best.offset_s;
         let found =
-            format!("a motion by which offsets of {best_s:.3} s and {other_s:.3} s fit alike");
+            format!("a motion for which offsets of {best_s:.3} s and {other_s:.3} s fit equally \
+                     well");
         return refuse(found, "commands of several frequencies, or `clock.offset_s`");
     }
     let best = fine.polished(best, None);
@@ -253,10 +256,10 @@ mod tests {
         let (commands, mut frames) = motion(1, true);
         frames.retain(|(frame_s, _)| (10.0..50.0).contains(frame_s));
         let said = estimate(&commands, frames.clone(), None, None).unwrap_err().0;
-        assert!(said.contains("fit alike"), "{said}");
+        assert!(said.contains("fit equally well"), "{said}");
         // Within a period a lag makes up for an offset.
         let said = estimate(&commands, frames.clone(), Some(-2.3), Some(-1.9)).unwrap_err().0;
-        assert!(said.contains("fit alike"), "{said}");
+        assert!(said.contains("fit equally well"), "{said}");
         let at_rest = frames.iter().map(|(frame_s, tip)| (*frame_s, [0.0, 0.0, tip[2]])).collect();
         let said = estimate(&commands, at_rest, None, None).unwrap_err().0;
         assert!(said.contains("at the best offset"), "{said}");

@@ -178,7 +178,7 @@ impl LogTable {
         };
         let all = || {
             let names = listed(self.columns.iter().map(|(name, _)| format!("`{name}`")));
-            let hint = if self.columns.len() == 1 { " (is the delimiter another?)" } else { "" };
+            let hint = if self.columns.len() == 1 { " (is another delimiter used?)" } else { "" };
             format!("{names}{hint}")
         };
         match name {
@@ -218,7 +218,7 @@ impl LogTable {
                     file: self.file.clone(),
                     place: format!("column {name}"),
                     found: format!("only {}", listed(before.iter().map(|cell| shown(cell)))),
-                    expected: format!("rows with {value}, as `{key}` of the map says"),
+                    expected: format!("rows with {value}, as required by `{key}` of the map"),
                 });
             }
         }

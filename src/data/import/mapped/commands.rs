@@ -121,14 +121,14 @@ fn check_order(table: &LogTable, stamps: &Stamps, starts: &[usize]) -> Result<()
         let (before_ns, ns) = (stamps.ns[row - 1], stamps.ns[row]);
         if ns == before_ns {
             let expected = format!(
-                "a later time than in {} (with `commands.repeated: last` of the map the last row \
-                 of a time counts)",
+                "a later time than in {} (`commands.repeated: last` in the map keeps the last row \
+                 of each time)",
                 table.place(row - 1)
             );
             return Err(stamps.wrong(table, row, None, expected));
         }
         if ns < before_ns {
-            let expected = "a later time than in the row before: time increases in a trial";
+            let expected = "a later time than in the previous row: time increases within a trial";
             return Err(stamps.wrong(table, row, None, expected));
         }
     }
@@ -162,7 +162,7 @@ fn trials(table: &LogTable, map: &CommandsMap, stamps_ns: &[i64]) -> Result<Tria
             return Err(table.wrong(
                 column,
                 row,
-                "a new trial: the rows of a trial stand together",
+                "a new trial: the rows of a trial must be contiguous",
             ));
         }
         labels.push(label.into_owned());

@@ -56,9 +56,9 @@ pub(super) fn without_tracking(
 }
 
 /// What sets clocks right.
-const CLOCK_HINT: &str = " (`tracking.clock` of the map says how the clocks stand: \
-                          `{first_row_after_s: 0}` where both begin together; messages of a bag \
-                          have `time: {column: log_time}`)";
+const CLOCK_HINT: &str = " (`tracking.clock` of the map relates the clocks: `{first_row_after_s: \
+                          0}` if both begin together; for messages of a bag use `time: {column: \
+                          log_time}`)";
 
 /// Joins the logs. `same_rows`: row by row, whatever the times.
 pub(super) fn join(
@@ -254,8 +254,8 @@ fn check_one_clock(file: &Path, recording: &Recording, stamps_ns: &[i64]) -> Res
     let Some(row) = (1..stamps_ns.len()).find(|&row| stamps_ns[row] <= stamps_ns[row - 1]) else {
         return Ok(());
     };
-    let found = format!("times that go back where trial {} begins", recording.trial[row]);
-    Err(fault(file, found, "one clock for all trials, as the tracking has times of its own"))
+    let found = format!("times that decrease at the start of trial {}", recording.trial[row]);
+    Err(fault(file, found, "one clock for all trials, because the tracking has its own times"))
 }
 
 /// Refuses dates of one clock of which only one has a zone.
@@ -270,8 +270,9 @@ fn check_zones(
         (Some(true), Some(false)) => tracking_file,
         _ => return Ok(()),
     };
-    let found = "dates without a zone, and with one in the other times".to_owned();
-    Err(fault(lacking, found, "`zone` beside `unit: iso8601` in the map, or `tracking.clock`"))
+    let found = "dates without a time zone, while the other times have one".to_owned();
+    Err(fault(lacking, found, "`zone` in addition to `unit: iso8601` in the map, or \
+                               `tracking.clock`"))
 }
 
 /// Commands of tendons or drives, row by row.

@@ -68,7 +68,7 @@ const KEYS: SettingNames = SettingNames {
     axes: "`tracking.axes` ",
     bodies: "`tracking.base` and `tracking.tip`",
     clock: "add it to `tracking.clock.offset_s`",
-    rows: "; `tracking.tip.where` chooses those of the tip",
+    rows: "; `tracking.tip.where` selects those of the tip",
 };
 
 impl MappedImport {
@@ -78,25 +78,27 @@ impl MappedImport {
         if let Some(first) = self.passed_over.first() {
             let (count, first) = (self.passed_over.len(), first.display());
             notes.push(format!(
-                "the names of {count} files fit no pattern of `trial_files` (the first is {first}); \
-                 they were not read"
+                "the names of {count} files match no pattern of `trial_files` (first: {first}); \
+                 these files were not read"
             ));
         }
         if self.at_rest {
             notes.push(format!(
-                "the map names no times: the {} rows are poses at rest, and marked so (`at_rest`)",
+                "the map defines no times: the {} rows are marked as poses at rest (`at_rest`)",
                 self.recording.len()
             ));
         }
         let RepeatedRows { commands, poses } = self.repeated;
         if commands > 0 {
             notes.push(format!(
-                "{commands} rows of commands have the time of the row after them, which counts"
+                "{commands} rows of commands have the same time as the next row; only the next row \
+                 is used"
             ));
         }
         if poses > 0 {
             notes.push(format!(
-                "{poses} tracked rows repeat the time and the pose of the row before; they count once"
+                "{poses} tracked rows repeat the time and the pose of the previous row; the \
+                 repetitions are ignored"
             ));
         }
         notes.extend(self.imported.iter().flat_map(|imported| imported.notes(&KEYS)));

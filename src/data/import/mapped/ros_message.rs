@@ -42,7 +42,7 @@ impl MessageDefinition {
             common(&name).ok_or_else(|| {
                 let encoding = &kind.definition_encoding;
                 let how = if encoding.is_empty() { "no definition" } else { encoding };
-                format!("messages of type `{name}`, whose definition is not in the bag ({how})")
+                format!("messages of type `{name}` without their definition in the bag ({how})")
             })?
         };
         let schema = MessageSchema::parse(&name, &text)

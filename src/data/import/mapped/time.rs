@@ -89,8 +89,8 @@ fn check_set(table: &LogTable, column: usize, ns: &[i64]) -> Result<(), DataErro
     let is_stamp = matches!(table.columns[column].1, LogCells::Nanoseconds(_));
     let unset = ns.iter().position(|stamp| *stamp == 0).filter(|_| is_stamp);
     unset.map_or(Ok(()), |row| {
-        let expected = "a time that was set; `time: {column: log_time}` of the map \
-                        takes the time at which the message was recorded";
+        let expected = "a time other than 0; `time: {column: log_time}` in the map uses the time \
+                        at which the message was recorded";
         Err(table.wrong(column, row, expected))
     })
 }
@@ -109,7 +109,7 @@ fn dates(table: &LogTable, time: &TimeMap, column: usize) -> Result<Stamps, Data
             return Err(table.wrong(
                 column,
                 row,
-                format!("a time {with} a zone as in the rows before, or `zone` in the map"),
+                format!("a time {with} a zone, as in the previous rows, or `zone` in the map"),
             ));
         }
         let expected = "a date from 1678 to 2261";

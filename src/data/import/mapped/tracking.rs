@@ -167,7 +167,7 @@ fn track(
         let pose = pose(table, map, &columns, row)?;
         match poses.last_mut() {
             Some((last_ns, _)) if *last_ns > stamp_ns => {
-                let expected = "no earlier time than in the row before";
+                let expected = "a time not earlier than in the previous row";
                 return Err(stamps.wrong(table, row, None, expected));
             }
             Some((last_ns, last_pose)) if *last_ns == stamp_ns => match (&last_pose, &pose) {
@@ -201,8 +201,8 @@ fn two_at_once(
         stamps.ns[row] as f64 / NS
     );
     let expected = format!(
-        "one pose a time: `{path}.where` of the map chooses the rows of one body (`{{COLUMN: \
-         TEXT}}`), and `tracking.time.rate_hz` counts frames where times are rounded"
+        "one pose per time: `{path}.where` of the map selects the rows of one body (`{{COLUMN: \
+         TEXT}}`); if times are rounded, `tracking.time.rate_hz` numbers the frames"
     );
     stamps.wrong(table, row, Some(found), expected)
 }

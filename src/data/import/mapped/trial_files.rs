@@ -219,8 +219,8 @@ impl FoundTrials {
         for (trial, file) in tracking.iter().flatten() {
             if !first.contains_key(trial) {
                 let expected =
-                    format!("commands beside it, a file `{}`", map.commands.replace(TRIAL, trial));
-                return Err(refused(file, format!("tracking of trial `{trial}` alone"), expected));
+                    format!("a file `{}` with its commands", map.commands.replace(TRIAL, trial));
+                return Err(refused(file, format!("only the tracking of trial `{trial}`"), expected));
             }
         }
         let mut names: Vec<&String> = first.keys().collect();
@@ -231,12 +231,12 @@ impl FoundTrials {
                 (Some(files), Some((pattern, _))) => {
                     Some(files.get(*name).cloned().ok_or_else(|| {
                         let expected = format!(
-                            "tracking beside it, a file `{}`",
+                            "a file `{}` with its tracking",
                             pattern.replace(TRIAL, name)
                         );
                         refused(
                             &first[*name],
-                            format!("commands of trial `{name}` alone"),
+                            format!("only the commands of trial `{name}`"),
                             expected,
                         )
                     })?)
@@ -287,7 +287,7 @@ fn sorted(
             return Err(refused(
                 file,
                 found,
-                "one file a trial (`trial_files` of the map)".to_owned(),
+                "one file per trial (`trial_files` of the map)".to_owned(),
             ));
         }
     }
@@ -300,7 +300,7 @@ fn refused(file: &Path, found: String, expected: String) -> DataError {
 
 fn none_fits(files: &[PathBuf], map: &TrialFilesMap) -> DataError {
     let file = files.first().cloned().unwrap_or_default();
-    let found = format!("no name that fits, in {} files", files.len());
+    let found = format!("no matching name among {} files", files.len());
     refused(
         &file,
         found,
@@ -355,7 +355,7 @@ mod tests {
         let two = Some("t{trial}.csv");
         assert!(
             said(&["x.csv"], "c{trial}.csv", None)
-                .starts_with("x.csv, its name: found no name that fits, in 1 files")
+                .starts_with("x.csv, its name: found no matching name among 1 files")
         );
         assert!(
             said(&["c1a.csv", "c1b.csv"], "c{trial}?.csv", None)
@@ -363,11 +363,11 @@ mod tests {
         );
         assert!(
             said(&["c1.csv", "c2.csv", "t1.csv"], "c{trial}.csv", two)
-                .contains("expected tracking beside it, a file `t2.csv`")
+                .contains("expected a file `t2.csv` with its tracking")
         );
         assert!(
             said(&["c1.csv", "t1.csv", "t2.csv"], "c{trial}.csv", two)
-                .contains("expected commands beside it, a file `c2.csv`")
+                .contains("expected a file `c2.csv` with its commands")
         );
     }
 }

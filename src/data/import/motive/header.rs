@@ -69,8 +69,8 @@ pub(crate) fn layout(
     let markers = markers(&header_rows, rotation);
     if bodies.is_empty() && markers.is_empty() {
         let kinds = kinds(header_rows.kinds);
-        let found = format!("no column of a `Rigid Body` or a `Marker`, only {kinds}");
-        let expected = "rigid bodies or markers: export with them switched on";
+        let found = format!("only {kinds}, no column of a `Rigid Body` or a `Marker`");
+        let expected = "rigid bodies or markers: enable them in the export";
         return Err(line_error(path, header_rows.kinds.number, found, expected));
     }
     let width = rows.iter().chain([parts]).map(|line| line.cells.len()).max().unwrap_or(0);

@@ -92,7 +92,7 @@ fn rotation(path: &Path, line: &ExportLine) -> Result<Rotation, DataError> {
             path,
             KEY,
             name,
-            "`Quaternion` (or the Euler angles `XYZ`): export it so".to_owned(),
+            "`Quaternion` (or the Euler angles `XYZ`): change the export setting".to_owned(),
         )),
     }
 }

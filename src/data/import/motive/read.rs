@@ -121,7 +121,7 @@ impl Frames<'_> {
             ));
         };
         if let Some(before) = self.time_s.last().filter(|before| time_s <= **before) {
-            let expected = format!("more than {before} as in the frame before");
+            let expected = format!("more than {before}, the time of the previous frame");
             return Err(self.bad(line, NAME.to_owned(), cell, expected));
         }
         Ok(time_s)
@@ -170,7 +170,7 @@ impl Frames<'_> {
         let cell = line.cell(index);
         number(cell).ok_or_else(|| {
             let column = format!("{} {what}", columns.name);
-            self.bad(line, column, cell, "a number with a decimal point, or nothing".to_owned())
+            self.bad(line, column, cell, "a number with a decimal point, or an empty cell".to_owned())
         })
     }
 

@@ -32,8 +32,8 @@ pub(super) fn find(
             if moved_m > min_motion_m {
                 let since_s = measured.time_s[first];
                 let why = format!(
-                    "the pose repeats that of {since_s} s to the last bit while the model moves by \
-                     {:.1} mm",
+                    "the pose is identical to that at {since_s} s while the model moves by {:.1} \
+                     mm",
                     1e3 * moved_m
                 );
                 exclusions.extend(run[1..].iter().map(|&row| Exclusion { row, why: why.clone() }));

@@ -34,7 +34,7 @@ pub(super) fn find(measured: &Recording) -> Vec<Exclusion> {
         {
             let [from_s, to_s] = [gap - 1, gap].map(|row| measured.time_s[row]);
             let why =
-                format!("rows between {from_s} s and {to_s} s are missing, and with them commands");
+                format!("rows between {from_s} s and {to_s} s and their commands are missing");
             let affected =
                 (gap..rows.end).take_while(|&row| measured.time_s[row] <= to_s + MEMORY_S);
             exclusions.extend(affected.map(|row| Exclusion { row, why: why.clone() }));

@@ -117,10 +117,11 @@ impl Exclusions {
         let kinds = [
             (
                 &self.jumps,
-                "what is tracked jumps and returns within three rows, as only a tracker does",
+                "the tracked position jumps and returns within three rows, which indicates a \
+                 tracker error",
             ),
-            (&self.frozen, "the pose repeats to the last bit while the robot moves"),
-            (&self.gaps, "rows and their commands are missing in the second before"),
+            (&self.frozen, "the pose is identical to an earlier one while the robot moves"),
+            (&self.gaps, "rows and their commands are missing in the preceding second"),
         ];
         let present = kinds.into_iter().filter(|(rows, _)| !rows.is_empty());
         let sentence = |(rows, what): (&Vec<Exclusion>, &str)| {
@@ -222,7 +223,7 @@ mod tests {
         assert_eq!(without.commands, measured.commands);
         let told = &excluded.sentences(&measured)[0];
         assert!(
-            told.starts_with("In 1 of 180 rows what is tracked jumps")
+            told.starts_with("In 1 of 180 rows the tracked position jumps")
                 && told.contains("(trial 1 at 2 s)"),
             "{told}"
         );
