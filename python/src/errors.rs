@@ -51,7 +51,7 @@ impl Fault {
 
     /// What a call that nobody waits for any more ends with.
     pub(crate) fn interrupted() -> Fault {
-        Fault::Run("interrupted; what is computed is stored".into())
+        Fault::Run("interrupted; the computed stages are stored".into())
     }
 
     /// Bad input that is only words.

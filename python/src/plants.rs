@@ -108,7 +108,7 @@ impl Robot {
 /// The plant with further effects (JSON).
 pub(crate) fn extended(spec: &PlantSpec, effects: &str) -> Result<PlantSpec, Fault> {
     if !spec.takes_effects() {
-        let expected = "none: this plant takes no effects";
+        let expected = "none: effects cannot be added to this plant";
         return Err(Fault::argument("randomise", "effects", expected));
     }
     let extended = spec.with_effects(&effects_of("randomise", effects)?);

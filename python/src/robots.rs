@@ -191,7 +191,7 @@ impl PyRobots {
         let Beginnings(which, seeds, effects, targets_m) = beginnings;
         let counts = [seeds.len(), effects.len(), targets_m.len()];
         if counts.iter().any(|&count| count != which.len()) {
-            return Err(Fault::words("seeds, effects, targets: expected one a robot").into());
+            return Err(Fault::words("seeds, effects, targets: expected one per robot").into());
         }
         let mut order: Vec<Option<usize>> = vec![None; self.count];
         for (place, &index) in which.iter().enumerate() {
@@ -240,7 +240,7 @@ impl PyRobots {
         let spec = read_plant(&file).map_err(Fault::from)?;
         let count = arguments.count;
         if spec.drives_hardware() && count > 1 {
-            let expected = "1: a real robot stands alone";
+            let expected = "1, because a real robot cannot be copied";
             return Err(Fault::argument("count", count.to_string(), expected).into());
         }
         Ok(PyRobots::of(spec, &arguments)?)
@@ -291,7 +291,7 @@ impl PyRobots {
     /// One step of one robot.
     fn step_alone<'py>(&self, py: Python<'py>, action: &Bound<'py, PyAny>) -> PyResult<Alone<'py>> {
         let size = self.drive.actions();
-        let action = shaped(action, "action", &[size], "one number a way to move")?;
+        let action = shaped(action, "action", &[size], "one number per action")?;
         let task = self.task()?;
         let seen = detached(py, || {
             let mut episodes = self.locked();
@@ -299,7 +299,7 @@ impl PyRobots {
             if episode.has_ended {
                 return Err(Fault::argument(
                     "environment",
-                    "no episode under way",
+                    "no active episode",
                     "a call of reset() before step()",
                 ));
             }

@@ -272,7 +272,8 @@ impl PyRod {
         let mut rod = self.driven.rod.rod().clone();
         let rates = detached(py, || {
             let none = || {
-                let message = "found a rod that is not at rest, expected a call of settle() before"
+                let message = "found a rod that is not at rest, expected a previous call of \
+                               settle()"
                     .to_owned();
                 Fault::Solver { status: "not_at_rest".into(), message }
             };

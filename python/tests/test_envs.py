@@ -79,7 +79,7 @@ def test_wrong_randomisations_are_refused_before_anything_runs(randomise: Any, w
 def test_robots_without_effects_take_no_randomisation(tmp_path: Path) -> None:
     plant = tmp_path / "plant.yaml"
     plant.write_text("constant_curvature: {}\n")
-    with pytest.raises(InputError, match="this plant takes no effects"):
+    with pytest.raises(InputError, match="effects cannot be added to this plant"):
         gymnasium.make(IDS[0], plant=plant, randomise=RANDOM)
 
 

@@ -20,7 +20,7 @@ impl Rows {
     /// # Panics
     /// When `row` is not `width` long: a programming error.
     pub fn push(&mut self, row: &[f64]) {
-        assert_eq!(row.len(), self.width, "a row of the wrong width");
+        assert_eq!(row.len(), self.width, "a row with a wrong number of cells");
         self.values.extend_from_slice(row);
     }
 

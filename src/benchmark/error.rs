@@ -10,10 +10,10 @@ pub enum BenchmarkError {
     #[error(transparent)]
     Commands(#[from] TaskError),
     /// The model cannot be simulated with its own commands.
-    #[error("the model cannot follow the commands of its exploration")]
+    #[error("the model has no solution for its exploration commands")]
     Unplayable,
     /// No drawn robot can be simulated with the commands.
-    #[error("no robot with {what} can follow the commands; {tried} were drawn")]
+    #[error("none of {tried} drawn robots with {what} has a solution for the commands")]
     NoRobot {
         /// Injected effect.
         what: String,
@@ -22,8 +22,7 @@ pub enum BenchmarkError {
     },
     /// The oracle found no candidate of the requested group.
     #[error(
-        "{tried} candidates, and none of them is {group} the span of the catalogue: expected at \
-         least one"
+        "none of {tried} candidates is {group} the span of the catalogue, expected at least one"
     )]
     NoneFound {
         /// `outside` or `inside`.

@@ -106,8 +106,8 @@ fn limitations(
     let best = &fitted.best;
     match &fitted.noise {
         Some((noise, rms_m, Some(_))) => told.push(format!(
-            "The model is off by {:.3} mm where noise makes {:.3} mm (from {}). It cannot be right \
-             as it stands, whatever these numbers are. {}",
+            "The error of the model is {:.3} mm, the noise {:.3} mm (from {}). The model has an \
+             error that no values of these numbers remove. {}",
             1e3 * rms_m,
             1e3 * noise.rms_m,
             noise.from,
@@ -115,8 +115,8 @@ fn limitations(
         )),
         Some(_) => {}
         None => told.push(
-            "The noise of this recording is unknown: no rows in which the robot rests, and too few \
-             that follow each other. The intervals hold if the model is right."
+            "The noise of this recording cannot be estimated: the recording has no rows at rest \
+             and too few consecutive rows. The intervals are valid if the model is correct."
                 .to_owned(),
         ),
     }
@@ -129,12 +129,12 @@ fn limitations(
     }
     let held = problem.numbers.iter().enumerate().filter(|(k, number)| best.x[*k] <= number.low());
     for (_, number) in held {
-        told.push(format!("{} ended at its bound, {}.", number.name, number.value(number.low())));
+        told.push(format!("The estimate of {} is at its bound, {}.", number.name, number.value(number.low())));
     }
     if fitted.outliers > 0 {
         told.push(format!(
-            "{} of {} positions are too far from the model to belong to the same noise (beyond 6 \
-             robust standard deviations); see the column `weight` of residuals.csv.",
+            "{} of {} positions are outliers (beyond 6 robust standard deviations from the model); \
+             see the column `weight` of residuals.csv.",
             fitted.outliers,
             best.positions.len()
         ));
@@ -148,8 +148,8 @@ fn limitations(
     }
     if fitted.restarted {
         told.push(
-            "Another start than the model's values led to a better fit: there is more than one \
-             minimum."
+            "A start other than the model's values converged to a better fit: the problem has \
+             several minima."
                 .to_owned(),
         );
     }
@@ -164,8 +164,8 @@ fn range_ends(held_out: &HeldOutError) -> impl Iterator<Item = String> {
     held_out.models.iter().filter(|model| !model.at_range_end.is_empty()).map(|model| {
         let (name, ends) = (&model.name, &model.at_range_end);
         format!(
-            "The {name} beside it has hyper-parameters at an end of their range, with the number of \
-             its fits: {ends}."
+            "In the comparison, the {name} has hyper-parameters at an end of their range (with the \
+             number of fits): {ends}."
         )
     })
 }
@@ -174,9 +174,9 @@ fn widening(uncertain: &Uncertain, blocks: &Blocks) -> String {
     if uncertain.widened {
         let (count, kind) = (blocks.names.len(), blocks.kind);
         return format!(
-            "The intervals are widened by the scatter between the {count} {kind}s, and hold for \
+            "The intervals include the scatter between the {count} {kind}s. They are valid for \
              this model only."
         );
     }
-    "The intervals hold for this model only, and do not contain its error.".to_owned()
+    "The intervals are valid for this model only and do not include its error.".to_owned()
 }

@@ -58,8 +58,8 @@ fn experiment() -> Value {
         "additionalProperties": { "anyOf": [
             { "type": "array", "minItems": 1, "description": "The values." },
             of_form(),
-            { "type": "null", "description": "Do not sweep this field, although the extended file \
-                                              does." },
+            { "type": "null", "description": "Do not sweep this field, which the extended file \
+                                              sweeps." },
         ]},
     });
     schema["properties"]["extends"] = extends;

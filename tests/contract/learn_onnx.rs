@@ -95,7 +95,7 @@ fn an_unknown_operator_is_named() {
     let error = OnnxNetwork::read(&bytes, 0).unwrap_err();
     assert_eq!(error, OnnxError::Operator("Tahn".into()));
     let words = error.to_string();
-    assert!(words.contains("Tanh") && words.contains("run it from a class of Python"), "{words}");
+    assert!(words.contains("Tanh") && words.contains("run it from a Python class"), "{words}");
 }
 
 #[test]

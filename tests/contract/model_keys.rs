@@ -364,7 +364,7 @@ const BAD: &[(Place, &str, usize, &str)] = &[
         Place::Robot,
         "  disks: {count: 1, mass_kg: 0.1, masses_kg: [0.1]}\n",
         4,
-        "robot.disks.masses_kg: found [0.1], expected `positions_m` beside it",
+        "robot.disks.masses_kg: found [0.1], expected `positions_m` in addition",
     ),
     (
         Place::Robot,
@@ -421,7 +421,7 @@ const BAD: &[(Place, &str, usize, &str)] = &[
         Place::Robot,
         "tracking: {starts: anywhere, rested_s: 2}\n",
         4,
-        "tracking.rested_s: found 2, expected no time at home",
+        "tracking.rested_s: found 2, expected no such key unless trials start at home",
     ),
 ];
 

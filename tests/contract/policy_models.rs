@@ -132,7 +132,7 @@ fn a_model_without_a_plan_is_a_named_failure() {
     assert!(decided(Fragile { max_bend_m: 1.0, gain: 1.0 }).is_ok());
     for (fragile, why) in [
         (Fragile { max_bend_m: -1.0, gain: 1.0 }, "at home"),
-        (Fragile { max_bend_m: 1e-9, gain: 1.0 }, "no equilibrium on the way"),
+        (Fragile { max_bend_m: 1e-9, gain: 1.0 }, "no equilibrium on the path"),
         (Fragile { max_bend_m: 1.0, gain: f64::NAN }, "at home"),
     ] {
         let failure = decided(fragile).unwrap_err();

@@ -190,7 +190,7 @@ const BAD: &[(&str, &str)] = &[
     (
         "gp_points: {p_sim: network}\nruns: {repair: {gp_points: 20, changes: {load: [{tip_load: \
          {mass_kg: 0.02}}]}, cells: [{policies: [integral], modes: [closed]}]}}",
-        "bad.yaml:2:20: gp_points.p_sim: found `network`, expected `rod`, as `runs.repair` needs",
+        "bad.yaml:2:20: gp_points.p_sim: found `network`, expected `rod`, because `runs.repair`",
     ),
     (
         "runs: {response: {cells: [{policies: [a_integral], modes: [closed]}]}}",

@@ -297,12 +297,12 @@ const BAD_SPECS: &[(&str, &str)] = &[
     ),
     (
         "sweep: {\"runs.reach[7].modes\": [[open]]}",
-        "spec.yaml:2:32: runs.reach[7].modes: found a list of 1 on the way there, expected a field \
+        "spec.yaml:2:32: runs.reach[7].modes: found a list of 1 within this path, expected a field \
          of this spec",
     ),
     (
         "sweep: {control_hz.more: [1, 2]}",
-        "spec.yaml:2:26: control_hz.more: found 5 on the way there, expected a field",
+        "spec.yaml:2:26: control_hz.more: found 5 within this path, expected a field",
     ),
     (
         "sweep: {policy.c.switch_threshold_m: [0.01], policies.c.error_m: [0.02]}",
@@ -390,7 +390,7 @@ fn a_sweep_publishes_tidy_tables_a_summary_and_a_figure_and_is_verified() {
     let output = spinebench(folder.path(), text, &run);
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(output.status.success(), "{said}");
-    assert!(said.contains("table1 is of one setting"), "{said}");
+    assert!(said.contains("table1 shows one setting"), "{said}");
     let results = folder.path().join("results/kernels");
     let read = |name: &str| std::fs::read_to_string(results.join(name)).unwrap();
     let lines = |name: &str| read(name).lines().count() - 1;

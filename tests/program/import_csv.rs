@@ -304,7 +304,7 @@ fn faults_of_maps_and_files_are_told_with_their_place() {
             "commands.tendons.scale",
             "metres of tendon per radian or per count",
         ),
-        ("[a, b]", "[a, b], scale: [1, 2, 3]", "commands.tendons.scale", "one a tendon"),
+        ("[a, b]", "[a, b], scale: [1, 2, 3]", "commands.tendons.scale", "one per tendon"),
         (
             "time: {column: t}, tip",
             "file: 2, time: {column: t}, tip",

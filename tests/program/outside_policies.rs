@@ -71,7 +71,7 @@ fn faults_name_the_line_and_nothing_is_written() {
     std::fs::write(folder.path().join("net.onnx"), TORCH).unwrap();
     for (policies, words) in [
         ("  mine: {onnx: {file: none.onnx}}", "none.onnx"),
-        ("  mine: {onnx: {file: mine.yaml}}", "no ONNX model"),
+        ("  mine: {onnx: {file: mine.yaml}}", "not an ONNX model"),
         ("  mine: {onnx: {file: net.onnx, inputs: [tip]}}", "10 inputs, expected 3"),
         ("  mine: {onnx: {file: net.onnx, scale: 2}}", "scale"),
         ("  mine: {onnx: {file: net.onnx, settled_m: -1}}", "settled_m"),

@@ -203,7 +203,7 @@ fn the_limit_is_near(cluster: &Cluster, folder: &Path, expected: &BTreeMap<PathB
     });
     let output = end(child);
     assert!(output.status.success(), "{}", said(&output));
-    assert!(!said(&output).contains("submitting them again"), "{}", said(&output));
+    assert!(!said(&output).contains("submitting these stages again"), "{}", said(&output));
     assert_same(&published(folder), expected, "not as on this machine");
 }
 

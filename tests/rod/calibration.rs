@@ -231,7 +231,7 @@ fn a_misfit_beyond_the_noise_is_told_and_widens_the_interval() {
     let noise = wrong.findings.noise.as_ref().unwrap();
     assert!(noise.beyond_noise && noise.ratio > 5.0 && noise.noise_m < 1.2e-3, "{noise:?}");
     assert!(
-        wrong.findings.limitations[0].contains("is off by"),
+        wrong.findings.limitations[0].contains("The error of the model is"),
         "{:?}",
         wrong.findings.limitations
     );

@@ -65,7 +65,7 @@ pub(crate) fn named() -> Made {
             ),
             text(
                 "friction",
-                "dry friction: the path depends on direction",
+                "dry friction (the path depends on the direction)",
                 "m = m_f sign(κ')",
                 "Do et al. 2014",
             ),

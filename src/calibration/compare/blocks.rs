@@ -127,7 +127,7 @@ impl Blocks {
         };
         if held.len() == count {
             let words =
-                format!("every {} would be held out, expected at least one to fit", self.kind);
+                format!("every {} would be held out, expected at least one for the fit", self.kind);
             return Err(CalibrationError::HoldOut(words));
         }
         Ok(held)

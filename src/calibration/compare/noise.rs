@@ -37,9 +37,8 @@ pub(crate) struct NoiseEstimate {
     pub(crate) from: &'static str,
 }
 
-/// The noise of the recording: from pairs of rows in which the robot rests, or else from the change
-/// of the error from one row to the next (von Neumann 1941), which is an upper bound. `None` for
-/// too few pairs.
+/// The noise of the recording: from pairs of rows at rest, or else from the change of the error
+/// from one row to the next (von Neumann 1941), which is an upper bound. `None` for too few pairs.
 pub(crate) fn noise(
     comparison: &Comparison,
     residual_m: &DVector<f64>,
@@ -63,7 +62,7 @@ pub(crate) fn noise(
         let rms_m = (1.5 * quantile(&squares, 0.5) / MEDIAN_CHI_SQUARED).sqrt();
         (pairs.len() >= MIN_PAIRS).then_some(NoiseEstimate { rms_m, pairs: pairs.len(), from })
     };
-    of(&at_rest, "rows in which the robot rests")
+    of(&at_rest, "rows at rest")
         .or_else(|| of(&pairs, "the change of the error from row to row, an upper bound"))
 }
 

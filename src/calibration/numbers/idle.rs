@@ -43,7 +43,7 @@ pub(crate) fn check(model: &Model, numbers: &[FitNumber]) -> Result<(), Calibrat
         if number.members.iter().all(unused) {
             let path = number.members[0].path();
             let reason = instead(model, path).map_or_else(
-                || "; other numbers stand in its place".to_owned(),
+                || "; other numbers replace it".to_owned(),
                 |other| format!(": {other}"),
             );
             return Err(CalibrationError::Idle { name: number.name.clone(), reason });
@@ -71,5 +71,5 @@ pub(crate) fn instead(model: &Model, path: &str) -> Option<String> {
     let all = ModelParameter::all(model);
     let replacement =
         others.iter().find(|other| all.iter().any(|parameter| like(other, parameter.path())))?;
-    Some(format!("this model gives `{replacement}` in its place, so fit that"))
+    Some(format!("this model uses `{replacement}` instead; fit `{replacement}`"))
 }

@@ -91,9 +91,9 @@ fn something_else(model: &Model, path: &str) -> Option<String> {
     let pointer = format!("/{}", path.replace(']', "").replace(['.', '['], "/"));
     match root.pointer(&pointer)? {
         Value::Array(items) => {
-            Some(format!("a list of {}; `{path}[*]` names all in it", items.len()))
+            Some(format!("a list of {}; `{path}[*]` selects all of it", items.len()))
         }
-        Value::Object(_) => Some(format!("a group of keys; `{path}.*` names all numbers in it")),
+        Value::Object(_) => Some(format!("a group of keys; `{path}.*` selects all numbers in it")),
         Value::Number(number) => Some(format!("{number}, a whole number, which is not fitted")),
         Value::Null => None,
         other => Some(format!("`{other}`")),
@@ -142,7 +142,7 @@ fn left_out_key(model: &Model, pattern: &str) -> Option<String> {
     let step = steps(pattern).into_iter().find(|step| OPTIONAL.contains(&step.as_str()))?;
     let absent = !present.iter().any(|parameter| steps(parameter.path()).contains(&step));
     absent.then(|| {
-        format!("; this model file leaves out `{step}`: write it into the file with a start value")
+        format!("; this model file omits `{step}`: add it to the file with a start value")
     })
 }
 
@@ -192,7 +192,7 @@ mod tests {
         assert!(words("robot.sections").contains("a group of keys"));
         assert!(words("robot.disks.count").contains("a whole number"));
         assert!(words("robot.resolution.cell_m").contains("resolution"));
-        assert!(words("robot.tendons.radii_m[0]").contains("leaves out `radii_m`"));
+        assert!(words("robot.tendons.radii_m[0]").contains("omits `radii_m`"));
         assert!(words("robot.tendons.angles_deg[4]").contains("angles_deg["));
     }
 

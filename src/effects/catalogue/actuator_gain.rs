@@ -14,7 +14,7 @@ pub struct ActuatorGain {
 
 pub(crate) const CARD: Card = Card {
     name: "actuator_gain",
-    missing: "one lead screw's scale",
+    missing: "scale error of one lead screw",
     equation: "q_i → scale · q_i",
     source: "steps per millimetre",
     parameters: &[

@@ -14,7 +14,7 @@ pub struct ActuatorOffset {
 
 pub(crate) const CARD: Card = Card {
     name: "actuator_offset",
-    missing: "one tendon's zero is off",
+    missing: "zero offset of one tendon",
     equation: "q_i → q_i + offset",
     source: "homing error",
     parameters: &[

@@ -15,7 +15,7 @@ pub struct AnisotropicStiffness {
 
 pub(crate) const CARD: Card = Card {
     name: "anisotropic_stiffness",
-    missing: "two principal bending axes",
+    missing: "different stiffness about two bending axes",
     equation: "k₁ = k (1 + ratio), k₂ = k (1 − ratio)",
     source: "unsymmetric bending; the paper names the spine's triangular shape",
     parameters: &[

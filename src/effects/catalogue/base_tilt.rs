@@ -16,7 +16,7 @@ pub struct BaseTilt {
 
 pub(crate) const CARD: Card = Card {
     name: "base_tilt",
-    missing: "the base is not where gravity was assumed",
+    missing: "tilt of the base relative to gravity",
     equation: "R(0) → R(0) exp((tilt_x, tilt_y, 0)^)",
     source: "rigid-body kinematics",
     parameters: &[

@@ -15,7 +15,7 @@ pub struct BendingStiffness {
 
 pub(crate) const CARD: Card = Card {
     name: "bending_stiffness",
-    missing: "E·I is off",
+    missing: "different bending stiffness E·I",
     equation: "E I → scale · E I",
     source: "Euler–Bernoulli beam",
     parameters: &[

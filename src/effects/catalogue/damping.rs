@@ -12,7 +12,7 @@ pub struct Damping {
 
 pub(crate) const CARD: Card = Card {
     name: "damping",
-    missing: "settles slower or faster",
+    missing: "different damping (slower or faster settling)",
     equation: "m = E I (u − u*) + E I · time · u_t",
     source: "Kelvin–Voigt; Till et al. 2019",
     parameters: &[Parameter {

@@ -24,7 +24,7 @@ const SCANNED_DELAYS_S: [f64; 20] = [
 
 pub(crate) const CARD: Card = Card {
     name: "delay",
-    missing: "command acts late",
+    missing: "delay of the commands",
     equation: "q(t) → q(t − time)",
     source: "transport delay",
     parameters: &[Parameter {

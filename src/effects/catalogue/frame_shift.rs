@@ -14,7 +14,7 @@ pub struct FrameShift {
 
 pub(crate) const CARD: Card = Card {
     name: "frame_shift",
-    missing: "tracking frame offset",
+    missing: "offset of the tracking frame",
     equation: "tip measured = tip + shift",
     source: "rigid-body kinematics",
     parameters: &[

@@ -29,7 +29,7 @@ fn yield_default() -> f64 {
 
 pub(crate) const CARD: Card = Card {
     name: "friction",
-    missing: "dry friction: the path depends on direction",
+    missing: "dry friction (the path depends on the direction)",
     equation: "m_f = k (u − u_p) about each bending axis, |m_f| ≤ moment; u_p moves where it would \
                be more (k = moment / yield)",
     source: "Prandtl element with return mapping, Simo & Hughes, Computational Inelasticity, ch. 1",

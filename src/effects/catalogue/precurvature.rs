@@ -14,7 +14,7 @@ pub struct Precurvature {
 
 pub(crate) const CARD: Card = Card {
     name: "precurvature",
-    missing: "not straight when unloaded",
+    missing: "curvature without load",
     equation: "u* = (κ_x, κ_y, 0)",
     source: "Rucker & Webster 2011, reference curvature",
     parameters: &[

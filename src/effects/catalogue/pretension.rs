@@ -14,7 +14,7 @@ pub struct Pretension {
 
 pub(crate) const CARD: Card = Card {
     name: "pretension",
-    missing: "the tendons of one segment are tighter",
+    missing: "different pretension of the tendons of one segment",
     equation: "q_i → q_i + change for all tendons that end with the segment",
     source: "homing error of a common carriage",
     parameters: &[

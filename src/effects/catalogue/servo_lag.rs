@@ -15,7 +15,7 @@ pub struct ServoLag {
 
 pub(crate) const CARD: Card = Card {
     name: "servo_lag",
-    missing: "drives approach their commands slowly",
+    missing: "lag of the drives behind their commands",
     equation: "time dq'/dt = q − q'",
     source: "first-order lag of a position servo, Franklin, Powell & Emami-Naeini, Feedback \
              Control of Dynamic Systems",

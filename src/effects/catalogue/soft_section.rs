@@ -15,7 +15,7 @@ pub struct SoftSection {
 
 pub(crate) const CARD: Card = Card {
     name: "soft_section",
-    missing: "one section weaker (damage)",
+    missing: "lower stiffness of one section (damage)",
     equation: "E I(s) → scale · E I within the section that holds s",
     source: "local stiffness loss",
     parameters: &[

@@ -12,7 +12,7 @@ pub struct SpineCompressibility {
 
 pub(crate) const CARD: Card = Card {
     name: "spine_compressibility",
-    missing: "sections compress more or less",
+    missing: "different compressibility of the sections",
     equation: "c_spine → scale · c_spine (eq. 14)",
     source: "paper, eq. 14",
     parameters: &[Parameter { name: "scale", unit: "1", null: 1.0, seek: Seek::Size(0.2) }],

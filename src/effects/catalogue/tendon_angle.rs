@@ -12,7 +12,7 @@ pub struct TendonAngle {
 
 pub(crate) const CARD: Card = Card {
     name: "tendon_angle",
-    missing: "guide holes rotated",
+    missing: "rotation of the guide holes",
     equation: "r_i → R_z(angle) r_i",
     source: "geometry",
     parameters: &[Parameter { name: "angle_rad", unit: "rad", null: 0.0, seek: Seek::Size(0.04) }],

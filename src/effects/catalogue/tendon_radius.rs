@@ -12,7 +12,7 @@ pub struct TendonRadius {
 
 pub(crate) const CARD: Card = Card {
     name: "tendon_radius",
-    missing: "guide holes nearer or farther",
+    missing: "different radius of the guide holes",
     equation: "r_i → scale · r_i",
     source: "geometry",
     parameters: &[Parameter { name: "scale", unit: "1", null: 1.0, seek: Seek::Size(0.04) }],

@@ -12,7 +12,7 @@ pub struct TendonStretch {
 
 pub(crate) const CARD: Card = Card {
     name: "tendon_stretch",
-    missing: "tendons are elastic",
+    missing: "elasticity of the tendons",
     equation: "length + pull = L + C τ",
     source: "Till et al. 2019; Oliver-Butler et al. 2019",
     parameters: &[Parameter {

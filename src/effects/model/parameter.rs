@@ -49,7 +49,7 @@ pub enum VariationError {
     #[error("variable {0} (from 0) names a tendon or an axis that this robot does not have")]
     Missing(usize),
     /// A parameter that cannot be perturbed in either direction.
-    #[error("{0}: no value near the present one is in range")]
+    #[error("{0}: no value near the current one is in range")]
     OutOfRange(String),
 }
 

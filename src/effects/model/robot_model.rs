@@ -92,7 +92,7 @@ impl Model {
     pub fn unusual_number(&self, file: &Path) -> Option<String> {
         let (key, value) = self.robot.suspect()?;
         let file = file.display();
-        Some(format!("{file}: {key}: found {value}, which few robots have; check its unit"))
+        Some(format!("{file}: {key}: found {value}, an unusual value; check its unit"))
     }
 
     /// Both checks; the path of the key begins with `at`.

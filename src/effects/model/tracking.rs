@@ -57,7 +57,7 @@ impl Starts {
                 Some("Each trial starts at rest under its first command (starts: anywhere).")
             }
             Starts::Continue => Some(
-                "Each trial goes on from the state in which the one before ended (starts: \
+                "Each trial continues from the final state of the previous trial (starts: \
                  continue).",
             ),
         }
@@ -125,7 +125,7 @@ impl Tracking {
             return refuse("tracking", "rested_s", rested_s.to_string(), "0 or more seconds");
         }
         if self.starts != Starts::Home {
-            let expected = "no time at home where trials do not start there (`starts: home`)";
+            let expected = "no such key unless trials start at home (`starts: home`)";
             return refuse("tracking", "rested_s", rested_s.to_string(), expected);
         }
         Ok(())

@@ -62,14 +62,14 @@ impl Sections {
             fits,
             "length_m",
             &self.length_m,
-            "sections that together are no longer than the backbone",
+            "sections with a total length up to that of the backbone",
         ))?;
         let shortens = self.compliance_m_per_n * self.saturation_n < self.length_m;
         at(refuse(
             shortens,
             "saturation_n",
             &self.saturation_n,
-            "a section that keeps some length at this force",
+            "a section whose length stays positive at this force",
         ))
     }
 }
@@ -96,7 +96,7 @@ impl Disks {
             ))?;
         }
         let Some(masses) = &self.masses_kg else { return Ok(()) };
-        at(refuse(self.positions_m.is_some(), "masses_kg", masses, "`positions_m` beside it"))?;
+        at(refuse(self.positions_m.is_some(), "masses_kg", masses, "`positions_m` in addition"))?;
         at(refuse(masses.len() == self.count, "masses_kg", masses, "one mass per disk"))?;
         at(masses.iter().try_for_each(|&mass| BadOption::unless_not_negative("masses_kg", mass)))
     }

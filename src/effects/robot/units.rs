@@ -320,7 +320,7 @@ impl Robot {
             Err(BadOption {
                 key,
                 found,
-                expected: "disks that are together lighter than as much lead, in kg",
+                expected: "a total disk mass below that of lead disks of this size, in kg",
             }),
         )
     }

@@ -89,9 +89,9 @@ pub enum MotionFault {
     },
     /// A hold that does not end.
     #[error(
-        "the controller is in the mode {mode} {waited_s:.2} s after this program wanted to resume; \
-         `~` was sent {sent} times, once the axes stood. Check its hold and door inputs, then \
-         reset and home again"
+        "the controller is in the mode {mode} {waited_s:.2} s after this program requested to \
+         resume; `~` was sent {sent} times after the axes had stopped. Check its hold and door \
+         inputs, then reset and home again"
     )]
     NotResumed {
         /// The mode.
@@ -192,7 +192,7 @@ pub enum MotionFault {
     /// An axis is at a position that no command led to.
     #[error(
         "axis {} is at {position_mm:.3} mm, expected {low_mm:.3} to {high_mm:.3} mm as commanded; \
-         something else moves it or the controller miscounts: reset and home again", AXIS_NAMES[*axis]
+         another program moves it or the controller miscounts: reset and home again", AXIS_NAMES[*axis]
     )]
     Moved {
         /// Axis, from 0.

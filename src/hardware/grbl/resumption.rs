@@ -136,7 +136,7 @@ impl Controller {
         };
         self.resumption.completions += 1;
         self.state.message = format!(
-            "{} stood at {:.3} mm after a hold; target {:.3} mm sent again",
+            "{} stopped at {:.3} mm in a hold; target {:.3} mm sent again",
             AXIS_NAMES[axis], position_mm[axis], target_mm[axis]
         );
         self.commanded_path.push(the_move.target_mm);

@@ -239,7 +239,7 @@ impl Rig {
             .as_ref()
             .filter(|latch| position_lost && latch.homing_required().is_none());
         if let Some(Err(error)) =
-            latch.map(|latch| latch.require_homing("reset before the axes stood"))
+            latch.map(|latch| latch.require_homing("reset while the axes were moving"))
         {
             self.log_event(now_s, "", format!("could not store that homing is required: {error}"));
         }

@@ -23,7 +23,7 @@ impl TipJump {
     fn describe(&self, most_m_s: f64) -> String {
         format!(
             "the measured tip jumped by {:.0} mm within {:.0} ms ({:.1} m/s, expected at most \
-             {most_m_s}): its body has moved on the tip, or another one is taken for it",
+             {most_m_s}): its body has moved on the tip, or another body was tracked in its place",
             self.by_m * 1e3,
             self.within_s * 1e3,
             self.by_m / self.within_s

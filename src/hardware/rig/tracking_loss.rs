@@ -84,7 +84,7 @@ impl Rig {
             tracking(
                 format!(
                     "the tracker has repeated one pose for {:.0} ms while a screw moved by \
-                     {turned_mm:.1} mm: it no longer measures",
+                     {turned_mm:.1} mm: its measurement has stopped",
                     unchanged_s * 1e3
                 ),
                 "restart its streaming and check it with `spinebench doctor`",

@@ -200,7 +200,7 @@ impl Parser<'_> {
             // Nested sums multiply out exponentially.
             if product.products.iter().map(Vec::len).sum::<usize>() > MAX_FACTORS {
                 return Err(self.error(
-                    "too many products: expected at most 32 factors once sums are multiplied out",
+                    "too many products: expected at most 32 factors after sums are multiplied out",
                 ));
             }
         }
@@ -266,7 +266,7 @@ impl Parser<'_> {
             let overlaps = ranges.iter().any(|&(from, to)| first <= to && from <= last);
             if last < first || overlaps {
                 self.at = place;
-                return Err(self.error("expected each input once, in ranges that rise"));
+                return Err(self.error("expected each input once, in increasing ranges"));
             }
             ranges.push((first, last));
             if !self.takes(',') {

@@ -132,7 +132,7 @@ fn tensor(bytes: &[u8]) -> Result<(String, Tensor), OnnxError> {
             10 => values.extend(value.doubles()?),
             13 | 14 => {
                 return Err(OnnxError::NotOnnx(
-                    "its weights lie in another file; export them into the model",
+                    "its weights are in another file; export them into the model",
                 ));
             }
             _ => {}
@@ -149,7 +149,7 @@ fn tensor(bytes: &[u8]) -> Result<(String, Tensor), OnnxError> {
     }
     let dims = dims.into_iter().map(|dim| usize::try_from(dim).unwrap_or(0)).collect();
     let tensor = Tensor::new(dims, values)
-        .ok_or(OnnxError::NotOnnx("a constant of another size than its shape"))?;
+        .ok_or(OnnxError::NotOnnx("a constant whose size does not match its shape"))?;
     Ok((name, tensor))
 }
 

@@ -18,12 +18,12 @@ pub use operators::OPERATORS;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum OnnxError {
     /// The bytes are not those of a model.
-    #[error("no ONNX model: {0}")]
+    #[error("not an ONNX model: {0}")]
     NotOnnx(&'static str),
     /// An operator that is not known here.
     #[error(
         "operator {0}, which is not one of {list} (export the network with these, or run it from a \
-         class of Python: `python: {{file, class}}`)",
+         Python class: `python: {{file, class}}`)",
         list = OPERATORS.join(", ")
     )]
     Operator(String),
@@ -50,6 +50,6 @@ pub enum OnnxError {
         what: String,
     },
     /// A value that no operator has made.
-    #[error("the value `{0}`, which no operator before it makes")]
+    #[error("the value `{0}`, which no preceding operator computes")]
     Missing(String),
 }

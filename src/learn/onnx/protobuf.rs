@@ -20,7 +20,7 @@ impl<'a> WireValue<'a> {
     pub(super) fn bytes(self) -> Result<&'a [u8], OnnxError> {
         match self {
             WireValue::Bytes(bytes) => Ok(bytes),
-            _ => Err(OnnxError::NotOnnx("a number where a message belongs")),
+            _ => Err(OnnxError::NotOnnx("a number, expected a message")),
         }
     }
 
@@ -31,7 +31,7 @@ impl<'a> WireValue<'a> {
     pub(super) fn number(self) -> Result<i64, OnnxError> {
         match self {
             WireValue::Number(number) => Ok(number.cast_signed()),
-            _ => Err(OnnxError::NotOnnx("a message where a number belongs")),
+            _ => Err(OnnxError::NotOnnx("a message, expected a number")),
         }
     }
 
@@ -88,7 +88,7 @@ pub(super) fn integers(bytes: &[u8]) -> Vec<f64> {
     bytes.chunks_exact(8).map(|eight| number(eight).cast_signed() as f64).collect()
 }
 
-const TRUNCATED: OnnxError = OnnxError::NotOnnx("it ends within a field");
+const TRUNCATED: OnnxError = OnnxError::NotOnnx("the file ends within a field");
 
 fn varint(bytes: &mut &[u8]) -> Result<u64, OnnxError> {
     let mut value = 0_u64;

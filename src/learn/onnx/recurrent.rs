@@ -30,7 +30,7 @@ pub(super) fn apply(
         return Err(shape(&node.operator, found));
     };
     if width != layer.inputs {
-        let found = format!("found {width} numbers a row, expected {}", layer.inputs);
+        let found = format!("found {width} numbers per row, expected {}", layer.inputs);
         return Err(shape(&node.operator, found));
     }
     let initial = |place: usize| {
@@ -110,7 +110,7 @@ impl<'a> RecurrentLayer<'a> {
             return Err(wrong(format!("found the direction {direction:?}, expected forward")));
         }
         if node.integer("layout", 0) != 0 || node.attributes.contains_key("clip") {
-            return Err(wrong("found `layout` or `clip`, which are not known here".to_owned()));
+            return Err(wrong("found `layout` or `clip`, which are not supported".to_owned()));
         }
         let (cell, gates) = match node.operator.as_str() {
             "GRU" => (Cell::Gru, 3),

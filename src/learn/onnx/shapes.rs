@@ -78,7 +78,7 @@ pub(super) fn apply(
 }
 
 fn outside(input: Option<&Tensor>) -> String {
-    format!("axes or places outside an array of shape {:?}", input.map_or(&[][..], |i| &i.dims))
+    format!("axes or indices outside an array of shape {:?}", input.map_or(&[][..], |i| &i.dims))
 }
 
 fn sizes(values: &[f64]) -> Vec<usize> {
@@ -221,7 +221,8 @@ fn split(node: &OnnxNode, input: &Tensor, split: Option<Vec<i64>>) -> Option<Vec
 fn concatenated(inputs: &[Option<&Tensor>], axis: i64, name: &str) -> Result<Tensor, OnnxError> {
     let parts: Vec<&Tensor> = inputs.iter().copied().flatten().collect();
     let wrong = || {
-        let found = "found arrays of other shapes, expected equal ones but for the joined axis";
+        let found = "found arrays of different shapes, expected equal shapes except along the \
+                     joined axis";
         shape(name, found.to_owned())
     };
     let first = parts.first().ok_or_else(wrong)?;

@@ -46,9 +46,9 @@ impl fmt::Display for BlockedAxis {
             .collect();
         write!(
             f,
-            "axis {} did not move its tendon in this trial: the measured tips are {:.1} mm rms \
-             from the predicted ones if it stood, {:.1} mm if it moved; its motor is blocked, its \
-             coupling slips, or its tendon has come off",
+            "axis {} did not move its tendon in this trial: the measured tips differ from the \
+             predicted ones by {:.1} mm rms for an axis that stands and by {:.1} mm rms for one \
+             that moves; its motor is blocked, its coupling slips, or its tendon has come off",
             names.join(" or "),
             self.if_blocked_m * 1e3,
             self.if_moving_m * 1e3

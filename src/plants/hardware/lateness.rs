@@ -36,8 +36,8 @@ impl Hardware {
         }
         Err(PlantError::Late(format!(
             "{what} came {:.0} ms late, expected at most {:.0} ms (safety.max_late_ticks {}): this \
-             program was paused, or the computer or the controller is too slow; the robot stands, \
-             start the trial again",
+             program was paused, or the computer or the controller is too slow; the robot has \
+             stopped; start the trial again",
             late_s * 1e3,
             max_late_s * 1e3,
             self.safety.max_late_ticks

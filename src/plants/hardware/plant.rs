@@ -71,7 +71,7 @@ impl Hardware {
 
     /// Stops a robot that exceeded a time limit.
     pub(super) fn stop_overdue(&self, what: &str) -> PlantError {
-        let message = format!("{what} took too long; inspect the robot");
+        let message = format!("{what} exceeded its time limit; inspect the robot");
         let now_s = self.supervised.clock.now_s();
         self.supervised.rig().stop(message.clone(), now_s);
         PlantError::Stopped(message)

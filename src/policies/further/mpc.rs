@@ -163,7 +163,7 @@ impl RecedingHorizon {
         let InversePose { pose: goal, lost } = self.model.inverse(from, &aim_m, steps);
         if lost && !same_target {
             return Err(PolicyError::PlanFailed(
-                "the model has no equilibrium on the way to the target".to_owned(),
+                "the model has no equilibrium on the path to the target".to_owned(),
             ));
         }
         let farthest_m =
@@ -195,7 +195,7 @@ impl RecedingHorizon {
     /// Where the tip is expected after this command for `duration_s` seconds.
     fn follow(&mut self, pose: &ExpectedPose, duration_s: f64) -> Result<Point3, PolicyError> {
         self.model.follow(pose, duration_s).ok_or_else(|| {
-            PolicyError::PlanFailed("the model does not move as the robot is commanded".to_owned())
+            PolicyError::PlanFailed("the model does not follow the commands of the robot".to_owned())
         })
     }
 

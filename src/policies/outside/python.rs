@@ -10,7 +10,7 @@ use super::controller::OutsideDecider;
 use super::onnx_policy::settled_m;
 use crate::base::BadOption;
 
-/// Options of a policy in a file of Python.
+/// Options of a policy in a Python file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PythonOptions {
@@ -53,12 +53,12 @@ impl PythonOptions {
 
     pub(super) fn check_content(&self, content: &[u8]) -> Result<(), (String, String)> {
         let Some(host) = PYTHON.get() else {
-            let expected = "spinebench.run(…) of the Python package (docs/reference/python.md), which runs \
-                            policies of Python";
-            return Err(("the program without Python".to_owned(), expected.to_owned()));
+            let expected = "spinebench.run(…) of the Python package (docs/reference/python.md), \
+                            which runs Python policies";
+            return Err(("the program, which does not include Python".to_owned(), expected.to_owned()));
         };
         if std::str::from_utf8(content).is_err() {
-            return Err(("bytes that are no UTF-8".to_owned(), "a file of Python".to_owned()));
+            return Err(("bytes that are not UTF-8".to_owned(), "a Python file".to_owned()));
         }
         (host.closed_loop_only)(self).map(drop)
     }
@@ -72,7 +72,7 @@ impl PythonOptions {
 
     pub(super) fn decider(&self) -> Result<Box<dyn OutsideDecider>, String> {
         let host = PYTHON.get().ok_or(
-            "policies of Python run through the Python package (docs/reference/python.md)",
+            "only the Python package runs Python policies (docs/reference/python.md)",
         )?;
         (host.make)(self)
     }

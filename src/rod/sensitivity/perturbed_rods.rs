@@ -23,7 +23,7 @@ use crate::rod::state::solve_log::{SolveLog, SolvedStage, SolvedStep};
 /// A rod cannot follow the leader: it has other parts, or coincident parts have separated. Holds
 /// its number, from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("rod {0} cannot follow the first one: its discretisation differs")]
+#[error("rod {0} has another discretisation than the first rod")]
 pub struct NotPerturbable(pub usize);
 
 /// A leading rod (number 0) and its followers (from 1).

@@ -51,7 +51,7 @@ impl Outcomes {
     pub fn get<T: StageResult>(&self, handle: Handle<T>) -> Result<&T, Failure> {
         let missing = || Failure {
             stage: "runner".into(),
-            status: format!("stage {} was not wanted", handle.node),
+            status: format!("stage {} was not requested", handle.node),
         };
         match self.values.get(handle.node).and_then(Option::as_ref) {
             Some(Ok(value)) => value.downcast_ref::<T>().ok_or_else(missing),

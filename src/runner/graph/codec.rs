@@ -10,7 +10,7 @@ use serde::{Serialize, de::DeserializeOwned};
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub(crate) enum CodecError {
     /// Bytes are left over after the value.
-    #[error("the stored bytes hold more than the value")]
+    #[error("the stored value is followed by further bytes")]
     Surplus,
     /// The bytes are no value of the wanted type.
     #[error("the stored bytes are not of this type: {0}")]

@@ -41,10 +41,10 @@ pub(super) fn note<'a>(
     let list: Vec<String> = told.iter().map(|(end, count)| format!("{end}: {count}")).collect();
     let advice = match (without_noise, has_prior) {
         (false, _) => "",
-        (true, true) => "; with the noise at its least, intervals are too narrow",
+        (true, true) => "; a noise variance at its lower end makes intervals too narrow",
         (true, false) => {
-            "; with the noise at its least, intervals are too narrow, which the tracker's noise as \
-             a prior prevents: `gp: {noise_prior: {}}`"
+            "; a noise variance at its lower end makes intervals too narrow; the tracker's noise \
+             as a prior prevents this: `gp: {noise_prior: {}}`"
         }
     };
     let sentence = format!(
@@ -98,8 +98,9 @@ mod tests {
             note("one", false, rows.iter()).unwrap().sentence,
             "one: of 4 Gaussian processes, hyper-parameters at an end of their range are noise \
              variance low: 1, signal variance high: 1, length-scales of inputs without influence: \
-             3 (column `at_range_end` of gp.csv); with the noise at its least, intervals are too \
-             narrow, which the tracker's noise as a prior prevents: `gp: {noise_prior: {}}`"
+             3 (column `at_range_end` of gp.csv); a noise variance at its lower end makes \
+             intervals too narrow; the tracker's noise as a prior prevents this: `gp: \
+             {noise_prior: {}}`"
         );
         let known = note("one", true, rows.iter()).unwrap();
         assert!(known.is_warning && !known.sentence.contains("noise_prior"));

@@ -53,7 +53,7 @@ pub fn first_difference(published: &[StageRow], found: &[StageRow]) -> Option<St
         let name = format!("{} ({})", now.stage, now.label);
         if (&before.stage, &before.label) != (&now.stage, &now.label) {
             return Some(format!(
-                "{name}: published was {} ({}) in its place",
+                "{name}: the published stage at this position is {} ({})",
                 before.stage, before.label
             ));
         }
@@ -64,11 +64,11 @@ pub fn first_difference(published: &[StageRow], found: &[StageRow]) -> Option<St
             } else {
                 "other settings or other code"
             };
-            return Some(format!("{name}: published {was}, found {is}, by {why}"));
+            return Some(format!("{name}: published {was}, found {is}, with {why}"));
         }
     }
     let (before, now) = (published.len(), found.len());
-    (before != now).then(|| format!("{now} stages, published were {before}"))
+    (before != now).then(|| format!("found {now} stages, published {before}"))
 }
 
 #[cfg(test)]
@@ -88,7 +88,7 @@ mod tests {
         other[2] = row("c", "3", "w");
         other[1] = row("b", "2", "w");
         let said = first_difference(&published, &other).unwrap();
-        assert_eq!(said, "b (seed 0): published y, found w, by the same settings and code");
+        assert_eq!(said, "b (seed 0): published y, found w, with the same settings and code");
         other[1] = row("b", "9", "y");
         assert!(
             first_difference(&published, &other).unwrap().starts_with("c (seed 0)"),
@@ -96,7 +96,7 @@ mod tests {
         );
         assert_eq!(
             first_difference(&published, &published[..2]).unwrap(),
-            "2 stages, published were 3"
+            "found 2 stages, published 3"
         );
         let said = first_difference(&published, &[row("q", "1", "x")]).unwrap();
         assert!(said.contains("published was a (seed 0) in its place"), "{said}");

@@ -91,7 +91,7 @@ impl CampaignEntry {
         let mut remarks = Vec::new();
         if !self.experiment.claims.is_empty() && !tables.published.context.is_paper_robot {
             remarks.push(format!(
-                "{name}: no claim is judged: the claims are about the paper's robot"
+                "{name}: claims are not evaluated: they apply to the paper's robot only"
             ));
         }
         self.tell_range_ends(&[&tables.published], &mut notices, &mut remarks);

@@ -60,7 +60,7 @@ impl CampaignEntry {
         let others = self.experiment.figures.iter().filter(|figure| *figure != FIGURE);
         notices.extend(
             others.map(|figure| {
-                format!("{name}: {figure} is of one setting and not made of a sweep")
+                format!("{name}: {figure} shows one setting; it is not drawn for a sweep")
             }),
         );
         Ok(Publication {

@@ -180,7 +180,7 @@ impl CampaignMonitor<'_> {
                 continue;
             }
             self.progress.notice(&format!(
-                "the workers ended with {submitted} stages left; submitting them again"
+                "the workers ended with {submitted} stages missing; submitting these stages again"
             ));
             // A cluster that refuses now may not a while later: it counts as an attempt in vain.
             if let Err(error) = self.submit(&folder, &self.missing()) {

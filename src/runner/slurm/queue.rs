@@ -70,8 +70,8 @@ pub(super) fn submit(
     if !program.is_file() {
         let file = program.display();
         return Err(format!(
-            "{file}: found it replaced since it started, expected the same build; run the command \
-             again"
+            "{file}: found a program file that was replaced after the start, expected the same \
+             build; run the command again"
         ));
     }
     let mut command = Command::new("sbatch");
@@ -204,7 +204,7 @@ fn succeeded(command: &str, output: &Output) -> Result<String, String> {
     let message = String::from_utf8_lossy(&output.stderr);
     Err(format!(
         "{command}: {}",
-        message.trim().lines().next().unwrap_or("failed and said nothing")
+        message.trim().lines().next().unwrap_or("failed without a message")
     ))
 }
 

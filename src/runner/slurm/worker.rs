@@ -50,7 +50,7 @@ pub fn work(
     let campaign = folder.campaign()?;
     if !folder.path().ends_with(CampaignFolder::id_of(&campaign)) {
         let text = "the workers found another build of the program, or another recording to \
-                    replay, than the one submitted";
+                    replay, than those submitted";
         folder.mark(REFUSED, text)?;
         return Err(text.to_owned());
     }

@@ -80,7 +80,7 @@ impl Store {
     pub fn damage(&self, entry: &StoredEntry) -> Option<String> {
         match self.read(&entry.stage, &entry.key) {
             Lookup::Found(_) => None,
-            Lookup::Absent => Some("it is gone".to_owned()),
+            Lookup::Absent => Some("it no longer exists".to_owned()),
             Lookup::Damaged(reason) => Some(reason),
         }
     }

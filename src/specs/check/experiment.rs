@@ -186,7 +186,7 @@ impl Checker<'_> {
         let (found, expected) = (spec.plant.tendons(), spec.model.tendons());
         if found != expected {
             let expected = format!(
-                "{expected}, as many as `model` has: its commands are replayed on the robot"
+                "{expected}, the number of the model: its commands are replayed on the robot"
             );
             return Err(self.document.refuse(
                 &root.key("plant"),
@@ -379,7 +379,7 @@ impl Checker<'_> {
         self.unless(
             rod,
             &KeyPath::default().key("model"),
-            "a simulated rod, as `runs.discovery` needs",
+            "a simulated rod, which `runs.discovery` requires",
         )?;
         check_entries(self.document, &discovery.options, &path.key("options"))?;
         self.checked(&path.key("options"), discovery.options.check())?;
@@ -456,7 +456,8 @@ impl Checker<'_> {
         match (sizes, names.iter().find(|name| uses(name))) {
             (None, Some(name)) => Err(self.wrong(path, format!("sizes for policy `{name}`"))),
             (None, None) => Ok(()),
-            (Some(_), None) => Err(self.wrong(path, "no such key: none of these policies uses it")),
+            (Some(_), None) => Err(self.wrong(path, "no such key: none of these policies uses this \
+                                                     number")),
             (Some(sizes), Some(_)) => {
                 self.not_empty(sizes, path)?;
                 if part == Size::GpPoints {

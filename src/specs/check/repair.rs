@@ -19,7 +19,7 @@ impl Checker<'_> {
     pub(super) fn repair(&self, run: &RepairRun, path: &KeyPath) -> Result<(), SpecError> {
         let (root, spec) = (KeyPath::default(), self.experiment);
         let rod = matches!(spec.model, PlantSpec::Simulated(_));
-        self.unless(rod, &root.key("model"), "a simulated rod, as `runs.repair` needs")?;
+        self.unless(rod, &root.key("model"), "a simulated rod, which `runs.repair` requires")?;
         let simulated = matches!(spec.plant, PlantSpec::Simulated(_));
         self.unless(
             simulated,
@@ -30,7 +30,7 @@ impl Checker<'_> {
         self.unless(
             by_rod,
             &root.key("gp_points").key("p_sim"),
-            "`rod`, as `runs.repair` needs: the rod is repaired",
+            "`rod`, because `runs.repair` repairs the rod model",
         )?;
         self.changes(run, &path.key("changes"))?;
         self.policies(std::slice::from_ref(&run.worker), &path.key("worker"))?;
@@ -45,7 +45,8 @@ impl Checker<'_> {
             [("trials_before", recordings.trials_before), ("trials_after", recordings.trials_after)]
         {
             let enough = (2..=1000).contains(&trials) && trials * rows >= MIN_ROWS;
-            let expected = "2 to 1000 trials with 30 rows or more, which a discovery needs";
+            let expected = "2 to 1000 trials with at least 30 rows in all, which a discovery \
+                            requires";
             self.unless(enough, &recordings_path.key(key), expected)?;
         }
         self.checked(&path.key("monitor"), run.monitor.check())?;
@@ -72,7 +73,8 @@ impl Checker<'_> {
                 self.unless(
                     !asks_model,
                     &path,
-                    "a policy that does not ask the model itself, which `runs.repair` replaces",
+                    "a policy that does not use the model directly, because `runs.repair` replaces \
+                     the model",
                 )?;
             }
         }

@@ -106,8 +106,8 @@ impl Layer {
             Err(former) => {
                 return Err(self.refuse(
                     &former,
-                    "a former name beside the present one".to_owned(),
-                    "one of both",
+                    "the former and the current name of a key".to_owned(),
+                    "one of the two",
                 ));
             }
         }
@@ -255,7 +255,7 @@ impl Layer {
         let mut value = get(tree, &self.root).cloned().unwrap_or(Value::Null);
         merge(&mut value, self.value.clone());
         put(tree, &self.root.0, value).map_err(|found| {
-            self.refuse(&self.root, found, "a path of keys and of items of lists that are there")
+            self.refuse(&self.root, found, "a path of keys and of existing list items")
         })
     }
 

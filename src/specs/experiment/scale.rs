@@ -146,7 +146,7 @@ pub(crate) fn scale(spec: &mut Experiment, document: &Document) -> Vec<String> {
         return Vec::new();
     }
     vec![format!(
-        "{}: scaled to this robot, as an extended file says them for another one: {}",
+        "{}: scaled to this robot, because the extended file sets them for another robot: {}",
         spec.name,
         scaled.join(", ")
     )]

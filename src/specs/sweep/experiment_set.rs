@@ -202,7 +202,8 @@ impl ResolvedField {
         }
         if let Some(place) = document.set_by(field) {
             let expected =
-                "a field either set or swept (`--set sweep=null` drops what the file sweeps)"
+                "a field that is either set or swept (`--set sweep=null` removes the sweeps of the \
+                 file)"
                     .to_owned();
             return Err(SpecError::Key {
                 place,
@@ -329,7 +330,7 @@ fn at_point(
                 document.refuse_swept(
                     &field.written,
                     &[],
-                    format!("{found} on the way there"),
+                    format!("{found} within this path"),
                     "a field of this spec",
                 )
             },

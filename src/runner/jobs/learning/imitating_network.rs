@@ -66,7 +66,7 @@ impl ImitationParams {
         let recorded: Vec<Transitions> =
             robots.filter_map(|seed| self.record_robot(policy.as_mut(), seed).ok()).collect();
         if recorded.is_empty() {
-            Err("none of the robots that were drawn could be simulated".to_owned())
+            Err("none of the drawn robots could be simulated".to_owned())
         } else {
             Ok(recorded)
         }
@@ -82,7 +82,7 @@ impl ImitationParams {
     /// The ways to the targets of one robot.
     fn record_robot(&self, policy: &mut dyn Policy, seed: Seed) -> Result<Transitions, String> {
         let PlantSpec::Simulated(model) = self.model.spec() else {
-            return Err("robots that differ are drawn around a simulated model".to_owned());
+            return Err("robots with different parameters require a simulated model".to_owned());
         };
         let options = self.options();
         let population = Population {

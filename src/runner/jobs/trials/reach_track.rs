@@ -125,7 +125,7 @@ impl Condition {
             parts = parts.with_layout(model.spec().tendon_layout());
             if entry.model == ModelAccess::AtRest {
                 let tip = tasks::tip_model(model.spec())
-                    .ok_or("a model without equations has no tip at rest")?;
+                    .ok_or("a model without equations has no equilibrium tip position")?;
                 parts = parts.with_tip_model(tip);
             }
         }
