@@ -159,7 +159,7 @@ impl<'a> DiscoveryStages<'a> {
             return Ok(evidence);
         }
         let (final_fit, outcome) = search_best(&problem)?;
-        step("testing what is left and proposing the next measurement");
+        step("testing the residual and proposing the next measurement");
         Ok(problem.evidence(self.measured.original, &final_fit, &outcome))
     }
 }

@@ -78,11 +78,11 @@ fn a_mirrored_axis_is_told_before_any_effect_is_sought() {
     let found = found(&measured, &Options::default());
     assert_eq!(found.findings.verdict, Verdict::Unexplained);
     assert!(
-        found.findings.summary.contains("the tip's y has the other sign"),
+        found.findings.summary.contains("the tip's y has the opposite sign"),
         "{}",
         found.findings.summary
     );
-    assert!(found.findings.next_measurement.contains("the tip's y has the other sign"));
+    assert!(found.findings.next_measurement.contains("the tip's y has the opposite sign"));
     assert!(found.findings.effects.is_empty() && found.model == nominal());
     assert_eq!(found.findings.gap.before_m, found.findings.gap.after_m);
 }
@@ -101,7 +101,7 @@ fn a_mirrored_axis_that_the_baseline_does_not_have_is_no_mistake() {
     let [alone, beside] = [None, Some(&baseline)]
         .map(|baseline| discover(&model, &measured, baseline, &Options::default()).unwrap());
     assert!(
-        alone.findings.summary.contains("the tip's y has the other sign"),
+        alone.findings.summary.contains("the tip's y has the opposite sign"),
         "{}",
         alone.findings.summary
     );

@@ -55,7 +55,7 @@ fn uncertain_parameters_that_stand_for_an_effect_are_told() {
     let [few, many] = [0.1, 0.01]
         .map(|least_share| found(&measured, &Options { least_share, ..Options::default() }));
     let strained = |found: &Discovery| {
-        found.findings.limitations.join(" ").contains("standard deviations off")
+        found.findings.limitations.join(" ").contains("differs from its expected value by")
     };
     assert_eq!(names(&few), ["tip_load"]);
     assert_eq!(names(&many), ["tip_load", "base_tilt"]);

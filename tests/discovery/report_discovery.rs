@@ -124,17 +124,17 @@ fn the_page_shows_the_robot_and_fetches_nothing() {
 #[test]
 fn each_verdict_has_its_words() {
     for (made, title) in [
-        (consistent(), "<h1>Nothing is missing that these data can show</h1>"),
+        (consistent(), "<h1>These data show no missing effect</h1>"),
         (
             ambiguous(),
-            "<h1>Something is missing; these data cannot tell which of several effects</h1>",
+            "<h1>An effect is missing; these data do not determine which of several</h1>",
         ),
-        (unexplained(), "<h1>Something is missing, and nothing in the catalogue explains it</h1>"),
+        (unexplained(), "<h1>The model has an error that no effect of the catalogue explains</h1>"),
     ] {
         let page = page(&made);
         assert_well_formed(&page);
         assert!(page.contains(title), "{title}");
-        assert!(page.contains("Nothing was added"), "{title}");
+        assert!(page.contains("The model was not changed: "), "{title}");
     }
     let same = page(&consistent());
     assert!(

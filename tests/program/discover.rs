@@ -135,7 +135,7 @@ fn a_plant_is_recorded_on_until_rivals_are_told_apart() {
     bench.ok("collect --plant plant.yaml --commands short.csv --out loaded.csv");
     let alone = bench.ok("discover --model given.yaml --measured loaded.csv --out alone");
     assert!(
-        alone.contains("these data cannot tell whether it is tip_load or distributed_mass"),
+        alone.contains("these data do not determine whether it is tip_load or distributed_mass"),
         "{alone}"
     );
     let verdict = |out: &str| -> Value {

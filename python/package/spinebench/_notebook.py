@@ -96,7 +96,7 @@ def discovery(shown: Discovery) -> str:
     if len(shown.candidates) > 0:
         best = shown.candidates.head(5)
         rows = [(one["name"], _mm(one["after_m"]), one["why_not"]) for _, one in best.iterrows()]
-        parts.append(_table(["candidate", "rms error with it", "why not"], rows, len(shown.candidates) - len(best)))
+        parts.append(_table(["candidate", "rms error with it", "reason for rejection"], rows, len(shown.candidates) - len(best)))
     title = f"Discovery: {shown.verdict}, rms error {_mm(shown.before_m)} before, {_mm(shown.after_m)} after"
     return _titled(title, *parts, _list([str(one) for one in shown.findings.get("limitations", [])]))
 

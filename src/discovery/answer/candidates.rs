@@ -61,7 +61,8 @@ impl Problem<'_> {
                     name: set_name(&self.candidates, std::slice::from_ref(&prediction.member)),
                     score: *score,
                     after_m: residual_share * before_m,
-                    why_not: "not fitted: the linear screening predicts no more than this"
+                    why_not: "not fitted: the linear screening predicts no larger improvement than \
+                              this error"
                         .to_owned(),
                     parameters: String::new(),
                 });
@@ -98,11 +99,11 @@ impl Problem<'_> {
             return format!("the additional effect {why}");
         }
         if outcome.is_rival(scored, self.options.rival_score) {
-            return "fits equally well: these data cannot tell the two apart".to_owned();
+            return "fits equally well: these data do not distinguish the two".to_owned();
         }
         if outcome.by_trials.is_some() {
-            return "does not fit unseen trials better by more than the model leaves on this robot \
-                    anyway".to_owned();
+            return "improves unseen trials by no more than the residual of the model on this robot \
+                    as built".to_owned();
         }
         format!("fits worse: score lower by {:.0}", best.score - scored.score)
     }

@@ -110,7 +110,7 @@ impl Problem<'_> {
         (residual_m > MAX_USUAL_BASELINE_M.max(MAX_USUAL_BASELINE_FLOORS * floor_m)).then(|| {
             format!(
                 "After calibration the error on the baseline is still {:.1} mm: the baseline may \
-                 be from another robot, or both recordings contain an effect that the model lacks.",
+                 be of another robot, or both recordings contain an effect that the model lacks.",
                 1e3 * residual_m
             )
         })

@@ -72,7 +72,7 @@ impl Evidence {
                 rows,
                 missing_before: missing.clone(),
                 missing_after: missing,
-                pattern: format!("The residual is what it would be if {}.", mistake.what),
+                pattern: format!("The residual is consistent with this mistake: {}.", mistake.what),
             },
             limitations: validate::limitations(original, samples),
             search: SearchEvidence::default(),

@@ -17,8 +17,9 @@ pub(crate) struct BaselineShare {
 /// Caveat of a named delay, seconds, which may be the tracker's clock instead.
 pub(crate) fn delay_caveat(time_s: f64) -> String {
     format!(
-        "A delay of the robot by {time_s:.3} s and a tracker's clock that is as much behind that \
-         of the commands are the same in these data: check the clocks before the drive."
+        "These data do not distinguish a delay of the robot by {time_s:.3} s from a tracker's \
+         clock that lags the clock of the commands by the same time: check the clocks before the \
+         drive."
     )
 }
 
@@ -26,9 +27,10 @@ pub(crate) fn delay_caveat(time_s: f64) -> String {
 /// anyway.
 pub(crate) fn by_trials_caveat(model_form_m: f64) -> String {
     format!(
-        "The calibrated model leaves up to {:.1} mm on this robot as built, and this effect does \
-         not stand out of that in all rows together. It is named because its amplitude, trial by \
-         trial, is larger than in the baseline; its interval is that of these amplitudes.",
+        "The calibrated model has a residual of up to {:.1} mm on this robot as built, and over \
+         all rows together this effect is not significant against it. The effect is named because \
+         its amplitudes in single trials are larger than in the baseline; its interval is that of \
+         these amplitudes.",
         1e3 * model_form_m
     )
 }
@@ -40,9 +42,9 @@ pub(crate) fn summary(evidence: &Evidence) -> String {
     if let Some(mistake) = &evidence.mistake {
         let (before_mm, after_mm) = (1e3 * mistake.before_m, 1e3 * mistake.after_m);
         return format!(
-            "This is a mistake of recording or set-up rather than physics: if {}, the {error_name} \
-             is {after_mm:.2} mm instead of {before_mm:.2} mm. No effect was sought and nothing \
-             was added to the model.",
+            "The data indicate a mistake of recording or set-up, not a missing effect: if {}, the \
+             {error_name} is {after_mm:.2} mm instead of {before_mm:.2} mm. No effect was \
+             searched, and the model was not changed.",
             mistake.what
         );
     }
@@ -63,7 +65,7 @@ pub(crate) fn summary(evidence: &Evidence) -> String {
     });
     let remaining = evidence.decision.remaining.as_ref().map_or_else(String::new, |test| {
         let remaining = failed_test(test);
-        format!(" Something remains that the named effects do not explain: {remaining}. {pattern}")
+        format!(" The named effects do not explain the whole residual: {remaining}. {pattern}")
     });
     let held_out = format!(
         "On held-out trials the {error_name} falls from {before_mm:.2} mm to {after_mm:.2} mm; the \
@@ -81,7 +83,7 @@ pub(crate) fn summary(evidence: &Evidence) -> String {
             format!("The model lacks {}. {held_out}", names.join(" and "))
         }
         Verdict::Ambiguous => format!(
-            "An effect is missing, and these data cannot tell whether it is {}. `model.yaml` \
+            "An effect is missing; these data do not determine whether it is {}. `model.yaml` \
              contains the most likely one, the first. {held_out}",
             search.set_names.join(" or ")
         ),
@@ -89,7 +91,7 @@ pub(crate) fn summary(evidence: &Evidence) -> String {
             let gap = if before_mm > floor_mm {
                 "The model error exceeds the noise"
             } else {
-                "The residual is not noise, although its mean size is"
+                "The residual has the mean size of noise but is not noise"
             };
             let best = search.best_name.as_ref().map_or_else(
                 || "No candidate improves the fit enough to be named".to_owned(),
@@ -146,7 +148,7 @@ fn failed_test(result: &TestResult) -> String {
             )
         }
         FitTest::SlowVariance => format!(
-            "its residual changes too slowly from sample to sample for tracker noise and is \
+            "its residual is more strongly correlated between samples than tracker noise and is \
              {all_mm:.2} mm, where the noise floor is {beyond_mm:.2} mm ({chance})"
         ),
         FitTest::Levene => format!(
@@ -181,8 +183,8 @@ pub(crate) fn held_out_caveat(test: &TestResult) -> String {
     format!(
         "With the fitted values the residual is {all_mm:.2} mm on held-out trials and {fit_mm:.2} \
          mm on the fitted trials; other values within the 95 % intervals remove this difference. \
-         The effect is better determined than its size: fitted trials with other motions would \
-         determine the size."
+         The kind of the effect is better determined than its size: fitted trials with other \
+         motions would determine the size."
     )
 }
 
@@ -202,9 +204,9 @@ pub(crate) fn tolerated_caveat(residual_m: f64) -> String {
 pub(crate) fn strained_caveat(explained_m: f64, deviations: f64) -> String {
     format!(
         "The uncertain parameters of the model explain {:.2} mm of the error on held-out trials, \
-         and one of them is {deviations:.0} standard deviations off: further effects are probably \
-         missing, each smaller than `least_share` of those named. `least_share: 0.01` with a \
-         larger `most_effects` lets the search add them.",
+         and one of them differs from its expected value by {deviations:.0} standard deviations: \
+         further effects are probably missing, each smaller than `least_share` of those named. \
+         `least_share: 0.01` with a larger `most_effects` lets the search add them.",
         1e3 * explained_m
     )
 }
@@ -217,15 +219,15 @@ pub(crate) fn unrelaxed_caveat(share: f64, deviation: f64, time_s: f64) -> Strin
     let unknown = "How long the robot had rested at home before a trial is not recorded.";
     if share < half_width {
         return format!(
-            "{unknown} The data agree with a rest for good: at most {:.0} % of the relaxation \
-             under its own weight was outstanding when trials began.",
+            "{unknown} The data are consistent with a fully relaxed robot: at most {:.0} % of the \
+             relaxation under its own weight was outstanding when trials began.",
             100.0 * (share + half_width).clamp(0.0, 1.0)
         );
     }
     format!(
         "{unknown} When trials began, {:.0} % (± {:.0}) of the relaxation under its own weight was \
-         outstanding, as of a straight robot after {rested_s:.2} s at home: `tracking: {{rested_s: \
-         {rested_s:.2}}}` repeats such trials.",
+         outstanding, as for a straight robot after {rested_s:.2} s at home: `tracking: \
+         {{rested_s: {rested_s:.2}}}` reproduces such trials.",
         100.0 * share,
         100.0 * half_width
     )
@@ -247,14 +249,13 @@ pub(crate) fn pattern(foretold: &[(ResidualPattern, f64)], places: &[PlaceRow]) 
                 .map(|(pattern, share)| format!("{:.0} % by {}", 100.0 * share, pattern.name()));
             let shares: Vec<String> = shares.collect();
             format!(
-                "{} Share of its squares that other trials predict: {}.",
+                "{} Share of the squared residual that other trials predict: {}.",
                 pattern.description(),
                 shares.join(", ")
             )
         }
-        _ => "The residual differs from trial to trial and no trial predicts another. Possible \
-              causes: contact, a part that moves or slips, or a tracker noisier than its repeated \
-              samples."
+        _ => "The residual differs between trials, and no trial predicts another. Possible causes: \
+              contact, a part that moves or slips, or a tracker noisier than its repeated samples."
             .to_owned(),
     };
     let single = places.iter().filter(|row| row.by != "all" && row.axis != "all");
@@ -328,13 +329,13 @@ pub(crate) fn next_measurement(evidence: &Evidence) -> String {
     }
     let next = match evidence.decision.verdict {
         Verdict::Consistent => "No further recording is needed: the model explains these data.",
-        Verdict::Named => "No further recording is needed to tell candidates apart.",
+        Verdict::Named => "No further recording is needed to distinguish candidates.",
         Verdict::Ambiguous => {
             "Record the same commands again with a known weight on the tip in half of the trials."
         }
         Verdict::Unexplained => {
             "Record repeats of one trial, a slow and a fast one, and one with a known weight, to \
-             see what the residual depends on."
+             find what the residual depends on."
         }
     };
     next.to_owned()
@@ -382,6 +383,6 @@ mod tests {
         assert!(told.starts_with("The residual depends on the time"), "{told}");
         assert!(told.ends_with("predict: 92 % by time, 40 % by pose."), "{told}");
         let none = pattern(&[(ResidualPattern::Pose, 0.05), (ResidualPattern::Time, 0.0)], &[]);
-        assert!(none.starts_with("The residual differs from trial to trial"), "{none}");
+        assert!(none.starts_with("The residual differs between trials"), "{none}");
     }
 }

@@ -1,7 +1,7 @@
 //! An offset of the tracker's clock from that of the commands.
 //!
 //! A tip that moves before its command is no physics: the tracker's clock is ahead, or the log
-//! holds command and tip of the same moment. The other sign is what the effect `delay` is, and is
+//! contains command and tip of the same time. The other sign is what the effect `delay` is, and is
 //! left to it.
 
 use super::excluded_rows::coarse_model;
@@ -111,14 +111,15 @@ impl ClockOffset {
         if self.is_one_step {
             format!(
                 "The tip of each row belongs to the end of that row's command, one step of \
-                 {offset_s:.3} s later: the log holds command and tip of the same moment. All tips \
-                 were shifted by one step; shift the log, or record the tip before the command."
+                 {offset_s:.3} s later: the log contains command and tip of the same time. All \
+                 tips were shifted by one step; shift the log, or record the tip before the \
+                 command."
             )
         } else {
             format!(
-                "The tracker's clock is about {offset_s:.2} s ahead of that of the commands (95 % \
-                 interval {low:.2} to {high:.2} s). All tips were shifted by that, and what is \
-                 left of the offset was fitted; correct the clock in the recording."
+                "The tracker's clock is about {offset_s:.2} s ahead of the clock of the commands \
+                 (95 % interval {low:.2} to {high:.2} s). All tips were shifted by this offset, \
+                 and the remaining offset was fitted; correct the clock in the recording."
             )
         }
     }

@@ -206,7 +206,7 @@ fn axes_text(order: [usize; 3], sign: [f64; 3]) -> String {
     let flipped: Vec<&str> =
         (0..3).filter(|&axis| sign[axis] < 0.0).map(|axis| AXES[axis]).collect();
     if order == [0, 1, 2] && flipped.len() == 1 {
-        return format!("the tip's {} has the other sign", flipped[0]);
+        return format!("the tip's {} has the opposite sign", flipped[0]);
     }
     let moved: Vec<usize> = (0..3).filter(|&axis| order[axis] != axis).collect();
     if let ([one, other], true) = (&moved[..], flipped.is_empty()) {
@@ -246,7 +246,7 @@ fn command_changes(measured: &Recording) -> Vec<CommandFix> {
         let scaled = |factor: f64| {
             Box::new(move |row: &[f64]| row.iter().map(|pull| factor * pull).collect())
         };
-        push("all tendons have the other sign (positive pulls)".to_owned(), scaled(-1.0));
+        push("all tendons have the opposite sign (positive pulls)".to_owned(), scaled(-1.0));
         for flipped in 0..width {
             let flip = move |row: &[f64]| {
                 let mut row = row.to_vec();
@@ -254,7 +254,7 @@ fn command_changes(measured: &Recording) -> Vec<CommandFix> {
                 row
             };
             push(
-                format!("tendon {} has the other sign (positive pulls)", flipped + 1),
+                format!("tendon {} has the opposite sign (positive pulls)", flipped + 1),
                 Box::new(flip),
             );
         }
@@ -297,7 +297,7 @@ fn order_text(order: &[usize]) -> String {
     }
     let numbers: Vec<String> = order.iter().map(|tendon| (tendon + 1).to_string()).collect();
     format!(
-        "the tendons are numbered otherwise (the model's 1, 2, … are the recorded {})",
+        "the tendons are numbered differently (the model's 1, 2, … are the recorded {})",
         numbers.join(", ")
     )
 }
@@ -339,7 +339,7 @@ mod tests {
             turned,
             "the tip's axes are turned (x = +z, y = +y, z = -x in the recorded axes)"
         );
-        assert!(with_tips(&|[x, y, z]| [x, -y, z]).contains("the tip's y has the other sign"));
+        assert!(with_tips(&|[x, y, z]| [x, -y, z]).contains("the tip's y has the opposite sign"));
         assert!(with_tips(&|[x, y, z]| [y, x, z]).contains("the tip's x and y are exchanged"));
     }
 
@@ -351,7 +351,7 @@ mod tests {
         );
         assert!(
             with_pulls(&|row| row.iter().map(|pull| -pull).collect())
-                .contains("all tendons have the other sign")
+                .contains("all tendons have the opposite sign")
         );
         assert!(with_tips(&|tip| tip.map(|x| 100.0 * x)).contains("the tip is in centimetres"));
         assert!(

@@ -104,13 +104,13 @@ pub(crate) fn caveats(measured: &Recording, playing: Playing) -> Vec<String> {
             format!("{LEAD_IN_S} seconds")
         };
         format!(
-            "The recording was divided into {parts}, which count as trials here; each is simulated \
-             from {before} before it, so what happened earlier has no influence."
+            "The recording was divided into {parts}, which are used as trials; each is simulated \
+             from {before} before its start, so earlier motion has no influence."
         )
     });
     let at_rest = playing.at_rest.then(|| {
-        "Every row was taken as a pose at rest under its own command: effects that only a motion \
-         shows were not searched."
+        "Every row was treated as a pose at rest under its own command: effects that appear only \
+         in motion were not searched."
             .to_owned()
     });
     at_rest.into_iter().chain(divided).collect()

@@ -102,7 +102,7 @@ pub(crate) fn limitations(measured: &Recording, samples: &Samples) -> Vec<String
     }
     if samples.len() < FEW_SAMPLES {
         sentences.push(format!(
-            "Only {} samples: only strong effects can be told apart.",
+            "Only {} samples: only strong effects can be distinguished.",
             samples.len()
         ));
     }
@@ -114,7 +114,8 @@ pub(crate) fn limitations(measured: &Recording, samples: &Samples) -> Vec<String
         );
     } else if samples.trials.len() < FEW_TRIALS {
         sentences.push(format!(
-            "Only {} trials: an effect that appears in one of them cannot be told from chance.",
+            "Only {} trials: an effect that appears in one of them cannot be distinguished from \
+             chance.",
             samples.trials.len()
         ));
     }
@@ -122,14 +123,14 @@ pub(crate) fn limitations(measured: &Recording, samples: &Samples) -> Vec<String
     if !copies.is_empty() {
         let numbers = copies.iter().map(u64::to_string).collect::<Vec<_>>().join(", ");
         sentences.push(format!(
-            "Exact copies of other trials are no independent evidence and make the noise floor too \
-             small: trials {numbers}."
+            "Exact copies of other trials are not independent evidence and make the noise floor \
+             too small: trials {numbers}."
         ));
     }
     if measured.base.is_none() {
         sentences.push(
             "The base was not tracked: at the tip, a tilted base and a rotated tracking frame \
-             cannot be told apart."
+             cannot be distinguished."
                 .to_owned(),
         );
     }

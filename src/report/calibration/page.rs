@@ -22,11 +22,11 @@ pub(super) fn page(report: &CalibrationReport) -> Result<String, ReportError> {
     let findings = report.findings;
     let content = html! {
         (head(findings))
-        (section("On positions that the fit has not seen", &unseen(findings.held_out.as_ref(), &errors?)))
-        (section("What limits this result", &list(&findings.limitations)))
+        (section("Error on positions not used in the fit", &unseen(findings.held_out.as_ref(), &errors?)))
+        (section("Limitations", &list(&findings.limitations)))
         (section("Numbers", &numbers(findings)))
         (section("Selection", &stages(findings)))
-        (section("Where the model errs", &places(findings, &map?)))
+        (section("Error by region", &places(findings, &map?)))
     };
     Ok(document("Calibration", &content))
 }
@@ -42,7 +42,8 @@ fn head(findings: &CalibrationFindings) -> Markup {
                 (tile("Before", millimetres(findings.before_m), "rms error of the model as given"))
                 (tile("After", millimetres(findings.after_m), "rms error on the rows of the fit"))
                 @if let Some(model) = unseen {
-                    (tile("Unseen", millimetres(model.rms_m), "rms error on rows that the fit has not seen"))
+                    (tile("Unseen", millimetres(model.rms_m), "rms error on rows not used in the \
+                                                               fit"))
                 }
                 @if let Some(noise) = &findings.noise { (tile("Noise", millimetres(noise.noise_m), &noise.from)) }
             }
@@ -103,8 +104,8 @@ fn numbers(findings: &CalibrationFindings) -> Markup {
     html! {
         (table(&["Number", "Unit", "Start", "Value", "95 % interval", "Prior ±"], &rows))
         @if !pairs.is_empty() {
-            p { "These trade against each other: the recording says little about each of a pair \
-                 alone." }
+            p { "The estimates of these pairs are strongly correlated: the recording determines \
+                 each of a pair poorly." }
             (table(&["Number", "with", "Correlation"], &pairs))
         }
     }
@@ -129,7 +130,7 @@ fn stages(findings: &CalibrationFindings) -> Markup {
     let rows: Vec<Vec<Markup>> = findings.stages.iter().map(row).collect();
     html! {
         @if !rows.is_empty() {
-            p { "Numbers are added group by group. A group stays only where it lowers the \
+            p { "Numbers are added in groups. A group is kept only if it lowers the \
                  cross-validated error." }
             (table(&["Group", "Numbers with it", "Cross-validated error", ""], &rows))
         }
@@ -147,8 +148,8 @@ fn places(findings: &CalibrationFindings, map: &Markup) -> Markup {
         cells([&group.name, &group.positions.to_string(), &millimetres(group.rms_m), &mean])
     };
     html! {
-        (captioned(map, "Grey: measured. Blue: simulated with the calibrated model. Some \
-                         positions, evenly chosen."))
+        (captioned(map, "Grey: measured. Blue: simulated with the calibrated model. A sample of \
+                         positions at even intervals."))
         @for kind in kinds {
             @let rows: Vec<Vec<Markup>> = findings.residual_groups.iter().filter(|group| group.kind == kind)
                 .take(MAX_GROUPS).map(|group| row(&group)).collect();

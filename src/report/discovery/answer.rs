@@ -13,17 +13,17 @@ pub(super) fn title(report: &DiscoveryReport) -> String {
     let missing: Vec<String> =
         report.findings.effects.iter().map(|effect| missing(report, effect)).collect();
     match report.findings.verdict {
-        Verdict::Named if missing.is_empty() => "Something is missing from the model".to_owned(),
+        Verdict::Named if missing.is_empty() => "The model lacks an effect".to_owned(),
         Verdict::Named => format!("The model lacks: {}", missing.join("; ")),
-        Verdict::Consistent => "Nothing is missing that these data can show".to_owned(),
+        Verdict::Consistent => "These data show no missing effect".to_owned(),
         Verdict::Ambiguous if missing.is_empty() => {
-            "Something is missing; these data cannot tell what".to_owned()
+            "An effect is missing; these data do not identify it".to_owned()
         }
         Verdict::Ambiguous => {
-            "Something is missing; these data cannot tell which of several effects".to_owned()
+            "An effect is missing; these data do not determine which of several".to_owned()
         }
         Verdict::Unexplained => {
-            "Something is missing, and nothing in the catalogue explains it".to_owned()
+            "The model has an error that no effect of the catalogue explains".to_owned()
         }
     }
 }
@@ -39,8 +39,8 @@ fn meaning(findings: &Findings) -> &'static str {
     match findings.verdict {
         Verdict::Named if !findings.complete => {
             "The effects below explain most of the difference between model and measurement, and \
-             no other candidate explains it equally well. More is left than this model leaves on \
-             this robot anyway."
+             no other candidate explains it equally well. The remaining error is larger than that \
+             of this model on this robot as built."
         }
         Verdict::Named => {
             "The effects below explain the difference between model and measurement. No other \
@@ -52,7 +52,7 @@ fn meaning(findings: &Findings) -> &'static str {
         }
         Verdict::Ambiguous => {
             "Several sets of effects explain the difference equally well. Each effect below \
-             belongs to at least one of them. Another recording can tell them apart."
+             belongs to at least one of them. Another recording can distinguish them."
         }
         Verdict::Unexplained => {
             "Model and measurement differ by more than noise, and no effect of the catalogue \
@@ -119,8 +119,8 @@ fn tiles(report: &DiscoveryReport) -> Markup {
             "Gap explained",
             share.map_or_else(|| NONE.to_owned(), percent),
             format!(
-                "share of the squared error beyond what the model leaves on this robot \
-                     anyway{interval}"
+                "share of the squared error in excess of that of the model on this robot as \
+                 built{interval}"
             ),
         ));
     }
@@ -139,7 +139,8 @@ fn tiles(report: &DiscoveryReport) -> Markup {
             let names =
                 if more.is_empty() { enumerate(&numbers, "and") } else { numbers.join(", ") };
             format!(
-                "Measured on {word} {names}{more}, held out: {them} not used for naming or fitting."
+                "Measured on {word} {names}{more}, held out: {them} used neither for naming nor \
+                 for fitting."
             )
         }
     };

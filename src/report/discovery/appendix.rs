@@ -27,7 +27,7 @@ pub(crate) fn candidates(report: &DiscoveryReport) -> Markup {
     };
     let rows: Vec<Vec<Markup>> = candidates.iter().take(MAX_CANDIDATES).map(row).collect();
     let (shown, folded) = rows.split_at(rows.len().min(SHOWN_CANDIDATES));
-    let header = ["candidate", "score", "why not"];
+    let header = ["candidate", "score", "reason for rejection"];
     let note = format!(
         "Score: gain in 2 ln likelihood over the {}, minus a penalty for parameters and for the \
          number of candidates; larger is better. candidates.csv has all {} with their \
@@ -62,7 +62,7 @@ pub(crate) fn next(report: &DiscoveryReport) -> Markup {
             html! { code { (proposal.file) } },
         ]
     });
-    let header = ["recording", "what to do", "minutes", "separation (σ)", "commands"];
+    let header = ["recording", "instruction", "minutes", "separation (σ)", "commands"];
     let proposals = table(&header, &rows.collect::<Vec<_>>());
     let note = "Separation: smallest distance between the predictions of two rivals after \
                 refitting, in standard deviations of the noise.";
@@ -86,7 +86,7 @@ pub(crate) fn model(report: &DiscoveryReport) -> Markup {
     if !diff_lines.iter().any(changed) {
         return section(
             "The model",
-            &html! { p { "Nothing was added: model.yaml equals the given model." } },
+            &html! { p { "The model was not changed: model.yaml equals the given model." } },
         );
     }
     let near_change = |at: usize| {

@@ -94,7 +94,7 @@ pub(super) fn draw(
 fn note(canvas: &mut Canvas, magnified: f64, count: usize, y: f64) {
     let lines = [
         format!(
-            "from the measured tip, away from where the model puts it, {} × as long",
+            "from the measured tip, away from the simulated tip, {} × as long",
             number(magnified, 1)
         ),
         match count.div_ceil(MAX_ARROWS) {

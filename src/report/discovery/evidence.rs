@@ -17,8 +17,8 @@ const MAX_ROWS: usize = 12;
 
 /// The robot on a held-out trial.
 pub(super) fn robot(report: &DiscoveryReport) -> Markup {
-    let note = "The robot of the model under the commands of one held-out trial. The diamond is \
-                the measured tip; the dotted line from it ends at the tip of the model.";
+    let note = "Simulation of one held-out trial. The diamond is the measured tip; the dotted line \
+                connects it to the simulated tip.";
     let shown = player("The robot on a held-out trial", report.scenes);
     let content = html! { @if !shown.0.is_empty() { p .note { (note) } (shown) } };
     section("Model and measurement in motion", &content)
@@ -27,9 +27,9 @@ pub(super) fn robot(report: &DiscoveryReport) -> Markup {
 /// Where they disagree.
 pub(super) fn place(report: &DiscoveryReport, map: &Markup) -> Markup {
     let findings = report.findings;
-    let caption = "Each number is the rms of measured minus model at that place along that axis, \
-                   divided by the noise floor: 1 is noise. The views show the workspace of the \
-                   robot, with z to the right.";
+    let caption = "Each number is the rms residual (measured minus model) at a place along an \
+                   axis, divided by the noise floor: 1 is noise. The views show the workspace of \
+                   the robot, with z to the right.";
     let rows = findings.disagreement.iter().take(MAX_ROWS).map(|place| {
         let p = probability(place.p_value);
         let is_marked = marked(findings)[0] && place.p_value < SIGNIFICANCE_LEVEL;
@@ -83,8 +83,8 @@ fn noise(report: &DiscoveryReport) -> Markup {
 
 /// Gap, residuals, the test for more, and each held-out trial.
 pub(super) fn proof(report: &DiscoveryReport, gap: &Markup, residuals: &Markup) -> Markup {
-    let bars = "Rms distance between what was measured and what the model simulates, over all \
-                tracked places. Dashed: noise floor.";
+    let bars = "Rms distance between measured and simulated positions, over all tracked places. \
+                Dashed: noise floor.";
     let curves = "Measured minus model at the tip on held-out trials.";
     let heading = if report.changed() { "Held-out test" } else { "Size of the error" };
     let content = html! { (captioned(gap, bars)) (captioned(residuals, curves)) (trials(report)) (missing(report)) };

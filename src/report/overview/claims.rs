@@ -40,14 +40,14 @@ const GROUPS: [Group; 6] = [
         experiment: "table1",
         beginning: "validation_",
         heading: "Validation errors of the networks",
-        why: "Training that stops at the paper’s figure agrees with it by construction. Converged \
+        why: "Training that stops at the paper’s error agrees with it by construction. Converged \
               networks have a much smaller validation error.",
     },
     Group {
         experiment: "fig6",
         beginning: "",
         heading: "Fig. 6: amount of data",
-        why: "The network of π_real learns from real points alone, so more points reduce its error. \
+        why: "The network of π_real learns from real points only, so more points reduce its error. \
               The Gaussian process learns a smooth gap, for which a hundred points suffice.",
     },
     Group {
@@ -62,9 +62,9 @@ const GROUPS: [Group; 6] = [
         experiment: "table1",
         beginning: "table1_",
         heading: "Table I: the numbers",
-        why: "The network makes most of the error. Networks stopped at the paper’s validation errors \
-              come near its numbers in open loop; converged networks have several times smaller \
-              errors, so that none of the numbers holds for them.",
+        why: "The network makes most of the error. Networks stopped at the paper’s validation \
+              errors come near its numbers in open loop; converged networks have several times \
+              smaller errors, so they reproduce none of the numbers.",
     },
     Group {
         experiment: "table1",
@@ -105,11 +105,12 @@ pub(super) fn section(results: &Path, costs: &[ClaimCost]) -> Result<ClaimsSecti
     groups.push(("Further claims", "", lines));
     let content = html! {
         p {
-            "A claim is one number a repetition, its " em { "quantity" } ". It is " strong { "reproduced" }
-            " where the 95 % interval over the repetitions lies inside the range of “holds if”, "
-            strong { "not reproduced" } " where it lies outside, and " strong { "undecided" }
-            " where it crosses a limit. The time in brackets is processor time. Networks were trained twice: stopped at the validation errors that \
-             the paper reports, and trained until they stop to improve."
+            "A claim is about one number per repetition, its " em { "quantity" } ". It is " strong { "reproduced" }
+            " if the 95 % interval over the repetitions lies inside the range of “holds if”, "
+            strong { "not reproduced" } " if it lies outside, and " strong { "undecided" }
+            " if it crosses a limit. The time in brackets is processor time. Networks were \
+             trained twice: stopped at the validation errors that the paper reports, and trained \
+             until they stop improving."
         }
         div .filter role="group" aria-label="Show claims" {
             @for verdict in ["all"].into_iter().chain(VERDICTS) {

@@ -55,7 +55,7 @@ fn head(summary: &Markup) -> Markup {
     html! {
         header {
             p .badge { "Results" }
-            h1 { "Does this learning-based controller really work?" }
+            h1 { "Does this learning-based controller work?" }
             p .lead {
                 "We repeated every experiment of Wang & Rojas, " i { "A Data-Efficient Model-Based \
                  Learning Framework for the Closed-Loop Control of Continuum Robots" } ", ten times, \

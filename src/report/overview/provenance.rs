@@ -56,13 +56,14 @@ pub(super) fn section(experiments: &[ExperimentFacts]) -> Markup {
         }
     };
     page_section(
-        "Where the numbers come from",
+        "Provenance of the numbers",
         &html! {
             p {
                 "Each experiment is a YAML file. " code { "results/NAME/spec.yaml" } " states every setting of \
                  a run, " code { "stages.csv" } " every stage with its key and result. " code { "spinebench verify NAME" }
-                " runs an experiment again from nothing and compares every byte. A revision that ends in "
-                code { "+" } " had changes that were not committed."
+                " reruns an experiment without stored results and compares every byte. A revision \
+                 that ends in "
+                code { "+" } " had uncommitted changes."
             }
             table .stack {
                 thead { tr { th scope="col" { "Experiment" } th scope="col" { "Repetitions" } th scope="col" { "Processor time" }

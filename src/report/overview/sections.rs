@@ -158,7 +158,7 @@ fn fig8(results: &Path, data: &mut PageData) -> Result<Markup, DataError> {
         ..Chart::default()
     };
     let means =
-        chart_of(results, data, "fig8/summary.csv", |_| true, means, "One dot a repetition.")?;
+        chart_of(results, data, "fig8/summary.csv", |_| true, means, "One dot per repetition.")?;
     Ok(html! { (path) (error) (means) })
 }
 
@@ -207,7 +207,8 @@ fn repair(results: &Path, data: &mut PageData) -> Result<Markup, DataError> {
         facets: vec![("mode", "open".into()), ("policy", "a".into())],
         ..Chart::default()
     };
-    let caption = "Seven changes of the robot that nobody announced. The program notices each, names it and repairs the controller.";
+    let caption = "Seven unannounced changes of the robot. The program detects each change, \
+                   identifies it and repairs the controller.";
     chart_of(results, data, "repair/repair_summary.csv", |_| true, chart, caption)
 }
 
@@ -221,7 +222,8 @@ fn population(results: &Path, data: &mut PageData) -> Result<Markup, DataError> 
         ..Chart::default()
     };
     let comparisons = |cell: &dyn Fn(&str) -> String| !cell("claim").starts_with("table1_");
-    let caption = "A hundred simulated robots, each with a gap of its own; 95 % interval of the share (Wilson).";
+    let caption = "A hundred simulated robots with different gaps; 95 % interval of the share \
+                   (Wilson).";
     let shares =
         chart_of(results, data, "population/robot_claims.csv", comparisons, shares, caption)?;
     let errors = Chart {
@@ -282,7 +284,7 @@ fn sweeps(results: &Path, data: &mut PageData) -> Result<Markup, DataError> {
 
 fn discovery(results: &Path, data: &mut PageData) -> Result<Markup, DataError> {
     let chart = Chart {
-        title: "How often the answer is right".into(),
+        title: "Share of correct answers".into(),
         x: AxisColumn { scale: 100.0, zero: true, ..AxisColumn::plain("value", "share (%)") },
         interval: Some(["low_95", "high_95"]),
         category: vec!["measure".into()],
@@ -290,7 +292,8 @@ fn discovery(results: &Path, data: &mut PageData) -> Result<Markup, DataError> {
         ..Chart::default()
     };
     let shares = |cell: &dyn Fn(&str) -> String| cell("kind") == "share";
-    let caption = "Recordings of simulated robots that the search had not seen; an effect, a pair, or nothing is hidden in each.";
+    let caption = "Recordings of simulated robots whose effects are unknown to the search: one \
+                   effect, a pair, or none.";
     let own =
         chart_of(results, data, "discovery_full/summary.csv", shares, chart.clone(), caption)?;
     let caption = "The same on recordings of another simulator, a MuJoCo chain.";
@@ -301,7 +304,7 @@ fn discovery(results: &Path, data: &mut PageData) -> Result<Markup, DataError> {
 
 fn real(results: &Path, data: &mut PageData) -> Result<Markup, DataError> {
     let chart = Chart {
-        title: "Error of models on positions that no fit has seen".into(),
+        title: "Error of models on positions not used in any fit".into(),
         x: AxisColumn::plain("rod_mm", "rms error (mm)").log(),
         category: vec!["robot".into()],
         columns: vec![
@@ -315,6 +318,6 @@ fn real(results: &Path, data: &mut PageData) -> Result<Markup, DataError> {
         ],
         ..Chart::default()
     };
-    let caption = "Four robots that others built and measured.";
+    let caption = "Four robots built and measured by other groups.";
     chart_of(results, data, "real/summary.csv", |_| true, chart, caption)
 }

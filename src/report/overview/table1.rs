@@ -86,5 +86,6 @@ fn strips(results: &Path, data: &mut PageData) -> Result<Markup, DataError> {
         ..Chart::default()
     };
     Ok(data
-        .chart(chart, "One dot a trial (10 repetitions of 50 targets). Box: quartiles and median."))
+        .chart(chart, "One dot per trial (10 repetitions of 50 targets). Box: quartiles and \
+                       median."))
 }

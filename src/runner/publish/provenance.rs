@@ -99,6 +99,6 @@ mod tests {
             "found 2 stages, published 3"
         );
         let said = first_difference(&published, &[row("q", "1", "x")]).unwrap();
-        assert!(said.contains("published was a (seed 0) in its place"), "{said}");
+        assert!(said.contains("the published stage at this position is a (seed 0)"), "{said}");
     }
 }
