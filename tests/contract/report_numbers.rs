@@ -53,7 +53,7 @@ fn failed_trials_are_counted_and_left_out() {
     assert_eq!((row.trials, row.failed), (2, 1));
     assert!((row.mean_m - 0.02).abs() < 1e-15);
     let published = Published { trials: rows, ..Published::default() };
-    assert!(file("table1", &published, "table1.md").contains("1 trials gave no error"));
+    assert!(file("table1", &published, "table1.md").contains("1 trials without an error value"));
 }
 
 #[test]

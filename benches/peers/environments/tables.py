@@ -124,7 +124,7 @@ def at_most(words, costs, most_us):
 
 
 def goals(rows, wanted_mm):
-    lines = ["| To reach | Wanted | Found | |", "| --- | ---: | ---: | --- |"]
+    lines = ["| Comparison | Required | Measured | |", "| --- | ---: | ---: | --- |"]
     lines += [faster(rows, "tensions", "PyElastica", 100, wanted_mm), faster(rows, "lengths", "MuJoCo hinge chain", 10, wanted_mm)]
     stepped, played = (of(rows, task="call", setting=name) for name in ("one call a step", "one call for all steps"))
     costs = [1e6 * (a["cpu_s_per_step"] - b["cpu_s_per_step"]) for a in stepped for b in played if a["round"] == b["round"]]

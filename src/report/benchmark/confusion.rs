@@ -105,9 +105,9 @@ fn columns(lines: &[MatrixRow]) -> Vec<AnswerClass> {
 /// What the picture shows.
 pub(crate) fn caption(cases: &[CaseRow]) -> String {
     format!(
-        "Answers of discovery to {} blind cases: a row for each hidden effect, a column for each \
-         answer, in a cell the number of cases; the stronger the colour, the larger the share of \
-         the row. Over one column: the answers other than the hidden effect in words.",
+        "Answers of discovery to {} blind cases: one row per hidden effect, one column per answer, \
+         the number of cases in each cell; stronger colour: larger share of the row. At column \
+         width: the answers other than the hidden effect, in words.",
         cases.len()
     )
 }

@@ -13,8 +13,8 @@ pub(crate) fn caption(rows: &[SummaryRow]) -> String {
     let cases = rows.iter().map(|row| row.cases).max().unwrap_or(0);
     format!(
         "Results of the blind benchmark of discovery over up to {cases} cases: share of the cases \
-         that each line is about, in %, with Wilson’s 95 % interval (of medians, order statistics). \
-         Green: the range that was to be reached."
+         of each line, in %, with Wilson’s 95 % interval (for medians, order statistics). Green: \
+         target range."
     )
 }
 

@@ -27,8 +27,9 @@ const DRAWINGS: [CalibrationFigure; 2] = [("errors", errors::draw), ("map", map:
 
 /// What the map shows.
 pub const MAP_CAPTION: &str = "Measured positions (grey), the positions that the fitted model \
-    simulates for the same commands (blue) and the error between them (red), seen from the side, \
-    from above and along the robot, in mm. Some positions are drawn, evenly chosen.";
+                               simulates for the same commands (blue) and the error between them \
+                               (red), seen from the side, from above and along the robot, in mm. A \
+                               sample of positions at even intervals is drawn.";
 
 /// Everything that `calibrate --report` writes: `calibration.json`, `report.html`, the figures as
 /// PNG and SVG, and the tables `numbers.csv`, `trade_offs.csv`, `stages.csv`, `residual_groups.csv`
@@ -83,6 +84,7 @@ fn caption(name: &str, findings: &CalibrationFindings) -> String {
     };
     format!(
         "Root mean square distance in mm between predicted and measured positions, of the fitted \
-         model and of others, on {positions} positions that were not used in the fit ({how}).{noise}"
+         model and of other models, on {positions} positions that were not used in the fit \
+         ({how}).{noise}"
     )
 }

@@ -18,7 +18,7 @@ use crate::rows::responses::{ControllerRow, PaceRow};
 /// Registry entry.
 pub(super) const FIGURE: Figure = Figure {
     name: "controllers",
-    about: "Controllers told apart: error against time, and path tracking against speed",
+    about: "Comparison of controllers: error against time, and path tracking against speed",
     render,
 };
 

@@ -70,8 +70,8 @@ pub(crate) fn markdown(rows: &[ControllerRow], paces: &[PaceRow]) -> String {
     let head = "Errors of the true tip in mm: mean at the end (95 % interval over repetitions), \
                 the same as tracked, 95th percentile, and after 1, 2 and 5 s. Times in s: median \
                 until the error stays within 5, 3 and 2 mm. “Limit”: median of the time to within \
-                3 mm over the time that the drive's limit asks for. “–”: not reached in half of \
-                the trials.\n\n";
+                3 mm over the minimum time at the speed limit of the drives. “–”: not reached in \
+                half of the trials.\n\n";
     let mut text = head.to_owned() + &responses_table(rows).markdown();
     if !paces.is_empty() {
         text.push_str(

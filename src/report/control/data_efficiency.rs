@@ -126,8 +126,9 @@ fn markdown(needed: &[PointsNeededRow], rows: &[ControllerRow]) -> String {
         cells.push(curve.iter().map(cell).collect::<Vec<_>>().join(" · "));
         cells
     };
-    let head = "Real points from which on the mean error of the true tip at the end of a trial \
-                stays within 5, 3 and 2 mm; 0: without any. Errors in mm, by points.\n\n";
+    let head = "Number of real points from which the mean error of the true tip at the end of a \
+                trial stays within 5, 3 and 2 mm; 0: without real points. Errors in mm, by number \
+                of points.\n\n";
     let rows = needed.chunks(WANTED_M.len()).map(line).collect();
     head.to_owned() + &MarkdownTable { header, rows }.markdown()
 }

@@ -11,8 +11,7 @@ use crate::rows::experiment::GpCoverageRow;
 /// Registry entry.
 pub(super) const FIGURE: Figure = Figure {
     name: "gp_coverage",
-    about: "Intervals of the Gaussian process: share of unseen points that they cover against the \
-            promised one",
+    about: "Intervals of the Gaussian process: coverage on unseen points against nominal coverage",
     render,
 };
 
@@ -27,9 +26,9 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
 fn caption(rows: &[GpCoverageRow]) -> String {
     let seeds = distinct(rows.iter().map(|row| row.seed)).len();
     format!(
-        "Share of unseen points that an interval of the Gaussian process covers, against the share \
-         that it promises, both in %, along each axis of the tip, by number of real points. Marks \
-         are means over {seeds} repetitions; below the broken line the intervals are too narrow."
+        "Coverage of intervals of the Gaussian process on unseen points against their nominal \
+         coverage, both in %, along each axis of the tip, by number of real points. Marks are \
+         means over {seeds} repetitions; below the broken line the intervals are too narrow."
     )
 }
 

@@ -41,7 +41,8 @@ fn caption(rows: &[RepairSummaryRow]) -> String {
         "Goal-reaching error of each policy before and after {changes} changes of the robot, and \
          after each way to repair the controller, in mm; {}. Marks are means over {trials} trials \
          in {seeds} repetitions. The hollow mark is the mean distance from a target to the nearest \
-         place where the tip of the changed robot can come to rest: no controller reaches less.",
+         equilibrium position of the tip of the changed robot: the lower bound for every \
+         controller.",
         training_label(training)
     )
 }

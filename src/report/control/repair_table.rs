@@ -86,11 +86,11 @@ pub(crate) fn markdown(rows: &[RepairSummaryRow], published: &Published) -> Stri
     text.push_str(&named_table(&published.repairs).markdown());
     text.push_str(
         "\nErrors of goal reaching in mm (95 % interval over repetitions). “After”: the changed \
-         robot, the controller as it was. “Repaired”: networks trained on with the repaired model. \
-         “Moved points”: the networks as they were, the real points of the error model moved by \
-         what the named lines do in the model. Both have the samples of the table above. “New \
-         points”: an error model of as many new real points as it had. “New data”: a network of as \
-         many new real samples as it had.\n",
+         robot with the unchanged controller. “Repaired”: networks trained further with the \
+         repaired model. “Moved points”: unchanged networks; the real points of the error model \
+         are moved by the predicted effect of the named changes. Both use the samples of the table \
+         above. “New points”: an error model of the same number of new real points. “New data”: a \
+         network of the same number of new real samples.\n",
     );
     for training in trainings(rows.iter().map(|row| row.training.as_str())) {
         for mode in distinct(
@@ -117,9 +117,9 @@ fn noticed(published: &Published) -> String {
     format!(
         "The monitors raised {alarms} false alarms in {hours:.0} hours of work of unchanged \
          robots.\n\nAlarm: median time of work from a change to the alarm (repetitions with an \
-         alarm). Named: repetitions by the effects that were named. Nearest: mean distance of the \
-         targets, which were drawn from what the unchanged robot reaches, from the nearest place \
-         where the tip of the changed one comes to rest{}.\n\n",
+         alarm). Named: number of repetitions by named effects. Nearest: mean distance of the \
+         targets, drawn from the workspace of the unchanged robot, from the nearest equilibrium \
+         position of the tip of the changed robot{}.\n\n",
         nearest_before(published)
     )
 }

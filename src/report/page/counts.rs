@@ -42,7 +42,8 @@ fn replaced(
             .ok_or_else(|| marker_error("found no end of the marker".into()))?;
         let (_, after) = rest
             .split_once(END)
-            .ok_or_else(|| marker_error(format!("found no `{END}` after it, expected one")))?;
+            .ok_or_else(|| marker_error(format!("found no `{END}` after the marker, expected \
+                                                 one")))?;
         let value = value(marker).map_err(marker_error)?;
         page.push_str(&format!("{begin}{marker}{CLOSE}{value}{END}{after}"));
     }

@@ -11,7 +11,7 @@ pub enum PageError {
         marker: String,
     },
     /// The end precedes the beginning, or a marker occurs twice.
-    #[error("found `{marker}` out of place, expected one `begin` and after it one `end`")]
+    #[error("found `{marker}` at a wrong place, expected one `begin` followed by one `end`")]
     OutOfPlace {
         /// The line that is out of place.
         marker: String,

@@ -37,9 +37,9 @@ fn markdown(claims: &[ClaimRow]) -> String {
     experiments.dedup();
     let counts = count(claims);
     let mut text = format!(
-        "Verdicts: {counts}. A claim is reproduced where the 95 % interval of its quantity over \
-         the seeds lies inside the range of “holds if”, not reproduced where it lies outside, and \
-         undecided where it crosses a limit.\n"
+        "Verdicts: {counts}. A claim is reproduced if the 95 % interval of its quantity over the \
+         seeds lies inside the range of “holds if”, not reproduced if it lies outside, and \
+         undecided if it crosses a limit.\n"
     );
     for experiment in experiments {
         let rows = lines

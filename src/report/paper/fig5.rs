@@ -73,10 +73,10 @@ fn caption(gaps: &[GapRow]) -> String {
     let stride = gaps.len().div_ceil(MAX_DOTS).max(1);
     let dots = if stride == 1 { String::new() } else { format!(" (one in {stride} is drawn)") };
     format!(
-        "Tips that the model computes and tips that the simulated “real” robot shows under the same \
-         {} commands in {seeds} repetitions{dots}: (a) to (c) three projections in mm; (d) to (f) \
-         share of samples against the difference along each axis, model minus “real”. Broken lines \
-         are means; samples beyond an axis are counted in its outer bins.",
+        "Tips of the model and tips of the simulated “real” robot under the same {} commands in \
+         {seeds} repetitions{dots}: (a) to (c) three projections in mm; (d) to (f) share of \
+         samples against the difference along each axis, model minus “real”. Broken lines are \
+         means; samples beyond an axis are counted in its outer bins.",
         thousands(gaps.len() as u64)
     )
 }

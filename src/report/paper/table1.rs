@@ -149,11 +149,11 @@ fn caption(summary: &[ReachSummaryRow]) -> String {
     let failures = if failed == 0 {
         String::new()
     } else {
-        format!("; {failed} trials gave no error and are left out")
+        format!("; {failed} trials without an error value are excluded")
     };
     format!(
         "Goal-reaching error in metres, mean(standard deviation over targets); the whole \
-         experiment, data and training included, was run {times}, {max_trials} trials a \
+         experiment, including data and training, was run {times}, {max_trials} trials per \
          cell{failures}."
     )
 }

@@ -27,9 +27,9 @@ fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
 fn caption(rows: &[&ScalingRow]) -> String {
     let stages = rows.iter().map(|row| row.stages).max().unwrap_or(0);
     format!(
-        "A campaign of {} stages, whose times were recorded on one processor, replayed on clusters: \
-         (a) time from begin to end in h and (b) share of the nodes’ time that goes into stages, \
-         against the number of nodes (logarithmic axis). Broken line: 90 %.",
+        "A campaign of {} stages, whose times were recorded on one processor, replayed on \
+         clusters: (a) total time in h and (b) share of the nodes’ time spent in stages, against \
+         the number of nodes (logarithmic axis). Broken line: 90 %.",
         thousands(stages)
     )
 }

@@ -53,8 +53,8 @@ fn dynamic_runs(text: &mut String, rows: &[PeerRow]) {
     }
     let _ = writeln!(
         text,
-        "\nSimulated time over processor time of the fastest setting whose rms tip error is within \
-         the column's (nodes or segments, time step); – where no setting that was tried is."
+        "\nSimulated time over processor time of the fastest setting with an rms tip error within \
+         that of the column (nodes or segments, time step); –: no tested setting."
     );
 }
 

@@ -75,8 +75,8 @@ fn reached(text: &mut String, tasks: &[TaskRows], peers: &[&str]) {
     let _ = writeln!(
         text,
         "\nFits: sum of the three log marginal likelihoods (evaluations; root mean square error on \
-         the other exploration, without noise). Networks: mean over the rounds, each with weights \
-         of its own."
+         the other exploration, without noise). Networks: mean over the rounds, each with its own \
+         initial weights."
     );
 }
 
