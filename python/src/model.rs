@@ -12,8 +12,8 @@ use spinebench::specs::{model_text, read_model};
 
 use crate::errors::{Fault, InputFault};
 
-/// A robot and the effects added to it. It does not change: `with_value` and `with_effects` return
-/// another one.
+/// A robot and the effects added to it. Immutable: `with_value` and `with_effects` return a new
+/// model.
 #[pyclass(frozen, name = "Model", module = "spinebench")]
 #[derive(Clone)]
 pub(crate) struct PyModel {

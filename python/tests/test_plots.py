@@ -50,9 +50,9 @@ def test_a_rod_shows_its_shape_in_millimetres(model: sb.Model, tmp_path: Path) -
 def test_a_recording_shows_tip_and_commands(played: pd.DataFrame) -> None:
     figure = sb.plot(played)
     assert labels(figure) == [
-        "time (s), 3 trials one after the other",
+        "time (s), 3 consecutive trials",
         "tip (mm)",
-        "time (s), 3 trials one after the other",
+        "time (s), 3 consecutive trials",
         "displacement (mm)",
     ]
     tip = figure.axes[0].lines[0].get_ydata()

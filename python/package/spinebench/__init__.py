@@ -18,7 +18,7 @@ from ._spinebench import _VERSION, Model, Rod, Rods
 from .envs import register as _register
 
 __version__ = _VERSION
-"""Version with the revision of the sources, as `spinebench --version` says it."""
+"""Version with the revision of the sources, as `spinebench --version` prints it."""
 
 __all__ = [
     "CalibratedNumber",

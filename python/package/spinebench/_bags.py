@@ -1,4 +1,4 @@
-"""Other people's files: loggers' text files and bags in, bags for viewers out."""
+"""Import text files of loggers and bags; export bags for viewers."""
 
 from __future__ import annotations
 
@@ -17,37 +17,37 @@ from ._recordings import Columns, ModelLike, PathLike, Recording, frame_of_colum
 
 _Clock = tuple[int | None, float, tuple[float, float], float, float]
 Map = PathLike | Mapping[str, Any]
-"""A map: a YAML file, or what such a file holds (docs/reference/importing.md)."""
+"""A map: a YAML file, or its content as a mapping (docs/reference/importing.md)."""
 
 
 @dataclass(frozen=True)
 class ClockFit:
-    """An offset between two clocks that was estimated from the motion."""
+    """A clock offset estimated from the motion."""
 
     offset_s: float
-    """Seconds that are added to the tracker's times."""
+    """Seconds added to the tracker's times."""
     interval_95_s: tuple[float, float]
     """Its 95 % interval, seconds."""
     lag_s: float
-    """Time constant of the lag from command to tip that was fitted with it, seconds."""
+    """Fitted time constant of the lag from command to tip, seconds."""
     explained: float
     """Share of the tip's motion that the commands explain."""
 
 
 @dataclass(frozen=True, repr=False)
 class ImportedRecording:
-    """What an import gives."""
+    """The result of an import."""
 
     recording: pd.DataFrame
     """The recording."""
     clock: ClockFit | None
-    """The offset of the clocks, where the map asks for an estimate and one log holds all trials."""
+    """The clock offset, if the map requests an estimate and one log contains all trials."""
     clocks: dict[int, ClockFit] = field(default_factory=dict)
-    """The offset of each trial's clocks, where the map asks for estimates and each trial has files of its own."""
+    """The clock offset of each trial, if the map requests estimates and each trial has its own files."""
     passed_over: list[Path] = field(default_factory=list)
-    """Files whose names fit no pattern of the map's `trial_files`."""
+    """Files whose names match no pattern of the map's `trial_files`."""
     notes: list[str] = field(default_factory=list)
-    """What looks like a mistake, and which rows do not count, one sentence each."""
+    """Possible mistakes and ignored rows, one sentence each."""
 
     def __repr__(self) -> str:
         rows, trials = len(self.recording), self.recording["trial"].nunique()
@@ -80,8 +80,8 @@ def _imported(told: tuple[Columns, list[_Clock], list[Path], list[str]]) -> Impo
 def import_csv(files: PathLike | Sequence[PathLike], map: Map) -> ImportedRecording:
     """Read text files of any logger by a map of their columns (docs/reference/importing.md). Raises InputError with file and line.
 
-    `files` is one file or several. A folder stands for its files, `*` and `?` in a name for characters; then the map's
-    `trial_files` says which files are trials.
+    `files` is one file or several. A folder is replaced by its files; `*` and `?` in a name match characters. In both
+    cases the map's `trial_files` selects the files of trials.
     """
     logs = [Path(files)] if isinstance(files, (str, os.PathLike)) else [Path(file) for file in files]
     return _imported(_core._import_csv(logs, _map(map)))
@@ -100,7 +100,7 @@ def export_mcap(
     residuals: Recording | None = None,
     static: bool = False,
 ) -> None:
-    """Write a recording as MCAP, which Foxglove opens: poses, commands, with a model the robot as a line, with the table
-    `residuals` of a discovery what the models leave."""
+    """Write a recording as MCAP, which Foxglove opens: poses and commands; with `model` also the simulated robot as a
+    line; with `residuals`, a table of a discovery, also the residuals of its models."""
     table = None if residuals is None else source(residuals, "residuals")
     _core._export_mcap(source(recording, "recording"), Path(out), model, table, static)

@@ -1,4 +1,4 @@
-"""The results of two runs, beside each other."""
+"""Comparison of the results of two runs."""
 
 from __future__ import annotations
 
@@ -21,19 +21,19 @@ CLOCKS = {"wall_s", "cpu_s"}
 
 @dataclass(frozen=True, repr=False)
 class Comparison:
-    """Where two runs differ."""
+    """The differences between two runs."""
 
     differences: pd.DataFrame
-    """One row a value that differs: `experiment`, `table`, `row` (from 0), `column`, `first`, `second`, and `difference` of
-    numbers. A table or column that only one of them has, and another number of rows, are a row each."""
+    """One row per differing value: `experiment`, `table`, `row` (from 0), `column`, `first`, `second`, and `difference` of
+    numbers. A table or column of only one run, and a different number of rows, have one row each."""
     first_stage: str | None
-    """The first stage whose result differs, by `stages.csv`; None where all are the same or no run tells."""
+    """The first stage whose result differs, by `stages.csv`; None if all results are equal or a run has no `stages.csv`."""
     tables: int
-    """Number of tables that were compared."""
+    """Number of compared tables."""
 
     @property
     def equal(self) -> bool:
-        """Whether nothing differs."""
+        """Whether the runs are equal."""
         return len(self.differences) == 0
 
     def __repr__(self) -> str:
@@ -51,10 +51,10 @@ class Comparison:
 
 
 def compare(first: Compared, second: Compared, *, tolerance: float = 0.0) -> Comparison:
-    """Compare the tables of two runs, value by value and row by row; times of runs are left out.
+    """Compare the tables of two runs, value by value and row by row; run times are not compared.
 
-    `first` and `second` are results of `run`, experiments of them, or folders that runs wrote to (`out`). Numbers are the same
-    when they differ by `tolerance` times the larger one, or by a nanometre with any tolerance; 0 asks for the same number.
+    `first` and `second` are results of `run`, experiments of them, or folders that runs wrote to (`out`). Numbers are equal if
+    they differ by at most `tolerance` times the larger one, or by at most 1e-9; with `tolerance` 0 they must be identical.
     """
     if not 0.0 <= tolerance < 1.0:
         raise InputError(f"tolerance: found {tolerance}, expected a number of at least 0 and below 1")
@@ -116,7 +116,7 @@ def _read(file: Path) -> pd.DataFrame:
     try:
         return pd.read_parquet(file)
     except ImportError:
-        raise InputError(f"{file}: found a Parquet file and no pyarrow, expected it to be installed") from None
+        raise InputError(f"{file}: found a Parquet file but no pyarrow, expected pyarrow to be installed") from None
 
 
 def _parting(here: pd.DataFrame, there: pd.DataFrame) -> str | None:

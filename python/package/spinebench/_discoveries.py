@@ -49,18 +49,18 @@ class Discovery(Result):
     after_m: float
     """RMS tip error of the extended model on held-out trials, metres."""
     candidates: pd.DataFrame
-    """The effects that were tried."""
+    """The fitted or screened effects."""
     residuals: pd.DataFrame
     """Every sample with its residual before and after, metres."""
     disagreement: pd.DataFrame
     """The residual map: where the model and the robot differ."""
     findings: dict[str, Any]
-    """Everything that was found, as in findings.json."""
+    """All results, as in findings.json."""
     files: dict[str, bytes]
-    """What `spinebench discover --out` writes, by name of the file."""
+    """The files of `spinebench discover --out`, by name."""
 
     def save(self, folder: PathLike) -> None:
-        """Write what `spinebench discover --out` writes: `findings.json`, `model.yaml`, `report.html`, figures and tables."""
+        """Write the files of `spinebench discover --out`: `findings.json`, `model.yaml`, `report.html`, figures and tables."""
         _core._save_discovery(Path(folder), list(self.files.items()))
 
     def __repr__(self) -> str:
@@ -77,7 +77,7 @@ class Discovery(Result):
 
 @dataclass(frozen=True)
 class Proposal:
-    """An experiment that tells the rivals of an ambiguous answer apart."""
+    """An experiment that distinguishes the candidates of an ambiguous answer."""
 
     name: str
     """Name of the protocol."""
@@ -92,7 +92,7 @@ class Proposal:
 
 
 Record = Callable[[Discovery, list[Proposal]], Recording | None]
-"""Records one of the proposals of an ambiguous answer, best first; None ends the loop."""
+"""Records one of the proposals of an ambiguous answer, which are sorted best first; None ends the loop."""
 
 
 def _answer(written: _Written) -> Discovery:
@@ -153,10 +153,10 @@ def discover_until_named(
     static: bool = False,
     progress: bool | None = None,
 ) -> list[Discovery]:
-    """Ask as `discover` does; while the answer is ambiguous, record a proposed experiment and ask again of all recordings.
+    """Run `discover`; while the answer is ambiguous, record a proposed experiment and repeat with all recordings.
 
     `record(answer, proposals)` returns a recording of one of the proposals, or None to end. It is called `max_rounds` times at
-    most. Returns the answer of each round; the last one is that of all recordings together. Ctrl-C ends the call at once.
+    most. Returns the answer of each round; the last one is based on all recordings. Ctrl-C ends the call at once.
     """
     if max_rounds < 0:
         raise InputError(f"max_rounds: found {max_rounds}, expected at least 0")

@@ -8,10 +8,10 @@ class SpinebenchError(Exception):
 
 
 class InputError(SpinebenchError, ValueError):
-    """Bad input. The message says in one sentence where, what was found and what was expected."""
+    """Bad input. The message states in one sentence the place, what was found and what was expected."""
 
     file: str | None = None
-    """File that holds the fault, if one does."""
+    """File with the error, if any."""
     line: int | None = None
     """Line in it (from 1)."""
     key: str | None = None
@@ -34,4 +34,4 @@ class RunError(SpinebenchError, RuntimeError):
 
 
 class InternalError(SpinebenchError, RuntimeError):
-    """A fault of the program itself."""
+    """An internal error of the program."""

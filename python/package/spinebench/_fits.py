@@ -33,7 +33,7 @@ def simulate(
 
 
 class Result:
-    """Equal by content; a copy and what comes back from a pickle are equal to the original."""
+    """Equal by content: a copy and an unpickled object are equal to the original."""
 
     model: Model
     findings: dict[str, Any]
@@ -76,7 +76,7 @@ class Calibration(Result):
     sightings: pd.DataFrame
     """Every position of the fit with its error, metres."""
     findings: dict[str, Any] = field(repr=False)
-    """Everything that was found, as in calibration.json."""
+    """All results, as in calibration.json."""
 
     def __repr__(self) -> str:
         numbers = ", ".join(f"{one.name}={one.value:.4g}" for one in self.numbers)
@@ -106,7 +106,7 @@ def calibrate(
 
     `measured` is one recording or several, each with its own known loads (`known_load_kg`, `tip_force_x_n`…).
     `fit` lists paths of the model file (`robot.tendons.angles_deg[3]`, groups with `*`) or is `["auto"]`. `hold_out` is the
-    share of trials that is kept out of the fit; `validate` finds the error on unseen rows. Ctrl-C ends the call at once and
+    share of trials that is held out of the fit; `validate` estimates the error on unseen rows. Ctrl-C ends the call at once and
     the fit at its next simulated row.
     """
     if isinstance(fit, str):

@@ -50,7 +50,7 @@ def _plain(X: ArrayLike, y: ArrayLike | None, features: int | None) -> tuple[Arr
 
 
 class _Regressor:
-    """What all regressors share."""
+    """Base class of the regressors."""
 
     _estimator_type = "regressor"
     n_features_in_: int
@@ -144,24 +144,24 @@ class _Regressor:
 
 
 class GaussianProcess(_Regressor):
-    """Gaussian-process regression, exact or with inducing points, every output with hyper-parameters of its own.
+    """Gaussian-process regression, exact or with inducing points. Each output has its own hyper-parameters.
 
     Parameters
     ----------
     kernel: a kernel or an expression of kernels, such as `"se_ard"` or `"matern52 + linear[1-2]"` (docs/method/learning.md).
     mean: `"zero"` (the mean of the outputs), `"constant"` or `"linear"`, whose unknown weights are integrated out.
     approximation: `"exact"`, or `"sgpr"` or `"fitc"` for thousands of samples.
-    inducing_points: inducing points of an approximation at most.
+    inducing_points: maximum number of inducing points of an approximation.
     starts: starting points of the search for hyper-parameters.
-    start_rows: rows on which the starts compete when there are more.
+    start_rows: maximum number of rows on which the starts are compared.
     noise_floor: smallest noise standard deviation, as a share of the output's standard deviation.
-    noise_prior: standard deviation of the measurement noise in y's unit, the same for all outputs, where it is known: the fitted
-        noise is then hardly below it, and above it the likelihood alone decides. None: it decides everywhere, which takes few
-        samples for free of noise now and then.
-    noise_prior_width: how well `noise_prior` is known: standard deviation of its logarithm.
+    noise_prior: known standard deviation of the measurement noise in y's unit, the same for all outputs. It keeps the fitted
+        noise from falling far below this value; above it, only the likelihood counts. None: only the likelihood counts, which
+        can estimate nearly no noise from few samples.
+    noise_prior_width: uncertainty of `noise_prior`: standard deviation of its logarithm.
     tolerance: improvement of the log marginal likelihood (nats) below which the search ends.
     theta: natural logarithms of fixed hyper-parameters (each,) or (outputs, each), in the order of
-        `hyperparameter_names_` and in standardised units; no search is made.
+        `hyperparameter_names_` and in standardised units; they are not optimised.
 
     Inputs and outputs are standardised inside (mean 0, population standard deviation 1).
     """
@@ -175,8 +175,8 @@ class GaussianProcess(_Regressor):
     noise_std_: Array
     """Noise standard deviation of each output, in its unit."""
     range_ends_: list[tuple[int, str, str]]
-    """Hyper-parameters at an end of their range: output, name, `low` or `high`. `fit` warns of them. Noise at its least makes
-    intervals too narrow; a length-scale at its most is that of an input without influence."""
+    """Hyper-parameters at an end of their range: output, name, `low` or `high`. `fit` warns about them. Noise at its lower end
+    makes intervals too narrow; a length-scale at its upper end means an input without influence."""
 
     def __init__(
         self,
@@ -239,8 +239,8 @@ class GaussianProcess(_Regressor):
         return self._shaped(mean) if std is None else (self._shaped(mean), self._shaped(std))
 
     def leave_one_out(self) -> tuple[Array, Array, Array]:
-        """Mean, standard deviation (noise and all) and log probability density of every training sample as the others foretell it,
-        without fitting anew (Rasmussen & Williams 2006, section 5.4.2): (samples,) or (samples, outputs) each."""
+        """Mean, standard deviation (including noise) and log probability density of every training sample as predicted from the
+        others, without refitting (Rasmussen & Williams 2006, section 5.4.2): (samples,) or (samples, outputs) each."""
         self._check_fitted()
         mean, std, log_probability = self._core.leave_one_out()
         return self._shaped(mean), self._shaped(std), self._shaped(log_probability)
@@ -287,7 +287,7 @@ class NetworkRegressor(_Regressor):
     n_epochs_: int
     """Epochs begun."""
     validation_mae_: float
-    """Best mean absolute error on the validation rows, in the outputs' unit."""
+    """Smallest mean absolute error on the validation rows, in the outputs' unit."""
     stopped_: str
     """`patience` or `epochs`."""
     history_: list[tuple[int, float, float, float]]
@@ -367,4 +367,4 @@ class NetworkRegressor(_Regressor):
 
 
 ElmanRegressor = NetworkRegressor
-"""The same under its first name: its default kind is Elman's."""
+"""Alias of `NetworkRegressor`, whose default kind is `elman`."""

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 COLOURS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"]
-"""Of Okabe and Ito: told apart by colour-blind readers, too."""
+"""Palette of Okabe and Ito, which colour-blind readers can distinguish."""
 DASHES = ["-", "--", "-.", ":"]
 MM = 1e3
 
@@ -63,7 +63,7 @@ def _axes(axes: Axes | Sequence[Axes] | None, panels: int, size: tuple[float, fl
     try:
         pyplot = importlib.import_module("matplotlib.pyplot")
     except ImportError:
-        raise InputError('plot: found no matplotlib, expected it to be installed: pip install "./python[plot]"') from None
+        raise InputError('plot: found no matplotlib, expected matplotlib to be installed: pip install "./python[plot]"') from None
     columns = 2 if size[0] > 8.5 else 1
     figure, made = pyplot.subplots(panels // columns, columns, figsize=size, layout="constrained", squeeze=False)
     return figure, list(made.flat)
@@ -95,7 +95,7 @@ def _commands(frame: pd.DataFrame) -> list[str]:
 
 
 def _clock(frame: pd.DataFrame) -> tuple[NDArray[np.float64], list[float]]:
-    """Seconds over trials one after the other, and where each trial begins."""
+    """Seconds over consecutive trials, and where each trial begins."""
     time_s, starts, end_s = np.zeros(len(frame)), [], 0.0
     trial = frame["trial"].to_numpy()
     first = np.flatnonzero(np.r_[True, trial[1:] != trial[:-1]])
@@ -111,7 +111,7 @@ def _clock(frame: pd.DataFrame) -> tuple[NDArray[np.float64], list[float]]:
 def _over_time(ax: Axes, frame: pd.DataFrame, starts: list[float]) -> None:
     for start_s in starts[1:]:
         ax.axvline(start_s, color="0.8", linewidth=0.8, zorder=0)
-    of_one = "time (s)" if len(starts) == 1 else f"time (s), {len(starts)} trials one after the other"
+    of_one = "time (s)" if len(starts) == 1 else f"time (s), {len(starts)} consecutive trials"
     ax.set_xlabel(of_one)
     ax.grid(alpha=0.3)
 

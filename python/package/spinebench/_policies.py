@@ -1,4 +1,4 @@
-"""Policies of your own: how a class becomes a policy of a run."""
+"""User-defined policies: a class as a policy of a run."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ Array = NDArray[np.float64]
 
 
 class Policy(Protocol):
-    """A policy. A method `reset()`, where there is one, is called when a trial begins."""
+    """A policy. An optional method `reset()` is called when a trial begins."""
 
     def act(self, tip_m: Array, target_m: Array, pulls_m: Array, time_s: float) -> Any:
-        """Decide the displacement of each tendon, (tendons,), metres; or a pair of it and whether the policy has settled.
+        """Return the displacement of each tendon, (tendons,), metres; or a pair of it and whether the policy has settled.
 
         `tip_m` (3,) is the last valid measurement, `target_m` (3,) the target, `pulls_m` (tendons,) the command in force, as
         limited by the drive, all in metres; `time_s` is the time since the trial began.
@@ -32,7 +32,7 @@ class Policy(Protocol):
 
 
 PolicyClass = Callable[[], Policy]
-"""A class, or any function without arguments, that makes a policy. Each set of trials makes its own."""
+"""A class, or any function without arguments, that creates a policy. Each set of trials creates its own."""
 
 GIVEN = "given:"
 """Prefix of the names of classes that are objects of this process."""
@@ -101,7 +101,7 @@ def _module(file: Path) -> ModuleType:
     name = f"spinebench_policy_{file.stem}"
     spec = importlib.util.spec_from_file_location(name, file)
     if spec is None or spec.loader is None:
-        raise InputError(f"{file}: found no file of Python, expected one with the ending .py")
+        raise InputError(f"{file}: found no Python file, expected one with the ending .py")
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
     spec.loader.exec_module(module)

@@ -56,7 +56,7 @@ def shown(progress: bool | None, what: str) -> Iterator[Bar | None]:
     """A bar: with True, or with None where a person looks on and tqdm is installed."""
     make = None if progress is False or (progress is None and not _is_watched()) else _tqdm()
     if progress and make is None:
-        raise InputError("progress: found no tqdm, expected it to be installed (pip install tqdm)")
+        raise InputError("progress: found no tqdm, expected tqdm to be installed (pip install tqdm)")
     if make is None:
         yield None
         return

@@ -27,7 +27,7 @@ Cells = NDArray[Any] | list[str]
 Columns = list[tuple[str, Cells]]
 """Columns by name."""
 Source = Path | tuple[str, Columns]
-"""What a recording is read from: a file, or what messages call it with the columns of a frame."""
+"""Source of a recording: a file, or a name for messages with the columns of a frame."""
 
 
 def frame_of_csv(csv: bytes) -> pd.DataFrame:

@@ -21,7 +21,7 @@ Range = tuple[float, float]
 Value = float | Range | list[float | Range]
 """A number, a range, or a list of these for the components of a vector."""
 Randomisation = Mapping[str, Mapping[str, Value]] | Callable[[np.random.Generator], Sequence[dict[str, Any]]]
-"""Effects drawn anew in each episode: `{"tip_load": {"mass_kg": (0.0, 0.02)}}`, or a function of a generator that returns a
+"""Effects drawn at random for each episode: `{"tip_load": {"mass_kg": (0.0, 0.02)}}`, or a function of a generator that returns a
 list of effects. A pair is a uniform range, a number is fixed, a list is a vector of these."""
 
 Draw = tuple[int, str, list[float]]
@@ -41,7 +41,7 @@ def make(
 ) -> _Robots:
     """`count` robots of one model or plant file, with actions in −1 to 1."""
     if model is not None and plant is not None:
-        raise InputError("plant: found a model, too, expected either a model or a plant file")
+        raise InputError("plant: found both a model and a plant file, expected one of the two")
     arguments = {
         "count": count,
         "step_s": step_s,

@@ -27,11 +27,11 @@ class ExperimentResult:
     folder: Path
     """Folder of its tables."""
     files: list[Path]
-    """Every file that was written."""
+    """Every written file."""
     failed_trials: int
-    """Number of trials that failed; their rows say why."""
+    """Number of failed trials; their rows contain the reason."""
     notices: list[str]
-    """Figures that could not be made, and why."""
+    """Figures that could not be drawn, with the reasons."""
 
     def table(self, name: str) -> pd.DataFrame:
         """The table `NAME.csv`, such as `trials`, `table1` or `claims` (docs/reference/outputs.md)."""
@@ -61,9 +61,9 @@ class RunResult:
     experiments: dict[str, ExperimentResult]
     """Each experiment by its name."""
     computed: int
-    """Number of stages that were computed."""
+    """Number of computed stages."""
     cached: int
-    """Number of stages that were read from the store."""
+    """Number of stages read from the store."""
     failures: list[str]
     """Stages that failed, with their status."""
 
@@ -91,9 +91,9 @@ def run(
 ) -> RunResult:
     """Run experiments as `spinebench run` does, and write tables and figures below `out`.
 
-    `policies` adds controllers of your own by name: they join every set of goal-reaching trials (docs/reference/python.md). `set`
+    `policies` adds your own controllers by name to every set of goal-reaching trials (docs/reference/python.md). `set`
     overrides keys of the specs (`{"gp.starts": 3}`). `progress` counts the stages by tqdm: None where it is installed, in
-    notebooks and terminals. Ctrl-C ends the call; what is computed is stored.
+    notebooks and terminals. Ctrl-C ends the call; the computed stages are stored.
     """
     files, arguments = _arguments(specs, policies, out, seeds, set, sweep, jobs, cache)
     with shown(progress, "run") as bar:
@@ -113,14 +113,14 @@ def run(
 
 @dataclass(frozen=True, repr=False)
 class Plan:
-    """What a run would do."""
+    """The plan of a run."""
 
     runs: pd.DataFrame
     """Every run: `experiment`, `run` and whether its result is `stored`."""
     stages: pd.DataFrame
-    """By `kind` of stage how many results are `stored` and how many are `left` to compute; what runs share counts once."""
+    """Number of results that are `stored` and `left` to compute, by `kind` of stage; stages shared by runs count once."""
     notes: list[str]
-    """What the user should know of the specs."""
+    """Notes about the specs."""
 
     def __repr__(self) -> str:
         runs, stages = self.runs, self.stages
@@ -139,7 +139,7 @@ def plan(
     sweep: Sequence[str] = (),
     cache: PathLike | None = None,
 ) -> Plan:
-    """What `run` would do with these arguments; runs nothing, as `spinebench plan`."""
+    """The plan of `run` with these arguments, as by `spinebench plan`; runs nothing."""
     files, arguments = _arguments(specs, policies, "out", seeds, set, sweep, 0, cache)
     told = json.loads(_core._plan(files, arguments))
     stages = [(kind, stored, left) for kind, (stored, left) in told["stages"].items()]

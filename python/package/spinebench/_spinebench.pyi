@@ -18,10 +18,10 @@ _VERSION: str
 
 @final
 class Model:
-    """What is believed about a robot: the robot and the effects on it. A model does not change; methods return another."""
+    """The model of a robot: its parameters and the effects on it. Immutable: methods return a new model."""
 
     def __init__(self, file: _ModelLike | None = None) -> None:
-        """Read a model file, as `load` does; without one, the paper's robot: 0.22 m long, four tendons."""
+        """Read a model file as `load` does; without a file, use the paper's robot: 0.22 m long, four tendons."""
     @classmethod
     def load(cls, file: str | PathLike[str]) -> Model:
         """Read a model file. Raises InputError with file, line and key."""
@@ -63,7 +63,7 @@ class Rod:
     def __init__(self, model: _ModelLike, parameters: Sequence[str] | None = None) -> None:
         """`parameters`: paths of numbers of the model with respect to which the tip is differentiated."""
     def restart(self) -> None:
-        """Straight, without history, at time 0."""
+        """Reset to the straight robot without history, at time 0."""
     def settle(self, pulls_m: ArrayLike | None = None, *, tensions_n: ArrayLike | None = None) -> _Array:
         """Bring the robot to rest under displacements (tendons,) in metres, positive pulls, or under tensions in newtons;
         at home without arguments. Returns the tip (3,), metres. Raises SolverError."""
@@ -108,23 +108,23 @@ class Rod:
 
 @final
 class Rods:
-    """Many simulated robots, solved over all cores. A robot whose solver fails has a tip of NaN and its status says why."""
+    """Many simulated robots, solved over all cores. A robot whose solver fails has a tip of NaN; its status gives the reason."""
 
     def __init__(self, models: Sequence[_ModelLike]) -> None:
-        """One robot a model or model file; `[model] * 256` for equal ones."""
+        """One robot per model or model file; `[model] * 256` for equal ones."""
     def __len__(self) -> int: ...
     @property
     def tendons(self) -> int:
         """Number of tendons of each robot."""
     def restart(self) -> None:
-        """All straight, without history, at time 0."""
+        """Reset all to straight robots without history, at time 0."""
     def settle(self, pulls_m: ArrayLike) -> _Array:
-        """Rest under displacements (robots, tendons), metres. Returns tips (robots, 3), metres."""
+        """Equilibrium under displacements (robots, tendons), metres. Returns tips (robots, 3), metres."""
     def step(self, pulls_m: ArrayLike, dt_s: float = 0.2) -> _Array:
         """One step of `dt_s` seconds under displacements (robots, tendons), metres. Returns tips (robots, 3), metres."""
     def play(self, pulls_m: ArrayLike, dt_s: float = 0.2) -> _Array:
-        """Steps under displacements (robots, steps, tendons), metres. Returns tips (robots, steps, 3), metres; NaN from a failure
-        on."""
+        """Steps under displacements (robots, steps, tendons), metres. Returns tips (robots, steps, 3), metres; NaN after a
+        failure."""
     @property
     def tips(self) -> _Array:
         """Tips (robots, 3), metres."""

@@ -24,7 +24,7 @@ WARM_UP = 12
 
 
 POSITION_LIMIT = 2.0
-"""Coordinates in observations are held within this many lengths, or more where targets lie farther out."""
+"""Coordinates in observations are clipped to this many robot lengths, or more if targets are farther away."""
 
 
 class _Task:
@@ -175,7 +175,7 @@ class RobotEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     def task(self) -> _Task:
         """The robot and its targets."""
         if self._task is None:
-            raise InputError("environment: found a closed one, expected one that is open")
+            raise InputError("environment: found a closed environment, expected an open one")
         return self._task
 
     def reset(
@@ -203,7 +203,7 @@ class RobotEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             return None
         task = self.task
         if not self._begun:
-            raise InputError("environment: found no episode under way, expected a call of reset() before render()")
+            raise InputError("environment: found no active episode, expected a call of reset() before render()")
         return task.picture()
 
     def close(self) -> None:
@@ -211,8 +211,8 @@ class RobotEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
 
 class RobotVectorEnv(gymnasium.vector.VectorEnv[Observation, NDArray[np.float32], NDArray[Any]]):
-    """Robots that one call steps over all cores, without the interpreter's lock. An episode that has ended begins anew with
-    the next step, whose action is not used (Gymnasium's `NEXT_STEP`)."""
+    """Robots stepped by one call on all cores, without the interpreter's lock. The step after the end of an episode begins
+    a new one and ignores its action (Gymnasium's `NEXT_STEP`)."""
 
     metadata: dict[str, Any] = {
         "render_modes": ["rgb_array"],
@@ -237,7 +237,7 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Observation, NDArray[np.float32]
     def task(self) -> _Task:
         """The robots and their targets."""
         if self._task is None:
-            raise InputError("environment: found a closed one, expected one that is open")
+            raise InputError("environment: found a closed environment, expected an open one")
         return self._task
 
     def reset(
@@ -261,7 +261,7 @@ class RobotVectorEnv(gymnasium.vector.VectorEnv[Observation, NDArray[np.float32]
     ) -> tuple[Observation, Array, NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
         task = self.task
         if self._ended is None:
-            raise InputError("environment: found no episode under way, expected a call of reset() before step()")
+            raise InputError("environment: found no active episode, expected a call of reset() before step()")
         fresh = np.flatnonzero(self._ended)
         beginnings = task.draws([int(index) for index in fresh], self._generators) if len(fresh) > 0 else None
         seen, rewards, terminated, truncated, info = task.robots.step(actions, beginnings)
@@ -298,7 +298,7 @@ class TrackEnv(RobotEnv):
 
 
 class ReachVectorEnv(RobotVectorEnv):
-    """Many robots, each with a target of its own."""
+    """Many robots, each with its own target."""
 
     def __init__(self, num_envs: int = 1, **options: Any) -> None:
         super().__init__(num_envs, follows_path=False, **options)
@@ -312,7 +312,7 @@ class TrackVectorEnv(RobotVectorEnv):
 
 
 def register() -> None:
-    """Registers the environments with Gymnasium; importing the package does it."""
+    """Registers the environments with Gymnasium; importing the package calls it."""
     for name, single, vector in (("Reach", ReachEnv, ReachVectorEnv), ("Track", TrackEnv, TrackVectorEnv)):
         if f"spinebench/{name}-v0" not in gymnasium.registry:
             gymnasium.register(f"spinebench/{name}-v0", entry_point=single, vector_entry_point=vector)

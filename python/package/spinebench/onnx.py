@@ -1,6 +1,6 @@
 """Write a network of dense layers as an ONNX file, so that a spec can name it: `policies: {mine: {onnx: {file: mine.onnx}}}`.
 
-Networks of PyTorch are exported by `torch.onnx.export`; this is for weights that are numpy arrays, and needs no further package.
+For PyTorch networks use `torch.onnx.export`. This module is for weights in numpy arrays and needs no further package.
 """
 
 from __future__ import annotations
