@@ -38,8 +38,9 @@ pub enum PlantError {
     #[error("tick late: {0}")]
     Late(String),
     /// The tip was not tracked, also when the command was repeated.
-    #[error("tracking lost: the tip was not tracked in {steps} further steps with the same \
-             command")]
+    #[error(
+        "tracking lost: the tip was not tracked in {steps} further steps with the same command"
+    )]
     Unseen {
         /// Number of repetitions.
         steps: usize,

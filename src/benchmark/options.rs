@@ -12,13 +12,13 @@ use crate::rod::Resolution;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum CaseGroup {
-    /// Nothing but noise and parameter uncertainty.
+    /// Only noise and parameter uncertainty.
     Nothing,
     /// One effect of the catalogue.
     Single,
     /// Two effects of the catalogue.
     Pair,
-    /// Something that no small set of effects imitates: a disturbance outside the catalogue, or an
+    /// A gap that no small set of effects imitates: a disturbance outside the catalogue, or an
     /// effect removed from it.
     Outside,
     /// An effect removed from the catalogue that a small set of others imitates.
@@ -196,9 +196,9 @@ impl TruthOptions {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct OracleOptions {
-    /// Outside: the best imitation leaves more than this, over the noise.
+    /// Outside: residual of the best imitation above this multiple of the noise.
     pub outside_above: f64,
-    /// Inside: the best imitation leaves less than this, over the noise.
+    /// Inside: residual of the best imitation below this multiple of the noise.
     pub inside_below: f64,
     /// Maximum number of effects of an imitation, 1 to 3.
     pub most_effects: usize,

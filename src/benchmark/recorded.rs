@@ -18,10 +18,10 @@ use crate::effects::{EffectSpec, Seek, card};
 #[serde(deny_unknown_fields)]
 pub struct RecordedCases {
     /// The table: `file`, `effects` (names joined by ` + ` or `+`), `parameters` (JSON, as
-    /// `effects:` of a model) and `rms_shift_m`. Names of recordings count from its folder; its own
-    /// name counts from the folder in which the program runs, as that of a replay does.
+    /// `effects:` of a model) and `rms_shift_m`. Paths of recordings are relative to its folder;
+    /// its own path is relative to the working directory, as for a replay.
     pub truth: PathBuf,
-    /// Recording of the robot as built, from the folder of the table. It is no case.
+    /// Recording of the robot as built, relative to the folder of the table. It is not a case.
     #[serde(default)]
     pub baseline: Option<PathBuf>,
     /// Standard deviation of the tracking noise by axis, metres.

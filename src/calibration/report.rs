@@ -129,7 +129,11 @@ fn limitations(
     }
     let held = problem.numbers.iter().enumerate().filter(|(k, number)| best.x[*k] <= number.low());
     for (_, number) in held {
-        told.push(format!("The estimate of {} is at its bound, {}.", number.name, number.value(number.low())));
+        told.push(format!(
+            "The estimate of {} is at its bound, {}.",
+            number.name,
+            number.value(number.low())
+        ));
     }
     if fitted.outliers > 0 {
         told.push(format!(

@@ -299,14 +299,14 @@ table_rows! {
     pub struct CaseRow {
         /// Number of the case.
         pub case: u64,
-        /// What was hidden: `nothing`, `single`, `pair`, `outside` (unknown, outside the span of
-        /// the catalogue) or `inside` it.
+        /// Hidden effects: `nothing`, `single`, `pair`, `outside` (unknown, outside the span of the
+        /// catalogue) or `inside` it.
         pub group: String,
         /// Hidden effects joined by ` + `; empty for nothing.
         pub truth: String,
-        /// How far the hidden effects move the tip, root mean square, metres.
+        /// Root mean square displacement of the tip by the hidden effects, metres.
         pub shift_m: f64,
-        /// Standard deviation of the noise an axis, metres.
+        /// Standard deviation of the noise per axis, metres.
         pub noise_m: f64,
         /// Its correlation from one sample to the next.
         pub correlation: f64,
@@ -319,11 +319,11 @@ table_rows! {
         /// Named exactly right (for nothing: consistent; for outside: unexplained; for inside:
         /// ambiguous or unexplained).
         pub right: bool,
-        /// The truth is the answer, or the answer is a group that holds it (inside: a group, as the
-        /// truth is not on offer).
+        /// The answer is the truth or a group that contains it (inside: a group, because the truth
+        /// is not in the catalogue).
         pub in_group: bool,
-        /// Inside the span: the smallest sets of others that imitate what is hidden equally well,
-        /// by the oracle, joined by ` or `; empty in older tables.
+        /// Inside the span: the smallest sets of other effects that imitate the hidden effect
+        /// equally well according to the oracle, joined by ` or `; empty in older tables.
         #[serde(default)]
         pub imitations: String,
         /// Of right answers: length of the difference over length of the size, of the size
@@ -331,7 +331,7 @@ table_rows! {
         pub strength_error: f64,
         /// Parameters with an interval.
         pub intervals: u64,
-        /// Intervals that hold the true value.
+        /// Intervals that contain the true value.
         pub covered: u64,
         /// Held-out rms tip error of the model as given, metres.
         pub before_m: f64,
@@ -341,39 +341,39 @@ table_rows! {
         pub stiffness_only_m: f64,
         /// With the paper's Gaussian process on the residual, metres.
         pub gp_m: f64,
-        /// Noise floor that was estimated, metres.
+        /// Estimated noise floor, metres.
         pub floor_m: f64,
-        /// Probability that the answer gives to the hidden effects (1 − total variation distance
-        /// from equal probabilities of them); empty where they are not in the catalogue.
+        /// Probability of the hidden effects in the answer (1 − total variation distance from equal
+        /// probabilities of them); empty where they are not in the catalogue.
         #[serde(default = "missing")]
         pub isolation: f64,
-        /// Effects that sparse regression on the responses to the catalogue keeps, joined by ` + `;
-        /// empty where it keeps none.
+        /// Effects selected by sparse regression on the responses to the catalogue, joined by ` +
+        /// `; empty for none.
         #[serde(default)]
         pub sparse_answer: String,
-        /// Probability that it gives to the hidden effects.
+        /// Probability of the hidden effects in its answer.
         #[serde(default = "missing")]
         pub sparse_isolation: f64,
         /// Held-out rms tip error with it, metres; empty in older tables.
         #[serde(default = "missing")]
         pub sparse_m: f64,
-        /// Whether all effects at once, with a ridge, foretell unseen trials.
+        /// Whether ridge regression on all effects predicts unseen trials.
         #[serde(default)]
         pub ridge_detects: bool,
-        /// Probability that they give to the hidden effects.
+        /// Probability of the hidden effects in their answer.
         #[serde(default = "missing")]
         pub ridge_isolation: f64,
         /// Held-out rms tip error with them, metres; empty in older tables.
         #[serde(default = "missing")]
         pub ridge_m: f64,
-        /// Whether sparse regression on polynomials and trigonometric functions foretells unseen
+        /// Whether sparse regression on polynomials and trigonometric functions predicts unseen
         /// trials.
         #[serde(default)]
         pub library_detects: bool,
         /// Held-out rms tip error with it, metres; empty in older tables.
         #[serde(default = "missing")]
         pub library_m: f64,
-        /// Whether the Gaussian process foretells unseen trials.
+        /// Whether the Gaussian process predicts unseen trials.
         #[serde(default)]
         pub gp_detects: bool,
     }

@@ -33,10 +33,7 @@ fn decode_utf16(
         match letter {
             Ok(letter) => text.push(letter),
             Err(_) => {
-                return Err((
-                    1 + text.matches('\n').count(),
-                    "UTF-16, as in its byte-order mark",
-                ));
+                return Err((1 + text.matches('\n').count(), "UTF-16, as in its byte-order mark"));
             }
         }
     }

@@ -24,7 +24,7 @@ pub struct Uncertainty {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Options {
-    /// Share of trials that are held out. Their commands alone decide which trials these are.
+    /// Share of held-out trials. The selection depends only on their commands.
     pub held_out_share: f64,
     /// Maximum number of effects named together.
     pub most_effects: usize,
@@ -33,9 +33,9 @@ pub struct Options {
     /// Minimum tip displacement of an effect, as a multiple of the noise floor.
     pub least_size: f64,
     /// Minimum tip displacement of an additional effect, as a share of that of the effects found
-    /// before: their laws are not more accurate than this.
+    /// before; the laws of the catalogue are not more accurate.
     pub least_share: f64,
-    /// Sets whose scores differ by less are rivals.
+    /// Largest difference in score between rival sets.
     pub rival_score: f64,
     /// Significance level of the goodness-of-fit tests.
     pub false_alarm: f64,
@@ -45,26 +45,26 @@ pub struct Options {
     pub left_out: Vec<String>,
     /// Uncertain parameters: free within their uncertainty in every candidate.
     pub uncertain: Vec<Uncertainty>,
-    /// Time-stepping tolerance of simulations, metres. Larger errors would separate candidates that
-    /// the data cannot separate.
+    /// Time-stepping tolerance of simulations, metres. Larger errors would distinguish candidates
+    /// that the data do not distinguish.
     pub motion_tolerance_m: f64,
     /// Largest grid cell of simulations, metres; the model's own value if that is larger. Cells may
     /// span material jumps.
     pub cell_m: f64,
     /// Tip displacements below this share of the backbone's length are neither named nor reported
-    /// as missing, whatever the noise: no model is more accurate.
+    /// as missing at any noise level; no model is more accurate.
     pub least_of_length: f64,
-    /// Model-form error, metres: what a model leaves on a robot on which nothing has changed,
-    /// beyond noise. A baseline measures it; without one, this value counts. Zero suits simulated
-    /// robots; for a real robot take the held-out error of its calibration.
+    /// Model-form error, metres: residual beyond noise of a model on an unchanged robot. A baseline
+    /// measures it; without a baseline, this value is used. Use zero for simulated robots and the
+    /// held-out error of the calibration for a real robot.
     pub model_form_m: f64,
     /// Residuals below this multiple of the model-form error are not attributed to a missing
     /// effect.
     pub form_margin: f64,
-    /// Where the model does not describe the robot exactly: one effect that explains at least this
-    /// share of the gap is named although something remains.
+    /// If the model has a model-form error: one effect that explains at least this share of the gap
+    /// is named even if a residual remains.
     pub least_explained: f64,
-    /// Every row is a pose at rest under its own command, whatever the times say.
+    /// Treat every row as a pose at rest under its own command; ignore the times.
     pub at_rest: bool,
     /// Seed of the permutation test.
     pub seed: u64,
@@ -225,7 +225,7 @@ pub(super) struct SearchLimits {
     /// Minimum fall of the rms residual by an added effect, metres (squares subtract): less may be
     /// what the model leaves on this robot anyway.
     pub(super) least_gain_m: f64,
-    /// Sets whose scores differ by less are rivals.
+    /// Largest difference in score between rival sets.
     pub(super) rival_score: f64,
     /// Sets with fewer effects than this are extended by every candidate, whatever the screening
     /// predicts.

@@ -47,8 +47,8 @@ pub struct Robot {
     /// Bending damping over bending stiffness, s.
     #[serde(default = "damping")]
     pub damping_time_s: f64,
-    /// Time in which the drives carry out a command, at constant speed, s; a command that is held
-    /// for less takes as long as it is held.
+    /// Time in which the drives execute a command, at constant speed, s; for a command that is held
+    /// for a shorter time, that time.
     #[serde(default = "drive_time")]
     pub drive_time_s: f64,
     /// Quadratic drag per length on each body axis, N s²/m³.
@@ -60,7 +60,7 @@ pub struct Robot {
     /// Rotation vector of the base, rad.
     #[serde(default)]
     pub base_rotation_rad: [f64; 3],
-    /// Distance of the surface that touches obstacles from the backbone's axis, metres; left out:
+    /// Distance from the backbone's axis of the surface that touches obstacles, metres; default:
     /// the backbone's radius.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub contact_radius_m: Option<f64>,

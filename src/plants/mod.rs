@@ -120,7 +120,7 @@ macro_rules! plants {
     ($($visibility:vis $module:ident: $variant:ident($options:ty)),* $(,)?) => {
         $($visibility mod $module;)*
 
-        /// A robot: the model, or what stands for the real one.
+        /// A robot: the model, or the plant that represents the real one.
         #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
         #[serde(rename_all = "snake_case", deny_unknown_fields)]
         pub enum PlantSpec {

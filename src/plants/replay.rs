@@ -18,10 +18,10 @@ use crate::math::summary::quantile;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ReplayOptions {
-    /// The recording, driven by lengths. Its name counts from the folder of the plant file; in an
-    /// experiment, from the folder in which the program runs.
+    /// The recording, driven by lengths. Its path is relative to the folder of the plant file; in
+    /// an experiment, to the working directory.
     pub recording: PathBuf,
-    /// By how much a command may differ from the recorded one, metres.
+    /// Permitted difference between a command and the recorded one, metres.
     #[serde(default = "tolerance_m")]
     pub tolerance_m: f64,
     /// Number of tendons of the robot.

@@ -47,7 +47,7 @@ impl SimulatedOptions {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SimulatedSpec {
-    /// What it is made of; in a spec, the name of a model file.
+    /// The model; in a spec, the name of a model file.
     pub model: Model,
     /// Standard deviation of the tracking noise per axis, metres.
     #[serde(default)]

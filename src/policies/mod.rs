@@ -57,12 +57,12 @@ macro_rules! policies {
         #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
         #[serde(default, deny_unknown_fields)]
         pub struct PolicyOptions {
-            /// What the drive can do; the same for every policy.
+            /// Limits of the drive; the same for every policy.
             pub limits: LimitOptions,
-            /// How the networks are asked; the same for every policy.
+            /// Evaluation of the networks; the same for every policy.
             pub network: NetworkOptions,
-            /// Policies from outside by name. A spec may also write `NAME: {onnx: …}` and `NAME:
-            /// {python: …}` beside the other keys of `policies`.
+            /// User-defined policies by name. A spec may also write `NAME: {onnx: …}` and `NAME:
+            /// {python: …}` next to the other keys of `policies`.
             #[serde(skip_serializing_if = "OutsidePolicies::is_empty")]
             pub outside: OutsidePolicies,
             $($(#[doc = concat!("Options of `", stringify!($module), "`.")] pub $section: $options,)?)*

@@ -26,7 +26,7 @@ columns! {
 /// One of the values that were measured in a cell. On disk the fields of all parts are the columns.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CellRow<T> {
-    /// Repetition of the whole experiment, data and training included.
+    /// Repetition of the whole experiment, including data and training.
     pub seed: u64,
     /// `paper`: networks stopped at the paper's validation errors; `converged`: trained to
     /// convergence.
@@ -43,7 +43,7 @@ pub struct CellRow<T> {
 const REPETITION: &[TableColumn] = &[
     TableColumn {
         name: "seed",
-        documentation: "Repetition of the whole experiment, data and training included.",
+        documentation: "Repetition of the whole experiment, including data and training.",
     },
     TableColumn {
         name: "training",

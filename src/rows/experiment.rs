@@ -16,24 +16,24 @@ columns! {
         pub target_y_m: f64,
         /// Target, metres.
         pub target_z_m: f64,
-        /// Tip as it was last measured, tracking noise included, metres; not a number when it never
-        /// was.
+        /// Last measured tip, including tracking noise, metres; not a number if it was never
+        /// measured.
         pub tip_x_m: f64,
         /// Tip, metres.
         pub tip_y_m: f64,
         /// Tip, metres.
         pub tip_z_m: f64,
-        /// Its distance from the target; with `reach.averaged_samples` above 1 the mean distance
-        /// over so many last measurements, metres.
+        /// Distance of the tip from the target; with `reach.averaged_samples` above 1 the mean
+        /// distance over that number of last measurements, metres.
         pub error_m: f64,
         /// Control steps taken.
         pub steps: u64,
         /// Whether the policy settled before the step limit.
         pub settled: bool,
-        /// Times that the command's source changed between A and B (0 for policies of one
+        /// Number of changes of the command's source between A and B (0 for policies of one
         /// controller).
         pub switches: u64,
-        /// `ok` or the named failure; a failed trial is counted and left out of the means.
+        /// `ok` or the named failure; a failed trial is counted and excluded from the means.
         pub status: Outcome,
     }
 
@@ -59,11 +59,11 @@ columns! {
         pub tip_z_m: f64,
         /// Distance to the target, metres.
         pub error_m: f64,
-        /// Which of A and B gave the command (`a`, `b`; empty for policies of one controller).
+        /// Controller of the command, A or B (`a`, `b`; empty for policies of one controller).
         pub branch: String,
         /// Displacements of the tendons during the step in whole micrometres, separated by spaces,
-        /// metres: in the first repetition, so that its motion can be simulated again. Tables of
-        /// earlier builds do not have the column.
+        /// metres: only in the first repetition, to simulate its motion again. Tables of earlier
+        /// builds do not have the column.
         #[serde(default)]
         pub pulls_m: String,
         /// `ok` or the named failure.
@@ -82,8 +82,8 @@ columns! {
         pub tendon_3_m: f64,
         /// Displacement, metres.
         pub tendon_4_m: f64,
-        /// Displacements of further tendons, separated by spaces, metres; the column stands there
-        /// only for robots with more than four.
+        /// Displacements of further tendons, separated by spaces, metres; the column exists only
+        /// for robots with more than four.
         #[serde(default)]
         pub further_tendons_m: String,
         /// Simulated tip, metres.
@@ -106,7 +106,7 @@ columns! {
         pub points: u64,
         /// Kernel by its registry name.
         pub kernel: String,
-        /// Cross-validated mean absolute error of the foretold gap, mean over x, y and z, metres.
+        /// Cross-validated mean absolute error of the predicted gap, mean over x, y and z, metres.
         pub cross_validation_mae_m: f64,
         /// Log marginal likelihood, summed over the three outputs.
         pub log_marginal_likelihood: f64,
@@ -116,10 +116,10 @@ columns! {
         pub noise_y_m: f64,
         /// Fitted noise, metres.
         pub noise_z_m: f64,
-        /// Hyper-parameters at an end of their range (docs/method/learning.md), by axis, as `x length 3
-        /// high; y noise variance low`: noise at its least makes intervals too narrow, a length-scale
-        /// at its most is that of an input without influence. Tables of earlier builds do not have
-        /// the column.
+        /// Hyper-parameters at an end of their range (docs/method/learning.md), by axis, as `x
+        /// length 3 high; y noise variance low`: noise at its lower end makes intervals too narrow;
+        /// a length-scale at its upper end means an input without influence. Tables of earlier
+        /// builds do not have the column.
         #[serde(default)]
         pub at_range_end: String,
     }
@@ -132,11 +132,11 @@ columns! {
         pub kernel: String,
         /// Axis of the gap: `x`, `y` or `z`.
         pub axis: String,
-        /// Share of points that the interval promises to cover, process and noise together.
+        /// Nominal coverage of the interval of process and noise.
         pub promised: f64,
-        /// Share that it covers.
+        /// Share of points within the interval.
         pub covered: f64,
-        /// Points that it was not fitted to.
+        /// Number of points not used in the fit.
         pub unseen: u64,
     }
 
@@ -148,13 +148,13 @@ columns! {
         pub kernel: String,
         /// Axis of the gap: `x`, `y` or `z`.
         pub axis: String,
-        /// Mean absolute error of a point that is left out, metres.
+        /// Mean absolute error of the prediction of a left-out point, metres.
         pub mae_m: f64,
-        /// Mean logarithm of the probability density that the others give it, per metre.
+        /// Mean logarithm of its probability density as predicted from the others, per metre.
         pub log_probability: f64,
-        /// Share of points that the interval promises to cover, process and noise together.
+        /// Nominal coverage of the interval of process and noise.
         pub promised: f64,
-        /// Share that it covers.
+        /// Share of points within the interval.
         pub covered: f64,
     }
 }
@@ -258,17 +258,17 @@ table_rows! {
         /// `paper` or `converged`.
         pub training: String,
         /// `forward` (command to tip), `inverse` (tip to command, for `a`), `inverse_b` (the same
-        /// from generated data, for `b`), `pi_real` (from real data) or `dagger` (from robots that
-        /// differ).
+        /// from generated data, for `b`), `pi_real` (from real data) or `dagger` (from robots with
+        /// different effects).
         pub network: String,
-        /// Points behind it: real ones for `pi_real`, those of the Gaussian process for
-        /// `inverse_b`, else simulated ones.
+        /// Training points: real ones for `pi_real`, those of the Gaussian process for `inverse_b`,
+        /// otherwise simulated ones.
         pub points: u64,
-        /// Epochs until it stopped.
+        /// Epochs until training stopped.
         pub epochs: u64,
         /// Mean absolute error on the validation rows, metres.
         pub validation_mae_m: f64,
-        /// The paper's figure for it; empty where the paper gives none, metres.
+        /// The paper's value; empty if the paper has none, metres.
         pub paper_mae_m: f64,
     }
 
@@ -277,8 +277,8 @@ table_rows! {
     pub struct GpRow {
         /// Repetition of the whole experiment.
         pub seed: u64,
-        /// Kind of training of the forward network that the simulated tip comes from; `any` when it
-        /// comes from the rod.
+        /// Kind of training of the forward network that computes the simulated tip; `any` if the
+        /// rod computes it.
         pub training: String,
         flat score: GpScore,
     }
@@ -307,7 +307,7 @@ table_rows! {
     "claims.csv", key [experiment, claim, training]:
     /// One of the paper's claims and what became of it.
     pub struct ClaimRow {
-        /// The experiment that it is judged on.
+        /// The experiment with which the claim is tested.
         pub experiment: String,
         /// Short name.
         pub claim: String,
@@ -321,9 +321,9 @@ table_rows! {
         pub holds_above: f64,
         /// The claim holds below this number, in the claim's unit; empty without such a limit.
         pub holds_below: f64,
-        /// What the paper reports, in the claim's unit.
+        /// Value reported by the paper, in the claim's unit.
         pub paper: f64,
-        /// What this reproduction finds, in the same unit.
+        /// Value of this reproduction, in the same unit.
         pub ours: f64,
         /// 95 % interval over seeds.
         pub low_95: f64,
@@ -369,12 +369,11 @@ table_rows! {
     /// An error at one point of a sweep, over seeds; the swept fields stand in columns before these
     /// (`sweep.csv`).
     pub struct SweepRow {
-        /// What the error is of: `reach` (distance to the target at the end of a trial), `response`
-        /// (the same of the true tip at the end of a trial of fixed duration), `track` (mean
-        /// distance to the target over a run) or `gp` (cross-validated error of the Gaussian
-        /// process).
+        /// Kind of error: `reach` (distance to the target at the end of a trial), `response` (the
+        /// same of the true tip at the end of a trial of fixed duration), `track` (mean distance to
+        /// the target over a run) or `gp` (cross-validated error of the Gaussian process).
         pub task: String,
-        /// `paper`, `converged`, or `any` where no network takes part.
+        /// `paper`, `converged`, or `any` without a network.
         pub training: String,
         flat cell: CellLabel,
         /// Mean over seeds of the error's mean within a seed, metres.
@@ -385,11 +384,11 @@ table_rows! {
         pub low_95_m: f64,
         /// 95 % interval, metres.
         pub high_95_m: f64,
-        /// Repetitions that gave an error.
+        /// Repetitions with an error value.
         pub seeds: u64,
-        /// Trials, runs or processes behind them.
+        /// Number of trials, runs or processes.
         pub count: u64,
-        /// Those that gave none (status other than `ok`).
+        /// Those without an error value (status other than `ok`).
         pub failed: u64,
     }
 
@@ -400,7 +399,8 @@ table_rows! {
     pub struct ComparisonRow {
         /// The field whose values are compared.
         pub field: String,
-        /// Its first value, which the value in the field's own column is compared with.
+        /// Its first value, the reference of the comparison with the value in the field's own
+        /// column.
         pub reference: String,
         /// As in `sweep.csv`.
         pub task: String,
@@ -414,7 +414,7 @@ table_rows! {
         pub low_95_m: f64,
         /// 95 % interval, metres.
         pub high_95_m: f64,
-        /// Repetitions that gave both errors.
+        /// Repetitions with both error values.
         pub seeds: u64,
         /// Two-sided p-value of Student's paired t-test.
         pub p: f64,
@@ -433,7 +433,7 @@ table_rows! {
         /// Mean over seeds of the mean error over targets, metres.
         pub mean_m: f64,
         /// Standard deviation over the targets of one experiment (root mean square over seeds),
-        /// metres: what the paper prints in brackets.
+        /// metres: the number in brackets in the paper.
         pub sd_m: f64,
         /// 95 % interval for the mean over seeds (Student's t over per-seed means), metres; none
         /// for one seed.
@@ -442,15 +442,15 @@ table_rows! {
         pub high_95_m: f64,
         /// Repetitions of the whole experiment.
         pub seeds: u64,
-        /// Trials that gave an error.
+        /// Trials with an error value.
         pub trials: u64,
-        /// Trials that gave none (status other than `ok`).
+        /// Trials without one (status other than `ok`).
         pub failed: u64,
         /// Share of the trials in which the policy settled before the step limit.
         pub settled_share: f64,
         /// Mean number of control steps.
         pub mean_steps: f64,
-        /// The paper's mean, metres; none where it gives none.
+        /// The paper's mean, metres; empty if the paper has none.
         pub paper_mean_m: f64,
         /// The paper's standard deviation, metres.
         pub paper_sd_m: f64,
@@ -469,15 +469,15 @@ table_rows! {
         pub mean_error_m: f64,
         /// Standard deviation of that distance, metres.
         pub sd_error_m: f64,
-        /// Distance to the target when the first path point is left, to which the robot comes from
-        /// home, metres.
+        /// Distance to the target at the end of the first path point, which the robot approaches
+        /// from home, metres.
         pub start_error_m: f64,
         /// Time of the last row, seconds.
         pub completion_time_s: f64,
         /// The error less its centred moving mean over 5 s; median of its peak-to-peak over windows
-        /// of 5 s. Drift counts nothing, ±a counts 2a, metres.
+        /// of 5 s. Drift does not contribute, an oscillation ±a contributes 2a; metres.
         pub oscillation_m: f64,
-        /// Times that the command's source changed between A and B.
+        /// Number of changes of the command's source between A and B.
         pub switches: u64,
         /// Control steps.
         pub steps: u64,
@@ -512,7 +512,7 @@ table_rows! {
         pub robot: String,
         /// Simulator.
         pub peer: String,
-        /// What else was set, in words.
+        /// Other settings, in words.
         pub setting: String,
         /// Cells, nodes, segments or elements along the robot.
         pub segments_or_nodes: f64,
@@ -522,7 +522,7 @@ table_rows! {
         pub cpu_s_per_s: f64,
         /// Simulated time per processor time; not a number for a static solve.
         pub real_time_factor: f64,
-        /// Root mean square distance of the tip from the limit, metres.
+        /// Root mean square distance of the tip from the converged solution, metres.
         pub rms_error_m: f64,
         /// Largest such distance, metres.
         pub max_error_m: f64,
@@ -538,16 +538,17 @@ table_rows! {
     pub struct StageRow {
         /// Kind of stage.
         pub stage: String,
-        /// Which of its kind.
+        /// Stage within its kind.
         pub label: String,
-        /// Digest of all that it depends on, its code included; the first 12 digits, as `cache
-        /// list` shows them.
+        /// First 12 digits of the digest of all dependencies including the code, as in `cache
+        /// list`.
         pub key: String,
-        /// Digest of its result, the first 12 digits; empty where it failed or could not be kept.
+        /// First 12 digits of the digest of the result; empty if the stage failed or its result
+        /// could not be stored.
         pub result: String,
-        /// Seconds on the clock, when it was computed.
+        /// Wall time of the computation, seconds.
         pub wall_s: f64,
-        /// Seconds on a processor of all threads that worked for it, when it was computed.
+        /// Processor time of the computation over all threads, seconds.
         pub cpu_s: f64,
     }
 
@@ -561,22 +562,22 @@ table_rows! {
         pub workers: u64,
         /// Stages of the campaign; 0 where it was measured as a whole.
         pub stages: u64,
-        /// Time from begin to end, s.
+        /// Total time, s.
         pub wall_s: f64,
-        /// Share of the workers' time that goes into stages.
+        /// Share of the workers' time spent in stages.
         pub efficiency: f64,
-        /// What goes through the store, gigabytes.
+        /// Data read from and written to the store, gigabytes.
         pub store_gb: f64,
-        /// The same over the time, megabytes a second.
+        /// The same per time, megabytes per second.
         pub store_mb_s: f64,
-        /// What most of the lost time goes into.
+        /// Largest cause of lost time.
         pub bound: String,
         /// Operations of the store: entries looked up, locked, unlocked, opened and filed; 0 where
         /// they are not counted.
         pub store_operations: u64,
         /// Stages whose lock another worker held.
         pub locks_lost: u64,
-        /// Times that workers without work asked again for stages that others computed.
+        /// Repeated requests of idle workers for stages that others compute.
         pub polls: u64,
     }
 }

@@ -16,7 +16,7 @@ table_rows! {
         pub size: u64,
         /// Package.
         pub peer: String,
-        /// Round, from 1: ours and the packages take turns in each.
+        /// Round, from 1; each round runs this program and the packages in turn.
         pub round: u64,
         /// Processor time of one repetition, s.
         pub cpu_s: f64,

@@ -8,7 +8,7 @@ table_rows! {
     "robots.csv", key [seed, effect, parameter]:
     /// A parameter of an effect of one robot. A robot without a row is the model itself.
     pub struct RobotRow {
-        /// Repetition, which has a robot of its own.
+        /// Repetition, which has its own robot.
         pub seed: u64,
         /// Name of the effect.
         pub effect: String,
@@ -31,9 +31,9 @@ table_rows! {
         pub statement: String,
         /// `paper` or `converged`.
         pub training: String,
-        /// Robots whose trials tell.
+        /// Robots with sufficient trials.
         pub robots: u64,
-        /// Those on which it holds.
+        /// Robots on which the claim holds.
         pub held: u64,
         /// Their share.
         pub share: f64,

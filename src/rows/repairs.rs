@@ -7,13 +7,13 @@ table_rows! {
     "monitors.csv", key [seed, training], failed [|row| !row.status.is_ok()]:
     /// The monitor of one repetition, tried on the unchanged robot.
     pub struct MonitorRow {
-        /// Repetition of the whole experiment, data and training included.
+        /// Repetition of the whole experiment, including data and training.
         pub seed: u64,
-        /// `paper` or `converged`: the networks of the policy that works.
+        /// `paper` or `converged`: training of the networks of the working policy.
         pub training: String,
-        /// Log-likelihood ratio above which the model counts as no longer right.
+        /// Log-likelihood ratio above which the monitor raises an alarm.
         pub threshold: f64,
-        /// Time of work of the unchanged robot in which alarms were counted, seconds.
+        /// Operating time of the unchanged robot in which alarms were counted, seconds.
         pub watched_s: f64,
         /// Alarms in that time.
         pub false_alarms: u64,
@@ -28,12 +28,12 @@ table_rows! {
         pub seed: u64,
         /// Rows that were recorded.
         pub samples: u64,
-        /// The verdict of the discovery, or `failed` and why.
+        /// The verdict of the discovery, or `failed` with the reason.
         pub verdict: String,
-        /// The lines that the model got; empty for none.
+        /// Lines added to the model; empty for none.
         pub named: String,
-        /// Mean distance of the targets from the nearest place where the tip of this robot comes to
-        /// rest, by bending, metres.
+        /// Mean distance of the targets from the nearest equilibrium position of the tip of this
+        /// robot under bending, metres.
         pub nearest_m: f64,
         /// Rms tip error of held-out trials without these lines, metres.
         pub gap_before_m: f64,
@@ -50,23 +50,22 @@ table_rows! {
     pub struct RepairRow {
         /// Repetition of the whole experiment.
         pub seed: u64,
-        /// `paper` or `converged`: the networks of the policy that works.
+        /// `paper` or `converged`: training of the networks of the working policy.
         pub training: String,
         /// Name of the change.
         pub change: String,
-        /// What changed: the effects that the robot got.
+        /// The change: effects added to the robot.
         pub truth: String,
-        /// Time of work from the change to the alarm, seconds; empty where the monitor stayed
-        /// silent.
+        /// Operating time from the change to the alarm, seconds; empty without an alarm.
         pub alarm_s: f64,
-        /// Rows that were recorded then.
+        /// Rows recorded after the alarm.
         pub samples: u64,
-        /// The verdict of the discovery, or `failed` and why.
+        /// The verdict of the discovery, or `failed` with the reason.
         pub verdict: String,
-        /// The lines that the model got; empty for none.
+        /// Lines added to the model; empty for none.
         pub named: String,
-        /// Mean distance of the targets from the nearest place where the tip of this robot comes to
-        /// rest, by bending, metres.
+        /// Mean distance of the targets from the nearest equilibrium position of the tip of this
+        /// robot under bending, metres.
         pub nearest_m: f64,
         /// Rms tip error of held-out trials without these lines, metres.
         pub gap_before_m: f64,
@@ -87,11 +86,12 @@ table_rows! {
         pub training: String,
         /// Name of the change.
         pub change: String,
-        /// `before`: the unchanged robot; `changed`: the changed robot, the controller as it was;
-        /// `repaired`: networks trained on with the model that got the named lines; `moved_points`:
-        /// the networks as they were, the real points of the error model moved by what the named
-        /// lines do in the model; `new_points`: an error model of new real points of the changed
-        /// robot; `new_real`: a network of new real data of the changed robot.
+        /// `before`: the unchanged robot; `changed`: the changed robot with the unchanged
+        /// controller; `repaired`: networks trained further with the model that contains the named
+        /// lines; `moved_points`: unchanged networks, and the real points of the error model moved
+        /// by the predicted effect of the named lines; `new_points`: an error model of new real
+        /// points of the changed robot; `new_real`: a network of new real data of the changed
+        /// robot.
         pub variant: String,
         flat cell: CellLabel,
         /// Number of the target in its draw; the same for every policy of a seed.
@@ -102,7 +102,7 @@ table_rows! {
         pub steps: u64,
         /// Whether the policy settled before the step limit.
         pub settled: bool,
-        /// `ok` or the named failure; a failed trial is counted and left out of the means.
+        /// `ok` or the named failure; a failed trial is counted and excluded from the means.
         pub status: Outcome,
     }
 
@@ -116,7 +116,7 @@ table_rows! {
         /// As in `repair_trials.csv`.
         pub variant: String,
         flat cell: CellLabel,
-        /// Measurements of the changed robot that this took.
+        /// Number of measurements of the changed robot used.
         pub new_samples: u64,
         /// Mean error, metres.
         pub mean_m: f64,

@@ -13,11 +13,11 @@ columns! {
         pub target: u64,
         /// Distance of the target from the tip at home, metres.
         pub distance_m: f64,
-        /// Time that the limit of the drive asks for to bring the tendons from home to the last
-        /// command, seconds; empty without a limit.
+        /// Minimum time at the speed limit of the drive from home to the last command, seconds;
+        /// empty without a limit.
         pub limit_s: f64,
-        /// Time from which on the error stays within 5 mm, seconds; empty where it does not until
-        /// the end.
+        /// Time after which the error stays within 5 mm, seconds; empty if it does not until the
+        /// end.
         pub within_5mm_s: f64,
         /// The same for 3 mm, seconds.
         pub within_3mm_s: f64,
@@ -31,13 +31,13 @@ columns! {
         pub error_5s_m: f64,
         /// Mean error in the last second, metres.
         pub error_end_m: f64,
-        /// Mean error in the last second as it was measured, tracking noise included, metres.
+        /// Mean measured error in the last second, including tracking noise, metres.
         pub tracked_end_m: f64,
         /// Largest distance past the target, along the line from home, metres.
         pub overshoot_m: f64,
         /// Distance travelled by all tendons together, metres.
         pub tendon_travel_m: f64,
-        /// `ok` or the named failure; a failed trial is counted and left out of the means.
+        /// `ok` or the named failure; a failed trial is counted and excluded from the means.
         pub status: Outcome,
     }
 
@@ -48,12 +48,12 @@ columns! {
         pub speed: f64,
         /// Duration of the lap, seconds.
         pub lap_s: f64,
-        /// Root mean square of the distance from the moving target, without tracking noise where
-        /// the robot is simulated, metres.
+        /// Root mean square of the distance from the moving target, metres; without tracking noise
+        /// for a simulated robot.
         pub rms_m: f64,
         /// Largest distance, metres.
         pub largest_m: f64,
-        /// Root mean square of the distance as it was measured, metres.
+        /// Root mean square of the measured distance, metres.
         pub tracked_rms_m: f64,
         /// Distance travelled by all tendons together, metres.
         pub tendon_travel_m: f64,
@@ -147,19 +147,20 @@ table_rows! {
         pub high_95_m: f64,
         /// 95th percentile of the error at the end over all trials, metres.
         pub error_end_p95_m: f64,
-        /// Mean error at the end as it was measured, metres.
+        /// Mean measured error at the end, metres.
         pub tracked_end_m: f64,
-        /// Median time to within 5 mm, trials that never get there counted as the longest, seconds;
-        /// empty where that is half of them.
+        /// Median time to within 5 mm, with trials that do not reach it counted as the longest,
+        /// seconds; empty if they are half of all trials.
         pub within_5mm_s: f64,
         /// The same for 3 mm, seconds.
         pub within_3mm_s: f64,
         /// The same for 2 mm, seconds.
         pub within_2mm_s: f64,
-        /// Share of trials that come to within 3 mm and stay.
+        /// Share of trials in which the error stays within 3 mm from some time on.
         pub within_3mm_share: f64,
-        /// Median of the time to within 3 mm over the time that the limit of the drive asks for,
-        /// trials that never get there counted as the longest; empty where that is half of them.
+        /// Median of the time to within 3 mm over the minimum time at the speed limit of the drive,
+        /// with trials that do not reach it counted as the longest; empty if they are half of all
+        /// trials.
         pub within_3mm_per_limit: f64,
         /// Mean error after 1 s, metres.
         pub error_1s_m: f64,
@@ -191,10 +192,9 @@ table_rows! {
         pub mode: String,
         /// The error, metres.
         pub wanted_m: f64,
-        /// Fewest points of those that were run; empty where the error is larger with the most
-        /// points.
+        /// Smallest tested number of points; empty if the error is larger with the largest number.
         pub points: f64,
-        /// The most points that were run.
+        /// Largest tested number of points.
         pub most_points: u64,
     }
 }

@@ -21,19 +21,19 @@ const MIN_TRIALS: usize = 20;
 /// Standard deviation below which an innovation is no measurement, metres.
 const MIN_DEVIATION_M: f64 = 1e-6;
 
-/// How a robot is watched.
+/// Monitoring of a robot.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct MonitorOptions {
     /// Control steps of a trial of work: 2 to 10,000.
     pub trial_steps: usize,
-    /// Time of work from which the monitor is calibrated, seconds.
+    /// Operating time for the calibration of the monitor, seconds.
     pub calibration_s: f64,
-    /// Time of work of an unchanged robot in which less than one alarm is allowed, seconds.
+    /// Operating time of an unchanged robot with less than one permitted false alarm, seconds.
     pub false_alarm_s: f64,
-    /// Time of work of the unchanged robot for which false alarms are counted afterwards, seconds.
+    /// Subsequent operating time of the unchanged robot in which false alarms are counted, seconds.
     pub watched_s: f64,
-    /// Time of work of a changed robot after which an alarm counts as missed, seconds.
+    /// Operating time of a changed robot after which an alarm counts as missed, seconds.
     pub patience_s: f64,
 }
 

@@ -126,7 +126,9 @@ impl RodTip {
         // One stiffness for all tendons makes a bend in metres comparable with displacements.
         let stiffness = PROBE_N / (after_m[0] - before_m[0]);
         if !(stiffness.is_finite() && stiffness > 0.0) {
-            return Err(PlantError::Solver("the tension of a tendon does not displace it".to_owned()));
+            return Err(PlantError::Solver(
+                "the tension of a tendon does not displace it".to_owned(),
+            ));
         }
         self.stiffness_n_per_m = Some(stiffness);
         Ok(stiffness)

@@ -173,8 +173,10 @@ fn faults_are_named_with_line_column_found_and_expected() {
              `base_qz`",
         ),
         (cell("tendon_2_m", "tendon_5_m"), "expected a column `tendon_2_m`"),
-        (cell("tendon_2_m", "tendon_1_m"), "column `tendon_1_m`: found a second column of this \
-                                            name"),
+        (
+            cell("tendon_2_m", "tendon_1_m"),
+            "column `tendon_1_m`: found a second column of this name",
+        ),
         (cell("tendon_2_m", "tendon_2_n"), "found commands as lengths and as tensions"),
         (cell("tip_y_m", ""), "found no name for column 8"),
         (

@@ -252,7 +252,8 @@ fn of_several_recordings_the_bad_one_is_named() {
     bench.twin("part.csv", 50, &|_, cells| cells);
     let within = bench.refused("discover --model NOMINAL --measured first.csv part.csv --out out");
     assert!(
-        within.contains("part.csv: found the same trials as in") && within.contains("first.csv, expected another"),
+        within.contains("part.csv: found the same trials as in")
+            && within.contains("first.csv, expected another"),
         "{within}"
     );
     // Where the tracker lost the tip it did so in the copy, too.

@@ -137,9 +137,7 @@ fn rows_that_all_fail_are_an_error_that_names_the_suspect() {
     assert_eq!(output.status.code(), Some(1), "{said}");
     assert!(said.contains("none of 12 rows could be solved"), "{said}");
     assert!(
-        said.contains(
-            "gel.yaml: robot.backbone.youngs_modulus_pa: found 6000, an unusual value"
-        ),
+        said.contains("gel.yaml: robot.backbone.youngs_modulus_pa: found 6000, an unusual value"),
         "{said}"
     );
 }
@@ -370,10 +368,7 @@ fn a_run_that_is_interrupted_says_that_the_same_command_goes_on() {
     assert!(std::process::Command::new("kill").args(["-INT", &pid]).status().unwrap().success());
     let rest: Vec<String> = lines.map(Result::unwrap).collect();
     assert_eq!(child.wait().unwrap().code(), Some(130), "{rest:?}");
-    assert!(
-        rest.iter().any(|line| line.contains("the same command resumes")),
-        "{rest:?}"
-    );
+    assert!(rest.iter().any(|line| line.contains("the same command resumes")), "{rest:?}");
     let said = desk.ok(&format!("run {smoke}"));
     let line = said.lines().find(|line| line.contains("stages computed")).unwrap();
     assert!(!line.contains(" 0 read"), "{line}");

@@ -163,7 +163,10 @@ fn rows_of_several_bodies_are_not_taken_for_one() {
     // At times of their own nothing contradicts itself, but the tip jumps.
     bench.put("log.csv", &long_log(0.002));
     let (said, _) = bench.import(&tracking);
-    assert!(said.contains("the tip repeatedly jumps by") && said.contains("`tracking.tip.where`"), "{said}");
+    assert!(
+        said.contains("the tip repeatedly jumps by") && said.contains("`tracking.tip.where`"),
+        "{said}"
+    );
 }
 
 #[test]

@@ -141,9 +141,8 @@ fn left_out_key(model: &Model, pattern: &str) -> Option<String> {
     let present = ModelParameter::all(model);
     let step = steps(pattern).into_iter().find(|step| OPTIONAL.contains(&step.as_str()))?;
     let absent = !present.iter().any(|parameter| steps(parameter.path()).contains(&step));
-    absent.then(|| {
-        format!("; this model file omits `{step}`: add it to the file with a start value")
-    })
+    absent
+        .then(|| format!("; this model file omits `{step}`: add it to the file with a start value"))
 }
 
 #[cfg(test)]

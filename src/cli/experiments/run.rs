@@ -128,9 +128,9 @@ impl RunCommand {
                 1 => ", and every trial of 1 other cell".to_owned(),
                 count => format!(", and every trial of {count} other cells"),
             };
-            let words =
-                format!("every trial of {cell} failed ({trials} trials, first failure: \
-                         {why}){others}");
+            let words = format!(
+                "every trial of {cell} failed ({trials} trials, first failure: {why}){others}"
+            );
             return Err(CommandError::Failed(words));
         }
         if self.strict && !denied.is_empty() {

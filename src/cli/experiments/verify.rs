@@ -73,8 +73,9 @@ impl VerifyCommand {
             tempfile::Builder::new().prefix("spinebench-verify-").tempdir().map_err(|error| {
                 CommandError::Failed(format!("cannot create a temporary folder: {error}"))
             })?;
-        exit_on_interrupt("interrupted; nothing was compared. The same command starts again from \
-                           the beginning");
+        exit_on_interrupt(
+            "interrupted; nothing was compared. The same command starts again from the beginning",
+        );
         let (store, wanted) = (Store::at(scratch.path()), campaign.wanted());
         let outcomes = runner::execute(
             &campaign.graph,

@@ -76,8 +76,9 @@ fn rerun(
         .prefix("spinebench-verify-")
         .tempdir()
         .map_err(|error| CommandError::Failed(format!("cannot create a folder: {error}")))?;
-    exit_on_interrupt("interrupted; nothing was compared. The same command starts again from the \
-                       beginning");
+    exit_on_interrupt(
+        "interrupted; nothing was compared. The same command starts again from the beginning",
+    );
     let wanted: Vec<usize> = wanted.into_iter().collect();
     let outcomes = runner::execute(
         &campaign.graph,

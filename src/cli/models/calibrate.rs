@@ -84,8 +84,9 @@ impl CalibrateCommand {
             .map_err(|error| mismatch(&self.measured, &error))?;
         check_yaml(&self.out)?;
         self.report.as_ref().map_or(Ok(()), |folder| check_folder(folder, REPORT_BYTES))?;
-        exit_on_interrupt("interrupted; nothing was written. The same command starts again from \
-                           the beginning");
+        exit_on_interrupt(
+            "interrupted; nothing was written. The same command starts again from the beginning",
+        );
         progress.step("fitting");
         let calibration = calibrate(&model, &measured, &self.options(at_rest))
             .map_err(|error| self.refusal(&error, &model))?;

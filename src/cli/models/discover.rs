@@ -101,8 +101,9 @@ impl DiscoverCommand {
         self.refuse_own_baseline(&measured, baseline.as_ref())?;
         let plant = self.plant.as_ref().map(|file| simulated(file, &model)).transpose()?;
         check_folder(&self.out, REPORT_BYTES)?;
-        exit_on_interrupt("interrupted; nothing was written. The same command starts again from \
-                           the beginning");
+        exit_on_interrupt(
+            "interrupted; nothing was written. The same command starts again from the beginning",
+        );
         let files: Vec<&Path> = self.measured.iter().map(PathBuf::as_path).collect();
         let mut given = GivenRecordings::new(&files, &parts, baseline.as_ref());
         let question = Question { model: &model, baseline: baseline.as_ref(), options: &options };

@@ -163,9 +163,7 @@ impl FromExport {
         let frames = export.time_s.len();
         if let Some(promised) = export.promised_frames.filter(|&promised| promised > frames) {
             let file = export.file.display();
-            eprintln!(
-                "note: {file} has {frames} of the {promised} frames that its header states"
-            );
+            eprintln!("note: {file} has {frames} of the {promised} frames that its header states");
         }
         if !export.unread_orientations.is_empty() {
             eprintln!(

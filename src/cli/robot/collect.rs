@@ -169,8 +169,9 @@ impl CollectCommand {
 
     fn out(&self) -> Result<&Path, CommandError> {
         self.out.as_deref().ok_or_else(|| {
-            CommandError::BadInput("--out: found no value, expected the name of the recording to \
-                                    write".into())
+            CommandError::BadInput(
+                "--out: found no value, expected the name of the recording to write".into(),
+            )
         })
     }
 }

@@ -103,7 +103,10 @@ impl ViewCommand {
                 )
             }
             (Some(file), None) if self.shown.len() > 1 || !self.model.is_empty() => {
-                refuse!("{}: found a model and other files, expected the model alone", file.display())
+                refuse!(
+                    "{}: found a model and other files, expected the model alone",
+                    file.display()
+                )
             }
             _ => {}
         }
@@ -183,8 +186,7 @@ impl ViewCommand {
         })?;
         let url = server.url().map_err(CommandError::failed)?;
         print_all(
-            format!("{url}\nOnly this computer can open it. Ctrl-C ends the program.\n")
-                .as_bytes(),
+            format!("{url}\nOnly this computer can open it. Ctrl-C ends the program.\n").as_bytes(),
         );
         if !self.no_open {
             open_browser(&url);

@@ -51,7 +51,8 @@ fn check_pace(path: &Path, commands: &Recording, at_s: &[f64]) -> Result<(), Dat
         for row in rows.clone() {
             let (in_export_s, in_trial_s) = (at_s[row] - at_s[rows.start], commands.time_s[row]);
             if row > 0 && at_s[row] <= at_s[row - 1] {
-                let expected = format!("more than {:.6} s, the time of the previous row", at_s[row - 1]);
+                let expected =
+                    format!("more than {:.6} s, the time of the previous row", at_s[row - 1]);
                 return wrong(row, format!("{:.6} s in the export", at_s[row]), expected);
             }
             if (in_export_s - in_trial_s).abs() > MAX_JITTER_S + MAX_RATE_ERROR * in_trial_s {

@@ -121,9 +121,9 @@ impl Recording {
         for (_, range) in self.trials() {
             let first = loads_kg[range.start];
             if let Some(row) = range.clone().find(|&row| loads_kg[row] != first) {
-                let expected =
-                    format!("{first}, as at the start of the trial: the weight is constant within \
-                             a trial");
+                let expected = format!(
+                    "{first}, as at the start of the trial: the weight is constant within a trial"
+                );
                 return Err(cell_error(
                     path,
                     row,

@@ -122,8 +122,10 @@ fn same_in_trial(
     let changed = |&row: &usize| trial[row] == trial[row - 1] && all[row] != all[row - 1];
     let Some(row) = (1..table.rows).find(changed) else { return Ok(()) };
     let axis = (0..3).find(|&axis| all[row][axis] != all[row - 1][axis]).unwrap_or(0);
-    let expected =
-        format!("{}, as in the previous row: gravity is constant within a trial", all[row - 1][axis]);
+    let expected = format!(
+        "{}, as in the previous row: gravity is constant within a trial",
+        all[row - 1][axis]
+    );
     Err(table.cell_error(row, GRAVITY[axis], expected))
 }
 

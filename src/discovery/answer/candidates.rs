@@ -61,9 +61,10 @@ impl Problem<'_> {
                     name: set_name(&self.candidates, std::slice::from_ref(&prediction.member)),
                     score: *score,
                     after_m: residual_share * before_m,
-                    why_not: "not fitted: the linear screening predicts no larger improvement than \
-                              this error"
-                        .to_owned(),
+                    why_not:
+                        "not fitted: the linear screening predicts no larger improvement than this \
+                         error"
+                            .to_owned(),
                     parameters: String::new(),
                 });
             }

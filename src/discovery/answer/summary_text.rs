@@ -254,9 +254,11 @@ pub(crate) fn pattern(foretold: &[(ResidualPattern, f64)], places: &[PlaceRow]) 
                 shares.join(", ")
             )
         }
-        _ => "The residual differs between trials, and no trial predicts another. Possible causes: \
-              contact, a part that moves or slips, or a tracker noisier than its repeated samples."
-            .to_owned(),
+        _ => {
+            "The residual differs between trials, and no trial predicts another. Possible causes: \
+             contact, a part that moves or slips, or a tracker noisier than its repeated samples."
+                .to_owned()
+        }
     };
     let single = places.iter().filter(|row| row.by != "all" && row.axis != "all");
     let worst =

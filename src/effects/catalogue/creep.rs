@@ -6,8 +6,8 @@ use crate::base::is_default;
 use crate::effects::{BadOption, Card, Deserialize, Effect, Parameter, RodParams, Seek, Serialize};
 use crate::rod::{HistoryMoment, HistoryState, MomentLaw};
 
-/// Part of the bending stiffness relaxes: a standard linear solid. The model's stiffness is that at
-/// once or, if `relaxed`, that after relaxing: one law in two conventions.
+/// Part of the bending stiffness relaxes: a standard linear solid. The model's stiffness is the
+/// instantaneous one or, if `relaxed`, the relaxed one: one law in two conventions.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Creep {

@@ -3,14 +3,14 @@
 use crate::effects::{BadOption, Card, Deserialize, Effect, Parameter, RodParams, Seek, Serialize};
 use crate::rod::PRESLIDING_M;
 
-/// Every tendon rubs in its guides: its tension falls along the path, in the direction in which it
-/// slides.
+/// Friction of every tendon in its guides: its tension decreases along the path in the direction of
+/// sliding.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TendonFriction {
     /// Coefficient of friction μ between tendon and guides.
     pub coefficient: f64,
-    /// Displacement of the drive that mobilises the friction from none to all, metres.
+    /// Displacement of the drive that fully mobilises the friction, metres.
     #[serde(default = "presliding_default")]
     pub presliding_m: f64,
 }

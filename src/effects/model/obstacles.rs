@@ -6,11 +6,11 @@ use serde::{Deserialize, Serialize};
 use crate::base::BadOption;
 use crate::rod::{self, ObstacleShape};
 
-/// A fixed obstacle: one shape, and how it touches.
+/// A fixed obstacle: one shape and its contact law.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ObstacleSpec {
-    /// All behind a plane.
+    /// The half space behind a plane.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plane: Option<Plane>,
     /// A ball.
@@ -19,13 +19,13 @@ pub struct ObstacleSpec {
     /// A round cylinder with flat ends.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cylinder: Option<Cylinder>,
-    /// All within a radius of a line segment.
+    /// All points within a radius of a line segment.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub capsule: Option<Capsule>,
     /// Coefficient of Coulomb friction.
     #[serde(default)]
     pub friction_coefficient: f64,
-    /// Force per penetration at each point of contact, N/m; left out: rigid.
+    /// Force per penetration at each point of contact, N/m; default: rigid.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stiffness_n_m: Option<f64>,
 }
@@ -60,12 +60,12 @@ pub struct Cylinder {
     pub axis: [f64; 3],
     /// Its radius, metres.
     pub radius_m: f64,
-    /// Its length, metres; left out: without end.
+    /// Its length, metres; default: infinite.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub length_m: Option<f64>,
 }
 
-/// All within a radius of a line segment.
+/// All points within a radius of a line segment.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Capsule {

@@ -25,11 +25,11 @@ pub struct Model {
     /// Obstacles that the robot may touch.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub obstacles: Vec<ObstacleSpec>,
-    /// What is tracked besides the tip.
+    /// Tracked points besides the tip.
     #[serde(default, skip_serializing_if = "Tracking::is_default")]
     pub tracking: Tracking,
-    /// Drives by name, where commands are not those of tendons: that of the columns
-    /// `drive_NAME_rad` or `drive_NAME_m` of a recording.
+    /// Drives by name, if commands are those of drives: the name in the columns `drive_NAME_rad` or
+    /// `drive_NAME_m` of a recording.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub drives: BTreeMap<String, TendonDrive>,
 }

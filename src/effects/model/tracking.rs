@@ -20,14 +20,14 @@ pub struct Tracking {
     /// of a recording.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub points: BTreeMap<String, BodyPoint>,
-    /// Where on the body what recordings call the tip is; left out: at the end of the backbone.
+    /// Place on the body of the tip in recordings; default: the end of the backbone.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tip: Option<BodyPoint>,
     /// State at the start of a trial.
     #[serde(default, skip_serializing_if = "is_default")]
     pub starts: Starts,
-    /// With `starts: home`: how long the robot, straight and without stress before, has been at
-    /// home when a trial starts, s; left out: for good.
+    /// With `starts: home`: time at home before a trial of a robot that was straight and free of
+    /// stress, s; default: infinite.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rested_s: Option<f64>,
 }
@@ -41,10 +41,10 @@ pub enum Starts {
     /// At rest at home, all displacements 0.
     #[default]
     Home,
-    /// At rest under the first command of the trial, without memory of what was before.
+    /// At rest under the first command of the trial, without memory of earlier motion.
     Anywhere,
-    /// As the trial before has left it, at rest under its last command; the first trial starts at
-    /// home.
+    /// The final state of the previous trial, at rest under its last command; the first trial
+    /// starts at home.
     Continue,
 }
 

@@ -7,7 +7,7 @@ use super::{Checked, MAX_PARTS, at, refuse, within};
 use crate::base::{BadOption, is_default};
 use crate::rod::{Span, Taper};
 
-/// A round backbone, of one material and one cross-section unless `pieces` says otherwise.
+/// A round backbone of one material and one cross-section, unless `pieces` is given.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Backbone {
@@ -37,30 +37,31 @@ pub struct Backbone {
     /// Measured torsional stiffness, N m², in place of G·J.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub torsion_stiffness_n_m2: Option<f64>,
-    /// Pieces from base to tip, where it is not the same all along; what a piece leaves out is as
+    /// Pieces from base to tip of a non-uniform backbone; omitted keys of a piece have the values
     /// above.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub pieces: Vec<Piece>,
 }
 
-/// A piece of a backbone. Radii change linearly along it, and everything that follows from them
-/// with them; a measured stiffness holds at its start and changes as the computed one would.
+/// A piece of a backbone. Radii and the properties computed from them change along it, radii
+/// linearly; a measured stiffness applies at its start and changes in proportion to the computed
+/// one.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Piece {
-    /// Where it ends, metres from the base; it begins where the one before ends.
+    /// End, metres from the base; the piece begins at the end of the previous one.
     pub end_m: f64,
-    /// Radius at its start, metres; left out: that at the end of the piece before, for the first
-    /// the backbone's.
+    /// Radius at its start, metres; default: that at the end of the previous piece, for the first
+    /// piece the backbone's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub radius_m: Option<f64>,
-    /// Radius at its end, metres; left out: as at its start.
+    /// Radius at its end, metres; default: as at its start.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub end_radius_m: Option<f64>,
-    /// Radius of the bore at its start, metres; left out: as for `radius_m`.
+    /// Radius of the bore at its start, metres; default: as for `radius_m`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub inner_radius_m: Option<f64>,
-    /// Radius of the bore at its end, metres; left out: as at its start.
+    /// Radius of the bore at its end, metres; default: as at its start.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub end_inner_radius_m: Option<f64>,
     /// Young's modulus E, Pa.
@@ -91,8 +92,8 @@ pub struct Piece {
     /// y, degrees.
     #[serde(default)]
     pub principal_angle_deg: f64,
-    /// Curvature about x and y and twist when nothing acts on it, rad/m. Tendons are set to zero on
-    /// this shape.
+    /// Curvature about x and y and twist without load, rad/m. Tendon displacements are zero in this
+    /// shape.
     #[serde(default)]
     pub rest_curvature_rad_m: [f64; 3],
 }

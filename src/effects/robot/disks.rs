@@ -18,7 +18,7 @@ pub struct Sections {
     pub length_m: f64,
     /// Shortening of each per compressive force, m/N.
     pub compliance_m_per_n: f64,
-    /// Force beyond which they shorten no more, N.
+    /// Force above which they do not shorten further, N.
     pub saturation_n: f64,
 }
 
@@ -30,15 +30,15 @@ pub struct Disks {
     pub count: usize,
     /// Mass of each, kg.
     pub mass_kg: f64,
-    /// Where they sit, metres from the base. Left out: one more than there are sections fill the
-    /// backbone between the sections, each spread over its thickness; any other number is lumped at
-    /// equal distances up to the tip.
+    /// Positions, metres from the base. Default: if there is one disk more than sections, the disks
+    /// fill the backbone between the sections and are distributed over their thickness; any other
+    /// number is lumped at equal distances up to the tip.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub positions_m: Option<Vec<f64>>,
-    /// Mass of each where they differ, kg, in place of `mass_kg`; only with `positions_m`.
+    /// Mass of each disk, kg, instead of `mass_kg`; only with `positions_m`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub masses_kg: Option<Vec<f64>>,
-    /// Radius of the disks where they touch obstacles, metres; left out: they touch nothing.
+    /// Contact radius of the disks, metres; default: no contact.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub contact_radius_m: Option<f64>,
     /// Moments of inertia of each lumped disk about its own x, y and z, kg m².

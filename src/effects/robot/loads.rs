@@ -51,10 +51,10 @@ pub enum Frame {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Spread {
-    /// Where it begins, metres from the base along the relaxed backbone.
+    /// Start of the load, metres from the base along the relaxed backbone.
     #[serde(default)]
     pub start_m: f64,
-    /// Where it ends; left out: at the tip.
+    /// End of the load; default: the tip.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub end_m: Option<f64>,
     /// Force per relaxed length, N/m.

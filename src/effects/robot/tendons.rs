@@ -6,7 +6,7 @@ use super::{Checked, MAX_PARTS, PerTendon, at, refuse};
 use crate::base::{BadOption, PlacedTendon, TendonLayout};
 use crate::rod::{PRESLIDING_M, PathPoint, Tendon, TendonPath};
 
-/// Tendons: at one radius all along, unless a key says otherwise. Lists hold one entry a tendon.
+/// Tendons, at a constant radius unless another key is given. Lists have one entry per tendon.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Tendons {
@@ -17,32 +17,32 @@ pub struct Tendons {
     /// Distance of each at the base, metres, in place of `radius_m`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub radii_m: Option<Vec<f64>>,
-    /// Distance of all at places further on, in order, with straight lines in between; beyond the
-    /// last it stays.
+    /// Distance of all tendons at places along the backbone, in order, linear in between; constant
+    /// beyond the last.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub profile: Vec<RadiusPoint>,
-    /// How far each winds around the backbone per length, from x towards y, rad/m.
+    /// Rotation of each tendon about the backbone per length, from x towards y, rad/m.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub twists_rad_m: Option<Vec<f64>>,
-    /// Each one's own path in place of radius and angle: points in order, with straight lines in
-    /// between. An empty path leaves a tendon as it is.
+    /// Path of each tendon instead of radius and angle: points in order, linear in between. An
+    /// empty path does not change a tendon.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub paths: Option<Vec<Vec<OffsetPoint>>>,
-    /// How much each is tightened at home, metres: one number, or one per tendon, which is then the
-    /// zero of each drive, too.
+    /// Pretension of each at home as a displacement, metres: one number, or one per tendon, which
+    /// also sets the zero of each drive.
     #[serde(default)]
     pub pretension_m: PerTendon,
     /// Stretch of a whole tendon per tension, m/N: one number, or one per tendon.
     #[serde(default)]
     pub compliance_m_per_n: PerTendon,
-    /// Length over which a tendon stretches at home, metres: what the drive winds up stretches no
-    /// more. Left out: the drive moves the whole tendon along.
+    /// Length over which a tendon stretches at home, metres; the wound-up part does not stretch.
+    /// Default: the drive moves the whole tendon.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub elastic_length_m: Option<f64>,
-    /// Where each leaves its sheath, metres from the base; left out: at the base.
+    /// Place where each leaves its sheath, metres from the base; default: the base.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub starts_m: Option<Vec<f64>>,
-    /// Where each ends, metres from the base; left out: at the tip.
+    /// End of each, metres from the base; default: the tip.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ends_m: Option<Vec<f64>>,
 }
@@ -57,7 +57,7 @@ pub struct RadiusPoint {
     pub radius_m: f64,
 }
 
-/// Where a tendon passes at one place.
+/// Offset of a tendon at one place.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct OffsetPoint {

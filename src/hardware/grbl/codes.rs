@@ -109,11 +109,7 @@ const ERRORS: &[CodeText] = &[
     (33, "The target is not valid.", LINE),
     (34, "The radius of an arc does not fit its ends.", PROGRAM),
     (35, "An arc lacks its centre.", PROGRAM),
-    (
-        36,
-        "The line has words that no command uses; the firmware may lack an axis.",
-        LINE,
-    ),
+    (36, "The line has words that no command uses; the firmware may lack an axis.", LINE),
     (37, "The tool length offset does not apply to the configured axis.", PROGRAM),
     (38, "The tool number is higher than the controller supports.", PROGRAM),
     (39, "A value is out of range.", LINE),
@@ -173,11 +169,7 @@ const ERRORS: &[CodeText] = &[
         "This user lacks the permission for the command.",
         "Disable the controller's password protection, then connect again.",
     ),
-    (
-        79,
-        "After a critical event the controller accepts this only after a reset.",
-        HOME,
-    ),
+    (79, "After a critical event the controller accepts this only after a reset.", HOME),
 ];
 
 const ALARMS: &[CodeText] = &[
@@ -199,7 +191,11 @@ const ALARMS: &[CodeText] = &[
     ),
     (9, "Homing found no switch: it is not connected, stuck open or too far away.", SWITCHES),
     (10, "The emergency stop is pressed.", "Release it when it is safe, then reset and home."),
-    (11, "The axes are not homed, and the controller accepts no other command before homing.", "Home them."),
+    (
+        11,
+        "The axes are not homed, and the controller accepts no other command before homing.",
+        "Home them.",
+    ),
     (12, "A limit switch is closed.", "Move the axis off its switch by hand, then reset and home."),
     (13, "The probe protection has triggered.", CLEAR),
     (14, "The spindle did not reach its speed.", PROGRAM),

@@ -7,7 +7,7 @@ use crate::base::BadOption;
 /// Longest time from a reset to the greeting, beyond the reply time, s.
 pub(super) const GREETING_S: f64 = 1.0;
 
-/// How to reach the controller and how it must be configured. The controller's own settings are
+/// Connection to the controller and its required configuration. The controller's own settings are
 /// checked, never written.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]

@@ -8,13 +8,13 @@ use crate::base::BadOption;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct SafetyLimits {
-    /// Largest displacement of a tendon either way, metres.
+    /// Largest displacement of a tendon in either direction, metres.
     pub travel_m: f64,
     /// Largest change of a displacement from one command to the next, metres.
     pub max_step_m: f64,
     /// Largest speed of a tendon, m/s.
     pub max_speed_m_s: f64,
-    /// Largest length by which two opposite tendons together may be let out, metres; a slacker
+    /// Largest length by which two opposite tendons together may be released, metres; a slacker
     /// tendon falls off its spool.
     pub slack_m: f64,
     /// Largest length by which two opposite tendons together may be pulled in, metres; more would

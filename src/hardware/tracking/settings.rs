@@ -13,7 +13,7 @@ use crate::base::BadOption;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Transport {
-    /// To this computer alone, while it sends keep-alive messages.
+    /// To this computer only, while it sends keep-alive messages.
     Unicast,
     /// To a group that any computer may join.
     Multicast,
@@ -103,8 +103,8 @@ pub struct TrackingSettings {
     pub tip_body: BodyName,
     /// Frame rate set in Motive, Hz; determines which gaps between samples are interpolated.
     pub rate_hz: f64,
-    /// `auto`, or the version of the stream: `3.0`, `3.1`, `4.0`, `4.1`. Unicast servers are asked
-    /// to send it.
+    /// `auto`, or the version of the stream: `3.0`, `3.1`, `4.0`, `4.1`. It is requested from
+    /// unicast servers.
     pub version: StreamVersion,
     /// Longest time for an answer of the server while connecting, s.
     pub connect_s: f64,

@@ -42,7 +42,7 @@ impl schemars::JsonSchema for KernelExpression {
     }
 }
 
-/// How the matrix λ of the paper's eq. 18 is read.
+/// Interpretation of the matrix λ of the paper's eq. 18.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
 )]
@@ -57,13 +57,13 @@ pub enum Lambda {
     AsPrinted,
 }
 
-/// Whether a process is exact, or which approximation of it takes more points.
+/// Exact process, or an approximation for more points.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
 )]
 #[serde(rename_all = "snake_case")]
 pub enum Approximation {
-    /// None: costs grow with the cube of the number of points.
+    /// No approximation: costs grow with the cube of the number of points.
     #[default]
     Exact,
     /// Inducing points by a lower bound of the likelihood (Titsias 2009): the process that is
@@ -80,7 +80,7 @@ impl Approximation {
     }
 }
 
-/// How a Gaussian process is fitted. Unknown keys are refused; missing ones take the values of
+/// Fit of a Gaussian process. Unknown keys are refused; missing ones take the values of
 /// [`Default`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -90,10 +90,10 @@ pub struct GpConfig {
     /// Mean function.
     #[serde(skip_serializing_if = "MeanFunction::is_zero")]
     pub mean: MeanFunction,
-    /// Exact, or which approximation.
+    /// Exact, or an approximation.
     #[serde(skip_serializing_if = "Approximation::is_exact")]
     pub approximation: Approximation,
-    /// Inducing points of an approximation at most; an exact process has none.
+    /// Maximum number of inducing points of an approximation; an exact process has none.
     #[serde(skip_serializing_if = "is_default_inducing")]
     pub inducing_points: usize,
     /// How an experiment chooses the rows that it fits from the predefined points.
@@ -106,30 +106,31 @@ pub struct GpConfig {
     /// conventional one (signal variance 1, length-scales 1, noise variance 0.1), the others fill
     /// the plausible range evenly.
     pub starts: usize,
-    /// Rows on which the starts compete when there are more: the winner is then fitted to all rows.
+    /// Maximum number of rows on which starts are compared; the best start is then fitted to all
+    /// rows.
     pub start_rows: usize,
     /// Smallest noise standard deviation, as a share of the output's standard deviation.
     pub noise_floor: f64,
-    /// What is known of the noise. Without it the likelihood alone decides, which takes few points
-    /// for free of noise now and then.
+    /// Prior of the noise. Without it only the likelihood counts, which can estimate nearly no
+    /// noise from few points.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub noise_prior: Option<NoisePrior>,
     /// Expected improvement of the log marginal likelihood (nats) below which the search ends.
     pub tolerance: f64,
     /// Folds of the cross-validated error.
     pub folds: usize,
-    /// How rows are dealt to folds.
+    /// Assignment of rows to folds.
     pub fold_order: FoldOrder,
 }
 
-/// How rows are dealt to the folds of a cross-validation.
+/// Assignment of rows to the folds of a cross-validation.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
 )]
 #[serde(rename_all = "snake_case")]
 pub enum FoldOrder {
-    /// Contiguous blocks, so that a row's neighbours in time are held out with it: the honest
-    /// choice for a walk.
+    /// Contiguous blocks, so that a row's neighbours in time are held out with it; suitable for a
+    /// random walk.
     #[default]
     Blocks,
     /// Every k-th row.

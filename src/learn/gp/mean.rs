@@ -16,7 +16,7 @@ use crate::learn::simd::dot;
 )]
 #[serde(rename_all = "snake_case")]
 pub enum MeanFunction {
-    /// None beside the mean of the training outputs.
+    /// None except the mean of the training outputs.
     #[default]
     Zero,
     /// A constant of unknown value.

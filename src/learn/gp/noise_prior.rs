@@ -10,8 +10,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::learn::LearnError;
 
-/// A prior for the noise of a Gaussian process: it is not below the noise of the measurement. Above
-/// that the likelihood alone decides, since the process adds what it cannot follow.
+/// A prior for the noise of a Gaussian process: the fitted noise is at least about the measurement
+/// noise. Above it only the likelihood counts, because variation that the process cannot represent
+/// adds to the noise.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct NoisePrior {
@@ -19,8 +20,8 @@ pub struct NoisePrior {
     /// `null` in an experiment: that of `plant`, and of `model` where the simulated tip is its own;
     /// without any, as of hardware, there is no prior.
     pub std_m: Option<f64>,
-    /// How well it is known: standard deviation of its logarithm. n repeats tell it to 1/√(2(n−1)),
-    /// so that the default, 0.25, is about that of nine.
+    /// Uncertainty: standard deviation of its logarithm. n repetitions determine it to 1/√(2(n−1));
+    /// the default, 0.25, corresponds to nine.
     pub relative_std: f64,
 }
 

@@ -16,7 +16,7 @@ use crate::base::Rows;
 use crate::learn::LearnError;
 use crate::learn::simd::dot;
 
-/// Which added sample leaves when there are too many.
+/// Rule for the removed sample when there are too many.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
 )]
@@ -25,8 +25,8 @@ pub enum Leaving {
     /// The oldest.
     #[default]
     Oldest,
-    /// The one that is most strongly correlated with the new one, over all outputs: what it told,
-    /// the new one tells as well.
+    /// The one that is most strongly correlated with the new one, over all outputs, because the new
+    /// one contains the same information.
     MostAlike,
 }
 

@@ -10,20 +10,20 @@ fn is_one(value: &usize) -> bool {
     *value == 1
 }
 
-/// Which rows of a window the loss counts.
+/// Rows of a window in the loss.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
 )]
 #[serde(rename_all = "snake_case")]
 pub enum Loss {
-    /// Every row: the network is trained to answer from its first step after a reset, as in use.
+    /// Every row: the network is trained to predict from its first step after a reset, as in use.
     #[default]
     EveryRow,
     /// Only the last row: the rows before it are run-in.
     LastRow,
 }
 
-/// What moves the weights.
+/// Optimiser of the weights.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
 )]
@@ -33,12 +33,12 @@ pub enum Optimiser {
     #[default]
     Adam,
     /// Steps on all windows at once, an epoch each, by limited-memory BFGS (Liu & Nocedal 1989).
-    /// `batch`, `learning_rate`, `decay_patience`, `decay` and `stop_check_updates` have no meaning
-    /// for it.
+    /// `batch`, `learning_rate`, `decay_patience`, `decay` and `stop_check_updates` have no effect
+    /// on it.
     Lbfgs,
 }
 
-/// How a network is made and trained. Unknown keys are refused; missing ones take the values of
+/// Structure and training of a network. Unknown keys are refused; missing ones take the values of
 /// [`Default`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -46,14 +46,14 @@ pub struct NetworkConfig {
     /// Kind of the hidden layer (paper: `elman`).
     #[serde(skip_serializing_if = "is_default")]
     pub kind: NetworkKind,
-    /// Rows of inputs that the network sees at a step: this row and those before it. Nothing: 4 for
+    /// Input rows of the network at a step: this row and the preceding ones. Default: 4 for
     /// `feed_forward`, 1 for the other kinds.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub history: Option<usize>,
-    /// Networks that are trained from different random weights; the answer is their mean.
+    /// Number of networks trained from different random weights; the prediction is their mean.
     #[serde(skip_serializing_if = "is_one")]
     pub members: usize,
-    /// What moves the weights.
+    /// Optimiser of the weights.
     #[serde(skip_serializing_if = "is_default")]
     pub optimiser: Optimiser,
     /// Hidden units (paper: 30).
@@ -61,12 +61,12 @@ pub struct NetworkConfig {
     /// Consecutive rows through which errors are propagated back. With 1 the recurrent weights are
     /// never used.
     pub window: usize,
-    /// Rows from the start of one window to the start of the next; the first start is drawn anew in
+    /// Rows from the start of one window to the start of the next; the first start is random in
     /// every epoch.
     pub stride: usize,
-    /// Rows of a window that the loss counts.
+    /// Rows of a window in the loss.
     pub loss: Loss,
-    /// Share of the rows that are trained on; the rest validates (paper: 0.7).
+    /// Share of the rows for training; the rest is for validation (paper: 0.7).
     pub train_share: f64,
     /// Contiguous blocks into which the rows are cut in time order before each is split, its first
     /// rows to training and its last to validation. 1: the first 70 % and the last 30 % of the
@@ -84,9 +84,9 @@ pub struct NetworkConfig {
     /// Epochs without a better validation error after which training stops; the best weights are
     /// kept.
     pub patience: usize,
-    /// Most epochs.
+    /// Maximum number of epochs.
     pub max_epochs: usize,
-    /// Stop as soon as the validation error (mean absolute, in the outputs' unit) is this small:
+    /// Stop when the validation error (mean absolute, in the outputs' unit) reaches this value:
     /// `training: paper`.
     pub stop_at_validation_mae_m: Option<f64>,
     /// Optimiser steps between evaluations of the validation error when `stop_at_validation_mae_m`

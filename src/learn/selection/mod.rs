@@ -35,13 +35,13 @@ selections! {
     Clusters = clusters,
     /// Drawn evenly from all.
     Random = random,
-    /// Each farthest from those before it.
+    /// Each farthest from the preceding points.
     FarthestPoint = farthest_point,
     /// Nearest to the centres of k-means.
     KMeans = k_means,
-    /// Each where a Gaussian process of those before it is least certain.
+    /// Each at the largest variance of a Gaussian process of the preceding points.
     GreatestVariance = greatest_variance,
-    /// Each where a quadratic fit to those before it is least certain.
+    /// Each at the largest variance of a quadratic fit to the preceding points.
     DOptimal = d_optimal,
 }
 

@@ -36,8 +36,8 @@ pub struct HardwareOptions {
     /// Rest at home before a trial, s.
     #[serde(default = "settle_s")]
     pub settle_s: f64,
-    /// Simulators of the motors and the tracker around a simulated robot, in place of the real
-    /// devices, behind the same drivers.
+    /// Simulators of the motors and the tracker with a simulated robot, used with the same drivers
+    /// instead of the real devices.
     #[serde(default)]
     pub rehearsal: Option<RehearsalOptions>,
     /// Effects that the operator attaches to the robot before a trial, such as a load at the tip.

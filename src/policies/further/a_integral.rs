@@ -36,9 +36,9 @@ pub(crate) const ENTRY: PolicyEntry = PolicyEntry {
 pub struct AIntegralOptions {
     /// Share of the error that a tick adds to the target: above 0, at most 1.
     pub gain: f64,
-    /// The target is moved no further than this.
+    /// Largest shift of the target.
     pub most_m: f64,
-    /// The policy has settled when the measured tip is this near to the target.
+    /// The policy has settled when the measured tip is within this distance of the target.
     pub settled_m: f64,
 }
 

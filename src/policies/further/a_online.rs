@@ -39,18 +39,17 @@ pub(crate) const ENTRY: PolicyEntry = PolicyEntry {
     ..PolicyEntry::PLAIN
 };
 
-/// Options of A that learns on.
+/// Options of A with online learning.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct AOnlineOptions {
-    /// Most points that a trial adds, 1 to 1000; then one leaves for each that comes. Those that
-    /// were fitted stay.
+    /// Largest number of points that a trial adds, 1 to 1000; beyond it, each new point replaces an
+    /// added one. Fitted points stay.
     pub points: usize,
-    /// Which of them leaves.
+    /// Rule for the replaced point.
     pub leaves: Leaving,
-    /// What was learned in the trial moves the target no further than this, metres: beyond the
-    /// border of the workspace the tip does not follow, and what is left of the error would be
-    /// learned as a gap again and again.
+    /// Largest shift of the target by points learned in the trial, metres: outside the workspace
+    /// the tip does not follow, and the remaining error would be learned repeatedly as a gap.
     pub most_m: f64,
 }
 

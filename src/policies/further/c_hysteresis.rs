@@ -44,15 +44,16 @@ pub(crate) const ENTRY: PolicyEntry = PolicyEntry {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct CHysteresisOptions {
-    /// At rest with an error above this the other controller gets its turn.
+    /// At rest with an error above this, the policy switches to the other controller.
     pub switch_above_m: f64,
-    /// Below this error the controller in charge stays for good; at most `switch_above_m`.
+    /// Below this error the active controller is kept; at most `switch_above_m`.
     pub stay_below_m: f64,
-    /// Ticks for which a controller stays in charge at least, whatever the targets.
+    /// Minimum number of ticks with one controller, for any targets.
     pub dwell_ticks: usize,
-    /// The tip is at rest when it was measured to move by no more than this in a tick.
+    /// The tip is at rest when its measured motion in a tick is at most this.
     pub rest_m: f64,
-    /// A target this near to an earlier one starts with the controller that did better there.
+    /// A target within this distance of an earlier one starts with the controller that had the
+    /// smaller error there.
     pub region_m: f64,
 }
 

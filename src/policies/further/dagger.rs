@@ -26,7 +26,7 @@ pub(crate) const ENTRY: PolicyEntry = PolicyEntry {
     ..PolicyEntry::PLAIN
 };
 
-/// What the network is trained on. The robots are drawn anew in every round.
+/// Training data of the network. New robots are drawn in every round.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct DaggerOptions {
@@ -39,7 +39,7 @@ pub struct DaggerOptions {
     pub targets: usize,
     /// Ticks at a target, from rest at home, 1 to 1000.
     pub ticks: usize,
-    /// A robot has one to so many effects of the catalogue.
+    /// Largest number of effects of the catalogue in a robot; at least one.
     pub most_effects: usize,
     /// Standard deviation of an effect's signed strength, in usual sizes, above 0 and up to 5.
     pub strength: f64,

@@ -28,7 +28,8 @@ pub(crate) const ENTRY: PolicyEntry = PolicyEntry {
 pub struct IntegralOptions {
     /// Displacement of a tendon for each metre of the tip's error towards it, in each tick, metres.
     pub gain: f64,
-    /// The policy has settled when the measured tip is this near to the target in x and y.
+    /// The policy has settled when the measured tip is within this distance of the target in x and
+    /// y.
     pub settled_m: f64,
 }
 

@@ -27,10 +27,10 @@ pub(crate) const ENTRY: PolicyEntry = PolicyEntry {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ModelIntegralOptions {
-    /// A tendon that follows is let out by this much more than in the model: it must not be taut
-    /// where the robot differs.
+    /// Additional release of a following tendon compared with the model, so that it stays slack if
+    /// the robot differs.
     pub slack_m: f64,
-    /// How the integral grows: the error that remains is the disturbance of the model.
+    /// Growth of the integral: the remaining error is treated as a disturbance of the model.
     pub disturbance: DisturbanceOptions,
 }
 

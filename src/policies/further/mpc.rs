@@ -51,8 +51,8 @@ pub struct MpcOptions {
     /// Gauss-Newton steps of the inverse in a tick, 1 to 50; the first tick at a target takes four
     /// times as many.
     pub inverse_steps: usize,
-    /// A tendon that follows is let out by this much more than in the model: it must not be taut
-    /// where the robot differs.
+    /// Additional release of a following tendon compared with the model, so that it stays slack if
+    /// the robot differs.
     pub slack_m: f64,
     /// How the disturbance is estimated.
     pub disturbance: DisturbanceOptions,
@@ -195,7 +195,9 @@ impl RecedingHorizon {
     /// Where the tip is expected after this command for `duration_s` seconds.
     fn follow(&mut self, pose: &ExpectedPose, duration_s: f64) -> Result<Point3, PolicyError> {
         self.model.follow(pose, duration_s).ok_or_else(|| {
-            PolicyError::PlanFailed("the model does not follow the commands of the robot".to_owned())
+            PolicyError::PlanFailed(
+                "the model does not follow the commands of the robot".to_owned(),
+            )
         })
     }
 

@@ -28,8 +28,8 @@ pub(crate) const ENTRY: PolicyEntry = PolicyEntry {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct OnlineJacobianOptions {
-    /// Share of the measured error that a tick takes away, according to the Jacobian: above 0, at
-    /// most 1.
+    /// Share of the measured error that a tick removes according to the Jacobian: above 0, at most
+    /// 1.
     pub gain: f64,
     /// First guess: how far the tip moves towards a tendon for each metre of its displacement,
     /// metres.
@@ -40,8 +40,7 @@ pub struct OnlineJacobianOptions {
     pub drift_per_m: f64,
     /// Standard deviation of the tracking noise on an axis.
     pub noise_m: f64,
-    /// The policy has settled when the measured tip is so near to the target that the Jacobian asks
-    /// for less than this.
+    /// The policy has settled when the displacement that the Jacobian requires is below this.
     pub settled_pull_m: f64,
 }
 

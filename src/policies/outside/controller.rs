@@ -29,7 +29,7 @@ pub struct OutsideDecision {
     pub settled: Option<bool>,
 }
 
-/// A policy from outside.
+/// A user-defined policy.
 pub trait OutsideDecider: Send {
     /// A new trial begins.
     ///

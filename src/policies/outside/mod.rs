@@ -19,17 +19,17 @@ use super::{PolicyEntry, PolicyOptions};
 use crate::base::{BadOption, Policy};
 use controller::OutsideController;
 
-/// A policy from outside.
+/// A user-defined policy.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum OutsidePolicy {
     /// A network in an ONNX file.
     Onnx(OnnxOptions),
-    /// A class in a file of Python.
+    /// A class in a Python file.
     Python(PythonOptions),
 }
 
-/// Policies from outside by name.
+/// User-defined policies by name.
 pub type OutsidePolicies = BTreeMap<String, OutsidePolicy>;
 
 /// Keys of [`OutsidePolicy`].

@@ -15,25 +15,24 @@ use crate::learn::onnx::{OnnxMemory, OnnxNetwork};
 pub struct OnnxOptions {
     /// The file, relative to that of the spec.
     pub file: PathBuf,
-    /// What the network sees.
+    /// Inputs of the network.
     #[serde(default)]
     pub inputs: OnnxInputs,
-    /// What it decides.
+    /// Output of the network.
     #[serde(default)]
     pub output: OnnxOutput,
-    /// True when it decides by the measured error, so that open loop means nothing to it; so it is
-    /// with changes as `output`.
+    /// True if it uses the measured error and cannot run in open loop; always true with changes as
+    /// `output`.
     #[serde(default, skip_serializing_if = "is_default")]
     pub closed_loop_only: bool,
-    /// Positions are divided by this before the network sees them, metres.
+    /// Divisor of positions before the network, metres.
     #[serde(default = "one")]
     pub position_scale_m: f64,
-    /// Displacements are divided by this before the network sees them, and what it decides is
-    /// multiplied by this, metres.
+    /// Divisor of displacements before the network and factor on its output, metres.
     #[serde(default = "one")]
     pub pull_scale_m: f64,
-    /// The policy has settled when the tip is this near to the target, or when it repeats its
-    /// command, metres.
+    /// The policy has settled when the tip is within this distance of the target or the command
+    /// repeats, metres.
     #[serde(default = "settled_m")]
     pub settled_m: f64,
 }
@@ -55,9 +54,9 @@ pub enum OnnxInputs {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct OnnxWindow {
-    /// Number of ticks, 1 to 1000. Before the trial has as many, its first one stands for them.
+    /// Number of ticks, 1 to 1000. At the start of a trial the first tick is repeated.
     pub window: usize,
-    /// What the network sees of each.
+    /// Inputs from each tick.
     #[serde(default = "seen")]
     pub each: Vec<OnnxInput>,
 }
@@ -89,7 +88,7 @@ impl OnnxInputs {
 /// Most ticks that a network may see.
 const MAX_WINDOW: usize = 1000;
 
-/// A part of what a network sees.
+/// An input of a network.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum OnnxInput {
@@ -103,7 +102,7 @@ pub enum OnnxInput {
     Pulls,
 }
 
-/// What a network decides.
+/// Output of a network.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
 )]

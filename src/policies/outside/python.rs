@@ -19,12 +19,12 @@ pub struct PythonOptions {
     /// Name of the class in it; an instance is made without arguments.
     #[serde(rename = "class")]
     pub class_name: String,
-    /// True when it decides by the measured error, so that open loop means nothing to it. An
-    /// attribute `closed_loop_only` of the class says the same.
+    /// True if it uses the measured error and cannot run in open loop. An attribute
+    /// `closed_loop_only` of the class has the same meaning.
     #[serde(default)]
     pub closed_loop_only: bool,
-    /// The policy has settled when the tip is this near to the target, or when it repeats its
-    /// command, unless it tells so itself; metres.
+    /// The policy has settled when the tip is within this distance of the target or the command
+    /// repeats, unless the policy reports it itself; metres.
     #[serde(default = "settled_m")]
     pub settled_m: f64,
 }
@@ -55,7 +55,10 @@ impl PythonOptions {
         let Some(host) = PYTHON.get() else {
             let expected = "spinebench.run(…) of the Python package (docs/reference/python.md), \
                             which runs Python policies";
-            return Err(("the program, which does not include Python".to_owned(), expected.to_owned()));
+            return Err((
+                "the program, which does not include Python".to_owned(),
+                expected.to_owned(),
+            ));
         };
         if std::str::from_utf8(content).is_err() {
             return Err(("bytes that are not UTF-8".to_owned(), "a Python file".to_owned()));
@@ -71,9 +74,9 @@ impl PythonOptions {
     }
 
     pub(super) fn decider(&self) -> Result<Box<dyn OutsideDecider>, String> {
-        let host = PYTHON.get().ok_or(
-            "only the Python package runs Python policies (docs/reference/python.md)",
-        )?;
+        let host = PYTHON
+            .get()
+            .ok_or("only the Python package runs Python policies (docs/reference/python.md)")?;
         (host.make)(self)
     }
 }

@@ -29,7 +29,7 @@ pub(crate) const ENTRY: PolicyEntry = PolicyEntry {
     ..PolicyEntry::PLAIN
 };
 
-/// What Algorithm 2 leaves open.
+/// Choices that Algorithm 2 does not specify.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct AOptions {
@@ -39,8 +39,8 @@ pub struct AOptions {
     /// Iterations in one control tick, fewer when the criterion is met; 1 is Algorithm 2 as
     /// printed.
     pub iterations_per_tick: usize,
-    /// Iterations at a target before the criterion counts; 2 asks that the network answered twice,
-    /// as the settling of the other policies does.
+    /// Minimum number of iterations at a target before the criterion applies; 2 requires two
+    /// evaluations of the network, as in the other policies.
     pub min_iterations: usize,
     /// The guess for a further target of the same run is moved by the last e_gp instead of being
     /// the target itself. At the first target there is no e_gp yet, and both are the printed guess.

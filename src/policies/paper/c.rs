@@ -41,7 +41,7 @@ pub(crate) const ENTRY: PolicyEntry = PolicyEntry {
     ..PolicyEntry::PLAIN
 };
 
-/// When C compares the error with e_c.
+/// Time at which C compares the error with e_c.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
 )]
@@ -54,7 +54,7 @@ pub enum SwitchCheck {
     EveryTick,
 }
 
-/// Which controller a new target starts with.
+/// First controller at a new target.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
 )]
@@ -63,44 +63,44 @@ pub enum StartBranch {
     /// A ("mainly relies on control policy A").
     #[default]
     A,
-    /// The one that gave the last command.
+    /// The controller of the last command.
     Last,
 }
 
-/// What C does when both controllers ended a leg at this target with an error above e_c.
+/// Behaviour if both controllers ended a leg at this target with an error above e_c.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
 )]
 #[serde(rename_all = "snake_case")]
 pub enum AfterBoth {
-    /// Goes to the one whose error was smaller.
+    /// Use the controller with the smaller error.
     #[default]
     Better,
-    /// Stays with the one that is in charge.
+    /// Keep the active controller.
     Stay,
-    /// Goes on alternating until the changes are used up.
+    /// Alternate until the permitted switches are used.
     Alternate,
 }
 
-/// What the paper leaves open about C.
+/// Choices about C that the paper does not specify.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct COptions {
-    /// e_c: above this error the other controller gets its turn; the paper's 0.015 m.
+    /// e_c: above this error the policy switches to the other controller; the paper's 0.015 m.
     pub switch_threshold_m: f64,
-    /// The check on L_A and L_B: no change when they differ by no more than this in any tendon.
+    /// The check on L_A and L_B: no switch if they differ by at most this in every tendon.
     pub same_command_m: f64,
-    /// The tip is at rest when it was measured to move by no more than this in one tick.
+    /// The tip is at rest when its measured motion in one tick is at most this.
     pub rest_m: f64,
-    /// Ticks after which a leg ends although its controller has not settled.
+    /// Ticks after which a leg ends even if its controller has not settled.
     pub leg_ticks: usize,
-    /// Changes of controller allowed at one target.
+    /// Permitted number of switches at one target.
     pub max_switches: usize,
     /// When the error is compared with e_c.
     pub check: SwitchCheck,
-    /// Which controller a new target starts with.
+    /// First controller at a new target.
     pub start: StartBranch,
-    /// What happens when neither came within e_c.
+    /// Behaviour if neither controller reached e_c.
     pub after_both: AfterBoth,
 }
 

@@ -8,10 +8,10 @@ use crate::base::{BadOption, Displacements, PolicyError};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct LimitOptions {
-    /// Largest displacement of a tendon either way.
+    /// Largest displacement of a tendon in either direction.
     pub travel_m: f64,
     /// Largest change of a displacement in one tick; `null` for none. The change of all tendons is
-    /// scaled together, so that the robot moves straight towards what the policy demands.
+    /// scaled together, so that the robot moves straight towards the demanded displacements.
     pub max_step_m: Option<f64>,
 }
 

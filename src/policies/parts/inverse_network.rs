@@ -10,7 +10,7 @@ use super::tip_tracker::TipReading;
 use crate::base::{BadOption, Displacements, Point3, PolicyError};
 use crate::policies::{InverseModel, NetworkOptions, PolicyOptions};
 
-/// When a network alone has settled.
+/// Settling of a network without feedback.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct DirectOptions {

@@ -6,31 +6,31 @@ use serde::{Deserialize, Serialize};
 use super::model_traits::InverseModel;
 use crate::base::{BadOption, Displacements, Point3, PolicyError, distance_m};
 
-/// When the memory of a recurrent network moves on.
+/// Update of the memory of a recurrent network.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
 )]
 #[serde(rename_all = "snake_case")]
 pub enum MemoryUpdate {
-    /// At each control tick, new measurement or not: open and closed loop differ in the measured
-    /// input alone.
+    /// At each control tick, with or without a new measurement: open and closed loop differ only in
+    /// the measured input.
     #[default]
     EveryTick,
-    /// At each new measurement: stays at rest in open loop.
+    /// At each new measurement: no update in open loop.
     Measured,
-    /// Never: each question is asked of a network at rest.
+    /// Never: each evaluation starts from the reset state.
     Rest,
 }
 
-/// How the networks are asked; the same for every policy.
+/// Evaluation of the networks; the same for every policy.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct NetworkOptions {
-    /// When the memory moves on.
+    /// Update of the memory.
     pub memory: MemoryUpdate,
-    /// The network is asked for a point at most this far from the current one, on the line to the
-    /// target; `null` asks for the target itself, as eq. (22) does. Applies only to new
-    /// measurements: open loop asks for the target.
+    /// Largest distance of the point passed to the network from the current one, on the line to the
+    /// target; `null` passes the target itself, as in eq. (22). Applies only to new measurements:
+    /// open loop passes the target.
     pub lookahead_m: Option<f64>,
 }
 

@@ -108,9 +108,9 @@ pub(super) fn section(results: &Path, costs: &[ClaimCost]) -> Result<ClaimsSecti
             "A claim is about one number per repetition, its " em { "quantity" } ". It is " strong { "reproduced" }
             " if the 95 % interval over the repetitions lies inside the range of “holds if”, "
             strong { "not reproduced" } " if it lies outside, and " strong { "undecided" }
-            " if it crosses a limit. The time in brackets is processor time. Networks were \
-             trained twice: stopped at the validation errors that the paper reports, and trained \
-             until they stop improving."
+            " if it crosses a limit. The time in brackets is processor time. Networks were trained \
+             twice: stopped at the validation errors that the paper reports, and trained until \
+             they stop improving."
         }
         div .filter role="group" aria-label="Show claims" {
             @for verdict in ["all"].into_iter().chain(VERDICTS) {

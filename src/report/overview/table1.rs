@@ -85,7 +85,8 @@ fn strips(results: &Path, data: &mut PageData) -> Result<Markup, DataError> {
         facets: vec![("training", "paper".into()), ("mode", "closed".into())],
         ..Chart::default()
     };
-    Ok(data
-        .chart(chart, "One dot per trial (10 repetitions of 50 targets). Box: quartiles and \
-                       median."))
+    Ok(data.chart(
+        chart,
+        "One dot per trial (10 repetitions of 50 targets). Box: quartiles and median.",
+    ))
 }

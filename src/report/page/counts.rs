@@ -40,10 +40,9 @@ fn replaced(
         let (_, rest) = piece
             .split_once(CLOSE)
             .ok_or_else(|| marker_error("found no end of the marker".into()))?;
-        let (_, after) = rest
-            .split_once(END)
-            .ok_or_else(|| marker_error(format!("found no `{END}` after the marker, expected \
-                                                 one")))?;
+        let (_, after) = rest.split_once(END).ok_or_else(|| {
+            marker_error(format!("found no `{END}` after the marker, expected one"))
+        })?;
         let value = value(marker).map_err(marker_error)?;
         page.push_str(&format!("{begin}{marker}{CLOSE}{value}{END}{after}"));
     }

@@ -58,11 +58,9 @@ impl CampaignEntry {
         self.tell_range_ends(&parts, &mut notices, &mut remarks);
         let name = &self.experiment.name;
         let others = self.experiment.figures.iter().filter(|figure| *figure != FIGURE);
-        notices.extend(
-            others.map(|figure| {
-                format!("{name}: {figure} shows one setting; it is not drawn for a sweep")
-            }),
-        );
+        notices.extend(others.map(|figure| {
+            format!("{name}: {figure} shows one setting; it is not drawn for a sweep")
+        }));
         Ok(Publication {
             files,
             claims: Vec::new(),

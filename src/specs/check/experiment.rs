@@ -456,8 +456,9 @@ impl Checker<'_> {
         match (sizes, names.iter().find(|name| uses(name))) {
             (None, Some(name)) => Err(self.wrong(path, format!("sizes for policy `{name}`"))),
             (None, None) => Ok(()),
-            (Some(_), None) => Err(self.wrong(path, "no such key: none of these policies uses this \
-                                                     number")),
+            (Some(_), None) => {
+                Err(self.wrong(path, "no such key: none of these policies uses this number"))
+            }
             (Some(sizes), Some(_)) => {
                 self.not_empty(sizes, path)?;
                 if part == Size::GpPoints {

@@ -8,14 +8,14 @@ use crate::tasks::MonitorOptions;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// A robot works under a monitor. `discover` has told from a recording what the model lacks of it
-/// as it was built. Something changes that nobody announces; the monitor tells it, a recording is
-/// made, `discover` names the change, the model gets the lines, and networks are trained on from
-/// where they are.
+/// A robot works under a monitor. `discover` has identified from a recording what the model lacks
+/// of the robot as built. An unannounced change occurs; the monitor detects it, a recording is
+/// made, `discover` identifies the change, the model is extended by the named lines, and the
+/// networks are trained further.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RepairRun {
-    /// What changes: the effects that the robot gets, by the name of the change.
+    /// The changes by name: effects added to the robot.
     pub changes: BTreeMap<String, Vec<EffectSpec>>,
     /// The policy that works, in closed loop.
     #[serde(default = "worker")]
@@ -23,7 +23,7 @@ pub struct RepairRun {
     /// Real points of the error model of the working policy and of the monitor.
     #[serde(default = "gp_points")]
     pub gp_points: usize,
-    /// Real points of the working policy's network, where it is trained on such.
+    /// Real points of the working policy's network, if it is trained on real points.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub real_points: Option<usize>,
     /// The recordings.
@@ -32,10 +32,10 @@ pub struct RepairRun {
     /// The work and its monitor.
     #[serde(default)]
     pub monitor: MonitorOptions,
-    /// Options of the discovery of what has changed.
+    /// Options of the discovery of the change.
     #[serde(default)]
     pub discovery: Options,
-    /// What else holds for the discovery of what the model lacks of the robot as it was built.
+    /// Further options of the discovery of what the model lacks of the robot as built.
     #[serde(default)]
     pub identification: Identification,
     /// Goal reaching before the change, after it, and repaired: products of policies, modes and
@@ -61,8 +61,8 @@ impl RepairRun {
     }
 }
 
-/// Many small effects rather than a few that stand for them: a change is told beside what is left
-/// of the robot as it was built.
+/// Many small effects instead of a few that represent them, because the change is identified
+/// against the remaining residual of the robot as built.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Identification {
@@ -82,7 +82,7 @@ impl Default for Identification {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RepairRecordings {
-    /// Rows of a trial; each holds a measured tip, the first that at home.
+    /// Rows of a trial; each contains a measured tip, the first one at home.
     pub rows: usize,
     /// Trials of the robot as it was built.
     pub trials_before: usize,

@@ -7,29 +7,29 @@ use serde::{Deserialize, Serialize};
 /// a minute.
 const MIN_TIME_MIN: u32 = 4;
 
-/// Resources of a worker and where it runs. The cluster decides what is left out.
+/// Resources and place of a worker. The cluster sets omitted values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct SlurmOptions {
     /// Partition.
     pub partition: Option<String>,
-    /// Account that is charged.
+    /// Account to charge.
     pub account: Option<String>,
-    /// Time limit of a worker, minutes. Ninety seconds before, it completes the stages that it has
-    /// begun and ends.
+    /// Time limit of a worker, minutes. Ninety seconds before the limit it completes its current
+    /// stages and ends.
     pub time_min: Option<u32>,
     /// Memory of a worker, megabytes.
     pub memory_mb: Option<u32>,
     /// Processors, and threads, of a worker.
     pub cpus: u32,
-    /// Workers that each task of the job array starts at once; by default as many as keep the array
-    /// at a hundred tasks.
+    /// Workers that each task of the job array starts at once; by default the number that limits
+    /// the array to a hundred tasks.
     pub workers_per_task: Option<u32>,
-    /// Times that workers are submitted again without anything new having come of it.
+    /// Number of resubmissions of workers without new results.
     pub attempts: u32,
     /// Further arguments of `sbatch`.
     pub arguments: Vec<String>,
-    /// No effect: workers take single stages. Still read, so that older specs are.
+    /// No effect: workers take single stages. Accepted for older specs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub task_s: Option<f64>,
 }

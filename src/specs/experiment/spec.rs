@@ -30,9 +30,9 @@ pub struct Experiment {
     pub name: String,
     /// The model that generates the simulated data.
     pub model: PlantSpec,
-    /// The robot that stands for the real one.
+    /// The robot that represents the real one.
     pub plant: PlantSpec,
-    /// Every repetition has a robot of its own: `plant` with effects drawn at random.
+    /// Every repetition has its own robot: `plant` with random effects.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub population: Option<Population>,
     /// Control and recording rate, hertz.
@@ -46,8 +46,8 @@ pub struct Experiment {
     /// Number of the first repetition; earlier ones can run elsewhere.
     #[serde(default, skip_serializing_if = "is_default")]
     pub first_seed: u64,
-    /// Largest displacement of a tendon for all sections, metres; a section may say its own. Left
-    /// out: 1.5 rad over the levers of the model's tendons. Steps are a tenth of it.
+    /// Largest displacement of a tendon for all sections, metres; a section may set its own.
+    /// Default: 1.5 rad times the levers of the model's tendons. Steps are a tenth of it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub travel_m: Option<f64>,
     /// Random exploration on the model, replayed on the robot.
@@ -91,7 +91,7 @@ pub struct Experiment {
     #[serde(default)]
     #[schemars(schema_with = "figure_names")]
     pub figures: Vec<String>,
-    /// The paper's claims about it. They are judged where `model` and `plant` have the length and
+    /// The paper's claims about it. They are evaluated if `model` and `plant` have the length and
     /// the tendons of the paper's robot.
     #[serde(default)]
     pub claims: Vec<PaperClaim>,
@@ -226,26 +226,25 @@ pub struct Runs {
     pub gap: Option<GapRun>,
     /// The forward model of eq. (17), which no policy uses.
     pub forward: bool,
-    /// Sizes of further Gaussian processes, beside those that policies use.
+    /// Sizes of further Gaussian processes, in addition to those of the policies.
     pub gp_points: Vec<usize>,
-    /// Shares that intervals of the Gaussian processes promise to cover, which are held against
-    /// unseen points.
+    /// Nominal coverages of intervals of the Gaussian processes, tested on unseen points.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub gp_coverage: Vec<f64>,
-    /// The same shares, held against each point of a process as the others foretell it.
+    /// Nominal coverages, tested on each point as predicted from the others.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub gp_leave_one_out: Vec<f64>,
     /// Goal reaching: products of policies, modes and sizes.
     pub reach: Vec<ReachSweep>,
     /// Path tracking.
     pub track: Option<TrackRun>,
-    /// Trials of fixed duration: how fast and how directly a target is reached.
+    /// Trials of fixed duration: speed and directness of reaching a target.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub response: Option<ResponseRun>,
     /// Laps of the path in time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pace: Option<PaceRun>,
-    /// Changes of the robot that nobody announces, and their repair.
+    /// Unannounced changes of the robot, and their repair.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub repair: Option<RepairRun>,
     /// Blind cases of discovery, for the model.
@@ -263,13 +262,13 @@ pub struct DiscoveryRun {
     /// Resolution of the simulated truth.
     #[serde(default)]
     pub truth: TruthOptions,
-    /// When a disturbance counts as outside the span of the catalogue.
+    /// Criterion for disturbances outside the span of the catalogue.
     #[serde(default)]
     pub oracle: OracleOptions,
-    /// What is hidden, how strongly and how often.
+    /// Hidden effects, their size and their number.
     #[serde(default)]
     pub batches: Vec<CaseBatch>,
-    /// Recordings of others whose truth is known; every repetition asks about all of them.
+    /// External recordings with known truth; every repetition uses all of them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub recordings: Vec<RecordedCases>,
 }
@@ -315,7 +314,7 @@ fn response_s() -> f64 {
     10.0
 }
 
-/// Laps of the path at constant speed: the target moves on with the clock.
+/// Laps of the path at constant speed: the target moves with time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PaceRun {

@@ -59,7 +59,7 @@ pub(crate) struct EvenRange {
     count: Option<usize>,
     /// Distance between neighbouring values; or `count`.
     step: Option<f64>,
-    /// Round to whole numbers; those that round to the same count once.
+    /// Round to whole numbers; equal rounded values count once.
     #[serde(default)]
     whole: bool,
 }
@@ -74,7 +74,7 @@ pub(crate) struct LogRange {
     to: f64,
     /// Number of values, at least 2.
     count: usize,
-    /// Round to whole numbers; those that round to the same count once.
+    /// Round to whole numbers; equal rounded values count once.
     #[serde(default)]
     whole: bool,
 }
@@ -92,7 +92,7 @@ pub(crate) struct RandomDraw {
     /// Draw log-uniformly.
     #[serde(default)]
     log: bool,
-    /// Round to whole numbers; those that round to the same count once.
+    /// Round to whole numbers; equal rounded values count once.
     #[serde(default)]
     whole: bool,
     /// Root of the draw; by default the spec's seed.

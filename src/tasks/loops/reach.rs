@@ -21,7 +21,7 @@ pub enum LoopMode {
     Closed,
 }
 
-/// When a trial ends and how its error is measured.
+/// End of a trial and measurement of its error.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ReachOptions {

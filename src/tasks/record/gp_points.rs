@@ -8,7 +8,7 @@ use super::retry_lost_frames::RetryLostFrames;
 use crate::base::{BadOption, Observation, Plant, Rows, Seed, TendonCommand};
 use crate::tasks::{TaskError, Transitions};
 
-/// How the predefined points are distributed over the workspace.
+/// Distribution of the predefined points over the workspace.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum PointLayout {

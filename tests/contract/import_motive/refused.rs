@@ -8,9 +8,7 @@ fn a_log_that_cannot_be_placed_is_refused() {
     let place = "log.csv, line 1, column `export_time_s`";
     let timed = log();
     assert!(
-        bench
-            .refused(&["--offset-s", "0"])
-            .contains("the time of each row, and also --offset-s")
+        bench.refused(&["--offset-s", "0"]).contains("the time of each row, and also --offset-s")
     );
     let milliseconds = "trial,time_s,tendon_1_m,export_time_s\n0,0,0,250\n0,0.2,0,450\n";
     let cases: [(&str, &[&str], &str); 9] = [

@@ -52,7 +52,10 @@ pub(super) fn export(tables: &[TableBodies], names_place: String) -> Result<Expo
                 file: table.file.clone(),
                 place: table.place(row),
                 found: format!("the time {} s", time_s[row]),
-                expected: format!("more than {} s, the time of the previous frame", time_s[row - 1]),
+                expected: format!(
+                    "more than {} s, the time of the previous frame",
+                    time_s[row - 1]
+                ),
             });
         }
         rows.extend(time_s.iter().map(|time_s| ((time_s * ROUNDING).round() as i64, *time_s)));

@@ -438,8 +438,7 @@ impl TrackingMap {
             }
         }
         if self.euler.is_some() && self.bodies().all(|(_, body)| body.angles.is_none()) {
-            return Err(fault(PATH, "euler", "this key", "`angles` of a body to which it \
-                                                           applies"));
+            return Err(fault(PATH, "euler", "this key", "`angles` of a body to which it applies"));
         }
         Ok(())
     }

@@ -155,9 +155,9 @@ pub(crate) fn estimate(
     optima.sort_by(|a, b| a.unexplained.total_cmp(&b.unexplained));
     let Some(&best) = optima.first().filter(|best| 1.0 - best.unexplained >= MIN_EXPLAINED) else {
         let share = optima.first().map_or(0.0, |best| 100.0 * (1.0 - best.unexplained));
-        let found =
-            format!("a tip of which the commands explain {share:.0} % of the motion at the best \
-                     offset");
+        let found = format!(
+            "a tip of which the commands explain {share:.0} % of the motion at the best offset"
+        );
         return refuse(found, "20 % or more, or `clock.offset_s`");
     };
     let is_distinct = |other: &&OffsetCandidate| {
@@ -170,9 +170,9 @@ pub(crate) fn estimate(
         .filter(|other| other.unexplained <= MAX_RIVAL_RATIO * best.unexplained)
     {
         let (best_s, other_s) = (best.offset_s, other.offset_s);
-        let found =
-            format!("a periodic motion: offsets of {best_s:.3} s and {other_s:.3} s fit equally \
-                     well");
+        let found = format!(
+            "a periodic motion: offsets of {best_s:.3} s and {other_s:.3} s fit equally well"
+        );
         return refuse(
             found,
             "narrower limits `clock.estimate.from_s` and `to_s`, or `clock.offset_s`",
@@ -180,9 +180,9 @@ pub(crate) fn estimate(
     }
     if let Some(other_s) = rival_by_lag_s(&coarse, best, every_s) {
         let best_s = best.offset_s;
-        let found =
-            format!("a motion for which offsets of {best_s:.3} s and {other_s:.3} s fit equally \
-                     well");
+        let found = format!(
+            "a motion for which offsets of {best_s:.3} s and {other_s:.3} s fit equally well"
+        );
         return refuse(found, "commands of several frequencies, or `clock.offset_s`");
     }
     let best = fine.polished(best, None);

@@ -124,8 +124,9 @@ impl<'a> TableLines<'a> {
             file: path.to_owned(),
             place: "all lines".to_owned(),
             found: format!("tables that begin with {}", starts.join(", ")),
-            expected: format!("a line that begins with `{name}`, as required by `text.block` of \
-                               the map"),
+            expected: format!(
+                "a line that begins with `{name}`, as required by `text.block` of the map"
+            ),
         })
     }
 

@@ -271,8 +271,11 @@ fn check_zones(
         _ => return Ok(()),
     };
     let found = "dates without a time zone, while the other times have one".to_owned();
-    Err(fault(lacking, found, "`zone` in addition to `unit: iso8601` in the map, or \
-                               `tracking.clock`"))
+    Err(fault(
+        lacking,
+        found,
+        "`zone` in addition to `unit: iso8601` in the map, or `tracking.clock`",
+    ))
 }
 
 /// Commands of tendons or drives, row by row.

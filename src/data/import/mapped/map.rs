@@ -14,48 +14,48 @@ use crate::data::import::Axes;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ImportMap {
-    /// How the text files are written.
+    /// Format of the text files.
     #[serde(default)]
     pub text: TextFormat,
-    /// Names of files that hold one trial each.
+    /// Names of files that contain one trial each.
     pub trial_files: Option<TrialFilesMap>,
     /// Commands: one row of the recording for each of their rows.
     pub commands: CommandsMap,
-    /// Tracking; without it the recording holds commands alone.
+    /// Tracking; without it the recording contains only commands.
     pub tracking: Option<TrackingMap>,
 }
 
-/// Names of files that hold one trial each. `{trial}` stands for the trial's number or name, `*`
+/// Names of files that contain one trial each. `{trial}` stands for the trial's number or name, `*`
 /// for any characters and `?` for one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TrialFilesMap {
     /// Names of the files of commands, such as `run_{trial}.csv`.
     pub commands: String,
-    /// Names of the files of tracking, where they are others.
+    /// Names of the files of tracking, if they are separate.
     pub tracking: Option<String>,
 }
 
-/// How a text file is written. A byte-order mark is passed over.
+/// Format of a text file. A byte-order mark is ignored.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct TextFormat {
-    /// What stands between cells: one character; a space stands for any number of spaces and tabs.
+    /// Separator of cells: one character; a space means any number of spaces and tabs.
     pub delimiter: String,
     /// Decimal sign: `.` or `,`.
     pub decimal: String,
-    /// Lines that begin so are comments.
+    /// Beginning of comment lines.
     pub comment: Option<String>,
     /// The table begins after the line whose first cell is this, and ends at an empty line; by
     /// default the whole file is the table.
     pub block: Option<String>,
-    /// Lines before the header that are passed over.
+    /// Number of ignored lines before the header.
     pub skip_lines: usize,
-    /// Whether the first line holds the names of the columns; without, columns are named by their
-    /// numbers.
+    /// Whether the first line contains the names of the columns; otherwise columns are named by
+    /// their numbers.
     pub header: bool,
     /// Lines of the header. The names of a column in them are joined by a space; a name in an upper
-    /// line is that of the empty cells to its right, too: `tip` above `TX` is `tip TX`.
+    /// line also applies to the empty cells to its right: `tip` above `TX` is `tip TX`.
     pub header_lines: usize,
     /// Whether a line of units follows the header. They are compared with those of the map.
     pub units_line: bool,
@@ -76,25 +76,25 @@ impl Default for TextFormat {
     }
 }
 
-/// Where the commands are.
+/// Location of the commands.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CommandsMap {
-    /// Which of the files on the command line, counted from 1.
+    /// Number of the file on the command line, from 1.
     #[serde(default = "first")]
     pub file: usize,
     /// Topic of a bag.
     pub topic: Option<String>,
-    /// How this file is written, in place of the map's `text`.
+    /// Format of this file; overrides the map's `text`.
     pub text: Option<TextFormat>,
-    /// The rows of a table of several things that hold commands: the cells that they have.
+    /// Condition on cells that selects the rows with commands.
     #[serde(default, rename = "where")]
     #[schemars(with = "BTreeMap<String, CellMatch>")]
     pub conditions: RowConditions,
-    /// When each row was; by default that of a bag's messages. Rows of a text file without times
+    /// Time of each row; by default that of the bag's messages. Rows of a text file without times
     /// are poses at rest.
     pub time: Option<TimeMap>,
-    /// What to do with rows at one time.
+    /// Treatment of rows with equal times.
     #[serde(default)]
     pub repeated: RepeatedStamps,
     /// Column with the number or name of the trial; by default all rows are one trial.
@@ -103,12 +103,12 @@ pub struct CommandsMap {
     pub trial_gap_s: Option<f64>,
     /// Commands of tendons.
     pub tendons: Option<TendonsMap>,
-    /// Commands of drives by the drives' names, in place of those of tendons.
+    /// Commands of drives by the drives' names, instead of commands of tendons.
     #[serde(default)]
     pub drives: BTreeMap<String, DriveMap>,
     /// Column of labels by which rows can be held out.
     pub pattern: Option<ColumnName>,
-    /// Weight that was hung on the tip on purpose.
+    /// Known weight on the tip.
     pub known_load: Option<LoadColumn>,
 }
 
@@ -116,7 +116,7 @@ fn first() -> usize {
     1
 }
 
-/// When each row was: a column of times, a sum of columns, or frames at a rate.
+/// Time of each row: a column of times, a sum of columns, or frames at a rate.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct TimeMap {
@@ -126,8 +126,8 @@ pub struct TimeMap {
     pub unit: TimeUnit,
     /// Zone of dates that are written without one, such as `+01:00` or `Z`.
     pub zone: Option<String>,
-    /// Columns whose times are added up, in place of `column`: seconds and nanoseconds, or hours,
-    /// minutes and seconds, which begin anew at midnight.
+    /// Columns whose times are added, instead of `column`: seconds and nanoseconds, or hours,
+    /// minutes and seconds, which restart at midnight.
     pub sum: Vec<TimePart>,
     /// The rows are frames at this rate, Hz.
     pub rate_hz: Option<FrameRate>,
@@ -135,7 +135,7 @@ pub struct TimeMap {
     pub first_frame: Option<i64>,
 }
 
-/// A column that holds a part of the time.
+/// A column with a part of the time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TimePart {
@@ -155,19 +155,19 @@ pub enum FrameRate {
     Word(String),
 }
 
-/// Conditions on the cells of a row: each column holds this text or number.
+/// Conditions on the cells of a row: each column contains this text or number.
 pub type RowConditions = BTreeMap<ColumnName, CellMatch>;
 
-/// What to do with rows of commands at one time.
+/// Treatment of command rows with equal times.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
 )]
 #[serde(rename_all = "snake_case")]
 pub enum RepeatedStamps {
-    /// They are an error.
+    /// Report an error.
     #[default]
     Refuse,
-    /// The last row counts.
+    /// Keep the last row.
     Last,
 }
 
@@ -186,20 +186,20 @@ pub struct LoadColumn {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TendonsMap {
-    /// One column a tendon, in the order of the model's tendons.
+    /// One column per tendon, in the order of the model's tendons.
     pub columns: Vec<ColumnName>,
     /// Their unit.
     #[serde(default)]
     pub unit: CommandUnit,
     /// Metres per radian of a drum or per encoder count, for units of angles and counts; for others
-    /// a factor. One number, or one a tendon.
+    /// a factor. One number, or one per tendon.
     pub scale: Option<Vec<f64>>,
-    /// What the numbers mean.
+    /// Meaning of the numbers.
     #[serde(default)]
     pub measure: TendonMeasure,
-    /// Which number is home.
+    /// Number at home.
     pub zero: Option<ZeroAt>,
-    /// The numbers at home, one a tendon, in the column's unit, in place of `zero`.
+    /// The numbers at home, one per tendon, in the column's unit; overrides `zero`.
     pub home: Option<Vec<f64>>,
 }
 
@@ -214,30 +214,30 @@ pub struct DriveMap {
     pub unit: CommandUnit,
     /// Radians per encoder count; for other units a factor.
     pub scale: Option<f64>,
-    /// Which number is home.
+    /// Number at home.
     #[serde(default)]
     pub zero: ZeroAt,
-    /// The number at home, in the column's unit, in place of `zero`.
+    /// The number at home, in the column's unit; overrides `zero`.
     pub home: Option<f64>,
 }
 
-/// What a tendon's number means.
+/// Meaning of a tendon's number.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
 )]
 #[serde(rename_all = "snake_case")]
 pub enum TendonMeasure {
-    /// Tendon taken out of the robot: more pulls.
+    /// Length of tendon pulled out of the robot: more pulls.
     #[default]
     Pulled,
-    /// Tendon let out: more releases.
+    /// Released length of tendon: more releases.
     Released,
-    /// Length of tendon that is left in the robot: less pulls. Home is the first row unless `zero`
-    /// or `home` says otherwise.
+    /// Length of tendon in the robot: less pulls. Home is the first row unless `zero` or `home` is
+    /// given.
     Length,
 }
 
-/// Where home is in a column.
+/// Position of home in a column.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
 )]
@@ -252,17 +252,17 @@ pub enum ZeroAt {
     TrialStart,
 }
 
-/// Where the tracked poses are.
+/// Location of the tracked poses.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TrackingMap {
-    /// Which of the files on the command line, counted from 1; by default the last.
+    /// Number of the file on the command line, from 1; by default the last.
     pub file: Option<usize>,
-    /// Topic of a bag, for all bodies that name none.
+    /// Topic of a bag, for all bodies without a topic.
     pub topic: Option<String>,
-    /// How this file is written, in place of the map's `text`.
+    /// Format of this file; overrides the map's `text`.
     pub text: Option<TextFormat>,
-    /// When each row was; without it the rows are those of the commands.
+    /// Time of each row; without it the rows are those of the commands.
     pub time: Option<TimeMap>,
     /// Unit of positions.
     #[serde(default)]
@@ -271,32 +271,33 @@ pub struct TrackingMap {
     /// `x=+y,y=-x,z=+z` for a tracker with y up.
     #[serde(default = "same_axes")]
     pub axes: String,
-    /// The tracker's axes are left-handed (as those of game engines are).
+    /// Whether the tracker's axes are left-handed (as in game engines).
     #[serde(default)]
     pub left_handed: bool,
     /// Order of the four columns of an orientation.
     #[serde(default)]
     pub quaternion: QuaternionOrder,
-    /// What the three `angles` of a body mean; needed where a body has them.
+    /// Meaning of the three `angles` of a body; required if a body has them.
     pub euler: Option<EulerMap>,
     /// The tip.
     pub tip: BodyMap,
     /// The base; without it positions are measured from `origin` along the tracker's axes.
     pub base: Option<BodyMap>,
-    /// The base in the tracker's frame, in the unit of positions, where it is not tracked.
+    /// Position of the base in the tracker's frame, in the unit of positions, if the base is not
+    /// tracked.
     pub origin: Option<[f64; 3]>,
     /// Further points along the body, by their names in the recording.
     #[serde(default)]
     pub points: BTreeMap<String, BodyMap>,
-    /// Axes along which the tip is given where the base is tracked.
+    /// Axes of the tip position if the base is tracked.
     #[serde(default)]
     pub frame: FrameChoice,
-    /// Column that is 0 where tracking was lost.
+    /// Column that is 0 if tracking was lost.
     pub valid: Option<ColumnName>,
-    /// Number that stands in a position where tracking was lost. Empty cells and NaN always mean
-    /// that.
+    /// Number in a position that means lost tracking. Empty cells and NaN always mean lost
+    /// tracking.
     pub lost_value: Option<f64>,
-    /// Interpolate between tracked rows up to this far apart, s.
+    /// Longest gap between tracked rows across which poses are interpolated, s.
     #[serde(default = "bridged")]
     pub max_gap_s: f64,
     /// The tracker's clock.
@@ -316,11 +317,11 @@ fn bridged() -> f64 {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BodyMap {
-    /// Topic of a bag, where it is not that of `tracking`.
+    /// Topic of a bag, if it differs from that of `tracking`.
     pub topic: Option<String>,
     /// Name of the child frame, or of the item of a list, in a message that holds several.
     pub child: Option<String>,
-    /// The rows of a table of several bodies that hold this one: the cells that they have.
+    /// Condition on cells that selects the rows of this body in a table of several bodies.
     #[serde(default, rename = "where")]
     #[schemars(with = "BTreeMap<String, CellMatch>")]
     pub conditions: RowConditions,
@@ -329,7 +330,7 @@ pub struct BodyMap {
     /// Columns of the unit quaternion; by default those of the topic's kind of message, if it has
     /// any.
     pub orientation: Option<[ColumnName; 4]>,
-    /// Columns of three Euler angles in place of a quaternion, in the order of
+    /// Columns of three Euler angles instead of a quaternion, in the order of
     /// `tracking.euler.order`.
     pub angles: Option<[ColumnName; 3]>,
 }
@@ -347,19 +348,19 @@ pub enum QuaternionOrder {
     Xyzw,
 }
 
-/// Meaning of Euler angles. Nothing is assumed: conventions differ from tracker to tracker.
+/// Convention of Euler angles. There is no default, because conventions differ between trackers.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct EulerMap {
-    /// Axes of the three rotations, in the order in which they are carried out.
+    /// Axes of the three rotations, in the order of execution.
     pub order: EulerOrder,
-    /// About which axes they are carried out.
+    /// Axes of the second and third rotation.
     pub rotation: EulerRotation,
     /// Unit of the angles.
     pub unit: AngleUnit,
 }
 
-/// Axes of three rotations that follow one another.
+/// Axes of three successive rotations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 #[allow(missing_docs)]
@@ -378,37 +379,38 @@ pub enum EulerOrder {
     Zyz,
 }
 
-/// About which axes the second and third rotation are carried out.
+/// Axes of the second and third rotation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum EulerRotation {
-    /// About the axes of the body, which the rotations before have turned.
+    /// The axes of the body, rotated by the preceding rotations.
     Intrinsic,
-    /// About the axes of the tracker, which stand still.
+    /// The fixed axes of the tracker.
     Extrinsic,
 }
 
-/// Axes along which the tip is given.
+/// Axes of the tip position.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema,
 )]
 #[serde(rename_all = "snake_case")]
 pub enum FrameChoice {
-    /// Those of the base body: a rotated tracking frame has no influence.
+    /// Axes of the base body: a rotated tracking frame has no influence.
     #[default]
     Base,
-    /// Those of the tracking frame, which must be level: a tilted base shows at the tip.
+    /// Axes of the tracking frame, which must be level: a tilt of the base appears in the tip
+    /// positions.
     Tracking,
 }
 
-/// How the tracker's clock stands to that of the commands.
+/// Relation of the tracker's clock to the clock of the commands.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum ClockMap {
-    /// They are one clock.
+    /// Both use the same clock.
     #[default]
     Same,
-    /// Seconds that are added to the tracker's times.
+    /// Seconds added to the tracker's times.
     OffsetS(f64),
     /// The tracker's first row is this many seconds after the first command.
     FirstRowAfterS(f64),
@@ -420,12 +422,13 @@ pub enum ClockMap {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct OffsetRange {
-    /// Smallest offset, s; by default the one at which the tracking ends when half of the commands
-    /// are over.
+    /// Smallest offset, s; by default the offset at which the tracking ends at half of the
+    /// commands.
     pub from_s: Option<f64>,
-    /// Largest offset, s; by default the one at which the tracking begins then.
+    /// Largest offset, s; by default the offset at which the tracking begins at half of the
+    /// commands.
     pub to_s: Option<f64>,
-    /// Longest time for which the drive may wait before it moves, s. Motion does not tell it from
-    /// an offset; the interval covers it.
+    /// Largest dead time of the drive, s. The motion does not distinguish it from an offset; the
+    /// interval includes it.
     pub dead_time_s: f64,
 }

@@ -220,7 +220,11 @@ impl FoundTrials {
             if !first.contains_key(trial) {
                 let expected =
                     format!("a file `{}` with its commands", map.commands.replace(TRIAL, trial));
-                return Err(refused(file, format!("only the tracking of trial `{trial}`"), expected));
+                return Err(refused(
+                    file,
+                    format!("only the tracking of trial `{trial}`"),
+                    expected,
+                ));
             }
         }
         let mut names: Vec<&String> = first.keys().collect();
@@ -230,10 +234,8 @@ impl FoundTrials {
             let tracking = match (tracking.first(), patterns.get(1)) {
                 (Some(files), Some((pattern, _))) => {
                     Some(files.get(*name).cloned().ok_or_else(|| {
-                        let expected = format!(
-                            "a file `{}` with its tracking",
-                            pattern.replace(TRIAL, name)
-                        );
+                        let expected =
+                            format!("a file `{}` with its tracking", pattern.replace(TRIAL, name));
                         refused(
                             &first[*name],
                             format!("only the commands of trial `{name}`"),

@@ -170,7 +170,12 @@ impl Frames<'_> {
         let cell = line.cell(index);
         number(cell).ok_or_else(|| {
             let column = format!("{} {what}", columns.name);
-            self.bad(line, column, cell, "a number with a decimal point, or an empty cell".to_owned())
+            self.bad(
+                line,
+                column,
+                cell,
+                "a number with a decimal point, or an empty cell".to_owned(),
+            )
         })
     }
 

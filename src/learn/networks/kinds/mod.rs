@@ -127,7 +127,7 @@ macro_rules! kinds {
 }
 
 kinds! {
-    /// Units that see their own previous values (Elman 1990; the paper's).
+    /// Units with feedback of their previous values (Elman 1990; the paper's).
     #[default]
     elman::Elman,
     /// Gated recurrent units (Cho et al. 2014).

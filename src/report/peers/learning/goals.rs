@@ -28,8 +28,8 @@ const GOALS: [(&str, u64, Goal); 7] = [
 
 /// The figures as a table; a figure is reached, or not, where its whole interval is on one side.
 pub(super) fn markdown(tasks: &[TaskRows]) -> String {
-    let mut text = String::from("| Comparison | Required | Measured | |\n| --- | ---: | ---: | --- \
-                                 |\n");
+    let mut text =
+        String::from("| Comparison | Required | Measured | |\n| --- | ---: | ---: | --- |\n");
     for (kind, size, goal) in GOALS {
         let Some(task) = tasks.iter().find(|task| task.task == kind && task.size == size) else {
             continue;

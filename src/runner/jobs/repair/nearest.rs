@@ -14,8 +14,7 @@ pub(crate) const NEAREST: Stage<NearestParams, Handle<Vec<(usize, Point3)>>, f64
     job: |params, targets| {
         let targets_m: Vec<Point3> = targets.iter().map(|(_, target_m)| *target_m).collect();
         let robot = params.robot.spec().with_effects(&params.effects);
-        let model =
-            tasks::tip_model(&robot).ok_or("the robot has no equilibrium equations")?;
+        let model = tasks::tip_model(&robot).ok_or("the robot has no equilibrium equations")?;
         let layout = robot.build(params.step_s)?.tendon_layout();
         let distances_m = nearest_at_rest_m(model, layout, params.travel_m, &targets_m);
         let mean_m = crate::math::summary::mean(&distances_m);
