@@ -153,7 +153,7 @@ const BAD: &[(&str, &str)] = &[
         "runs: {repair: {gp_points: 20, changes: {load: [{tip_load: {mass_kg: 0.02}}]}, cells: \
          [{policies: [mpc], modes: [closed], gp_points: [20]}]}}",
         "bad.yaml:2:100: runs.repair.cells[0].policies[0]: found `mpc`, expected a policy that \
-         does not ask the model",
+         does not use the model",
     ),
     (
         "runs: {response: {duration_s: 0, cells: [{policies: [a_integral], modes: [closed], \
@@ -174,7 +174,7 @@ const BAD: &[(&str, &str)] = &[
         "runs: {repair: {gp_points: 20, recordings: {trials_after: 1}, changes: {load: [{tip_load: \
          {mass_kg: 0.02}}]}, cells: [{policies: [integral], modes: [closed]}]}}",
         "bad.yaml:2:59: runs.repair.recordings.trials_after: found 1, expected 2 to 1000 trials \
-         with 30 rows or more",
+         with at least 30 rows",
     ),
     (
         "runs: {repair: {gp_points: 20, identification: {most_effects: 0}, changes: {load: \

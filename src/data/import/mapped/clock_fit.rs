@@ -160,6 +160,10 @@ pub(crate) fn estimate(
         );
         return refuse(found, "20 % or more, or `clock.offset_s`");
     };
+    let alike = |motion: &str, other_s: f64| {
+        let best_s = best.offset_s;
+        format!("{motion}: offsets of {best_s:.3} s and {other_s:.3} s fit equally well")
+    };
     let is_distinct = |other: &&OffsetCandidate| {
         (other.offset_s - best.offset_s).abs() > 2.0 * every_s.max(step_s)
     };
@@ -169,21 +173,12 @@ pub(crate) fn estimate(
         .find(is_distinct)
         .filter(|other| other.unexplained <= MAX_RIVAL_RATIO * best.unexplained)
     {
-        let (best_s, other_s) = (best.offset_s, other.offset_s);
-        let found = format!(
-            "a periodic motion: offsets of {best_s:.3} s and {other_s:.3} s fit equally well"
-        );
-        return refuse(
-            found,
-            "narrower limits `clock.estimate.from_s` and `to_s`, or `clock.offset_s`",
-        );
+        let expected = "narrower limits `clock.estimate.from_s` and `to_s`, or `clock.offset_s`";
+        return refuse(alike("a periodic motion", other.offset_s), expected);
     }
     if let Some(other_s) = rival_by_lag_s(&coarse, best, every_s) {
-        let best_s = best.offset_s;
-        let found = format!(
-            "a motion for which offsets of {best_s:.3} s and {other_s:.3} s fit equally well"
-        );
-        return refuse(found, "commands of several frequencies, or `clock.offset_s`");
+        let expected = "commands of several frequencies, or `clock.offset_s`";
+        return refuse(alike("an ambiguous motion", other_s), expected);
     }
     let best = fine.polished(best, None);
     let half_width_s = jackknife_half_width_s(&fine, best);
