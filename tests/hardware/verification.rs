@@ -54,7 +54,7 @@ fn steps_that_are_lost_are_found_at_home() {
     let lost = ControllerFault::LostSteps(0, 2.0);
     stopped(
         trial(&mut plant, |simulator| simulator.controller.inject(lost)),
-        "the tip rests at home ",
+        "the rest position of the tip at home differs by ",
     );
     assert!(plant.with_rig(|rig| matches!(rig.state(), GuardState::Stopped { .. })));
     assert!(plant.reset(Seed(2)).is_err(), "a stop is final");
@@ -65,10 +65,7 @@ fn steps_that_are_lost_are_found_at_home() {
 fn a_body_that_moves_on_its_mount_is_found_at_home() {
     let mut plant = open(&options(), 13);
     let moved = TrackerFault::Jump(0.04);
-    stopped(
-        trial(&mut plant, |simulator| simulator.tracker.inject(moved)),
-        "rests at home 40.0 mm",
-    );
+    stopped(trial(&mut plant, |simulator| simulator.tracker.inject(moved)), "differs by 40.0 mm");
 }
 
 /// It counts its steps, and home is where it was: only the trial shows it. The first tendon carries

@@ -118,7 +118,7 @@ fn poses_at_rest_are_marked_and_read_as_such() {
     desk.ok("simulate --model m.yaml --commands c1.csv --out moves.csv");
     let said = desk.refused("discover --model m.yaml --measured moves.csv rest.csv --out out");
     assert!(
-        said.contains("rest.csv, line 1, column `at_rest`: found poses at rest beside"),
+        said.contains("rest.csv, line 1, column `at_rest`: found poses at rest and rows in motion"),
         "{said}"
     );
     let played = desk.ok("simulate --model m.yaml --commands moves.csv --out again.csv");

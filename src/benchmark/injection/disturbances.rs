@@ -69,21 +69,22 @@ impl Disturbance {
 pub const DISTURBANCES: &[DisturbanceKind] = &[
     DisturbanceKind {
         name: "step_loss",
-        what: "a motor loses steps once in every trial: from then on its tendon is let out further",
+        what: "a motor loses steps once in every trial; its tendon is released by a constant \
+               length from then on",
         size: 1e-3,
         max_multiple: 10.0,
         act: DisturbanceAction::Drives(step_loss),
     },
     DisturbanceKind {
         name: "dead_zone",
-        what: "drives do not answer to displacements near home, without any memory",
+        what: "drives have a static dead zone about home",
         size: 1e-3,
         max_multiple: 10.0,
         act: DisturbanceAction::Drives(dead_zone),
     },
     DisturbanceKind {
         name: "sign_gain",
-        what: "a drive lets its tendon out less than it is told, and takes it in as told",
+        what: "a drive releases its tendon by less than commanded and pulls it as commanded",
         size: 0.1,
         max_multiple: 8.0,
         act: DisturbanceAction::Drives(sign_gain),
@@ -97,28 +98,28 @@ pub const DISTURBANCES: &[DisturbanceKind] = &[
     },
     DisturbanceKind {
         name: "frame_drift",
-        what: "the tracking frame drifts while a trial lasts",
+        what: "the tracking frame drifts during a trial",
         size: 2e-3,
         max_multiple: 20.0,
         act: DisturbanceAction::Tip(frame_drift),
     },
     DisturbanceKind {
         name: "frame_bump",
-        what: "the tracking frame is pushed aside once in every trial",
+        what: "the tracking frame shifts once in every trial",
         size: 2e-3,
         max_multiple: 20.0,
         act: DisturbanceAction::Tip(frame_bump),
     },
     DisturbanceKind {
         name: "frame_rotation",
-        what: "the tracking frame is turned, gravity is not",
+        what: "the tracking frame is rotated relative to gravity",
         size: 0.01,
         max_multiple: 20.0,
         act: DisturbanceAction::Tip(frame_rotation),
     },
     DisturbanceKind {
         name: "tracker_scale",
-        what: "the tracker's lengths are off by a factor",
+        what: "the tracker's lengths have a scale error",
         size: 0.01,
         max_multiple: 20.0,
         act: DisturbanceAction::Tip(tracker_scale),
@@ -132,7 +133,7 @@ pub const DISTURBANCES: &[DisturbanceKind] = &[
     },
     DisturbanceKind {
         name: "soft_wall",
-        what: "beyond a plane beside the robot something soft pushes the tip back",
+        what: "an elastic wall next to the robot pushes the tip back",
         size: 0.1,
         max_multiple: 9.0,
         act: DisturbanceAction::Tip(soft_wall),

@@ -216,7 +216,7 @@ pub(crate) fn strained_caveat(explained_m: f64, deviations: f64) -> String {
 pub(crate) fn unrelaxed_caveat(share: f64, deviation: f64, time_s: f64) -> String {
     let half_width = NORMAL_95 * deviation;
     let rested_s = time_s * share.clamp(f64::MIN_POSITIVE, 1.0).recip().ln();
-    let unknown = "How long the robot had rested at home before a trial is not recorded.";
+    let unknown = "The rest time at home before trials is not recorded.";
     if share < half_width {
         return format!(
             "{unknown} The data are consistent with a fully relaxed robot: at most {:.0} % of the \

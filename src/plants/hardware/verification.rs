@@ -53,7 +53,7 @@ impl Hardware {
         let tolerance_m = self.safety.home_tolerance_m;
         self.check_moved("before the trial", distance_m(&tip_m, &last_m), tolerance_m)?;
         let since_first_m = distance_m(&tip_m, &first_m);
-        self.check_moved("first", since_first_m, MAX_CREEP_RATIO * tolerance_m)
+        self.check_moved("at first", since_first_m, MAX_CREEP_RATIO * tolerance_m)
     }
 
     fn check_moved(&self, when: &str, moved_m: f64, max_m: f64) -> Result<(), PlantError> {
@@ -61,9 +61,9 @@ impl Hardware {
             return Ok(());
         }
         Err(self.distrust(format!(
-            "the tip rests at home {:.1} mm from where it rested {when}, expected at most {:.1} mm \
-             (safety.home_tolerance_m {}): a motor has lost steps, the tip's or the base's body \
-             has moved on its mount, or a tendon has come off",
+            "the rest position of the tip at home differs by {:.1} mm from that {when}, expected \
+             at most {:.1} mm (safety.home_tolerance_m {}): a motor has lost steps, the tip's or \
+             the base's body has moved on its mount, or a tendon has come off",
             moved_m * 1e3,
             max_m * 1e3,
             self.safety.home_tolerance_m

@@ -160,9 +160,10 @@ fn shown(score: &MethodScore) -> String {
 
 /// What the picture shows.
 pub(crate) const CAPTION: &str = "Discovery and four methods of comparison in the terms of fault \
-    isolation, in % with 95 % intervals: cases with a hidden effect in which the method reports one, \
-    cases without one in which it does, and the mean probability that it gives to the hidden effect \
-    where it reports one.";
+                                  isolation, in % with 95 % intervals: cases with a hidden effect \
+                                  in which the method reports one (true detection), cases without \
+                                  one in which it reports one (false alarm), and the mean \
+                                  probability of the hidden effect in its reports.";
 
 /// Draws detection, false alarms and isolation of single effects, a panel each.
 pub(crate) fn draw(scores: &[MethodScore], width: f64) -> Canvas {

@@ -17,7 +17,7 @@ use crate::rows::population::{PopulationRow, RobotClaimRow};
 /// Registry entry.
 pub(super) const FIGURE: Figure = Figure {
     name: "population",
-    about: "Many robots: the error of each policy over them, and the share on which each claim \
+    about: "Population of robots: error of each policy, and share of robots on which each claim \
             holds",
     render,
 };

@@ -11,7 +11,7 @@ use crate::rows::experiment::PeerRow;
 /// Registry entry.
 pub(super) const FIGURE: Figure = Figure {
     name: "peers",
-    about: "Processor time against tip error, beside other simulators",
+    about: "Processor time against tip error, compared with other simulators",
     render,
 };
 

@@ -111,7 +111,7 @@ pub fn are_at_rest<'a>(
                 file: marked.unwrap_or(file).to_owned(),
                 place: "line 1",
                 column: "at_rest".to_owned(),
-                found: "poses at rest beside rows in motion".to_owned(),
+                found: "poses at rest and rows in motion".to_owned(),
                 expected: "one kind in all recordings (--static takes all rows as poses at rest)"
                     .to_owned(),
             });

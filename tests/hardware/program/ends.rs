@@ -166,9 +166,13 @@ fn a_trial_in_which_steps_are_lost_is_not_kept() {
     let collect = bench.start(COLLECT);
     in_the_second_trial(&bench, &served);
     served.wish("miss X 2");
-    collect
-        .end()
-        .is(1, &["trial 1: robot stopped: the tip rests at home ", "1 of 3 trials are kept"]);
+    collect.end().is(
+        1,
+        &[
+            "trial 1: robot stopped: the rest position of the tip at home differs by ",
+            "1 of 3 trials are kept",
+        ],
+    );
     assert!(bench.is_latched() && bench.is_distrusted());
     bench.run("arm --plant served.yaml").is(0, &["armed: `robot`", "homed before its next motion"]);
     goes_on(&bench);

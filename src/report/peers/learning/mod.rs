@@ -18,7 +18,7 @@ use ratios::{OURS, TaskRows};
 /// Registry entry.
 pub(super) const FIGURE: Figure = Figure {
     name: "peers_learning",
-    about: "Learning beside other packages: times over ours, and over samples",
+    about: "Comparison with other learning packages: times over ours, and over samples",
     render,
 };
 
@@ -41,10 +41,11 @@ const LEFT_MARGIN: f64 = 46.0;
 /// Height of a lower panel.
 const CURVES_HEIGHT: f64 = 150.0;
 
-const CAPTION: &str = "Learning beside other packages on one thread: (a) processor time of each \
-    package over that of this program, geometric mean of the rounds with its 95 % interval, on a \
-    logarithmic axis; right of 1 this program is faster. (b) to (d) processor time against the \
-    number of samples, both on logarithmic axes.";
+const CAPTION: &str = "Comparison with other learning packages on one thread: (a) processor time \
+                       of each package over that of this program, geometric mean of the rounds \
+                       with its 95 % interval, on a logarithmic axis; right of 1 this program is \
+                       faster. (b) to (d) processor time against the number of samples, both on \
+                       logarithmic axes.";
 
 fn render(published: &Published) -> Result<Vec<Artifact>, ReportError> {
     let tasks = TaskRows::all(&published.learning_peers);
