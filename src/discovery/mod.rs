@@ -66,12 +66,12 @@ pub fn discover(
     let baseline = baseline
         .map(|baseline| PreparedRecording::new(model, baseline, options).in_step(model, options));
     let stages = DiscoveryStages { model, measured, baseline: baseline.as_ref(), options };
-    let evidence = match mislabelled::find(model, measured, options) {
+    let evidence = match mislabelled::find_first(model, measured, baseline.as_ref(), options) {
         None => stages.search()?,
         Some(mistake) if !stages.doubts(&mistake) => stages.mistaken(mistake)?,
         // Effects may explain a doubtful mistake better. Held-out trials decide between the two.
         Some(mistake) => match stages.search() {
-            Ok(evidence) if evidence.gap.after_m < mistake.after_m => evidence,
+            Ok(evidence) if evidence.gap.after_m < mistake.after_m => evidence.beside(&mistake),
             _ => stages.mistaken(mistake)?,
         },
     };

@@ -43,7 +43,12 @@ impl Evidence {
             disagreement: super::residual_map::disagreements(&residuals.places),
             candidates: search.candidates.clone(),
             next_measurement: summary_text::next_measurement(&self),
-            summary: format!("{}{}", clock.preface, summary_text::summary(&self)),
+            summary: format!(
+                "{}{}{}",
+                clock.preface,
+                self.baseline_preface(),
+                summary_text::summary(&self)
+            ),
             noise: Noise { sigma_m, correlation, from: residuals.noise_from.clone() },
             missing_before: residuals.missing_before.clone(),
             missing_after: residuals.missing_after.clone(),
@@ -91,6 +96,12 @@ impl Evidence {
         }
         sentences.extend(clock.limitation.clone());
         sentences
+    }
+
+    /// An error on the baseline that must be read first.
+    fn baseline_preface(&self) -> String {
+        self.leading_baseline_error()
+            .map_or_else(String::new, |error| format!("{} ", error.sentence()))
     }
 
     /// The offset of the clock, or the same from a named `delay`, which the data cannot tell from

@@ -43,9 +43,11 @@ impl Evidence {
         let before_m = rms_m(&held_out_m);
         // Without a fit the residual is compared with the noise alone: a χ² test.
         let squares: f64 = residual_m.iter().map(|r| (r / sigma_m).powi(2)).sum();
+        let explained_share = 1.0 - (mistake.after_m / mistake.before_m).powi(2);
+        let rms_m = if mistake.of_baseline { rms_m(&residual_m) } else { mistake.before_m };
         let missing = MissingTest {
-            rms_m: mistake.before_m,
-            foretold_m: (mistake.before_m.powi(2) - mistake.after_m.powi(2)).max(0.0).sqrt(),
+            rms_m,
+            foretold_m: rms_m * explained_share.max(0.0).sqrt(),
             p_value: chi_squared_above(squares, residual_m.len() as f64),
         };
         Ok(Evidence {
@@ -72,12 +74,37 @@ impl Evidence {
                 rows,
                 missing_before: missing.clone(),
                 missing_after: missing,
-                pattern: format!("The residual is consistent with this mistake: {}.", mistake.what),
+                pattern: format!(
+                    "The residual{} is consistent with this mistake: {}.",
+                    mistake.in_baseline(),
+                    mistake.what
+                ),
             },
             limitations: validate::limitations(original, samples),
             search: SearchEvidence::default(),
             model: model.clone(),
             mistake: Some(mistake),
+            baseline_error: None,
         })
+    }
+
+    /// The same evidence where a doubtful `mistake` explains most of the gap as well.
+    pub(crate) fn beside(mut self, mistake: &Mistake) -> Evidence {
+        self.limitations.push(format!(
+            "A mistake of set-up that the baseline does not have also explains most of the gap: \
+             if {}, the {} is {:.2} mm instead of {:.2} mm.",
+            mistake.what,
+            self.error_name,
+            1e3 * mistake.after_m,
+            1e3 * mistake.before_m
+        ));
+        self
+    }
+}
+
+impl Mistake {
+    /// Where it is, as a phrase after a noun; empty for the measured recording.
+    pub(crate) fn in_baseline(&self) -> &'static str {
+        if self.of_baseline { " of the baseline" } else { "" }
     }
 }

@@ -41,10 +41,15 @@ pub(crate) fn summary(evidence: &Evidence) -> String {
     let pattern = &evidence.residuals.pattern;
     if let Some(mistake) = &evidence.mistake {
         let (before_mm, after_mm) = (1e3 * mistake.before_m, 1e3 * mistake.after_m);
+        let (source, of_baseline) = if mistake.of_baseline {
+            ("baseline indicates", mistake.in_baseline())
+        } else {
+            ("data indicate", "")
+        };
         return format!(
-            "The data indicate a mistake of recording or set-up, not a missing effect: if {}, the \
-             {error_name} is {after_mm:.2} mm instead of {before_mm:.2} mm. No effect was \
-             searched, and the model was not changed.",
+            "The {source} a mistake of recording or set-up: if {}, the {error_name}{of_baseline} \
+             is {after_mm:.2} mm instead of {before_mm:.2} mm. No effect was searched, and the \
+             model was not changed.",
             mistake.what
         );
     }
@@ -114,6 +119,7 @@ const MIN_WRITTEN_P_VALUE: f64 = 1e-9;
 pub(crate) fn objection(objection: &Objection, held_out_m: [f64; 2]) -> String {
     match objection {
         Objection::Test(test) => failed_test(test),
+        Objection::Baseline => "the model does not describe the baseline either".to_owned(),
         Objection::CannotSimulate => {
             "the model with it cannot be simulated on the held-out trials".to_owned()
         }
@@ -309,10 +315,15 @@ const CLEAR_SEPARATION: f64 = 3.0;
 /// What to record next.
 pub(crate) fn next_measurement(evidence: &Evidence) -> String {
     if let Some(mistake) = &evidence.mistake {
+        let recordings =
+            if mistake.of_baseline { "recordings or their" } else { "recording or its" };
         return format!(
-            "Correct the recording or its set-up ({}), then run `discover` again.",
+            "Correct the {recordings} set-up ({}), then run `discover` again.",
             mistake.what
         );
+    }
+    if let Some(error) = evidence.leading_baseline_error() {
+        return error.advice();
     }
     if let Some(first) = evidence.search.next_experiments.first().map(|next| &next.proposal) {
         let doubt = if first.separation < CLEAR_SEPARATION {
