@@ -104,7 +104,8 @@ fn away_at_start(recording: &Recording, starts: &[usize]) -> Option<(f64, usize,
             let each = recording.commands.row(row).iter().enumerate();
             each.map(move |(tendon, command)| (*command, row, tendon))
         });
-        commands.max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()))
+        // Of equal ones the first.
+        commands.reduce(|a, b| if b.0.abs() > a.0.abs() { b } else { a })
     };
     let (all_m, ..) = largest(&mut (0..recording.len()))?;
     largest(&mut starts.iter().copied())

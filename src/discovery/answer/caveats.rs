@@ -133,7 +133,8 @@ impl BaselineError {
     pub(crate) fn sentence(&self) -> String {
         let [error_mm, motion_mm] = [self.error_m, self.motion_m].map(|size_m| 1e3 * size_m);
         let cause = if self.is_motion() {
-            "a wrong set-up of both recordings (axes, tendons, units, home, origin) or a wrong model"
+            "the set-up of both recordings (axes, tendons, units, home, origin) or the model is \
+             wrong"
         } else {
             "the baseline may be of another robot, or both recordings contain an effect that the \
              model lacks"

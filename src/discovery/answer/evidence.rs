@@ -34,6 +34,8 @@ pub(crate) struct Evidence {
     pub(crate) decision: Decision,
     /// The mistake of the recording, if the answer is one.
     pub(crate) mistake: Option<Mistake>,
+    /// A mistake that would explain most of a gap that nothing else explains.
+    pub(crate) possible_mistake: Option<Mistake>,
     /// The error of the model on the baseline, if it is unusually large.
     pub(crate) baseline_error: Option<BaselineError>,
     /// The offset of the tracker's clock by which the tips were shifted.
@@ -146,6 +148,7 @@ impl Problem<'_> {
         limitations.extend(self.resolution_caveat(&model));
         Evidence {
             mistake: None,
+            possible_mistake: None,
             baseline_error: self.baseline_error(),
             clock: None,
             gap: Gap {

@@ -3,7 +3,7 @@
 use super::evidence::{Evidence, ResidualEvidence, SearchEvidence, metric};
 use super::residual_map::{residual_map, residual_rows};
 use super::verdict::{VerdictEvidence, decide};
-use crate::data::findings::{Gap, MissingTest};
+use crate::data::findings::{Gap, MissingTest, Verdict};
 use crate::discovery::error::DiscoveryError;
 use crate::discovery::fit::ar1_noise::{Ar1Noise, MIN_SIGMA_M};
 use crate::discovery::mistakes::excluded_rows::PreparedRecording;
@@ -84,21 +84,28 @@ impl Evidence {
             search: SearchEvidence::default(),
             model: model.clone(),
             mistake: Some(mistake),
+            possible_mistake: None,
             baseline_error: None,
         })
     }
 
-    /// The same evidence where a doubtful `mistake` explains most of the gap as well.
-    pub(crate) fn beside(mut self, mistake: &Mistake) -> Evidence {
-        self.limitations.push(format!(
-            "A mistake of set-up that the baseline does not have also explains most of the gap: \
-             if {}, the {} is {:.2} mm instead of {:.2} mm.",
+    /// The same evidence with a mistake that explains most of the gap as well. It stands before the
+    /// summary if nothing else explains the gap.
+    pub(crate) fn beside(mut self, mistake: Mistake) -> Evidence {
+        self.limitations.push(self.possible_sentence(&mistake));
+        let is_open = self.decision.verdict == Verdict::Unexplained;
+        Evidence { possible_mistake: is_open.then_some(mistake), ..self }
+    }
+
+    /// What a mistake would explain, as a sentence.
+    pub(crate) fn possible_sentence(&self, mistake: &Mistake) -> String {
+        format!(
+            "A mistake of set-up may be the cause: if {}, the {} is {:.2} mm instead of {:.2} mm.",
             mistake.what,
             self.error_name,
             1e3 * mistake.after_m,
             1e3 * mistake.before_m
-        ));
-        self
+        )
     }
 }
 

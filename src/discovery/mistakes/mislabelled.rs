@@ -129,6 +129,33 @@ pub(crate) fn find(
     measured: &PreparedRecording,
     options: &Options,
 ) -> Option<Mistake> {
+    find_where(model, measured, options, &is_believed)
+}
+
+/// Looks for a single change of `measured` that closes most of the gap, however much remains. It is
+/// a possible cause, to be checked where effects explain less.
+pub(crate) fn find_possible(
+    model: &Model,
+    measured: &PreparedRecording,
+    options: &Options,
+) -> Option<Mistake> {
+    let is_possible = |[before, after]: [GapSize; 2], _: [f64; 2], is_single: bool| {
+        is_single && after.whole_m.powi(2) < MAX_REMAINING_SHARE * before.whole_m.powi(2)
+    };
+    find_where(model, measured, options, &is_possible)
+}
+
+/// Whether a change of a recording is kept: from the gap before and after, the motion of the tip
+/// and that of the tip predicted for the changed recording, and whether it is a single change.
+type KeptIf = dyn Fn([GapSize; 2], [f64; 2], bool) -> bool;
+
+/// The best of the changes of `measured` that are kept.
+fn find_where(
+    model: &Model,
+    measured: &PreparedRecording,
+    options: &Options,
+    is_kept: &KeptIf,
+) -> Option<Mistake> {
     let coarse = coarse_model(model, options);
     let samples = first_trials(&measured.samples);
     if samples.len() == 0 {
@@ -158,7 +185,7 @@ pub(crate) fn find(
             let residual_m: Vec<f64> =
                 changed_m.zip(&simulated_m).map(|(tip, simulated)| tip - simulated).collect();
             let after = GapSize::new(&residual_m);
-            if !both.is_empty() && is_believed([before, after], motions_m, both.len() == 1) {
+            if !both.is_empty() && is_kept([before, after], motions_m, both.len() == 1) {
                 hypotheses.push(Hypothesis {
                     mistakes: both.len(),
                     after_m: after.whole_m,
