@@ -30,6 +30,7 @@ mod stages;
 mod steps;
 
 use crate::data::Recording;
+use crate::data::findings::Verdict;
 use crate::effects::Model;
 
 use mistakes::excluded_rows::PreparedRecording;
@@ -66,12 +67,20 @@ pub fn discover(
     let baseline = baseline
         .map(|baseline| PreparedRecording::new(model, baseline, options).in_step(model, options));
     let stages = DiscoveryStages { model, measured, baseline: baseline.as_ref(), options };
-    let evidence = match mislabelled::find(model, measured, options) {
-        None => stages.search()?,
+    let evidence = match mislabelled::find_first(model, measured, baseline.as_ref(), options) {
+        None => {
+            let evidence = stages.search()?;
+            let is_open = evidence.decision.verdict != Verdict::Consistent;
+            let possible = is_open.then(|| mislabelled::find_possible(model, measured, options));
+            match possible.flatten() {
+                Some(mistake) => evidence.beside(mistake),
+                None => evidence,
+            }
+        }
         Some(mistake) if !stages.doubts(&mistake) => stages.mistaken(mistake)?,
         // Effects may explain a doubtful mistake better. Held-out trials decide between the two.
         Some(mistake) => match stages.search() {
-            Ok(evidence) if evidence.gap.after_m < mistake.after_m => evidence,
+            Ok(evidence) if evidence.gap.after_m < mistake.after_m => evidence.beside(mistake),
             _ => stages.mistaken(mistake)?,
         },
     };

@@ -51,7 +51,7 @@ impl<'a> DiscoveryStages<'a> {
     /// than the baseline, which was recorded in the same set-up.
     pub(super) fn doubts(&self, mistake: &Mistake) -> bool {
         self.baseline.is_some_and(|baseline| {
-            mistake.is_doubtful(self.model, &baseline.samples, self.options)
+            !mistake.of_baseline && mistake.is_doubtful(self.model, &baseline.samples, self.options)
         })
     }
 

@@ -3,7 +3,6 @@
 mod backbone;
 mod disks;
 mod loads;
-mod per_tendon;
 mod tendons;
 pub(super) mod units;
 
@@ -13,9 +12,9 @@ use serde::{Deserialize, Serialize};
 pub use backbone::{Backbone, Piece};
 pub use disks::{Disks, Sections};
 pub use loads::{Frame, Load, OnePlace, Spread};
-pub use per_tendon::PerTendon;
 pub use tendons::{OffsetPoint, RadiusPoint, Tendons};
 
+pub use crate::base::PerTendon;
 use crate::base::{BadOption, TendonLayout};
 use crate::rod::{ContactSurface, Resolution, RodParams, TipWrench};
 

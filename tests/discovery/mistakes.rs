@@ -1,8 +1,9 @@
 //! Faults of recordings are told as such, and what is hidden beside them is found.
 
+use spinebench::base::Rows;
 use spinebench::data::Recording;
 use spinebench::data::findings::Verdict;
-use spinebench::discovery::{Options, discover};
+use spinebench::discovery::{Discovery, Options, discover};
 use spinebench::tasks::{SimulationOptions, simulate_recording};
 
 use super::hidden::{explored_in, found, names, nominal, recorded, trials, twin};
@@ -85,6 +86,48 @@ fn a_mirrored_axis_is_told_before_any_effect_is_sought() {
     assert!(found.findings.next_measurement.contains("the tip's y has the opposite sign"));
     assert!(found.findings.effects.is_empty() && found.model == nominal());
     assert_eq!(found.findings.gap.before_m, found.findings.gap.after_m);
+}
+
+/// A load of 30 g is hidden beside a mistake of set-up that both recordings share.
+fn with_mistake_in_both(change: &dyn Fn(&mut Recording)) -> Discovery {
+    let [measured, baseline] =
+        [("- tip_load: {mass_kg: 0.03}", 1), ("[]", 2)].map(|(effects, seed)| {
+            let mut recording = recorded(effects, 4, seed, 0.0);
+            change(&mut recording);
+            recording
+        });
+    discover(&nominal(), &measured, Some(&baseline), &Options::default()).unwrap()
+}
+
+#[test]
+fn turned_axes_in_both_recordings_are_told() {
+    let found = with_mistake_in_both(&|recording| {
+        let tips_m = recording.tip_m.as_mut().unwrap();
+        tips_m.iter_mut().for_each(|[x, y, _]| (*x, *y) = (-*x, -*y));
+    });
+    let summary = &found.findings.summary;
+    assert_eq!(found.findings.verdict, Verdict::Unexplained);
+    assert!(
+        summary.starts_with("The baseline indicates a mistake")
+            && summary.contains("x = -x, y = -y, z = +z"),
+        "{summary}"
+    );
+}
+
+/// Zeros of the drives are no mistake that is sought. What both recordings share is not called
+/// consistent all the same.
+#[test]
+fn forgotten_zeros_in_both_recordings_are_told_first() {
+    let found = with_mistake_in_both(&|recording| {
+        let mut commands = Rows::new(4);
+        let pulled = |row: &[f64]| [row[0] + 0.001, row[1], row[2] + 0.016, row[3] + 0.008];
+        recording.commands.iter().for_each(|row| commands.push(&pulled(row)));
+        recording.commands = commands;
+    });
+    let (summary, next) = (&found.findings.summary, &found.findings.next_measurement);
+    assert_ne!(found.findings.verdict, Verdict::Consistent, "{summary}");
+    assert!(summary.starts_with("After calibration the error on the baseline"), "{summary}");
+    assert!(next.contains("error of") && next.contains("on the baseline"), "{next}");
 }
 
 /// A force pushes a curved robot to the other side, where a mirrored axis would show it: 4 of 13 mm

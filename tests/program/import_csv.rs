@@ -262,7 +262,7 @@ fn rows_that_hold_both_are_taken_as_they_stand() {
     bench.put(
         "map.yaml",
         "{text: {delimiter: ' ', header: false}, commands: {time: {column: 2}, trial: 1, tendons: \
-         {columns: [3, 4], unit: count, scale: [1.0e-5], zero: trial_start}}, tracking: {unit: mm, \
+         {columns: [3, 4], unit: count, scale: 1.0e-5, zero: trial_start}}, tracking: {unit: mm, \
          axes: 'x=-x,y=+y,z=+z', left_handed: true, origin: [0, 0, 2000], lost_value: 0, tip: \
          {position: [5, 6, 7]}}}",
     );

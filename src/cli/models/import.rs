@@ -199,6 +199,8 @@ impl FromExport {
 const OPTIONS: SettingNames = SettingNames {
     axes: "--axes ",
     bodies: "--base and --tip",
+    base: "--base",
+    home: "the log of commands",
     clock: "subtract it from --offset-s or export_time_s",
     rows: "",
 };

@@ -14,6 +14,10 @@ pub struct SettingNames {
     pub axes: &'static str,
     /// The two bodies.
     pub bodies: &'static str,
+    /// The position of the base.
+    pub base: &'static str,
+    /// Where the commands at home are set.
+    pub home: &'static str,
     /// How to shift the clock by a time.
     pub clock: &'static str,
     /// How to choose the rows of a body, where they can be chosen.
@@ -30,7 +34,7 @@ impl Imported {
     }
 
     fn doubts(&self, names: &SettingNames) -> Vec<String> {
-        let SettingNames { axes: key, bodies, clock, rows } = names;
+        let SettingNames { axes: key, bodies, base, home, clock, rows } = names;
         let (doubts, recording) = (&self.doubts, &self.recording);
         let mut notes = Vec::new();
         if doubts.exchanged {
@@ -43,7 +47,24 @@ impl Imported {
             notes.push(format!(
                 "at the start of the trials the tip is at ({x:.0}, {y:.0}, {z:.0}) mm, which is \
                  impossible for a straight robot along z; {key}{axes} would rotate it to z, or \
-                 {bodies} are exchanged"
+                 {bodies} are exchanged, or the position of the base ({base}) is wrong"
+            ));
+        }
+        if let Some([aside_m, moves_m]) = doubts.aside_m {
+            notes.push(format!(
+                "at the start of the trials the tip is {:.0} mm beside the z axis, and it never \
+                 moves by more than {:.0} mm: the position of the base ({base}) may be wrong",
+                1e3 * aside_m,
+                1e3 * moves_m
+            ));
+        }
+        if let Some((command_m, row, tendon)) = doubts.away_at_start {
+            notes.push(format!(
+                "trial {} begins with {:.1} mm at tendon {}: commands are 0 at home, where trials \
+                 start unless the model has other `tracking.starts`; see {home}",
+                recording.trial[row],
+                1e3 * command_m,
+                tendon + 1
             ));
         }
         if let Some((away_m, row)) = doubts.base_moves {

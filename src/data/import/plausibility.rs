@@ -5,12 +5,16 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::Axes;
 use crate::base::Point3;
-use crate::data::Recording;
+use crate::data::{Actuation, Recording};
 use crate::math::summary::quantile;
 
 /// Angle between the tip at home and the z axis above which the axes are in doubt, degrees. A soft
 /// robot sags by less.
 const MAX_HOME_ANGLE_DEG: f64 = 60.0;
+/// Above this angle the base's position is in doubt if the tip never moves as far as it is aside.
+const MAX_STIFF_ANGLE_DEG: f64 = 30.0;
+/// First commands of trials above this share of the largest command are not at home.
+const MAX_START_SHARE: f64 = 0.25;
 /// Motion of the base body that is no noise, metres.
 const MAX_BASE_MOTION_M: f64 = 3e-3;
 /// Share of the tip's distance by which the tip must sag to show which way is down.
@@ -23,6 +27,12 @@ pub struct ImportDoubts {
     pub home_m: Option<Point3>,
     /// The axes with which it would be along z, and hang down where it sags.
     pub axes: Option<Axes>,
+    /// Distance of the tip from the z axis at the start of the trials, and the farthest that it
+    /// moves from there, metres, when a stiff robot cannot be so far aside.
+    pub aside_m: Option<[f64; 2]>,
+    /// The largest displacement in the first row of a trial, metres, with its row and its tendon,
+    /// when it is not near home.
+    pub away_at_start: Option<(f64, usize, usize)>,
     /// Largest distance of the base body from its median position, metres, with its row, when it
     /// moves.
     pub base_moves: Option<(f64, usize)>,
@@ -45,22 +55,19 @@ pub(super) fn doubts(
     tip_world_m: &[Point3],
     onset_s: Option<f64>,
 ) -> ImportDoubts {
-    let starts = recording.trials().into_iter().map(|(_, range)| range.start);
+    let starts: Vec<usize> = recording.trials().into_iter().map(|(_, range)| range.start).collect();
     let tips = recording.tip_m.as_deref().unwrap_or_default();
-    let home_m = median(
-        &starts
-            .filter(|&row| recording.is_valid(row))
-            .map(|row| tips[row])
-            .collect::<Vec<Point3>>(),
-    );
-    let home_m = home_m.filter(|home| {
-        let home = Vector3::from(*home);
-        home.z < home.norm() * MAX_HOME_ANGLE_DEG.to_radians().cos()
-    });
+    let valid = starts.iter().filter(|&&row| recording.is_valid(row));
+    let start_m = median(&valid.map(|&row| tips[row]).collect::<Vec<Point3>>());
+    let home_m = start_m.filter(|home_m| is_beyond(MAX_HOME_ANGLE_DEG, *home_m));
     let (base_moves, tip_moves) = (farthest(base_m), farthest(tip_world_m));
     ImportDoubts {
         home_m,
         axes: home_m.map(|home_m| axes.then(&turn_along_z(home_m))),
+        aside_m: start_m
+            .filter(|start_m| home_m.is_none() && is_beyond(MAX_STIFF_ANGLE_DEG, *start_m))
+            .and_then(|start_m| aside_m(start_m, tips)),
+        away_at_start: away_at_start(recording, &starts),
         base_moves: base_moves.filter(|(away_m, _)| *away_m > MAX_BASE_MOTION_M),
         exchanged: base_moves.zip(tip_moves).is_some_and(|((base_m, _), (tip_m, _))| {
             base_m > MAX_BASE_MOTION_M && base_m > 3.0 * tip_m
@@ -68,6 +75,41 @@ pub(super) fn doubts(
         jumps_m: jumps_m(tip_world_m),
         onset_s,
     }
+}
+
+/// Whether a point is farther from the z axis than this angle.
+fn is_beyond(angle_deg: f64, point_m: Point3) -> bool {
+    let point_m = Vector3::from(point_m);
+    point_m.z < point_m.norm() * angle_deg.to_radians().cos()
+}
+
+/// Distance of `start_m` from the z axis and the farthest of the `tips` from it, metres, if that is
+/// less.
+fn aside_m(start_m: Point3, tips: &[Point3]) -> Option<[f64; 2]> {
+    let start = Vector3::from(start_m);
+    let aside_m = start.xy().norm();
+    let moves = tips.iter().map(|tip| (Vector3::from(*tip) - start).norm());
+    let moves_m = moves.filter(|length| length.is_finite()).fold(0.0, f64::max);
+    (moves_m < aside_m).then_some([aside_m, moves_m])
+}
+
+/// The largest displacement in the rows `starts`, metres, with its row and its tendon, if it is a
+/// relevant share of the largest of all rows. Tensions at home and poses at rest need not be 0.
+fn away_at_start(recording: &Recording, starts: &[usize]) -> Option<(f64, usize, usize)> {
+    if recording.actuation != Actuation::Lengths || recording.at_rest.is_some() {
+        return None;
+    }
+    let largest = |rows: &mut dyn Iterator<Item = usize>| {
+        let commands = rows.flat_map(|row| {
+            let each = recording.commands.row(row).iter().enumerate();
+            each.map(move |(tendon, command)| (*command, row, tendon))
+        });
+        // Of equal ones the first.
+        commands.reduce(|a, b| if b.0.abs() > a.0.abs() { b } else { a })
+    };
+    let (all_m, ..) = largest(&mut (0..recording.len()))?;
+    largest(&mut starts.iter().copied())
+        .filter(|(command_m, ..)| command_m.abs() > MAX_START_SHARE * all_m.abs())
 }
 
 /// The step from frame to frame that nearly all frames exceed, metres, where frames that lie a few
@@ -156,6 +198,31 @@ mod tests {
         let wild = |k: usize| [0.02 * (k as f64 * k as f64).sin(), 0.0, 0.22];
         assert_eq!(jumps_m(&(0..60).map(wild).collect::<Vec<Point3>>()), None);
         assert_eq!(jumps_m(&(0..5).map(row).collect::<Vec<Point3>>()), None);
+    }
+
+    /// Two trials of a robot whose tip starts at `home_m`, with `pull_m` on tendon 2 at first.
+    fn started(home_m: Point3, pull_m: f64) -> ImportDoubts {
+        let mut recording = Recording::new(Actuation::Lengths, 2);
+        let mut tips_m = Vec::new();
+        for row in 0..8 {
+            let moved_m = 0.01 * (row % 4) as f64;
+            recording.trial.push(row / 4);
+            recording.time_s.push((row % 4) as f64);
+            recording.commands.push(&[moved_m, pull_m - moved_m]);
+            tips_m.push([home_m[0] + moved_m, home_m[1], home_m[2]]);
+        }
+        recording.tip_m = Some(tips_m.clone());
+        doubts(&recording, &Axes::SAME.parse().unwrap(), &[[0.0; 3]; 8], &tips_m, None)
+    }
+
+    #[test]
+    fn a_base_elsewhere_and_commands_away_from_home_are_doubted() {
+        let good = started([-0.02, 0.0, 0.22], 0.001);
+        assert_eq!((good.home_m, good.aside_m, good.away_at_start), (None, None, None));
+        let aside = started([0.1, 0.35, 0.26], 0.0);
+        let [aside_m, moves_m] = aside.aside_m.unwrap();
+        assert!((aside_m - 0.364).abs() < 1e-3 && (moves_m - 0.03).abs() < 1e-9);
+        assert_eq!(started([0.0, 0.0, 0.22], 0.016).away_at_start, Some((0.016, 0, 1)));
     }
 
     #[test]

@@ -2,9 +2,11 @@
 
 use std::collections::BTreeSet;
 
+use super::evidence::Evidence;
 use crate::data::findings::Verdict;
 use crate::discovery::fit::baseline;
 use crate::discovery::fit::candidate::CandidateEffect;
+use crate::discovery::mistakes::mislabelled::{LARGE_SHARE, measured_motion_m};
 use crate::discovery::noise_floor::NoiseFloor;
 use crate::discovery::noise_floor::trial_starts;
 use crate::discovery::problem::{Problem, simulate_model};
@@ -76,7 +78,7 @@ impl Problem<'_> {
         calibrated
             .into_iter()
             .chain(starts)
-            .chain(self.baseline_caveat())
+            .chain(self.baseline_error().map(|error| error.sentence()))
             .chain(base_markers)
             .chain(fixed)
             .collect()
@@ -102,17 +104,62 @@ impl Problem<'_> {
         })
     }
 
-    /// Caveat if the calibrated model does not fit the baseline.
-    fn baseline_caveat(&self) -> Option<String> {
+    /// The error of the calibrated model on the baseline, if it is unusually large.
+    pub(crate) fn baseline_error(&self) -> Option<BaselineError> {
         let base = self.base.as_ref()?;
-        let residual_m = rms_m(&base.samples.residual(&base.simulated_m));
+        let error_m = rms_m(&base.samples.residual(&base.simulated_m));
         let floor_m = NoiseFloor::from_repeats(&base.samples, 0.0).rms_m();
-        (residual_m > MAX_USUAL_BASELINE_M.max(MAX_USUAL_BASELINE_FLOORS * floor_m)).then(|| {
-            format!(
-                "After calibration the error on the baseline is still {:.1} mm: the baseline may \
-                 be of another robot, or both recordings contain an effect that the model lacks.",
-                1e3 * residual_m
-            )
-        })
+        let motion_m = measured_motion_m(&base.samples);
+        let is_unusual = error_m > MAX_USUAL_BASELINE_M.max(MAX_USUAL_BASELINE_FLOORS * floor_m);
+        is_unusual.then_some(BaselineError { error_m, motion_m })
+    }
+}
+
+/// An unusually large error of the calibrated model on the baseline, rms, beside the motion of the
+/// tip there, metres.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BaselineError {
+    error_m: f64,
+    motion_m: f64,
+}
+
+impl BaselineError {
+    /// Whether it is as large as the motion itself: the model does not describe this set-up.
+    pub(crate) fn is_motion(&self) -> bool {
+        self.error_m >= LARGE_SHARE * self.motion_m
+    }
+
+    /// What the reader must know, as a sentence.
+    pub(crate) fn sentence(&self) -> String {
+        let [error_mm, motion_mm] = [self.error_m, self.motion_m].map(|size_m| 1e3 * size_m);
+        let cause = if self.is_motion() {
+            "the set-up of both recordings (axes, tendons, units, home, origin) or the model is \
+             wrong"
+        } else {
+            "the baseline may be of another robot, or both recordings contain an effect that the \
+             model lacks"
+        };
+        format!(
+            "After calibration the error on the baseline is still {error_mm:.1} mm, where the tip \
+             moves by {motion_mm:.0} mm (rms): {cause}."
+        )
+    }
+
+    /// What to do next.
+    pub(crate) fn advice(&self) -> String {
+        format!(
+            "Find the cause of the error of {:.1} mm on the baseline: check the set-up, and run \
+             `discover` on the baseline alone.",
+            1e3 * self.error_m
+        )
+    }
+}
+
+impl Evidence {
+    /// The error on the baseline, if it must be read before the verdict: `consistent` only says
+    /// that nothing has changed since, and an error as large as the motion refutes the model.
+    pub(crate) fn leading_baseline_error(&self) -> Option<BaselineError> {
+        let is_consistent = self.decision.verdict == Verdict::Consistent;
+        self.baseline_error.filter(|error| is_consistent || error.is_motion())
     }
 }

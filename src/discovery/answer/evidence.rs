@@ -2,6 +2,7 @@
 
 use super::alternatives::Alternatives;
 use super::candidates::set_name;
+use super::caveats::BaselineError;
 use super::explained_share::ExplainedShare;
 use super::final_fit::{FinalFit, FineFit};
 use super::held_out_check::HeldOutCheck;
@@ -33,6 +34,10 @@ pub(crate) struct Evidence {
     pub(crate) decision: Decision,
     /// The mistake of the recording, if the answer is one.
     pub(crate) mistake: Option<Mistake>,
+    /// A mistake that would explain most of a gap that nothing else explains.
+    pub(crate) possible_mistake: Option<Mistake>,
+    /// The error of the model on the baseline, if it is unusually large.
+    pub(crate) baseline_error: Option<BaselineError>,
     /// The offset of the tracker's clock by which the tips were shifted.
     pub(crate) clock: Option<ClockOffset>,
     pub(crate) gap: Gap,
@@ -143,6 +148,8 @@ impl Problem<'_> {
         limitations.extend(self.resolution_caveat(&model));
         Evidence {
             mistake: None,
+            possible_mistake: None,
+            baseline_error: self.baseline_error(),
             clock: None,
             gap: Gap {
                 metric: metric(&self.all),
@@ -190,6 +197,7 @@ impl Problem<'_> {
             explains_gap: outcome.by_trials.is_some()
                 || best.members.len() == 1 && self.explains_gap(explained),
             has_rivals: !rivals.iter().all(Vec::is_empty),
+            misses_baseline: self.baseline_error().is_some_and(|error| error.is_motion()),
             held_out: HeldOutResult::Supported,
         };
         // Held-out trials stay unseen unless they can still change the verdict.

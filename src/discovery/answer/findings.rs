@@ -43,7 +43,7 @@ impl Evidence {
             disagreement: super::residual_map::disagreements(&residuals.places),
             candidates: search.candidates.clone(),
             next_measurement: summary_text::next_measurement(&self),
-            summary: format!("{}{}", clock.preface, summary_text::summary(&self)),
+            summary: format!("{}{}{}", clock.preface, self.preface(), summary_text::summary(&self)),
             noise: Noise { sigma_m, correlation, from: residuals.noise_from.clone() },
             missing_before: residuals.missing_before.clone(),
             missing_after: residuals.missing_after.clone(),
@@ -91,6 +91,13 @@ impl Evidence {
         }
         sentences.extend(clock.limitation.clone());
         sentences
+    }
+
+    /// An error on the baseline and a possible mistake, which must be read first.
+    fn preface(&self) -> String {
+        let error = self.leading_baseline_error().map(|error| error.sentence());
+        let mistake = self.possible_mistake.as_ref().map(|one| self.possible_sentence(one));
+        error.into_iter().chain(mistake).map(|sentence| format!("{sentence} ")).collect()
     }
 
     /// The offset of the clock, or the same from a named `delay`, which the data cannot tell from

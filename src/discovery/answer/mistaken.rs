@@ -3,7 +3,7 @@
 use super::evidence::{Evidence, ResidualEvidence, SearchEvidence, metric};
 use super::residual_map::{residual_map, residual_rows};
 use super::verdict::{VerdictEvidence, decide};
-use crate::data::findings::{Gap, MissingTest};
+use crate::data::findings::{Gap, MissingTest, Verdict};
 use crate::discovery::error::DiscoveryError;
 use crate::discovery::fit::ar1_noise::{Ar1Noise, MIN_SIGMA_M};
 use crate::discovery::mistakes::excluded_rows::PreparedRecording;
@@ -43,9 +43,11 @@ impl Evidence {
         let before_m = rms_m(&held_out_m);
         // Without a fit the residual is compared with the noise alone: a χ² test.
         let squares: f64 = residual_m.iter().map(|r| (r / sigma_m).powi(2)).sum();
+        let explained_share = 1.0 - (mistake.after_m / mistake.before_m).powi(2);
+        let rms_m = if mistake.of_baseline { rms_m(&residual_m) } else { mistake.before_m };
         let missing = MissingTest {
-            rms_m: mistake.before_m,
-            foretold_m: (mistake.before_m.powi(2) - mistake.after_m.powi(2)).max(0.0).sqrt(),
+            rms_m,
+            foretold_m: rms_m * explained_share.max(0.0).sqrt(),
             p_value: chi_squared_above(squares, residual_m.len() as f64),
         };
         Ok(Evidence {
@@ -72,12 +74,44 @@ impl Evidence {
                 rows,
                 missing_before: missing.clone(),
                 missing_after: missing,
-                pattern: format!("The residual is consistent with this mistake: {}.", mistake.what),
+                pattern: format!(
+                    "The residual{} is consistent with this mistake: {}.",
+                    mistake.in_baseline(),
+                    mistake.what
+                ),
             },
             limitations: validate::limitations(original, samples),
             search: SearchEvidence::default(),
             model: model.clone(),
             mistake: Some(mistake),
+            possible_mistake: None,
+            baseline_error: None,
         })
+    }
+
+    /// The same evidence with a mistake that explains most of the gap as well. It stands before the
+    /// summary if nothing else explains the gap.
+    pub(crate) fn beside(mut self, mistake: Mistake) -> Evidence {
+        self.limitations.push(self.possible_sentence(&mistake));
+        let is_open = self.decision.verdict == Verdict::Unexplained;
+        Evidence { possible_mistake: is_open.then_some(mistake), ..self }
+    }
+
+    /// What a mistake would explain, as a sentence.
+    pub(crate) fn possible_sentence(&self, mistake: &Mistake) -> String {
+        format!(
+            "A mistake of set-up may be the cause: if {}, the {} is {:.2} mm instead of {:.2} mm.",
+            mistake.what,
+            self.error_name,
+            1e3 * mistake.after_m,
+            1e3 * mistake.before_m
+        )
+    }
+}
+
+impl Mistake {
+    /// Where it is, as a phrase after a noun; empty for the measured recording.
+    pub(crate) fn in_baseline(&self) -> &'static str {
+        if self.of_baseline { " of the baseline" } else { "" }
     }
 }

@@ -5,6 +5,7 @@ use super::verdict::Objection;
 use crate::data::findings::{PlaceRow, Verdict};
 use crate::discovery::goodness_of_fit::kernel_ridge::ResidualPattern;
 use crate::discovery::goodness_of_fit::test_result::{FitTest, TestResult};
+use crate::discovery::mistakes::mislabelled::Mistake;
 
 /// Held-out error of the answer in two parts whose squares add up, metres.
 pub(crate) struct BaselineShare {
@@ -35,18 +36,24 @@ pub(crate) fn by_trials_caveat(model_form_m: f64) -> String {
     )
 }
 
+/// Summary of an answer that is a mistake.
+fn mistake_summary(mistake: &Mistake, error_name: &str) -> String {
+    let (before_mm, after_mm) = (1e3 * mistake.before_m, 1e3 * mistake.after_m);
+    let source = if mistake.of_baseline { "baseline indicates" } else { "data indicate" };
+    format!(
+        "The {source} a mistake of recording or set-up: if {}, the {error_name}{} is {after_mm:.2} \
+         mm instead of {before_mm:.2} mm. No effect was searched, and the model was not changed.",
+        mistake.what,
+        mistake.in_baseline()
+    )
+}
+
 /// Summary in one or two sentences.
 pub(crate) fn summary(evidence: &Evidence) -> String {
     let Evidence { error_name, search, .. } = evidence;
     let pattern = &evidence.residuals.pattern;
     if let Some(mistake) = &evidence.mistake {
-        let (before_mm, after_mm) = (1e3 * mistake.before_m, 1e3 * mistake.after_m);
-        return format!(
-            "The data indicate a mistake of recording or set-up, not a missing effect: if {}, the \
-             {error_name} is {after_mm:.2} mm instead of {before_mm:.2} mm. No effect was \
-             searched, and the model was not changed.",
-            mistake.what
-        );
+        return mistake_summary(mistake, error_name);
     }
     let (before_mm, after_mm) = (evidence.gap.before_m * 1e3, evidence.gap.after_m * 1e3);
     let floor_mm = evidence.residuals.noise.rms_m() * 1e3;
@@ -114,6 +121,7 @@ const MIN_WRITTEN_P_VALUE: f64 = 1e-9;
 pub(crate) fn objection(objection: &Objection, held_out_m: [f64; 2]) -> String {
     match objection {
         Objection::Test(test) => failed_test(test),
+        Objection::Baseline => "the model does not describe the baseline either".to_owned(),
         Objection::CannotSimulate => {
             "the model with it cannot be simulated on the held-out trials".to_owned()
         }
@@ -309,10 +317,18 @@ const CLEAR_SEPARATION: f64 = 3.0;
 /// What to record next.
 pub(crate) fn next_measurement(evidence: &Evidence) -> String {
     if let Some(mistake) = &evidence.mistake {
+        let recordings =
+            if mistake.of_baseline { "recordings or their" } else { "recording or its" };
         return format!(
-            "Correct the recording or its set-up ({}), then run `discover` again.",
+            "Correct the {recordings} set-up ({}), then run `discover` again.",
             mistake.what
         );
+    }
+    if let Some(mistake) = &evidence.possible_mistake {
+        return format!("Check the set-up ({}), then run `discover` again.", mistake.what);
+    }
+    if let Some(error) = evidence.leading_baseline_error() {
+        return error.advice();
     }
     if let Some(first) = evidence.search.next_experiments.first().map(|next| &next.proposal) {
         let doubt = if first.separation < CLEAR_SEPARATION {

@@ -24,6 +24,9 @@ pub(crate) struct SetEvidence {
     pub(crate) explains_gap: bool,
     /// Whether other sets fit equally well.
     pub(crate) has_rivals: bool,
+    /// Whether the error on the baseline is as large as the motion, so that the model does not
+    /// describe the robot as built in this set-up.
+    pub(crate) misses_baseline: bool,
     /// Result on the held-out trials. They are not asked of a set that the training trials reject.
     pub(crate) held_out: HeldOutResult,
 }
@@ -50,6 +53,8 @@ pub(crate) enum HeldOutResult {
 pub(crate) enum Objection {
     /// A failed test.
     Test(TestResult),
+    /// Nothing was added, and the model does not describe the baseline either.
+    Baseline,
     /// The model with the set cannot be simulated on held-out trials.
     CannotSimulate,
     /// The set increases the held-out error.
@@ -92,6 +97,10 @@ impl SetEvidence {
     fn objection(&self) -> Option<Objection> {
         if self.is_rejected_in_training() {
             return self.failed_test.map(Objection::Test);
+        }
+        // What both recordings share is not attributed to an effect, and must not count as nothing.
+        if self.misses_baseline && self.effects == 0 {
+            return Some(Objection::Baseline);
         }
         match self.held_out {
             HeldOutResult::CannotSimulate => Some(Objection::CannotSimulate),
@@ -175,6 +184,9 @@ mod tests {
             (Verdict::Unexplained, false)
         );
         assert_eq!(decide(&VerdictEvidence::Mistake).verdict, Verdict::Unexplained);
+        let misses_baseline = true;
+        assert_eq!(of(SetEvidence { misses_baseline, ..none }), (Verdict::Unexplained, false));
+        assert_eq!(of(SetEvidence { misses_baseline, ..one }), (Verdict::Named, true));
     }
 
     #[test]

@@ -7,7 +7,7 @@ use super::map::{
 };
 use super::trial_files::{LogFiles, TRIAL};
 use super::units::{CommandKind, TimeUnit};
-use crate::base::BadOption;
+use crate::base::{BadOption, PerTendon};
 use crate::data::import::Axes;
 
 /// The fault of a key below a path of the map.
@@ -321,7 +321,7 @@ impl TendonsMap {
                     "metres of tendon per radian or per count: one number, or one per tendon";
                 return Err(fault(PATH, "scale", "no such key", expected));
             }
-            Some(scale) if !(scale.len() == 1 || scale.len() == count) => {
+            Some(PerTendon::Each(scale)) if !(scale.len() == 1 || scale.len() == count) => {
                 return Err(fault(
                     PATH,
                     "scale",
@@ -329,11 +329,11 @@ impl TendonsMap {
                     "one number, or one per tendon",
                 ));
             }
-            Some(scale) if scale.iter().any(|number| !number.is_finite() || *number == 0.0) => {
+            Some(scale) if scale.values().iter().any(|one| !one.is_finite() || *one == 0.0) => {
                 return Err(fault(
                     PATH,
                     "scale",
-                    format!("{scale:?}"),
+                    format!("{:?}", scale.values()),
                     "finite numbers other than 0",
                 ));
             }

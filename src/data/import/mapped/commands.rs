@@ -230,10 +230,10 @@ fn tendon_rows(
         let numbers = numbers(table, column, map.unit)?;
         let home_number = map.home.as_ref().map(|home| home[tendon]);
         let home = Home { zero: map.zero.unwrap_or(default_zero), home_number, starts };
-        let scale = map
-            .scale
-            .as_ref()
-            .map_or(1.0, |scale| if scale.len() == 1 { scale[0] } else { scale[tendon] });
+        let scale = map.scale.as_ref().map_or(1.0, |scale| match scale.values() {
+            [one] => *one,
+            each => each[tendon],
+        });
         // The difference to home is 0 there, and not −0.
         let pulled =
             |row: usize| (numbers[row] - home.at(&numbers, row)) * (sign * factor * scale) + 0.0;

@@ -49,6 +49,9 @@ pub(crate) fn parse(path: &Path, bytes: &[u8], format: &TextFormat) -> Result<Lo
         if cells.len() < names.len() && format.block.is_none() || filled > names.len() {
             let hint = if format.decimal == format.delimiter {
                 ""
+            } else if format.comment.is_none() {
+                " (see `text.delimiter` of the map; `text.comment` or `text.skip_lines` where lines \
+                 before the table are not part of it; `text.block` for several tables)"
             } else {
                 " (see `text.delimiter` of the map; `text.block` where the file has several tables)"
             };
@@ -274,6 +277,10 @@ mod tests {
                 .starts_with("log.txt, line 3: found 1 cells, expected 2 as in line 1")
         );
         assert!(read("a,b\n1,2,3\n").starts_with("log.txt, line 2: found 3 cells"));
+        assert!(
+            read("# a log\na,b\n1,2\n").contains("as in line 1 (see")
+                && read("# a log\na,b\n1,2\n").contains("`text.comment`")
+        );
         assert!(read("a,\"b\n1,2\n").contains("line 1: found a quotation mark that is not closed"));
         assert!(read("a,b\n").contains("no rows") && read("\n\n").contains("no such lines"));
     }

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::cell_match::CellMatch;
 use super::columns::ColumnName;
 use super::units::{AngleUnit, CommandUnit, LengthUnit, MassUnit, TimeUnit};
+use crate::base::PerTendon;
 use crate::data::import::Axes;
 
 /// A map from the columns of a logger's files, or from the topics of a bag, to a recording.
@@ -191,9 +192,9 @@ pub struct TendonsMap {
     /// Their unit.
     #[serde(default)]
     pub unit: CommandUnit,
-    /// Metres per radian of a drum or per encoder count, for units of angles and counts; for others
-    /// a factor. One number, or one per tendon.
-    pub scale: Option<Vec<f64>>,
+    /// Metres of tendon per radian of a drum (whatever the unit of angle) or per encoder count; for
+    /// other units a factor. One number, or one per tendon.
+    pub scale: Option<PerTendon>,
     /// Meaning of the numbers.
     #[serde(default)]
     pub measure: TendonMeasure,
@@ -283,7 +284,7 @@ pub struct TrackingMap {
     pub tip: BodyMap,
     /// The base; without it positions are measured from `origin` along the tracker's axes.
     pub base: Option<BodyMap>,
-    /// Position of the base in the tracker's frame, in the unit of positions, if the base is not
+    /// Position of the base along the tracker's axes, in the unit of positions, if the base is not
     /// tracked.
     pub origin: Option<[f64; 3]>,
     /// Further points along the body, by their names in the recording.

@@ -67,6 +67,8 @@ pub struct MappedImport {
 const KEYS: SettingNames = SettingNames {
     axes: "`tracking.axes` ",
     bodies: "`tracking.base` and `tracking.tip`",
+    base: "`tracking.base` or `tracking.origin`",
+    home: "`commands.tendons.zero` or `home` of the map",
     clock: "add it to `tracking.clock.offset_s`",
     rows: "; `tracking.tip.where` selects those of the tip",
 };

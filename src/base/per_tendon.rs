@@ -46,7 +46,7 @@ impl PerTendon {
     }
 
     /// Whether it has a number for each of `count` tendons.
-    pub(super) fn fits(&self, count: usize) -> bool {
+    pub fn fits(&self, count: usize) -> bool {
         match self {
             PerTendon::Same(_) => true,
             PerTendon::Each(values) => values.len() == count,
