@@ -26,6 +26,6 @@ class Integral:
 
 result = sb.run(SPEC, policies={"mine": Integral}, seeds=1, out="out", cache="out/cache")
 trials = result["smoke"].trials
-table = trials.groupby(["policy", "mode"]).error_m.agg(["mean", "std", "count"])
+table = trials.groupby(["training", "policy", "mode"]).error_m.agg(["mean", "std", "count"])
 table[["mean", "std"]] *= 1e3
 print(table.round(2).rename(columns={"mean": "mean (mm)", "std": "SD (mm)"}))

@@ -341,8 +341,7 @@ def test_exports_are_read_by_others(tmp_path: Path, model: Model) -> None:
     assert read["/commands"][1]["tendon_1_m"] == 0.01 and read["/row"][2]["trial"] == 1
     line = read["/robot"][1]["entities"][0]["lines"][0]
     end = [line["points"][-1][axis] for axis in "xyz"]
-    # The drawn robot is rounded to a tenth of a millimetre; `/tip` has all digits.
-    np.testing.assert_allclose(end, played.loc[1, ["tip_x_m", "tip_y_m", "tip_z_m"]].astype(float), rtol=0.0, atol=5.1e-5)
+    np.testing.assert_allclose(end, played.loc[1, ["tip_x_m", "tip_y_m", "tip_z_m"]].astype(float), rtol=0.0, atol=1e-9)
     assert len(line["points"]) > 20 and line["points"][0] == {"x": 0.0, "y": 0.0, "z": 0.0}
     assert read["/residuals"][0]["before_size_m"] == pytest.approx(np.sqrt(14.0) * 1e-3)
     assert len(read["/residual_lines"][0]["entities"][0]["lines"]) == 2

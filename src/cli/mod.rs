@@ -65,6 +65,8 @@ enum Command {
 pub(crate) enum CommandError {
     /// It ran and its answer is no, or its results could not be written: exit status 1.
     Failed(String),
+    /// It ran, has printed its answer, and that is no: exit status 1.
+    Answered,
     /// Bad input or usage: exit status 2.
     BadInput(String),
 }
@@ -120,6 +122,7 @@ pub(crate) fn main() -> ExitCode {
     };
     let (message, status) = match outcome {
         Ok(()) => return ExitCode::SUCCESS,
+        Err(CommandError::Answered) => return ExitCode::from(1),
         Err(CommandError::Failed(message)) => (message, 1),
         Err(CommandError::BadInput(message)) => (message, 2),
     };

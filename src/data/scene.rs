@@ -107,10 +107,14 @@ pub struct SceneFrame {
     pub measured_m: Vec<Point3>,
 }
 
-/// Position in tenths of a millimetre (x, y, z) and orientation as a quaternion in thousandths
-/// (w, x, y, z) of a cross-section, world frame.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct StationPose(pub [i32; 7]);
+/// Position and orientation of a cross-section, world frame. As JSON: tenths of a millimetre
+/// (x, y, z) and thousandths of the quaternion (w, x, y, z).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(from = "[i32; 7]", into = "[i32; 7]")]
+pub struct StationPose {
+    position_m: Point3,
+    quaternion: [f64; 4],
+}
 
 /// Tenths of a millimetre in a metre.
 const POSITION_UNITS: f64 = 1e4;
@@ -122,18 +126,20 @@ const POINT_UNITS: f64 = 1e5;
 const TENSION_UNITS: f64 = 1e2;
 
 impl StationPose {
-    /// The rounded pose.
+    /// A pose with all its digits.
     pub fn new(position_m: Point3, quaternion: [f64; 4]) -> StationPose {
-        let position = position_m.map(|x| (x * POSITION_UNITS).round() as i32);
-        let turn = quaternion.map(|part| (part * QUATERNION_UNITS).round() as i32);
-        let [x, y, z] = position;
-        let [w, i, j, k] = turn;
-        StationPose([x, y, z, w, i, j, k])
+        StationPose { position_m, quaternion }
+    }
+
+    /// The pose as it is after its JSON.
+    #[must_use]
+    pub fn rounded(self) -> StationPose {
+        <[i32; 7]>::from(self).into()
     }
 
     /// Position, metres.
     pub fn position_m(&self) -> Point3 {
-        std::array::from_fn(|axis| f64::from(self.0[axis]) / POSITION_UNITS)
+        self.position_m
     }
 
     /// Axes x, y and z of the cross-section.
@@ -156,9 +162,26 @@ impl StationPose {
 
     /// Orientation as a unit quaternion w, x, y, z.
     pub fn quaternion(&self) -> [f64; 4] {
-        let parts: [f64; 4] = std::array::from_fn(|part| f64::from(self.0[3 + part]));
+        let parts = self.quaternion;
         let norm = parts.iter().map(|part| part * part).sum::<f64>().sqrt();
         if norm > 0.0 { parts.map(|part| part / norm) } else { [1.0, 0.0, 0.0, 0.0] }
+    }
+}
+
+impl From<StationPose> for [i32; 7] {
+    fn from(pose: StationPose) -> [i32; 7] {
+        let [x, y, z] = pose.position_m.map(|x| (x * POSITION_UNITS).round() as i32);
+        let [w, i, j, k] = pose.quaternion.map(|part| (part * QUATERNION_UNITS).round() as i32);
+        [x, y, z, w, i, j, k]
+    }
+}
+
+impl From<[i32; 7]> for StationPose {
+    fn from([x, y, z, w, i, j, k]: [i32; 7]) -> StationPose {
+        StationPose {
+            position_m: [x, y, z].map(|x| f64::from(x) / POSITION_UNITS),
+            quaternion: [w, i, j, k].map(|part| f64::from(part) / QUATERNION_UNITS),
+        }
     }
 }
 
@@ -177,23 +200,40 @@ pub fn between_stations_m(from: &StationPose, to: &StationPose, share: f64) -> P
 }
 
 impl SceneFrame {
-    /// The frame with its numbers rounded to what can be seen; points that are not finite are left
-    /// out.
+    /// The frame without points that are not finite.
     #[must_use]
-    pub fn rounded(mut self) -> SceneFrame {
-        let point = |point: Point3| point.map(|x| rounded(x, POINT_UNITS));
+    pub fn finite(mut self) -> SceneFrame {
         let seen = |point: &Point3| point.iter().all(|x| x.is_finite());
-        self.time_s = rounded(self.time_s, 1e3);
-        self.tip_m = self.tip_m.filter(seen).map(point);
-        self.target_m = self.target_m.filter(seen).map(point);
+        self.tip_m = self.tip_m.filter(seen);
+        self.target_m = self.target_m.filter(seen);
         self.measured_m.retain(seen);
-        self.measured_m.iter_mut().for_each(|measured| *measured = point(*measured));
-        self.tensions_n.iter_mut().for_each(|tension| *tension = rounded(*tension, TENSION_UNITS));
         self
+    }
+
+    /// The frame with its numbers rounded to what can be seen, for a page or a picture; points
+    /// that are not finite are left out.
+    #[must_use]
+    pub fn rounded(self) -> SceneFrame {
+        let point = |point: Point3| point.map(|x| rounded(x, POINT_UNITS));
+        let mut this = self.finite();
+        this.time_s = rounded(this.time_s, 1e3);
+        this.tip_m = this.tip_m.map(point);
+        this.target_m = this.target_m.map(point);
+        this.poses.iter_mut().for_each(|pose| *pose = pose.rounded());
+        this.measured_m.iter_mut().for_each(|measured| *measured = point(*measured));
+        this.tensions_n.iter_mut().for_each(|tension| *tension = rounded(*tension, TENSION_UNITS));
+        this
     }
 }
 
 impl Scene {
+    /// The scene as a page or a picture carries it.
+    #[must_use]
+    pub fn rounded(mut self) -> Scene {
+        self.frames = self.frames.into_iter().map(SceneFrame::rounded).collect();
+        self
+    }
+
     /// The scene with at most `count` frames, evenly chosen, the first and the last among them.
     #[must_use]
     pub fn thinned(mut self, count: usize) -> Scene {
@@ -226,6 +266,8 @@ mod tests {
     #[test]
     fn a_scene_survives_its_json() {
         let pose = StationPose::new([0.01234, -0.1, 0.2], [0.5, -0.5, 0.5, 0.5]);
+        assert_eq!(pose.position_m(), [0.01234, -0.1, 0.2]);
+        let pose = pose.rounded();
         assert_eq!(pose.position_m(), [0.0123, -0.1, 0.2]);
         assert_eq!(pose.quaternion(), [0.5, -0.5, 0.5, 0.5]);
         let frame = SceneFrame {

@@ -34,3 +34,4 @@ pub use state::fields::Energy;
 pub use state::readout::Effort;
 pub use state::rod::{Drive, Rod};
 pub use state::self_contact::SelfContact;
+pub use state::tension_split::TensionSplit;

@@ -13,6 +13,7 @@ pub use document::error::{SourceLocation, SpecError};
 pub use document::locate::{PathEnd, locate};
 pub use document::merged::Document;
 pub use document::path::{KeyPath, Step};
+pub use document::suggest::nearest;
 pub use experiment::cells::{
     gp_sizes, pace_cells, reach_cells, repair_cells, repair_worker, response_cells, track_cells,
     trial_cells,

@@ -94,6 +94,22 @@ def test_an_effect_that_cannot_be_is_said(page, serve):
     expect(page.locator("#live-status")).to_have_text("converged")
 
 
+def test_values_without_a_solution_are_dimmed(page, serve):
+    page.goto(serve("models/nominal.yaml"))
+    expect(page.locator("#live-status")).to_have_text("converged")
+    settled_tip(page)
+    assert page.locator(".live-stale").count() == 0
+    page.evaluate(
+        """() => document.querySelectorAll('.live-effect').forEach((effect) => {
+          const box = effect.querySelector('input[type=checkbox]');
+          if (!box.checked) box.click();
+          effect.querySelectorAll('input[type=range]').forEach((input) => { input.value = input.max; input.dispatchEvent(new Event('input')); });
+        })"""
+    )
+    expect(page.locator(".live-stale")).to_have_count(1, timeout=20_000)
+    assert page.locator("#live-error").inner_text()
+
+
 def test_sixty_frames_a_second(page, serve):
     page.goto(serve("models/nominal.yaml"))
     expect(page.locator("#live-status")).to_have_text("converged")

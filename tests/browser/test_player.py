@@ -74,6 +74,15 @@ def test_without_scripts_a_still_remains(chromium, page, serve):
     context.close()
 
 
+def test_a_recording_without_a_solution_says_so(page, serve, tmp_path):
+    rows = ["trial,time_s,tendon_1_m,tendon_2_m,tendon_3_m,tendon_4_m,tip_x_m,tip_y_m,tip_z_m"]
+    rows += [f"0,{0.2 * step:.1f},{0.3 * step},0,0,0,0,0,0.22" for step in range(3)]
+    (tmp_path / "far.csv").write_text("\n".join(rows) + "\n")
+    page.goto(serve(tmp_path / "far.csv", "--model", "models/nominal.yaml"))
+    page.wait_for_selector(".scene-ready")
+    assert "no solution at this time" in page.locator("output").first.text_content()
+
+
 def test_looks(player, screenshots):
     player.locator(".scene-time").evaluate("(input) => { input.value = 3; input.dispatchEvent(new Event('input')); }")
     screenshots(player, "player")
@@ -100,7 +109,12 @@ def test_the_path_under_four_policies(page, serve, screenshots):
     page.goto(serve("results/fig8"))
     page.wait_for_selector(".scene-ready")
     assert page.locator(".scene-panel").count() == 4
-    assert "from the target" in page.locator("output").first.text_content()
+    outputs = page.locator("output").all_text_contents()
+    assert all("from the target" in text for text in outputs)
+    # A is done before C.
+    assert re.match(r"finished at \d+\.\d s; ", outputs[0]) and not outputs[2].startswith("finished"), outputs
+    assert "path of the target" in page.locator(".scene-key").inner_text()
+    assert "repetition 1" in page.locator("h1").inner_text()
     size = page.evaluate("document.querySelector('.scene-data').textContent.length")
     print(f"{size} bytes of scenes")
     screenshots(page, "path")

@@ -3,6 +3,7 @@
 import csv
 import json
 import math
+import re
 import shutil
 
 import pytest
@@ -104,6 +105,63 @@ def test_claims_are_filtered_by_verdict(opened):
     assert all("undecided" in verdicts for verdicts in lines.evaluate_all("all => all.map(one => one.dataset.verdicts)"))
     choices.get_by_role("button", name="all", exact=True).click()
     assert lines.count() == every
+
+
+def test_too_few_repetitions_are_printed(opened, table):
+    rows = [row for row in table("results/claims.csv") if int(row["seeds"]) < 10]
+    assert opened.locator(".too-few").count() == len(rows) > 0
+    assert all(row["verdict"] == "undecided" for row in rows)
+    failed = [row for row in table("results/fig8/summary.csv") if row["status"] != "ok"]
+    reason = opened.locator("#claims").inner_text()
+    assert all(row["status"] in reason for row in failed)
+
+
+def test_counts_of_verdicts_add_up(opened):
+    for tile in opened.locator(".tiles > div").all():
+        total, *parts = [int(number) for number in re.findall(r"\d+", tile.inner_text())]
+        assert total == sum(parts), tile.inner_text()
+
+
+def test_repair_is_what_its_tables_say(opened, table):
+    rows = table("results/repair/repairs.csv")
+    alarms = sum(bool(row["alarm_s"]) for row in rows)
+    text = opened.locator("#repair p").first.inner_text()
+    assert f"raised an alarm in {alarms} of {len(rows)} cases" in text, text
+
+
+def test_contents_lead_to_their_parts(opened):
+    links = opened.locator(".contents a").evaluate_all("all => all.map(one => one.getAttribute('href'))")
+    assert len(links) > 10
+    assert all(opened.locator(link).count() == 1 for link in links)
+    every = opened.locator("main a").evaluate_all("all => all.map(one => one.getAttribute('href'))")
+    assert all(opened.locator(link).count() == 1 for link in every), every
+
+
+def test_only_possible_choices_are_offered(opened):
+    chart = opened.locator("#repair figure.chart")
+    integral = chart.get_by_role("button", name="Integral", exact=True)
+    assert integral.is_disabled()
+    chart.get_by_role("button", name="Closed loop").click()
+    assert integral.is_enabled()
+    integral.click()
+    chart.get_by_role("button", name="Open loop").click()
+    assert chart.locator(".plot .mark").count() > 0
+    empty = opened.locator("figure.chart .controls button").evaluate_all("all => all.filter(one => !one.textContent.trim()).length")
+    assert empty == 0
+
+
+def test_paper_shows_what_is_selected(opened):
+    opened.emulate_media(media="print")
+    shown = opened.locator("#repair .selection")
+    assert shown.is_visible() and shown.inner_text() == "Selected: Open loop; A."
+
+
+def test_axes_stay_without_series(opened):
+    chart = opened.locator("figure.chart", has_text="(a) π_real: error against real points")
+    ticks = lambda: chart.locator(".plot text").all_text_contents()
+    chart.get_by_role("button", name="Closed loop").click()
+    chart.get_by_role("button", name="Open loop").click()
+    assert "5000" in ticks() and chart.locator(".plot .mark").count() == 0
 
 
 def test_charts_answer_to_pointer_keys_and_buttons(opened):

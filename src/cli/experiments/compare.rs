@@ -58,9 +58,14 @@ impl CompareCommand {
             let table = to_csv(file, &comparison.differences).map_err(CommandError::failed)?;
             write_atomic(file, &table).map_err(CommandError::failed)?;
         }
-        println!("{} tables compared", comparison.tables);
         let lines = lines(&comparison);
-        if lines.is_empty() { Ok(()) } else { Err(CommandError::Failed(lines.join("\n"))) }
+        if lines.is_empty() {
+            println!("{} tables compared, no differences", comparison.tables);
+            return Ok(());
+        }
+        println!("{} tables compared; first run → second run:", comparison.tables);
+        lines.iter().for_each(|line| println!("{line}"));
+        Err(CommandError::Answered)
     }
 }
 

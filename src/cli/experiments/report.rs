@@ -8,8 +8,8 @@ use spinebench::data::write_atomic;
 use spinebench::report::overview::{ClaimCost, ExperimentFacts, OverviewFacts, overview};
 use spinebench::report::published_rows;
 use spinebench::rows::experiment::StageRow;
-use spinebench::runner::{Campaign, Manifest, published_cost};
-use spinebench::specs::ExperimentSet;
+use spinebench::runner::{Campaign, Manifest, SEEDS_NEEDED, published_cost};
+use spinebench::specs::{Experiment, ExperimentSet};
 use std::path::{Path, PathBuf};
 
 /// Frames of the robot on the path, a policy.
@@ -34,7 +34,12 @@ impl ReportCommand {
         let names = published_names(&results).map_err(CommandError::BadInput)?;
         // A path on a robot that is not simulated, or of an earlier build, has no scenes.
         let path = path_scenes(&results.join("fig8"), None, &[], PATH_FRAMES).unwrap_or_default();
-        let mut facts = OverviewFacts { path, ..OverviewFacts::default() };
+        let mut facts = OverviewFacts {
+            path,
+            repetitions_needed: SEEDS_NEEDED as u64,
+            switch_threshold_m: switch_threshold_m(&results.join("fig8")),
+            ..OverviewFacts::default()
+        };
         for name in &names {
             let folder = results.join(name);
             facts.experiments.extend(experiment_facts(&folder));
@@ -46,6 +51,12 @@ impl ReportCommand {
         println!("wrote {}: {} kB", file.display(), page.len() / 1000);
         Ok(())
     }
+}
+
+/// Error above which C switches; nothing where the spec does not run any more.
+fn switch_threshold_m(folder: &Path) -> Option<f64> {
+    let experiment = Experiment::read(&folder.join("spec.yaml"), &[]).ok()?;
+    Some(experiment.policies.c.switch_threshold_m)
 }
 
 /// What the manifest of an experiment says; nothing where there is none.

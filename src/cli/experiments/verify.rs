@@ -157,8 +157,15 @@ impl VerifyCommand {
 /// The published experiments of a folder of results, by name.
 pub(super) fn published_names(results: &Path) -> Result<Vec<String>, String> {
     let none_published = |found: &str| {
-        format!("{}: found {found}, expected published experiments", results.display())
+        format!(
+            "{}: found {found}, expected published experiments: run this in a checkout, or name \
+             the folder that contains results/",
+            results.display()
+        )
     };
+    if !results.is_dir() {
+        return Err(none_published("no such folder"));
+    }
     let folders = std::fs::read_dir(results).map_err(|error| none_published(&error.to_string()))?;
     let folders = folders.flatten().filter(|folder| folder.path().join("spec.yaml").is_file());
     let mut names: Vec<String> =

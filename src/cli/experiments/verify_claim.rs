@@ -6,7 +6,7 @@ use spinebench::report::overview::duration;
 use spinebench::report::{claim_sentence, published_rows};
 use spinebench::rows::experiment::ClaimRow;
 use spinebench::runner::{self, Campaign, CampaignEntry, Progress, RunOptions, Standard, Store};
-use spinebench::specs::{ExperimentSet, PaperClaim};
+use spinebench::specs::{ExperimentSet, PaperClaim, nearest};
 use std::path::Path;
 
 /// Reruns what the number of a claim needs, in an empty store, and compares its rows with the
@@ -20,8 +20,21 @@ pub(super) fn verify_claim(
 ) -> CommandResult {
     let named = |set: &ExperimentSet| set.experiment.claims.iter().any(|one| one.claim == claim);
     let judged = |set: &ExperimentSet| set.sweep.is_empty() && set.experiment.population.is_none();
+    let known: Vec<String> = experiments
+        .iter()
+        .filter(|(set, _)| judged(set))
+        .flat_map(|(set, _)| set.experiment.claims.iter().map(|one| one.claim.clone()))
+        .collect();
     let found: Vec<_> =
         experiments.into_iter().filter(|(set, _)| named(set) && judged(set)).collect();
+    if found.is_empty() {
+        let nearest = nearest(claim, known.iter().map(String::as_str));
+        let hint = nearest.map_or(String::new(), |name| format!("; did you mean `{name}`?"));
+        refuse!(
+            "--claim: found the unknown claim `{claim}`, expected a claim of {}{hint}",
+            results.join("claims.csv").display()
+        );
+    }
     let [(set, standard)] = <[_; 1]>::try_from(found).map_err(|found| {
         let count = found.len();
         CommandError::BadInput(format!(

@@ -12,8 +12,9 @@ use spinebench::data::scene::Scene;
 use spinebench::data::{Recording, write_atomic};
 use spinebench::effects::Model;
 use spinebench::report::scene::{FilmStrip, film, player_page};
+use spinebench::report::style::training_label;
 use spinebench::runner::Progress;
-use spinebench::specs::read_model;
+use spinebench::specs::{Experiment, read_model};
 use spinebench::tasks::{scene_of_measurement, scene_of_recording};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -66,7 +67,7 @@ impl ViewCommand {
         if let [file] = self.shown.as_slice()
             && is_model(file)
         {
-            let model = read_model(file).map_err(CommandError::bad_input)?;
+            let model = read_model(file).map_err(|error| not_a_model(file, &error.to_string()))?;
             return self.serve(Arc::new(LiveModel::new(&file.display().to_string(), model)));
         }
         progress.step("simulating");
@@ -84,7 +85,7 @@ impl ViewCommand {
             refuse!("found {} recordings, expected one, or --record", strips.len());
         };
         let note = if self.shown[0].is_dir() {
-            "The robot with the commands of the first repetition, simulated again without noise."
+            "The robot under the recorded commands, simulated again without noise."
         } else {
             "The model simulated with the recorded commands, and the measured tip."
         };
@@ -129,12 +130,15 @@ impl ViewCommand {
         let strip = |shown: &PathBuf| {
             if shown.is_dir() {
                 let training = self.training.as_deref();
-                let scenes = path_scenes(shown, training, &self.policy, MAX_FRAMES)?;
+                let path = path_scenes(shown, training, &self.policy, MAX_FRAMES)?;
                 let name = shown.file_name().unwrap_or_default().to_string_lossy();
-                let networks = training.map_or(String::new(), |name| format!(", networks: {name}"));
+                let networks = training_label(&path.training);
+                let repetition = path.seed + 1;
                 return Ok(FilmStrip {
-                    heading: format!("Tracking a path ({name}{networks})"),
-                    scenes,
+                    heading: format!(
+                        "Tracking a path ({name}, {networks}, repetition {repetition})"
+                    ),
+                    scenes: path.scenes,
                 });
             }
             self.recorded(shown, &models, progress)
@@ -202,6 +206,18 @@ impl ServedPage for FixedPage {
     fn page(&self) -> &str {
         &self.0
     }
+}
+
+/// Why a file is no model; in few words where it is an experiment.
+fn not_a_model(file: &Path, why: &str) -> CommandError {
+    if Experiment::read(file, &[]).is_err() {
+        return CommandError::bad_input(why);
+    }
+    let shown = file.display();
+    CommandError::BadInput(format!(
+        "{shown}: found an experiment, expected a model; to see its robot, pass its folder of \
+         results, such as results/fig8"
+    ))
 }
 
 fn is_model(file: &Path) -> bool {

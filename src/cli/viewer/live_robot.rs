@@ -39,6 +39,10 @@ pub(super) struct LiveAnswer {
     /// Its pose, where there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) frame: Option<SceneFrame>,
+    /// Indices of the tendons that are slack.
+    pub(super) slack: Vec<usize>,
+    /// Whether other tensions of rigid tendons would hold the same pose.
+    pub(super) undetermined: bool,
     /// The solver's status, in words.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) status: Option<String>,
@@ -175,8 +179,12 @@ impl LiveRobot {
             self.failure = Some(error);
             return answer;
         }
+        let split = self.driven.tension_split();
+        let slack = split.slack.iter().enumerate().filter(|(_, is_slack)| **is_slack);
+        let slack = slack.map(|(tendon, _)| tendon).collect();
         let mut frame = scene_frame(&self.driven.observation(commands, self.time_s));
         frame.time_s = self.time_s;
+        frame.tensions_n = split.tensions_n;
         let rod = self.driven.rod();
         let facts = [
             (true, "converged"),
@@ -186,7 +194,9 @@ impl LiveRobot {
         let status =
             facts.into_iter().filter(|(holds, _)| *holds).map(|(_, words)| words).collect();
         LiveAnswer {
-            frame: Some(frame),
+            frame: Some(frame.rounded()),
+            slack,
+            undetermined: !split.is_determined,
             status: Some(status),
             error: self.refusal.clone(),
             pace: 1.0,
@@ -224,8 +234,10 @@ impl LiveRobot {
 
 /// The answer to commands without a solution.
 fn failed(error: &PlantError) -> LiveAnswer {
-    let words =
-        format!("The solver has no solution ({error}). Move a slider to restart from home.");
+    let words = format!(
+        "No solution at this time ({error}). Tip, tensions and picture are those before. Move a \
+         slider to restart from home."
+    );
     LiveAnswer { status: Some(error.to_string()), error: Some(words), ..LiveAnswer::default() }
 }
 

@@ -6,6 +6,7 @@ use spinebench::data::scene::Scene;
 use spinebench::data::{Actuation, Recording};
 use spinebench::effects::Model;
 use spinebench::plants::PlantSpec;
+use spinebench::report::overview::PathScenes;
 use spinebench::report::published_rows;
 use spinebench::report::style::{policies_in_order, policy_label};
 use spinebench::rows::experiment::TrackRow;
@@ -29,15 +30,24 @@ pub(crate) fn path_scenes(
     training: Option<&str>,
     policies: &[String],
     frames: usize,
-) -> Result<Vec<Scene>, CommandError> {
+) -> Result<PathScenes, CommandError> {
     let spec = folder.join(SPEC);
+    if !spec.is_file() {
+        refuse!(
+            "{}: found no {SPEC}, expected the folder of one experiment that tracks a path, such \
+             as results/fig8",
+            folder.display()
+        );
+    }
     let experiment = Experiment::read(&spec, &[]).map_err(CommandError::bad_input)?;
     let tracks = published_rows::<TrackRow>(folder).map_err(CommandError::bad_input)?;
     let moved = tracks.iter().filter(|row| !row.sample.pulls_m.is_empty());
     let mut trainings: Vec<&str> = moved.clone().map(|row| row.training.as_str()).collect();
     trainings.sort_by_key(|name| *name != PAPER_TRAINING);
     let training = training.or(trainings.first().copied()).unwrap_or_default();
-    let rows: Vec<&TrackRow> = moved.filter(|row| row.training == training).collect();
+    let of_training = || moved.clone().filter(|row| row.training == training);
+    let seed = of_training().map(|row| row.seed).min().unwrap_or_default();
+    let rows: Vec<&TrackRow> = of_training().filter(|row| row.seed == seed).collect();
     if rows.is_empty() {
         let found = folder.display();
         refuse!(
@@ -56,14 +66,15 @@ pub(crate) fn path_scenes(
     let chosen = known
         .into_iter()
         .filter(|policy| policies.is_empty() || policies.iter().any(|wanted| wanted == policy));
-    chosen
+    let scenes: Result<Vec<Scene>, CommandError> = chosen
         .map(|policy| {
             let mut steps: Vec<&TrackRow> =
                 rows.iter().copied().filter(|row| row.policy == policy).collect();
             steps.sort_by_key(|row| row.sample.step);
             scene(policy, &steps, &model, &spec).map(|scene| scene.thinned(frames))
         })
-        .collect()
+        .collect();
+    Ok(PathScenes { training: training.to_owned(), seed, scenes: scenes? })
 }
 
 /// The robot on which the path was tracked.
@@ -111,7 +122,6 @@ fn scene(
     for (frame, step) in scene.frames.iter_mut().zip(targets) {
         let sample = &step.sample;
         frame.target_m = Some([sample.target_x_m, sample.target_y_m, sample.target_z_m]);
-        *frame = std::mem::take(frame).rounded();
     }
     Ok(scene)
 }

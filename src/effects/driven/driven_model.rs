@@ -12,8 +12,8 @@ use crate::effects::model::tracking::{MeasuredPose, TrackedPlaces, seen_point};
 use crate::effects::{Effect, EffectSpec, Model};
 use crate::math::rotation;
 use crate::rod::{
-    Drive, NotPerturbable, PerturbedRods, PoseRates, Rod, RodParams, SolveStatus, TipRate,
-    TipWrench,
+    Drive, NotPerturbable, PerturbedRods, PoseRates, Rod, RodParams, SolveStatus, TensionSplit,
+    TipRate, TipWrench,
 };
 
 /// A rod with the effects of a model.
@@ -106,6 +106,11 @@ impl DrivenModel {
     /// The rod of the model.
     pub fn rod(&self) -> &Rod {
         self.rods.leader()
+    }
+
+    /// The tensions now, where rigid tendons leave their split undetermined with the least norm.
+    pub fn tension_split(&self) -> TensionSplit {
+        self.rod().tension_split(&self.drive_states[0].actual_m)
     }
 
     /// Restarts: straight, no history, slack tendons. The first command brings the rod home; the

@@ -108,7 +108,12 @@ fn tiles(report: &DiscoveryReport) -> Markup {
     if report.changed() {
         tiles.push(tile("Error with the effects", millimetres(gap.after_m), over(gap.after_m)));
     }
-    tiles.push(tile("Noise floor", millimetres(floor_m), "lower bound for every model".to_owned()));
+    tiles.push(tile(
+        "Noise floor",
+        millimetres(floor_m),
+        "error expected from noise alone, an estimate: a correct model can fall below it"
+            .to_owned(),
+    ));
     if report.changed() {
         let share = report.findings.explained_share;
         let range = |[low, high]: [f64; 2]| {
@@ -119,8 +124,8 @@ fn tiles(report: &DiscoveryReport) -> Markup {
             "Gap explained",
             share.map_or_else(|| NONE.to_owned(), percent),
             format!(
-                "share of the squared error in excess of that of the model on this robot as \
-                 built{interval}"
+                "share of the squared error that is gone, of what exceeds that of the model on this \
+                 robot as built{interval}"
             ),
         ));
     }
@@ -210,7 +215,9 @@ fn facts(effect: &FoundEffect, catalogue_text: Option<&EffectText>) -> Markup {
     }
     if let Some(catalogue_text) = catalogue_text {
         if !catalogue_text.equation.is_empty() {
-            facts.push(html! { "Equation: " span .equation { (catalogue_text.equation) } });
+            facts.push(
+                html! { "Equation: " span .equation dir="ltr" { (catalogue_text.equation) } },
+            );
         }
         if !catalogue_text.source.is_empty() {
             facts.push(html! { "Source: " span { (catalogue_text.source) } });

@@ -10,8 +10,6 @@ use maud::{Markup, html};
 
 /// Candidates that are shown at once.
 const SHOWN_CANDIDATES: usize = 5;
-/// Candidates in the tables; the others are in `candidates.csv`.
-const MAX_CANDIDATES: usize = 30;
 /// Lines that are shown around those that changed.
 const CONTEXT_LINES: usize = 2;
 
@@ -25,7 +23,7 @@ pub(crate) fn candidates(report: &DiscoveryReport) -> Markup {
         let why = html! { @if candidate.why_not.is_empty() { strong { "the answer" } } @else { (candidate.why_not) } };
         vec![html! { code { (candidate.name) } }, html! { (score(candidate.score)) }, why]
     };
-    let rows: Vec<Vec<Markup>> = candidates.iter().take(MAX_CANDIDATES).map(row).collect();
+    let rows: Vec<Vec<Markup>> = candidates.iter().map(row).collect();
     let (shown, folded) = rows.split_at(rows.len().min(SHOWN_CANDIDATES));
     let header = ["candidate", "score", "reason for rejection"];
     let note = format!(

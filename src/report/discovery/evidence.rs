@@ -108,7 +108,11 @@ fn trials(report: &DiscoveryReport) -> Markup {
     });
     let header =
         ["held-out trial", "samples", "before", "after", "after over the floor", "gap closed"];
-    table(&header[..if changed { 6 } else { 3 }], &rows.collect::<Vec<_>>())
+    let table = table(&header[..if changed { 6 } else { 3 }], &rows.collect::<Vec<_>>());
+    let note = "Gap closed: share of the squared error above the noise floor that is gone. “Gap \
+                explained” at the top counts from the error of the model on this robot as built in \
+                place of the noise floor.";
+    html! { (table) @if changed && !table.0.is_empty() { p .note { (note) } } }
 }
 
 /// Root mean square of the distance; samples without one are left out.

@@ -78,7 +78,7 @@ fn draw_bar(canvas: &mut Canvas, panel: &Panel, bar: &Bar, y: f64, floor_m: f64)
     y + ROW_HEIGHT
 }
 
-/// The noise floor: no model can come below it.
+/// The noise floor.
 fn noise(canvas: &mut Canvas, panel: &Panel, high: f64, floor_m: f64) {
     let (x, top) = (panel.at(1e3 * floor_m, 0.0)[0], panel.corner[1]);
     if !x.is_finite() {

@@ -137,7 +137,16 @@ impl PageData {
     }
 }
 
-/// The names of policies, modes and trainings in figures.
+/// What was measured in a row of a sweep, and what stands in place of a training.
+const TASKS: [(&str, &str); 5] = [
+    ("reach", "goal reaching"),
+    ("response", "trials of fixed duration"),
+    ("track", "path"),
+    ("gp", "cross-validation of the Gaussian process"),
+    ("any", "independent of training"),
+];
+
+/// The names of policies, modes, trainings and tasks in figures.
 fn labels() -> BTreeMap<&'static str, String> {
     let mut labels: BTreeMap<&str, String> = policies::REGISTRY
         .iter()
@@ -148,6 +157,9 @@ fn labels() -> BTreeMap<&'static str, String> {
     }
     for training in ["paper", "converged"] {
         labels.insert(training, training_label(training));
+    }
+    for (name, shown) in TASKS {
+        labels.insert(name, shown.to_owned());
     }
     // π stays as it is.
     let shown = |label: String| if !label.starts_with('π') { capitalised(&label) } else { label };

@@ -4,9 +4,12 @@
 mod charts;
 mod claims;
 mod provenance;
+mod reasons;
+mod repair;
 mod sections;
 mod table1;
 mod tables;
+mod terms;
 
 use maud::{Markup, PreEscaped, html};
 use std::path::Path;
@@ -25,8 +28,36 @@ pub struct OverviewFacts {
     pub experiments: Vec<ExperimentFacts>,
     /// What it costs to judge each claim again.
     pub costs: Vec<ClaimCost>,
-    /// The robot on the path of Fig. 8, a scene a policy.
-    pub path: Vec<Scene>,
+    /// The robot on the path of Fig. 8.
+    pub path: PathScenes,
+    /// Repetitions below which no claim is decided.
+    pub repetitions_needed: u64,
+    /// Error above which C switches on the path of Fig. 8, metres.
+    pub switch_threshold_m: Option<f64>,
+}
+
+/// The robot on a path, a scene a policy.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PathScenes {
+    /// Training of the networks.
+    pub training: String,
+    /// Repetition, from 0.
+    pub seed: u64,
+    /// The scenes.
+    pub scenes: Vec<Scene>,
+}
+
+/// A part of the page that its contents list.
+struct Part {
+    id: &'static str,
+    heading: &'static str,
+    content: Markup,
+}
+
+impl Part {
+    fn new(id: &'static str, heading: &'static str, content: Markup) -> Part {
+        Part { id, heading, content }
+    }
 }
 
 /// The page for the tables below `results`. Parts whose tables are not there are left out.
@@ -35,35 +66,61 @@ pub struct OverviewFacts {
 /// [`ReportError::Data`] for a table that cannot be read.
 pub fn overview(results: &Path, facts: &OverviewFacts) -> Result<String, ReportError> {
     let mut data = PageData::default();
-    let claims = claims::section(results, &facts.costs)?;
+    let claims = claims::section(results, facts)?;
     let table1 = table1::section(results, &mut data)?;
-    let figures = sections::figures(results, &facts.path, &mut data)?;
-    let further = sections::further(results, &mut data)?;
+    let mut parts = vec![
+        Part::new("claims", "Claims of the paper", claims.section),
+        Part::new("table1", "Table I", table1),
+    ];
+    parts.extend(sections::figures(results, facts, &mut data)?);
+    parts.extend(sections::further(results, &mut data)?);
+    let provenance = provenance::section(&facts.experiments, results);
+    parts.push(Part::new("provenance", "Provenance of the numbers", provenance));
+    parts.retain(|part| !part.content.0.is_empty());
     let content = html! {
-        (head(&claims.summary))
-        (claims.section)
-        (table1)
-        (figures)
-        (further)
-        (provenance::section(&facts.experiments))
+        (head(&claims.summary, facts))
+        (contents(&parts))
+        (terms::section())
+        @for part in &parts { section id=(part.id) { h2 { (part.heading) } (part.content) } }
         (scripts(&data))
     };
     Ok(document("spinebench: results", &content))
 }
 
-fn head(summary: &Markup) -> Markup {
+/// Links to the parts.
+fn contents(parts: &[Part]) -> Markup {
+    html! {
+        nav .contents aria-label="Contents" {
+            ul {
+                li { a href="#terms" { "Terms" } }
+                @for part in parts { li { a href={ "#" (part.id) } { (part.heading) } } }
+            }
+        }
+    }
+}
+
+fn head(summary: &Markup, facts: &OverviewFacts) -> Markup {
+    // Experiments that state claims of the paper.
+    let of_paper = facts
+        .experiments
+        .iter()
+        .filter(|experiment| facts.costs.iter().any(|cost| cost.experiment == experiment.name));
+    let repetitions = of_paper.map(|experiment| experiment.seeds).min();
     html! {
         header {
             p .badge { "Results" }
             h1 { "Does this learning-based controller work?" }
             p .lead {
-                "We repeated every experiment of Wang & Rojas, " i { "A Data-Efficient Model-Based \
-                 Learning Framework for the Closed-Loop Control of Continuum Robots" } ", ten times, \
-                 data and training included."
+                "We repeated the experiments of Wang & Rojas, " i { "A Data-Efficient Model-Based \
+                 Learning Framework for the Closed-Loop Control of Continuum Robots" } ", "
+                @if let Some(repetitions) = repetitions { (repetitions) " times, " }
+                "data and training included. Further experiments have the number of repetitions stated under "
+                a href="#provenance" { "Provenance" } "."
             }
             p {
                 strong { "The “real” robot on this page is a simulated one" } ": the rod model with \
-                an injected gap and tracking noise. Only the last part uses recordings of real robots."
+                an injected gap and tracking noise. Only the part " a href="#real" { "Real robots" }
+                " uses recordings of real robots."
             }
             (summary)
         }

@@ -20,6 +20,34 @@
 
   const distinct = (values) => [...new Set(values)];
 
+  // A cell in words: numbers with their unit, which ends the name of their column.
+  function shownValue(column, value) {
+    if (typeof value !== "number") return label(value);
+    const plain = (size) => String(+size.toPrecision(6)).replace("-", "−");
+    const [scale, unit] = unitOf(column);
+    return unit ? `${plain(scale * value)} ${unit}` : plain(value);
+  }
+
+  function unitOf(column) {
+    const units = { m: [1e3, "mm"], s: [1, "s"], hz: [1, "Hz"], n: [1, "N"] };
+    return units[/(?<!per|samples)_(m|s|hz|n)$/.exec(column)?.[1]] ?? [1, ""];
+  }
+
+  // Rows in the order of their numbers where a category is one; texts keep the order of their first rows.
+  function sorted(rows, columns) {
+    if (!columns.some((column) => rows.some((row) => typeof row[column] === "number"))) return rows;
+    const places = columns.map((column) => {
+      const values = distinct(rows.map((row) => row[column]));
+      if (values.every((value) => typeof value === "number")) values.sort((a, b) => a - b);
+      return new Map(values.map((value, place) => [value, place]));
+    });
+    const order = (row) => columns.map((column, k) => places[k].get(row[column]));
+    return rows.map((row) => [order(row), row]).sort(([a], [b]) => {
+      const k = a.findIndex((place, index) => place !== b[index]);
+      return k < 0 ? 0 : a[k] - b[k];
+    }).map(([, row]) => row);
+  }
+
   // ---- small helpers
 
   function node(name, attributes, parent, text) {
@@ -94,14 +122,15 @@
     constructor(figure) {
       this.figure = figure;
       this.spec = data.charts[+figure.dataset.chart];
-      this.rows = rowsOf(data.tables[this.spec.table]);
+      this.rows = sorted(rowsOf(data.tables[this.spec.table]), this.spec.category);
       this.chosen = Object.fromEntries(this.spec.facets);
       this.hidden = new Set();
       this.controls = node("div", { class: "controls" });
       this.legend = node("div", { class: "legend", role: "group", "aria-label": "Series" });
       this.plot = node("div", { class: "plot" });
       this.tip = node("div", { class: "tip", role: "status", hidden: "" });
-      figure.querySelector("figcaption").before(this.controls, this.legend, this.plot);
+      this.selection = node("p", { class: "selection" });
+      figure.querySelector("figcaption").before(this.controls, this.selection, this.legend, this.plot);
       this.plot.after(this.tip);
       this.numbers = node("details", { class: "numbers" }, figure);
       node("summary", {}, this.numbers, "Numbers as a table");
@@ -116,19 +145,37 @@
 
     // One group of buttons for every facet that leaves a choice.
     choices() {
+      this.buttons = [];
       for (const [column] of this.spec.facets) {
-        const values = distinct(this.rows.map((row) => row[column]));
-        if (!values.includes(this.chosen[column])) this.chosen[column] = values[0];
+        const values = distinct(this.rows.map((row) => row[column])).filter((value) => value !== "" && value !== null);
         if (values.length < 2) continue;
+        // The same order in every chart.
+        if (column === "training") values.sort().reverse();
         const group = node("div", { role: "group", "aria-label": column }, this.controls);
         for (const value of values) {
-          const button = node("button", { type: "button", "aria-pressed": value === this.chosen[column] }, group, label(value));
+          const button = node("button", { type: "button" }, group, label(value));
+          this.buttons.push({ column, value, button });
           button.addEventListener("click", () => {
             this.chosen[column] = value;
-            for (const other of group.children) other.setAttribute("aria-pressed", other === button);
+            this.settle();
             this.draw();
           });
         }
+      }
+      this.settle();
+    }
+
+    // A facet offers the values that the facets before it leave; a chosen value that is not among them gives way.
+    settle() {
+      let rows = this.rows;
+      for (const [column] of this.spec.facets) {
+        const possible = new Set(rows.map((row) => row[column]));
+        if (!possible.has(this.chosen[column])) [this.chosen[column]] = possible;
+        for (const one of this.buttons.filter((other) => other.column === column)) {
+          one.button.disabled = !possible.has(one.value);
+          one.button.setAttribute("aria-pressed", one.value === this.chosen[column]);
+        }
+        rows = rows.filter((row) => row[column] === this.chosen[column]);
       }
     }
 
@@ -143,7 +190,7 @@
       const of = (row, column, name, xColumn) => {
         const main = y ?? x;
         const mark = {
-          row, series: name, category: category.map((key) => label(row[key])).join(" · "),
+          row, series: name, category: category.map((key) => shownValue(key, row[key])).join(" · "),
           x: y ? value(row, xColumn ?? x.column, x) : value(row, column, x), y: y ? value(row, column, y) : NaN,
         };
         if (interval) [mark.low, mark.high] = interval.map((key) => value(row, key, main));
@@ -164,12 +211,23 @@
       this.plot.textContent = "";
       this.targets = [];
       const kind = this.spec.kind;
-      const svg = kind === "dots" || kind === "strips" ? this.drawLanes(visible) : this.drawPlane(visible);
+      // Without a visible series the axes stay as they are with all.
+      const shape = visible.length ? visible : marks;
+      const svg = kind === "dots" || kind === "strips" ? this.drawLanes(shape, visible) : this.drawPlane(shape, visible);
+      this.selection.textContent = this.describe();
       svg.setAttribute("tabindex", "0");
       svg.setAttribute("role", "img");
       svg.setAttribute("aria-label", `${this.spec.title}. ${visible.length} values; arrow keys step through them.`);
       this.listen(svg);
       if (this.numbers.open) this.tabulate();
+    }
+
+    // What the buttons have selected, for paper.
+    describe() {
+      const facets = this.spec.facets.map(([column]) => this.chosen[column]).filter((value) => value !== "" && value !== undefined);
+      const hidden = this.names.filter((name) => this.hidden.has(name));
+      const parts = facets.map(label).concat(hidden.length ? [`not shown: ${hidden.join(", ")}`] : []);
+      return parts.length ? `Selected: ${parts.join("; ")}.` : "";
     }
 
     drawLegend() {
@@ -198,16 +256,20 @@
     }
 
     xAxis(svg, scale, top, bottom) {
+      let free = -Infinity;
       for (const tick of scale.ticks) {
-        const at = scale.place(tick);
+        const [at, text] = [scale.place(tick), tickText(tick)];
+        const half = 3.6 * text.length;
         node("line", { x1: at, x2: at, y1: top, y2: bottom, class: "grid" }, svg);
-        node("text", { x: at, y: bottom + 16, "text-anchor": "middle" }, svg, tickText(tick));
+        if (at - half < free || at + half > this.width) continue;
+        free = at + half + 6;
+        node("text", { x: at, y: bottom + 16, "text-anchor": "middle" }, svg, text);
       }
       node("text", { x: this.width / 2, y: bottom + 34, "text-anchor": "middle", class: "axis" }, svg, this.spec.x.label);
     }
 
     // Lines of marks, one a category; names above the line.
-    drawLanes(marks) {
+    drawLanes(marks, visible) {
       const categories = distinct(marks.map((mark) => mark.category));
       const several = this.spec.kind === "dots" && !this.byCategory();
       const lane = (name) => distinct(marks.filter((mark) => mark.category === name).map((mark) => mark.series));
@@ -220,9 +282,9 @@
       let top = 4;
       categories.forEach((name, k) => {
         node("text", { x: 4, y: top + 14, class: "name" }, svg, clipped(name, this.width));
-        const inside = marks.filter((mark) => mark.category === name);
+        const inside = visible.filter((mark) => mark.category === name);
         const order = lane(name);
-        if (this.spec.kind === "strips") this.strip(svg, inside, scale, top + 28);
+        if (this.spec.kind === "strips") inside.length && this.strip(svg, inside, scale, top + 28);
         else for (const mark of inside) this.dot(svg, mark, scale, top + 25 + (several ? 13 * order.indexOf(mark.series) : 0));
         top += heights[k];
       });
@@ -251,7 +313,7 @@
       node("line", { x1: quantile(0.5), x2: quantile(0.5), y1: y - 8, y2: y + 8, class: "median" }, svg);
     }
 
-    drawPlane(marks) {
+    drawPlane(marks, visible) {
       const height = Math.round(Math.min(420, 0.72 * this.width) + 52);
       const svg = this.canvas(height);
       const [left, right, top, bottom] = [52, this.width - 12, 18, height - 44];
@@ -265,7 +327,7 @@
       }
       node("text", { x: 4, y: 11, class: "axis" }, svg, this.spec.y.label);
       this.names.forEach((name, k) => {
-        const line = marks.filter((mark) => mark.series === name && Number.isFinite(mark.x));
+        const line = visible.filter((mark) => mark.series === name && Number.isFinite(mark.x));
         if (line.length) this.series(svg, line, k, x, y);
       });
       return svg;
@@ -340,17 +402,26 @@
       const MOST = 400;
       this.numbers.querySelector("div")?.remove();
       const frame = node("div", { class: "scroll", tabindex: "0" }, this.numbers);
-      const names = Object.keys(data.tables[this.spec.table].columns);
+      // What a row is about first.
+      const first = [...this.spec.facets.map(([column]) => column), ...this.spec.category, this.spec.series];
+      const rest = Object.keys(data.tables[this.spec.table].columns);
+      const names = distinct([...first.filter((name) => rest.includes(name)), ...rest]);
       const table = node("table", {}, frame);
       const head = node("tr", {}, node("thead", {}, table));
-      for (const name of names) node("th", { scope: "col" }, head, name);
+      for (const name of names) node("th", { scope: "col" }, head, unitOf(name)[1] ? `${name.replace(/_[a-z]+$/, "")} (${unitOf(name)[1]})` : name);
       const body = node("tbody", {}, table);
       for (const row of this.shown.slice(0, MOST)) {
         const line = node("tr", {}, body);
-        for (const name of names) node("td", {}, line, row[name] === null ? "" : String(row[name]));
+        for (const name of names) node("td", {}, line, inTable(name, row[name]));
       }
       if (this.shown.length > MOST) node("p", { class: "note" }, frame, `The first ${MOST} of ${this.shown.length} rows.`);
     }
+  }
+
+  // A cell of a table whose head states the unit.
+  function inTable(column, value) {
+    if (value === null) return "";
+    return typeof value === "number" ? String(+(unitOf(column)[0] * value).toPrecision(6)).replace("-", "−") : String(value);
   }
 
   // A name that fits into a line of about 6.6 pixels a letter.

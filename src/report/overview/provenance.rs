@@ -1,8 +1,7 @@
 //! Where the results come from.
 
 use maud::{Markup, html};
-
-use crate::report::discovery::html::section as page_section;
+use std::path::Path;
 
 /// A published experiment.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -42,7 +41,10 @@ pub fn duration(seconds: f64) -> String {
 }
 
 /// The section: one line an experiment.
-pub(super) fn section(experiments: &[ExperimentFacts]) -> Markup {
+pub(super) fn section(experiments: &[ExperimentFacts], results: &Path) -> Markup {
+    if experiments.is_empty() {
+        return Markup::default();
+    }
     let line = |facts: &ExperimentFacts| {
         let revision: String = facts.revision.chars().take(10).collect();
         html! {
@@ -50,26 +52,33 @@ pub(super) fn section(experiments: &[ExperimentFacts]) -> Markup {
                 th scope="row" { code { (facts.name) } }
                 td data-label="Repetitions" { (facts.seeds) }
                 td data-label="Processor time" { (duration(facts.cpu_s)) }
-                td data-label="Program" { (facts.version) ", " code { (revision) } }
+                td data-label="Program" {
+                    (facts.version) ", "
+                    @if revision.is_empty() { "revision not recorded" } @else { code { (revision) } }
+                }
                 td data-label="Processor" { (facts.processor) }
             }
         }
     };
-    page_section(
-        "Provenance of the numbers",
-        &html! {
+    html! {
+        p {
+            "Each experiment is a YAML file. " code { "results/NAME/spec.yaml" } " states every setting of \
+             a run, " code { "stages.csv" } " every stage with its key and result. " code { "spinebench verify NAME" }
+            " reruns an experiment without stored results and compares every byte. A revision \
+             that ends in "
+            code { "+" } " had uncommitted changes."
+        }
+        @if results.join("real").is_dir() {
             p {
-                "Each experiment is a YAML file. " code { "results/NAME/spec.yaml" } " states every setting of \
-                 a run, " code { "stages.csv" } " every stage with its key and result. " code { "spinebench verify NAME" }
-                " reruns an experiment without stored results and compares every byte. A revision \
-                 that ends in "
-                code { "+" } " had uncommitted changes."
+                "Real robots (" code { "results/real" } ") are no experiment of this kind: " code { "make real" }
+                " calibrates models with recordings that other groups published, which are not part of this \
+                 repository. It has no repetitions, and its revision is not recorded."
             }
-            table .stack {
-                thead { tr { th scope="col" { "Experiment" } th scope="col" { "Repetitions" } th scope="col" { "Processor time" }
-                    th scope="col" { "Program" } th scope="col" { "Processor" } } }
-                tbody { @for facts in experiments { (line(facts)) } }
-            }
-        },
-    )
+        }
+        table .stack {
+            thead { tr { th scope="col" { "Experiment" } th scope="col" { "Repetitions" } th scope="col" { "Processor time" }
+                th scope="col" { "Program" } th scope="col" { "Processor" } } }
+            tbody { @for facts in experiments { (line(facts)) } }
+        }
+    }
 }

@@ -5,13 +5,13 @@ use std::path::Path;
 
 use super::charts::{AxisColumn, Chart, ChartKind, PageData};
 use super::tables::{EmbeddedTable, published_columns};
+use super::{OverviewFacts, Part, repair};
 use crate::data::DataError;
-use crate::data::scene::Scene;
-use crate::report::discovery::html::section as page_section;
 use crate::report::scene::player;
+use crate::report::style::training_label;
 
 /// A chart of columns of one table, or nothing where the table is not there.
-fn chart_of(
+pub(super) fn chart_of(
     results: &Path,
     data: &mut PageData,
     file: &str,
@@ -39,18 +39,33 @@ fn chart_of(
 /// [`DataError`] for a table that cannot be read.
 pub(super) fn figures(
     results: &Path,
-    path: &[Scene],
+    facts: &OverviewFacts,
     data: &mut PageData,
-) -> Result<Markup, DataError> {
+) -> Result<Vec<Part>, DataError> {
     let fig5 = fig5(results, data)?;
     let fig6 = fig6(results, data)?;
     let fig8 = fig8(results, data)?;
-    let robots = player("The robot on the path under each controller", path);
-    Ok(html! {
-        (page_section("Fig. 5: simulated and “real” tips", &fig5))
-        (page_section("Fig. 6: error against the amount of real data", &fig6))
-        (page_section("Fig. 8: a path in closed loop", &html! { (robots) (fig8) }))
-    })
+    let robots = path_player(facts);
+    Ok(vec![
+        Part::new("fig5", "Fig. 5: simulated and “real” tips", fig5),
+        Part::new("fig6", "Fig. 6: error against the amount of real data", fig6),
+        Part::new("fig8", "Fig. 8: a path in closed loop", html! { (robots) (fig8) }),
+    ])
+}
+
+/// The robot on the path, with what it is.
+fn path_player(facts: &OverviewFacts) -> Markup {
+    let robots = player("The robot on the path under each controller", &facts.path.scenes);
+    html! {
+        @if !robots.0.is_empty() {
+            p .note {
+                "The robot under the commands of repetition " (facts.path.seed + 1) ", "
+                (training_label(&facts.path.training)) ", simulated again without noise. A controller \
+                 stops where it has passed the last point of the path."
+            }
+            (robots)
+        }
+    }
 }
 
 fn fig5(results: &Path, data: &mut PageData) -> Result<Markup, DataError> {
@@ -166,21 +181,21 @@ fn fig8(results: &Path, data: &mut PageData) -> Result<Markup, DataError> {
 ///
 /// # Errors
 /// [`DataError`] for a table that cannot be read.
-pub(super) fn further(results: &Path, data: &mut PageData) -> Result<Markup, DataError> {
+pub(super) fn further(results: &Path, data: &mut PageData) -> Result<Vec<Part>, DataError> {
     let controllers = controllers(results, data)?;
-    let repair = repair(results, data)?;
+    let repair = repair::section(results, data)?;
     let population = population(results, data)?;
     let sweeps = sweeps(results, data)?;
     let discovery = discovery(results, data)?;
     let real = real(results, data)?;
-    Ok(html! {
-        (page_section("Further controllers", &controllers))
-        (page_section("Repair: a robot that changes", &repair))
-        (page_section("A population of robots", &population))
-        (page_section("Sweeps", &sweeps))
-        (page_section("Discovery of missing physics", &discovery))
-        (page_section("Real robots", &real))
-    })
+    Ok(vec![
+        Part::new("controllers", "Further controllers", controllers),
+        Part::new("repair", "Repair: a robot that changes", repair),
+        Part::new("population", "A population of robots", population),
+        Part::new("sweeps", "Sweeps", sweeps),
+        Part::new("discovery", "Discovery of missing physics", discovery),
+        Part::new("real", "Real robots", real),
+    ])
 }
 
 fn controllers(results: &Path, data: &mut PageData) -> Result<Markup, DataError> {
@@ -193,23 +208,9 @@ fn controllers(results: &Path, data: &mut PageData) -> Result<Markup, DataError>
         facets: vec![("training", "converged".into()), ("mode", "closed".into())],
         ..Chart::default()
     };
-    let caption = "Mean over ten repetitions with its 95 % interval; A to π_real are the paper’s controllers.";
+    let caption = "Mean over ten repetitions with its 95 % interval; A to π_real are the paper’s controllers. \
+                   True tip: without tracking noise.";
     chart_of(results, data, "controllers/controllers.csv", |_| true, chart, caption)
-}
-
-fn repair(results: &Path, data: &mut PageData) -> Result<Markup, DataError> {
-    let chart = Chart {
-        title: "Error before a change, after it, and repaired".into(),
-        x: AxisColumn::millimetres("mean_m", "mean error (mm)"),
-        interval: Some(["low_95_m", "high_95_m"]),
-        category: vec!["change".into()],
-        series: Some("variant"),
-        facets: vec![("mode", "open".into()), ("policy", "a".into())],
-        ..Chart::default()
-    };
-    let caption = "Seven unannounced changes of the robot. The program detects each change, \
-                   identifies it and repairs the controller.";
-    chart_of(results, data, "repair/repair_summary.csv", |_| true, chart, caption)
 }
 
 fn population(results: &Path, data: &mut PageData) -> Result<Markup, DataError> {
@@ -277,14 +278,14 @@ fn sweeps(results: &Path, data: &mut PageData) -> Result<Markup, DataError> {
         };
         let caption = format!("Swept: {}. 95 % intervals over repetitions.", fields.join(", "));
         let shown = chart_of(results, data, &file, |_| true, chart, &caption)?;
-        charts.0 += &html! { details { summary { (name.trim_start_matches("sweep_").replace('_', " ")) } (shown) } }.into_string();
+        charts.0 += &html! { details id=(name) { summary { (name.trim_start_matches("sweep_").replace('_', " ")) } (shown) } }.into_string();
     }
     Ok(charts)
 }
 
 fn discovery(results: &Path, data: &mut PageData) -> Result<Markup, DataError> {
     let chart = Chart {
-        title: "Share of correct answers".into(),
+        title: "Share of cases".into(),
         x: AxisColumn { scale: 100.0, zero: true, ..AxisColumn::plain("value", "share (%)") },
         interval: Some(["low_95", "high_95"]),
         category: vec!["measure".into()],
@@ -293,7 +294,9 @@ fn discovery(results: &Path, data: &mut PageData) -> Result<Markup, DataError> {
     };
     let shares = |cell: &dyn Fn(&str) -> String| cell("kind") == "share";
     let caption = "Recordings of simulated robots whose effects are unknown to the search: one \
-                   effect, a pair, or none.";
+                   effect, a pair, or none. In the group: several effects explain the data equally well, and \
+                   the true one is among those named. Outside the span: an effect that no combination of \
+                   the catalogue imitates; inside: one that some combination imitates.";
     let own =
         chart_of(results, data, "discovery_full/summary.csv", shares, chart.clone(), caption)?;
     let caption = "The same on recordings of another simulator, a MuJoCo chain.";

@@ -6,7 +6,6 @@ use std::path::Path;
 use super::charts::{AxisColumn, Chart, ChartKind, PageData};
 use super::tables::{EmbeddedTable, published_columns};
 use crate::data::DataError;
-use crate::report::discovery::html::section as page_section;
 use crate::report::published_rows;
 use crate::report::style::{mode_title, policies_in_order, policy_label, training_label};
 use crate::rows::experiment::ReachSummaryRow;
@@ -25,22 +24,23 @@ pub(super) fn section(results: &Path, data: &mut PageData) -> Result<Markup, Dat
         return Ok(Markup::default());
     }
     let strips = strips(results, data)?;
-    Ok(page_section(
-        "Table I",
-        &html! {
-            p { "Distance from the target at the end of a trial in mm: mean, and in brackets the standard deviation over the targets." }
-            table .stack {
-                thead { tr { th scope="col" { "Controller" } @for mode in MODES { th scope="col" { (mode_title(mode)) } } } }
-                tbody { @for policy in &policies { @for source in ["the paper"].into_iter().chain(TRAININGS) {
-                    tr {
-                        th scope="row" { (policy_label(policy)) div .note { (source_label(source)) } }
-                        @for mode in MODES { td data-label=(mode_title(mode)) { (cell(&rows, policy, mode, source)) } }
-                    }
-                } } }
-            }
-            (strips)
-        },
-    ))
+    Ok(html! {
+        p {
+            "Distance from the target at the end of a trial in mm: mean, and in brackets the standard deviation \
+             over all trials of all repetitions together. The claims about Table I use the mean of the repetitions’ own \
+             standard deviations, which leaves out the spread between repetitions and is therefore smaller."
+        }
+        table .stack {
+            thead { tr { th scope="col" { "Controller" } @for mode in MODES { th scope="col" { (mode_title(mode)) } } } }
+            tbody { @for policy in &policies { @for source in ["the paper"].into_iter().chain(TRAININGS) {
+                tr {
+                    th scope="row" { (policy_label(policy)) div .note { (source_label(source)) } }
+                    @for mode in MODES { td data-label=(mode_title(mode)) dir="ltr" { (cell(&rows, policy, mode, source)) } }
+                }
+            } } }
+        }
+        (strips)
+    })
 }
 
 fn source_label(source: &str) -> String {

@@ -44,6 +44,11 @@ const WORDS: f64 = 12.0;
 /// [`ReportError::Draw`] where a picture cannot be painted or encoded.
 pub fn film(strips: &[FilmStrip], duration_s: f64) -> Result<Vec<u8>, ReportError> {
     let failed = |reason: String| ReportError::Draw { figure: "film", reason };
+    let rounded = |strip: &FilmStrip| FilmStrip {
+        heading: strip.heading.clone(),
+        scenes: strip.scenes.iter().cloned().map(Scene::rounded).collect(),
+    };
+    let strips: Vec<FilmStrip> = strips.iter().map(rounded).collect();
     let count = (duration_s * PICTURES_PER_S).round().max(1.0) as usize;
     let sights: Vec<(&FilmStrip, Vec<Sight>)> =
         strips.iter().enumerate().map(|(row, strip)| (strip, sights(strip, row))).collect();

@@ -19,8 +19,12 @@ const SPEEDS: [f64; 7] = [0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0];
 /// A player of `scenes`, with all that it needs. Without scripts the page shows a still picture of
 /// each scene's last frame. Scenes without frames are left out; without any there is no player.
 pub fn player(title: &str, scenes: &[Scene]) -> Markup {
-    let scenes: Vec<Scene> =
-        scenes.iter().filter(|scene| !scene.frames.is_empty()).cloned().collect();
+    let scenes: Vec<Scene> = scenes
+        .iter()
+        .filter(|scene| !scene.frames.is_empty())
+        .cloned()
+        .map(Scene::rounded)
+        .collect();
     if scenes.is_empty() {
         return Markup::default();
     }

@@ -13,3 +13,4 @@ pub(crate) mod self_contact;
 pub(crate) mod solve_log;
 pub(crate) mod stage;
 pub(crate) mod step_size;
+pub(crate) mod tension_split;

@@ -2,7 +2,7 @@
 //! that runs with other numbers of repetitions can be compared.
 
 use super::compare::is_close;
-use super::provenance::first_difference;
+use super::provenance::first_parting;
 use crate::data::DataError;
 use crate::data::tables::{Beside, read_csv, read_text_columns};
 use crate::rows::experiment::StageRow;
@@ -120,7 +120,11 @@ impl RunComparison {
             if name == TRAIL {
                 let (before, now): (Vec<StageRow>, Vec<StageRow>) =
                     (read_csv(one)?, read_csv(other)?);
-                self.first_stage = self.first_stage.take().or(first_difference(&before, &now));
+                self.first_stage = self.first_stage.take().or(first_parting(
+                    &before,
+                    &now,
+                    ["first run", "second run"],
+                ));
             } else {
                 let columns = [read_text_columns(one)?, read_text_columns(other)?];
                 differences(&about, &columns, share, &mut self.differences);

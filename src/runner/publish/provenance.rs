@@ -49,11 +49,20 @@ pub fn provenance(
 /// The first stage at which a run parts from a published trail, in words; `None` where they go
 /// together.
 pub fn first_difference(published: &[StageRow], found: &[StageRow]) -> Option<String> {
-    for (before, now) in published.iter().zip(found) {
+    first_parting(published, found, ["published", "found"])
+}
+
+/// The first stage at which two trails part, which these words name.
+pub(super) fn first_parting(
+    first: &[StageRow],
+    second: &[StageRow],
+    [one, other]: [&str; 2],
+) -> Option<String> {
+    for (before, now) in first.iter().zip(second) {
         let name = format!("{} ({})", now.stage, now.label);
         if (&before.stage, &before.label) != (&now.stage, &now.label) {
             return Some(format!(
-                "{name}: the published stage at this position is {} ({})",
+                "{name}: the {one} stage at this position is {} ({})",
                 before.stage, before.label
             ));
         }
@@ -64,11 +73,11 @@ pub fn first_difference(published: &[StageRow], found: &[StageRow]) -> Option<St
             } else {
                 "other settings or other code"
             };
-            return Some(format!("{name}: published {was}, found {is}, with {why}"));
+            return Some(format!("{name}: {one} {was}, {other} {is}, with {why}"));
         }
     }
-    let (before, now) = (published.len(), found.len());
-    (before != now).then(|| format!("found {now} stages, published {before}"))
+    let (before, now) = (first.len(), second.len());
+    (before != now).then(|| format!("{other} {now} stages, {one} {before}"))
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ pub(in crate::specs) mod merge_keys;
 pub(crate) mod merged;
 pub(crate) mod mismatch;
 pub(crate) mod path;
-mod suggest;
+pub(super) mod suggest;
 pub(crate) mod sweep;
 mod sweep_option;
 pub(crate) mod tree;

@@ -2,10 +2,7 @@
 
 /// The candidate with the fewest edits to `word`, at most a third of its letters (and at least
 /// two), or one that differs in the unit at its end alone (`duration_ms` for `duration_s`).
-pub(crate) fn nearest<'a>(
-    word: &str,
-    candidates: impl IntoIterator<Item = &'a str>,
-) -> Option<&'a str> {
+pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let max_edits = (word.chars().count() / 3).max(2);
     candidates
         .into_iter()

@@ -51,7 +51,7 @@ pub fn scene_of_recording(
             target_m: None,
             measured_m: measured_m(recording, row),
         };
-        frame.rounded()
+        frame.finite()
     };
     let frames = (0..recording.len()).map(frame).collect();
     Ok(Scene { name: name.to_owned(), robot, frames })
@@ -62,7 +62,7 @@ pub fn scene_of_measurement(name: &str, recording: &Recording, at_rest: bool) ->
     let times_s = times_s(recording, at_rest);
     let frame = |row: usize| {
         let measured_m = measured_m(recording, row);
-        SceneFrame { time_s: times_s[row], measured_m, ..SceneFrame::default() }.rounded()
+        SceneFrame { time_s: times_s[row], measured_m, ..SceneFrame::default() }.finite()
     };
     let reach_m = recording.tip_m.iter().flatten().filter(|tip_m| is_finite(tip_m));
     let length_m = reach_m.map(|tip_m| Point3::map(*tip_m, |x| x * x).iter().sum::<f64>().sqrt());

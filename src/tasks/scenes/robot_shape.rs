@@ -53,14 +53,13 @@ pub fn scene_frame(seen: &Observation) -> SceneFrame {
     let poses = seen.points.iter().map(|point| {
         StationPose::new(point.position_m, point.quaternion.unwrap_or([1.0, 0.0, 0.0, 0.0]))
     });
-    let frame = SceneFrame {
+    SceneFrame {
         time_s: seen.time_s,
         tip_m: Some(seen.tip_m),
         poses: poses.collect(),
         tensions_n: seen.tensions_n.clone().unwrap_or_default(),
         ..SceneFrame::default()
-    };
-    frame.rounded()
+    }
 }
 
 /// Base, disks, ends of tendons and tip, with further cross-sections where these are far apart.

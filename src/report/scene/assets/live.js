@@ -8,6 +8,9 @@ let frame = null;
 let fitted = false;
 let due = false;
 let trail = [];
+// Tendons that are slack, from 0, and whether rigid tendons could share their pull otherwise.
+let slack = [];
+let undetermined = false;
 const TRAIL = 600;
 
 const make = (name, properties = {}, ...children) => {
@@ -23,7 +26,8 @@ const paint = () => {
     due = false;
     if (!frame) return;
     const trails = [{ points: trail, colour: 'trail', dash: [] }];
-    SceneView.paint(canvas, camera, robot, SceneView.frameAt([frame], frame.time_s), trails, SceneView.scheme.matches);
+    const now = { ...SceneView.frameAt([frame], frame.time_s), tensions: tautness() };
+    SceneView.paint(canvas, camera, robot, now, trails, SceneView.scheme.matches);
   });
 };
 
@@ -97,13 +101,22 @@ const effects = view.effects.map((effect) => {
   return entry;
 });
 
+// In place of tensions: 0 for a slack tendon. One that is held without tension is not slack.
+const tautness = () => frame.tensions_n.map((_, k) => (slack.includes(k) ? 0 : 1));
+
+// Values of an earlier state are dimmed.
+const NO_SOLUTION = 'no solution at this time';
+const mark = (stale) => document.querySelector('.live').classList.toggle('live-stale', stale);
+
 const receive = (answer) => {
   if (answer.robot) ({ robot } = answer);
   if (answer.restarted) trail = [];
   element('error').textContent = answer.error || '';
+  if (answer.error || answer.frame) mark(Boolean(answer.error));
+  if (answer.error && !answer.frame) element('time').textContent = NO_SOLUTION;
   if (answer.status) element('status').textContent = answer.status;
   if (answer.frame) {
-    ({ frame } = answer);
+    ({ frame, slack, undetermined } = answer);
     if (!fitted) {
       fitted = true;
       camera.fit([{ frames: [frame], robot }]);
@@ -115,7 +128,8 @@ const receive = (answer) => {
     trail.push(frame.tip_m);
     if (trail.length > TRAIL) trail.shift();
     element('tip').textContent = SceneView.millimetres(frame.tip_m);
-    element('tensions').textContent = `${frame.tensions_n.map((n) => n.toFixed(2)).join(', ')} N; ${SceneView.slackText(frame.tensions_n)}`;
+    const split = undetermined ? '; rigid tendons leave the split undetermined: the smallest tensions are shown' : '';
+    element('tensions').textContent = `${frame.tensions_n.map((n) => n.toFixed(2)).join(', ')} N; ${SceneView.slackText(tautness())}${split}`;
     element('time').textContent = answer.pace < 0.95 ? `${frame.time_s.toFixed(1)} s, slower than real time (×${answer.pace.toFixed(2)})` : `${frame.time_s.toFixed(1)} s`;
     element('tip').dataset.tip = JSON.stringify(frame.tip_m);
   }
@@ -125,7 +139,8 @@ const receive = (answer) => {
 // Every two seconds, for readers of the screen, where something has changed.
 setInterval(() => {
   if (!frame) return;
-  const words = `Tip ${SceneView.millimetres(frame.tip_m)}; ${SceneView.slackText(frame.tensions_n)}; solver ${element('status').textContent}.`;
+  const stale = document.querySelector('.live-stale') ? `${element('error').textContent} Before: ` : '';
+  const words = `${stale}Tip ${SceneView.millimetres(frame.tip_m)}; ${SceneView.slackText(tautness())}; solver ${element('status').textContent}.`;
   if (element('state').textContent !== words) element('state').textContent = words;
 }, 2000);
 
@@ -144,6 +159,7 @@ const socket = new WebSocket(`ws://${location.host}${location.pathname}socket`);
 socket.addEventListener('open', () => ask());
 socket.addEventListener('message', (event) => receive(JSON.parse(event.data)));
 socket.addEventListener('close', () => {
+  mark(true);
   element('status').textContent = 'disconnected';
-  element('error').textContent = 'The program has ended. Start it again to go on.';
+  element('error').textContent = 'The program has ended; the values are those before. Start it again to go on.';
 });

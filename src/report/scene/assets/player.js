@@ -10,6 +10,12 @@ const ScenePlayer = (() => {
       this.start = Math.min(...this.scenes.map(({ frames }) => frames[0].time_s));
       this.end = Math.max(...this.scenes.map(({ frames }) => frames[frames.length - 1].time_s));
       Object.assign(this, { time: this.end, playing: false, speed: 1, due: false, printing: false });
+      // The way of the target, where it moves.
+      this.paths = this.scenes.map(({ frames }) => {
+        const targets = frames.flatMap(({ target_m: target }) => (target ? [target] : []));
+        const moves = targets.some((target) => SceneView.norm(SceneView.sub(target, targets[0])) > 1e-4);
+        return moves ? targets : [];
+      });
       const part = (name) => root.querySelector(`.scene-${name}`);
       Object.assign(this, { button: part('play'), range: part('time'), clock: part('clock'), state: part('state') });
       this.panels = [...root.querySelectorAll('.scene-panel')].map((panel) => ({
@@ -82,19 +88,20 @@ const ScenePlayer = (() => {
       if (this.time >= this.end) this.toggle();
     }
 
-    trails({ frames }, index, tip) {
+    trails({ frames }, index, tip, path) {
       const past = frames.slice(Math.max(0, index + 1 - TRAIL), index + 1);
       const tips = past.flatMap((frame) => (frame.tip_m ? [frame.tip_m] : []));
       const measured = past.flatMap((frame) => (frame.measured_m ? [frame.measured_m[0]] : []));
-      return [{ points: measured, colour: 'measured', dash: [2, 3] }, { points: tip ? [...tips, tip] : tips, colour: 'trail', dash: [] }];
+      const targets = { points: path, colour: 'target', dash: [5, 4], even: true };
+      return [targets, { points: measured, colour: 'measured', dash: [2, 3] }, { points: tip ? [...tips, tip] : tips, colour: 'trail', dash: [] }];
     }
 
     paint() {
       const dark = !this.printing && SceneView.scheme.matches;
       this.scenes.forEach((scene, k) => {
         const now = SceneView.frameAt(scene.frames, this.time);
-        SceneView.paint(this.panels[k].canvas, this.camera, scene.robot, now, this.trails(scene, now.index, now.tip), dark);
-        this.panels[k].output.textContent = this.describe(now);
+        SceneView.paint(this.panels[k].canvas, this.camera, scene.robot, now, this.trails(scene, now.index, now.tip, this.paths[k]), dark);
+        this.panels[k].output.textContent = this.describe(now, scene);
       });
       this.range.value = this.time;
       const words = `${this.time.toFixed(1)} of ${this.end.toFixed(1)} s`;
@@ -102,10 +109,17 @@ const ScenePlayer = (() => {
       this.clock.textContent = words;
     }
 
-    describe({ tip, target, measured }) {
+    describe({ tip, target, measured, poses }, { frames, robot }) {
       const from = (point) => `${(1e3 * SceneView.norm(SceneView.sub(tip, point))).toFixed(1)} mm`;
-      if (!tip) return measured.length ? `measured tip ${SceneView.millimetres(measured[0])}` : 'no solution';
-      const parts = [`tip ${SceneView.millimetres(tip)}`];
+      const parts = [];
+      const last = frames[frames.length - 1].time_s;
+      if (this.time > last + 1e-6) parts.push(`finished at ${last.toFixed(1)} s`);
+      if (!tip) {
+        if (!poses.length && robot.stations.length) parts.push('no solution at this time');
+        if (measured.length) parts.push(`measured tip ${SceneView.millimetres(measured[0])}`);
+        return parts.join('; ') || 'no solution at this time';
+      }
+      parts.push(`tip ${SceneView.millimetres(tip)}`);
       if (target) parts.push(`${from(target)} from the target`);
       if (measured.length) parts.push(`${from(measured[0])} from the measured tip`);
       return parts.join('; ');
@@ -114,7 +128,7 @@ const ScenePlayer = (() => {
     announce() {
       const each = this.scenes.map((scene) => {
         const now = SceneView.frameAt(scene.frames, this.time);
-        return `${scene.name}: ${[this.describe(now), SceneView.slackText(now.tensions)].filter(Boolean).join('; ')}.`;
+        return `${scene.name}: ${[this.describe(now, scene), SceneView.slackText(now.tensions)].filter(Boolean).join('; ')}.`;
       });
       this.state.textContent = `At ${this.time.toFixed(1)} s. ${each.join(' ')}`;
     }

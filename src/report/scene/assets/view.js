@@ -192,6 +192,12 @@ const SceneView = (() => {
       for (const trail of trails) this.trail(trail);
       this.marks(now);
       this.head();
+      if (!now.poses.length && robot.stations.length) this.message('no solution at this time');
+    }
+
+    message(words) {
+      Object.assign(this.context, { font: '600 15px system-ui, sans-serif', textAlign: 'center', fillStyle: this.ink.ink });
+      this.context.fillText(words, this.wide / 2, this.high / 3);
     }
 
     ground(now) {
@@ -337,7 +343,11 @@ const SceneView = (() => {
       }
     }
 
-    trail({ points, colour, dash }) {
+    trail({ points, colour, dash, even }) {
+      if (even) {
+        this.stroke(points.map(this.project), this.ink[colour], 1.3, dash);
+        return;
+      }
       const chunk = Math.max(2, Math.ceil(points.length / 12));
       for (let start = 0; start + 1 < points.length; start += chunk - 1) {
         this.context.globalAlpha = 0.2 + (0.8 * (start + chunk)) / (points.length + chunk);
