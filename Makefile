@@ -63,6 +63,17 @@ else
 	@echo "A look at $(SEEDS) of ten repetitions is in $(OUT)/; the published results/ and plots/ are as they were."
 endif
 
+LEAGUE_POLICIES := integral online_jacobian model_integral mpc a b c pi_real a_integral c_hysteresis a_online dagger
+league: build ## baselines of the league and its board, into results/league (hours; needs Python with benches/league/requirements.txt): docs/guide/league.md
+	@for track in reach track change; do for policy in $(LEAGUE_POLICIES); do \
+	  folder=$(OUT)/results/league/$$track/$$policy && mkdir -p $$folder && \
+	  printf '%s\n' "name: $$policy" "authors: [spinebench]" "track: $$track" "policy: {builtin: $$policy}" \
+	    "trained_on: the nominal model, and 100 samples of each robot where it uses real data" "real_samples: 0" \
+	    "licence: MIT OR Apache-2.0" > $$folder/submission.yaml && \
+	  $(SPINEBENCH) league score $$folder --out $$folder || exit 1; done; done
+	python3 benches/league/baselines.py $(OUT)/results/league
+	$(SPINEBENCH) league table $(OUT)/results/league
+
 ROBOT := target/tmp/robot
 robot: build ## the README's moving picture, plots/robot.gif: Fig. 8's path under two policies, and `discover` before and after
 	$(SPINEBENCH) discover --model models/nominal.yaml --measured tests/data/twin/r12.csv --baseline tests/data/twin/baseline.csv --out $(ROBOT)
@@ -134,6 +145,10 @@ test-python: ## the Python package: build, tests, types (needs Python 3.10 or la
 	cd python && ../$(PYTHON_VENV)/bin/python -m pytest -q
 	$(PYTHON_VENV)/bin/python -m mypy --strict -p spinebench
 	cd python/tests && ../../$(PYTHON_VENV)/bin/python -m mypy --strict .
+	@# The robots of another engine, and a submission that learns from its samples of each.
+	$(PYTHON_VENV)/bin/python -m pip install --quiet --disable-pip-version-check -r benches/league/requirements.txt
+	$(PYTHON_VENV)/bin/python -B benches/league/test_serve.py
+	PATH="$(CURDIR)/$(PYTHON_VENV)/bin:$$PATH" $(SPINEBENCH) league check experiments/league/example
 
 BROWSER_VENV := target/browser-venv
 test-browser: build ## pages in a browser: live view, player, reports (needs Python with venv, PyPI, and Chromium or $$CHROMIUM)

@@ -17,6 +17,7 @@ pub mod data;
 pub mod discovery;
 pub mod effects;
 pub mod hardware;
+pub mod league;
 pub mod learn;
 pub mod math;
 pub mod plants;

@@ -57,6 +57,35 @@ def sites(robot, name, places):
     )
 
 
+def ends_within(robot, i, start, end):
+    """Whether the tendon i is anchored on the body from start to end, and not at the tip."""
+    ends = robot.tendon_ends_m
+    return ends is not None and start < ends[i] - 1e-9 <= end and ends[i] < robot.length_m - 1e-9
+
+
+def anchors(robot, k, start, end):
+    """Sites on the body k where tendons end before the tip."""
+    return "".join(
+        f'<site name="s{k}_{i}_end" pos="{x!r} {y!r} {robot.tendon_ends_m[i] - start!r}"/>'
+        for i, (x, y) in enumerate(robot.holes_m().tolist())
+        if ends_within(robot, i, start, end)
+    )
+
+
+def path(robot, i):
+    """Names of the sites that the tendon i runs through."""
+    h = robot.length_m / robot.pieces
+    names = [f"b_{i}_0", f"b_{i}_1"]
+    for k in range(robot.pieces):
+        start, end = (k + 0.5) * h, min((k + 1.5) * h, robot.length_m)
+        if ends_within(robot, i, start, end):
+            length = robot.tendon_ends_m[i] - start - 1e-9
+            names += [f"s{k}_{i}_{place}" for place, z in enumerate((0.25 * h, 0.75 * h)) if z < length]
+            return [*names, f"s{k}_{i}_end"]
+        names += [f"s{k}_{i}_0", f"s{k}_{i}_1"]
+    return names
+
+
 def tendons(robot):
     """A tendon is a stiff spring that does nothing while slack, or a limit of its length: it pulls and never pushes."""
     out = ""
@@ -64,9 +93,8 @@ def tendons(robot):
     if robot.tendons == "limit":
         kind = f'limited="true" range="0 9" solreflimit="{LIMIT_TIME_S} 1" solimplimit="{LIMIT_IMPEDANCE}"'
     for i in range(len(robot.tendon_angles_rad)):
-        names = ["b", *(f"s{k}" for k in range(robot.pieces))]
-        path = "".join(f'<site site="{name}_{i}_{place}"/>' for name in names for place in (0, 1))
-        out += f'<spatial name="tendon{i}" {kind}>{path}</spatial>'
+        through = "".join(f'<site site="{name}"/>' for name in path(robot, i))
+        out += f'<spatial name="tendon{i}" {kind}>{through}</spatial>'
     return out
 
 
@@ -85,6 +113,7 @@ def xml(robot, dt_s):
             f'<body name="s{k}" pos="0 0 {0.5 * h if k == 0 else h}">{joints(robot, k, h, slides)}'
             f'<inertial pos="0 0 {centre - start}" mass="{mass}" diaginertia="{side} {side} {axial}"/>{ball}'
             + sites(robot, f"s{k}", (0.25 * h, 0.75 * h if k < robot.pieces - 1 else 0.5 * h))
+            + anchors(robot, k, start, end)
         )
     # What hangs on the tip is a body of its own, so that a force on it acts at the tip.
     tip_mass = robot.tip_mass_kg + 1e-9
@@ -180,7 +209,7 @@ class Chain:
         self.data.xfrc_applied[:] = forces
         self.data.qpos[:] = self.home
         # Drives that act late stand at home until the first command reaches them.
-        self.set_pulls(np.zeros(4))
+        self.set_pulls(np.zeros_like(self.straight_m))
         mujoco.mj_forward(self.model, self.data)
         for law in self.memory:
             law.go_home()

@@ -20,14 +20,15 @@ class Faults:
     lost_rows: tuple = ()
 
 
-def asked(commands_m, faults, trial):
-    """Where the drives are to stand after each command of a trial (rows x 4), in the order things happen to them."""
+def asked(commands_m, faults, trial, held_m=0.0):
+    """Where the drives are to stand after each command of a trial (rows x tendons), in the order things happen to
+    them; they stand at `held_m` before."""
     pulls = commands_m * np.array(faults.gains)
     pulls = np.sign(pulls) * np.maximum(abs(pulls) - faults.dead_zone_m, 0.0)
     if faults.lost_tendon:
         pulls[faults.lost_rows[trial] :, faults.lost_tendon - 1] -= faults.lost_m
     if faults.play_m:
-        held = np.zeros(4)
+        held = np.zeros(pulls.shape[1]) + held_m
         for row in pulls:
             held = np.clip(held, row - 0.5 * faults.play_m, row + 0.5 * faults.play_m)
             row[:] = held

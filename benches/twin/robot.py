@@ -25,6 +25,8 @@ class Robot:
     disk_radius_m: float = 0.020
     tendon_radius_m: float = 0.020
     tendon_angles_rad: tuple = (0.0, np.pi / 2, np.pi, 3 * np.pi / 2)
+    # Where each tendon is anchored; None: all at the tip.
+    tendon_ends_m: tuple | None = None
     pretension_m: float = 0.0005
     # Not the nominal model's: see docs/evidence/twin.md.
     tendon_compliance_m_per_n: float = 7e-5
@@ -72,7 +74,7 @@ class Robot:
         return self.disk_thickness_m() + 0.5 * self.section_length_m + pitch * np.arange(self.sections)
 
     def holes_m(self):
-        """Guide holes of the tendons in a cross-section, 4 x 2."""
+        """Guide holes of the tendons in a cross-section, tendons x 2."""
         angles = np.array(self.tendon_angles_rad)
         return self.tendon_radius_m * np.stack([np.cos(angles), np.sin(angles)], axis=1).round(15)
 

@@ -132,6 +132,7 @@ impl From<PlantError> for Fault {
             PlantError::Stopped(_) => Fault::Solver { status: "stopped".into(), message },
             PlantError::Late(_) => Fault::Solver { status: "late".into(), message },
             PlantError::Unseen { .. } => Fault::Solver { status: "tracking_lost".into(), message },
+            PlantError::Server(_) => Fault::Solver { status: "server".into(), message },
             PlantError::NotRecorded(_) => Fault::Solver { status: "not_recorded".into(), message },
         }
     }

@@ -1,6 +1,7 @@
 //! Value types shared by all rooms, the plant and policy traits, and the seed tree.
 
 mod interruption;
+mod line_peer;
 mod observation;
 mod option;
 mod outcome;
@@ -15,6 +16,7 @@ mod traits;
 mod work_share;
 
 pub use interruption::{InterruptRequest, Interrupted, interruption_point};
+pub use line_peer::{LinePeer, PeerError};
 pub use observation::{Displacements, Observation, Point3, SeenPoint, distance_m};
 pub use option::BadOption;
 pub use outcome::Outcome;

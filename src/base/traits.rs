@@ -1,5 +1,6 @@
 //! The interfaces of a control loop: plant and policy.
 
+use super::line_peer::PeerError;
 use super::observation::{Displacements, Observation, Point3};
 use super::seed::Seed;
 use super::tendon_layout::TendonLayout;
@@ -48,6 +49,9 @@ pub enum PlantError {
     /// The recording does not contain this command.
     #[error("not in the recording: {0}")]
     NotRecorded(String),
+    /// The program that serves the robot does not answer as its protocol asks.
+    #[error("robot server: {0}")]
+    Server(#[from] PeerError),
 }
 
 /// A robot under control: simulated, replayed from a recording, or hardware.
@@ -133,6 +137,14 @@ impl PolicyError {
 
 /// A controller: maps observation and target to tendon displacements. It has no access to a plant.
 pub trait Policy: Send {
+    /// The displacements of the next sample, metres, that it takes of the robot before its trials,
+    /// given the last one; none where it has enough, as a policy that learns nothing has.
+    ///
+    /// # Errors
+    /// [`PolicyError`] where it fails.
+    fn sample(&mut self, _seen: &Observation) -> Result<Option<Displacements>, PolicyError> {
+        Ok(None)
+    }
     /// Clears all state (a new trial begins).
     fn reset(&mut self);
     /// Decides the command for the next step, given the tip's target in metres.

@@ -9,6 +9,7 @@ macro_rules! refuse {
 }
 
 mod experiments;
+mod league;
 mod models;
 mod program;
 mod robot;
@@ -55,6 +56,7 @@ enum Command {
     Verify(experiments::verify::VerifyCommand),
     Compare(experiments::compare::CompareCommand),
     Report(experiments::report::ReportCommand),
+    League(league::LeagueCommand),
     Status(experiments::cluster::StatusCommand),
     Cancel(experiments::cluster::CancelCommand),
     #[command(hide = true)]
@@ -115,6 +117,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Gather(gather) => gather.execute(&progress),
         Command::Compare(compare) => compare.execute(),
         Command::Report(report) => report.execute(),
+        Command::League(league) => league.execute(&progress),
         Command::Verify(verify) => verify.execute(&progress),
         Command::Status(status) => status.execute(),
         Command::Cancel(cancel) => cancel.execute(),

@@ -1,18 +1,22 @@
 //! Things that move. A plant is one file and one line of `plants!`: its module, its name in specs
 //! and the type of its options, which implements [`PlantOptions`].
 
+mod changing;
+
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+pub use changing::{Changing, RobotChange};
 pub use constant_curvature::{ConstantCurvature, ConstantCurvatureOptions};
+pub use external::{External, ExternalOptions};
 pub use hardware::{Hardware, HardwareOptions};
 pub use replay::{Replay, ReplayOptions};
 pub use simulated::{Simulated, SimulatedOptions, SimulatedSpec};
 
 use crate::base::{BadOption, Plant, TendonLayout};
-use crate::effects::{DriveGains, EffectSpec};
+use crate::effects::{DriveGains, EffectSpec, Model};
 
 /// What a kind of plant states about itself: the options that a spec gives it, and what follows
 /// from them.
@@ -89,6 +93,12 @@ pub trait PlantOptions:
 
     /// Its levers and its length, where a model tells them.
     fn size(&self) -> Option<RobotSize> {
+        None
+    }
+
+    /// The model that it is made of, or what is believed of it, where effects of a population can
+    /// be added to that.
+    fn model(&self) -> Option<&Model> {
         None
     }
 
@@ -204,6 +214,11 @@ macro_rules! plants {
                 match self { $(PlantSpec::$variant(options) => options.size()),* }
             }
 
+            /// The model to which effects of a population can be added.
+            pub fn model(&self) -> Option<&Model> {
+                match self { $(PlantSpec::$variant(options) => options.model()),* }
+            }
+
             /// What the robot depends on besides its options: part of the key of its stored
             /// results.
             pub fn identity(&self) -> Vec<u8> {
@@ -248,4 +263,5 @@ plants! {
     constant_curvature: ConstantCurvature(ConstantCurvatureOptions),
     pub hardware: Hardware(HardwareOptions),
     replay: Replay(ReplayOptions),
+    external: External(ExternalOptions),
 }

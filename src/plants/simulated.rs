@@ -65,6 +65,11 @@ fn travel_m() -> f64 {
 }
 
 impl SimulatedSpec {
+    /// A robot that follows a model, measured with this noise in metres.
+    pub fn new(model: Model, noise_m: f64) -> SimulatedSpec {
+        SimulatedSpec { model, noise_m, travel_m: travel_m() }
+    }
+
     fn options(&self, step_s: f64) -> SimulatedOptions {
         SimulatedOptions { step_s, noise_m: self.noise_m, travel_m: self.travel_m }
     }
@@ -129,8 +134,12 @@ impl PlantOptions for SimulatedSpec {
         Some(RobotSize { lever_m: robot.lever_m(), length_m: robot.backbone.length_m })
     }
 
+    fn model(&self) -> Option<&Model> {
+        Some(&self.model)
+    }
+
     fn example() -> Option<Self> {
-        Some(SimulatedSpec { model: Model::default(), noise_m: 0.0, travel_m: travel_m() })
+        Some(SimulatedSpec::new(Model::default(), 0.0))
     }
 }
 

@@ -17,8 +17,8 @@ pub use further::mpc::MpcOptions;
 pub use further::online_jacobian::OnlineJacobianOptions;
 pub use outside::{
     OUTSIDE_KINDS, OnnxInput, OnnxInputs, OnnxOptions, OnnxOutput, OnnxWindow, OutsideDecider,
-    OutsideDecision, OutsidePolicies, OutsidePolicy, OutsideView, PythonHost, PythonOptions,
-    provide_python,
+    OutsideDecision, OutsidePolicies, OutsidePolicy, OutsideView, ProcessOptions, ProgramOptions,
+    PythonHost, PythonOptions, answer_requests, provide_python,
 };
 pub use paper::a::AOptions;
 pub use paper::c::{AfterBoth, COptions, StartBranch, SwitchCheck};
@@ -61,8 +61,11 @@ macro_rules! policies {
             pub limits: LimitOptions,
             /// Evaluation of the networks; the same for every policy.
             pub network: NetworkOptions,
-            /// User-defined policies by name. A spec may also write `NAME: {onnx: …}` and `NAME:
-            /// {python: …}` next to the other keys of `policies`.
+            /// Processes of user-defined policies.
+            #[serde(skip_serializing_if = "is_default")]
+            pub process: ProcessOptions,
+            /// User-defined policies by name. A spec may also write `NAME: {onnx: …}`, `NAME: {python:
+            /// …}` and `NAME: {program: …}` next to the other keys of `policies`.
             #[serde(skip_serializing_if = "OutsidePolicies::is_empty")]
             pub outside: OutsidePolicies,
             $($(#[doc = concat!("Options of `", stringify!($module), "`.")] pub $section: $options,)?)*
@@ -81,6 +84,7 @@ macro_rules! policies {
             pub fn check(&self) -> Result<(), BadOption> {
                 self.limits.check()?;
                 self.network.check()?;
+                self.process.check()?;
                 self.outside.values().try_for_each(OutsidePolicy::check)?;
                 $($(self.$section.check()?;)?)*
                 $($(self.$further_section.check()?;)?)*

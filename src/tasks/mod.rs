@@ -26,6 +26,7 @@ pub use record::gp_points::{
     GpPoints, GpPointsOptions, GpPool, PointLayout, SimulatedBy, gp_points,
 };
 pub use record::path::{PathOptions, interpolate, waypoints};
+pub use record::policy_samples::policy_samples;
 pub use record::record_trial::{UnevenSteps, record_trial, step_s};
 pub use record::static_poses::{StaticPoseOptions, plan_static_poses, record_static_poses, star_m};
 pub use record::targets::{TargetOptions, draw_targets, spread_targets, target_pool};

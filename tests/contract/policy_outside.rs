@@ -4,7 +4,7 @@ use crate::support::policies::seen;
 use spinebench::base::PolicyError;
 use spinebench::policies::{
     LimitOptions, OnnxInput, OnnxInputs, OnnxOptions, OnnxOutput, OnnxWindow, OutsidePolicy,
-    PolicyOptions,
+    PolicyOptions, ProcessOptions,
 };
 use std::path::PathBuf;
 
@@ -59,7 +59,9 @@ fn numbers_that_are_not_finite_are_a_status() {
 #[test]
 fn a_network_of_another_size_is_refused_with_both_sizes() {
     let check = |options: OnnxOptions, tendons| {
-        OutsidePolicy::Onnx(options).check_content(TORCH, tendons).unwrap_err()
+        OutsidePolicy::Onnx(options)
+            .check_content(TORCH, tendons, &ProcessOptions::default())
+            .unwrap_err()
     };
     let (found, expected) =
         check(OnnxOptions { inputs: OnnxInputs::Now(vec![OnnxInput::Error]), ..options() }, 4);
@@ -121,7 +123,7 @@ fn a_network_with_memory_remembers_a_trial_and_forgets_it_at_the_next() {
         inputs: OnnxInputs::Past(OnnxWindow { window: 2, each: vec![OnnxInput::Tip] }),
         ..options()
     })
-    .check_content(TORCH, 4)
+    .check_content(TORCH, 4, &ProcessOptions::default())
     .unwrap_err();
     assert!(found.contains("10 inputs") && expected.starts_with("6, the size of"), "{expected}");
 }

@@ -14,6 +14,7 @@ mod first_hour;
 mod import_csv;
 mod import_exports;
 mod import_layouts;
+mod league;
 mod outside_policies;
 mod page;
 mod real;

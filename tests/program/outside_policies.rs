@@ -75,7 +75,8 @@ fn faults_name_the_line_and_nothing_is_written() {
         ("  mine: {onnx: {file: net.onnx, inputs: [tip]}}", "10 inputs, expected 3"),
         ("  mine: {onnx: {file: net.onnx, scale: 2}}", "scale"),
         ("  mine: {onnx: {file: net.onnx, settled_m: -1}}", "settled_m"),
-        ("  mine: {python: {file: mine.yaml, class: Mine}}", "Python package"),
+        // No policy of Python, or no Python at all.
+        ("  mine: {python: {file: mine.yaml, class: Mine}}", "a class that can be loaded"),
     ] {
         let output = run(folder.path(), policies);
         let said = said(&output);

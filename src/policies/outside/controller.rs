@@ -31,6 +31,15 @@ pub struct OutsideDecision {
 
 /// A user-defined policy.
 pub trait OutsideDecider: Send {
+    /// The displacements of the next sample that it takes of the robot before its trials, metres;
+    /// see [`Policy::sample`].
+    ///
+    /// # Errors
+    /// [`PolicyError`] where it fails.
+    fn sample(&mut self, _seen: &Observation) -> Result<Option<Displacements>, PolicyError> {
+        Ok(None)
+    }
+
     /// A new trial begins.
     ///
     /// # Errors
@@ -77,6 +86,10 @@ impl OutsideController {
 }
 
 impl Policy for OutsideController {
+    fn sample(&mut self, seen: &Observation) -> Result<Option<Displacements>, PolicyError> {
+        self.decider.sample(seen)
+    }
+
     fn reset(&mut self) {
         self.failed = self.decider.reset().err();
         self.tip_tracker.reset();

@@ -15,11 +15,18 @@ use crate::rows::experiment::{
 };
 use crate::rows::population::RobotRow;
 use crate::rows::responses::{PaceLap, ResponseTrial};
-use crate::runner::campaign::{PointStages, TrainedCells};
+use crate::runner::campaign::{CampaignEntry, PointStages, TrainedCells};
 use crate::runner::execute::outcomes::Outcomes;
 use crate::runner::graph::stage::StageResult;
 use crate::runner::graph::{Failure, Handle};
 use crate::specs::Experiment;
+
+impl CampaignEntry {
+    /// The tables of each point of its sweep, of its only one without a sweep.
+    pub fn tables(&self, outcomes: &Outcomes) -> impl Iterator<Item = Tables> {
+        self.points.iter().map(|point| point.tables(outcomes))
+    }
+}
 
 impl PointStages {
     /// The tables of this point: rows sorted, failures as rows with a status.

@@ -190,7 +190,8 @@ impl Stages<'_> {
         effects: &[EffectSpec],
         task: &str,
     ) -> Result<(PartHandles, WorkParams), Failure> {
-        let mode = TrialMode { feedback: LoopMode::Closed, effects: effects.to_vec() };
+        let mode =
+            TrialMode { feedback: LoopMode::Closed, effects: effects.to_vec(), change: None };
         let (entry, condition) = self.condition_in(&worker.policy, &mode, task)?;
         let parts = self.part_handles(entry, worker, training)?;
         Ok((parts, WorkParams { condition, model: self.parts.model.clone(), options: run.monitor }))

@@ -112,6 +112,7 @@ impl Stages<'_> {
             plant: self.parts.plant.clone(),
             model: (entry.model != ModelAccess::None).then(|| self.parts.model.clone()),
             effects: mode.effects.clone(),
+            change: mode.change.clone(),
             feedback: mode.feedback,
             step_s: self.step_s(),
             seed: self.seed.child(task).0,

@@ -140,8 +140,9 @@ impl Checker<'_> {
         }
         if let Some(population) = &spec.population {
             let path = KeyPath::default().key("plant");
-            let simulated = matches!(spec.plant, PlantSpec::Simulated(_));
-            self.unless(simulated, &path, "a simulated robot, to which `population` adds effects")?;
+            let has_model = spec.plant.model().is_some();
+            let expected = "a `simulated` or `external` robot, to which `population` adds effects";
+            self.unless(has_model, &path, expected)?;
             option("population", population.check())?;
         }
         self.learn("gp", spec.gp.kernel.check_inputs(spec.model.tendons() + POSITION_INPUTS))?;
@@ -198,12 +199,16 @@ impl Checker<'_> {
         for (name, mode) in &spec.modes {
             let path = root.key("modes").key(name).key("effects");
             let allowed = mode.effects.is_empty() || spec.plant.takes_effects();
-            self.unless(
-                allowed,
-                &path,
-                "no effects, because the plant is neither `simulated` nor `hardware`",
-            )?;
+            let expected =
+                "no effects: only `simulated`, `external` and `hardware` plants take them";
+            self.unless(allowed, &path, expected)?;
             self.effects(&mode.effects, &path)?;
+            if let Some(change) = &mode.change {
+                let path = root.key("modes").key(name).key("change");
+                self.unless(spec.plant.takes_effects(), &path, expected)?;
+                self.checked(&path, change.check())?;
+                self.effects(&change.effects, &path.key("effects"))?;
+            }
         }
         Ok(())
     }

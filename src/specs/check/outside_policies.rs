@@ -26,13 +26,14 @@ pub(super) fn outside_policies(document: &Document, spec: &Experiment) -> Result
                 "a file that can be read".into(),
             )
         })?;
-        policy.check_content(&content, spec.plant.tendons()).map_err(|(found, expected)| {
-            match policy {
-                OutsidePolicy::Onnx(_) => refuse(found, expected),
-                OutsidePolicy::Python(_) => {
-                    let class = path.key("python").key("class");
-                    document.refuse(&class, PathEnd::Value, found, expected)
-                }
+        let tendons = spec.plant.tendons();
+        let checked = policy.check_content(&content, tendons, &spec.policies.process);
+        checked.map_err(|(found, expected)| {
+            if let OutsidePolicy::Python(_) = policy {
+                let class = path.key("python").key("class");
+                document.refuse(&class, PathEnd::Value, found, expected)
+            } else {
+                refuse(found, expected)
             }
         })?;
     }

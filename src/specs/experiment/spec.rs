@@ -11,7 +11,7 @@ use crate::discovery::Options;
 use crate::effects::EffectSpec;
 use crate::learn::gp::GpConfig;
 use crate::learn::networks::NetworkConfig;
-use crate::plants::PlantSpec;
+use crate::plants::{PlantSpec, RobotChange};
 use crate::policies::{self, EarlyStopping, NetworkDescription, PolicyOptions};
 use crate::report::figures;
 use crate::tasks::{
@@ -133,11 +133,10 @@ impl Experiment {
 
     /// What the robot of a repetition has beside `plant`, where repetitions differ in their robots.
     pub fn drawn_effects(&self, repetition: u64) -> Vec<DrawnEffect> {
-        let (Some(population), PlantSpec::Simulated(robot)) = (&self.population, &self.plant)
-        else {
+        let (Some(population), Some(model)) = (&self.population, self.plant.model()) else {
             return Vec::new();
         };
-        population.draw(&robot.model, Seed(self.seed).child("population").index(repetition))
+        population.draw(model, Seed(self.seed).child("population").index(repetition))
     }
 }
 
@@ -209,6 +208,9 @@ pub struct TrialMode {
     /// Effects added to the robot.
     #[serde(default)]
     pub effects: Vec<EffectSpec>,
+    /// A change of the robot during each trial.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub change: Option<RobotChange>,
 }
 
 impl TrialMode {

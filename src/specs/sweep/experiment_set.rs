@@ -2,7 +2,6 @@
 
 use super::series::{SweepValue, expand};
 use crate::base::Seed;
-use crate::policies::OutsidePolicy;
 use crate::specs::check::experiment::check;
 use crate::specs::document::error::SpecError;
 use crate::specs::document::merged::{Document, Origin, SweptEntry};
@@ -356,7 +355,8 @@ fn at_point(
 /// of it.
 fn checked(document: &Document) -> Result<(Experiment, Vec<String>), SpecError> {
     let mut experiment: Experiment = document.parse()?;
-    experiment.policies.outside.values_mut().for_each(OutsidePolicy::read_attributes);
+    let policies = &mut experiment.policies;
+    policies.outside.values_mut().for_each(|policy| policy.read_attributes(&policies.process));
     let mut notes = scale(&mut experiment, document);
     check(&experiment, document)?;
     notes.extend(far_bends(&experiment));

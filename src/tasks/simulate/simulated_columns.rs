@@ -81,6 +81,7 @@ impl SimulatedColumns {
             PlantError::Stopped(_) => "stopped",
             PlantError::Late(_) => "late",
             PlantError::Unseen { .. } => "unseen",
+            PlantError::Server(_) => "server",
             PlantError::NotRecorded(_) => "not_recorded",
         };
         for row in rows.filter(|&row| self.observed[row].is_none()) {

@@ -3,6 +3,7 @@
 
 use crate::base::Plant;
 use crate::effects::EffectSpec;
+use crate::plants::{Changing, RobotChange};
 use crate::runner::graph::digest::Digest;
 use crate::runner::graph::failure::Failure;
 use crate::runner::graph::source_digest;
@@ -63,6 +64,22 @@ impl Identified {
         } else {
             self.spec.with_effects(effects).build(step_s)
         }
+    }
+
+    /// The same robot, which changes during each trial where there is a change.
+    ///
+    /// # Errors
+    /// As [`Identified::build`].
+    pub(crate) fn build_changing(
+        &self,
+        effects: &[EffectSpec],
+        change: Option<&RobotChange>,
+        step_s: f64,
+    ) -> Result<Box<dyn Plant>, String> {
+        let before = self.build(effects, step_s)?;
+        let Some(change) = change else { return Ok(before) };
+        let after = self.build(&[effects, &change.effects].concat(), step_s)?;
+        Ok(Box::new(Changing::new(before, after, change.between_s)))
     }
 }
 

@@ -47,6 +47,11 @@ impl OutsidePart {
         })
     }
 
+    /// Whether it takes samples of the robot before its trials.
+    pub(crate) fn takes_samples(&self) -> bool {
+        self.policy.samples() > 0
+    }
+
     /// The policy for a robot with so many tendons.
     ///
     /// # Errors

@@ -5,7 +5,7 @@ use crate::learn::gp::Gp;
 use crate::policies::GpError;
 use crate::runner::graph::stage::{Handle, Stage, StageInputs, StageKind};
 use crate::runner::jobs::parts::identified::Identified;
-use crate::runner::jobs::trials::reach_track::{Condition, PartHandles};
+use crate::runner::jobs::trials::reach_track::{Condition, PartHandles, Players};
 use crate::tasks::{Monitor, MonitorOptions, WatchedRobot, Work};
 use serde::{Deserialize, Serialize};
 
@@ -90,9 +90,10 @@ impl WorkParams {
         let model = self.model.build(&[], self.condition.step_s)?;
         let error =
             GpError::new(gp.clone(), self.model.tendons()).map_err(|error| error.to_string())?;
+        let Players { policy, plant } = self.condition.policy_and_plant(parts)?;
         Ok(Work {
-            robot: WatchedRobot { plant: self.condition.plant()?, quiet: Some(model) },
-            policy: self.condition.policy(parts)?,
+            robot: WatchedRobot { plant, quiet: Some(model) },
+            policy,
             error: Box::new(error),
             pool_m,
             steps: self.options.trial_steps,

@@ -4,6 +4,7 @@ use crate::base::{Plant, Point3, Policy, Seed, report_share};
 use crate::effects::EffectSpec;
 use crate::learn::gp::Gp;
 use crate::learn::networks::Trained;
+use crate::plants::RobotChange;
 use crate::policies::{self, GpError, ModelAccess, PolicyOptions, PolicyParts};
 use crate::rows::experiment::{ReachTrial, TrackSample};
 use crate::runner::graph::stage::{Handle, Stage, StageInputs, StageKind};
@@ -23,7 +24,7 @@ pub(crate) const REACH: Stage<ReachParams, (PartHandles, Handle<Targets>), Vec<R
         kind: StageKind { name: "reach", module: module_path!(), cost_ms: 1000 },
         job: |params, (parts, targets)| {
             let condition = &params.condition;
-            let (mut policy, mut plant) = (condition.policy(parts)?, condition.plant()?);
+            let Players { mut policy, mut plant } = condition.policy_and_plant(parts)?;
             let mut trials = Vec::with_capacity(targets.len());
             // The seed of a trial depends on its target's number, never on the policy.
             for (draw, (_, target_m)) in targets.iter().enumerate() {
@@ -50,7 +51,7 @@ pub(crate) const TRACK: Stage<TrackParams, (PartHandles, Handle<Vec<Point3>>), V
         kind: StageKind { name: "track", module: module_path!(), cost_ms: 1000 },
         job: |params, (parts, path)| {
             let condition = &params.condition;
-            let (mut policy, mut plant) = (condition.policy(parts)?, condition.plant()?);
+            let Players { mut policy, mut plant } = condition.policy_and_plant(parts)?;
             let steps = tasks::track(
                 plant.as_mut(),
                 policy.as_mut(),
@@ -91,17 +92,43 @@ pub(crate) struct Condition {
     pub(crate) model: Option<Identified>,
     /// What the mode adds to the robot's own effects.
     pub(crate) effects: Vec<EffectSpec>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) change: Option<RobotChange>,
     pub(crate) feedback: LoopMode,
     pub(crate) step_s: f64,
     pub(crate) seed: u64,
 }
 
+/// A policy and the robot of its trials.
+pub(crate) struct Players {
+    pub(crate) policy: Box<dyn Policy>,
+    pub(crate) plant: Box<dyn Plant>,
+}
+
 impl Condition {
-    pub(crate) fn plant(&self) -> Result<Box<dyn Plant>, String> {
-        self.plant.build(&self.effects, self.step_s)
+    /// A robot with what the mode adds to it.
+    pub(crate) fn robot(&self, plant: &Identified) -> Result<Box<dyn Plant>, String> {
+        plant.build_changing(&self.effects, self.change.as_ref(), self.step_s)
     }
 
-    pub(crate) fn policy(
+    /// The policy, which has taken its samples of the robot without what the mode adds, and the robot
+    /// of the trials.
+    pub(crate) fn policy_and_plant(
+        &self,
+        parts: <PartHandles as StageInputs>::Results<'_>,
+    ) -> Result<Players, String> {
+        let mut policy = self.policy(parts)?;
+        if self.outside.as_ref().is_some_and(OutsidePart::takes_samples) {
+            let mut plant = self.plant.build(&[], self.step_s)?;
+            let (max_step_m, seed) =
+                (self.options.limits.max_step_m, Seed(self.seed).child("samples"));
+            tasks::policy_samples(plant.as_mut(), policy.as_mut(), max_step_m, seed)
+                .map_err(|error| error.to_string())?;
+        }
+        Ok(Players { policy, plant: self.robot(&self.plant)? })
+    }
+
+    fn policy(
         &self,
         (networks, error): <PartHandles as StageInputs>::Results<'_>,
     ) -> Result<Box<dyn Policy>, String> {

@@ -1,7 +1,7 @@
 //! Trials of fixed duration: responses to targets, and laps of the path in time.
 
-use super::reach_track::{Condition, PartHandles};
-use crate::base::{Point3, Seed, report_share};
+use super::reach_track::{Condition, PartHandles, Players};
+use crate::base::{Plant, Point3, Seed, report_share};
 use crate::rows::responses::{PaceLap, ResponseTrial};
 use crate::runner::graph::stage::{Handle, Stage, StageKind};
 use crate::runner::jobs::data::targets::Targets;
@@ -17,7 +17,8 @@ pub(crate) const RESPONSE: Stage<
     kind: StageKind { name: "response", module: module_path!(), cost_ms: 3000 },
     job: |params, (parts, targets)| {
         let condition = &params.condition;
-        let (mut policy, mut robot) = (condition.policy(parts)?, params.robot()?);
+        let Players { mut policy, plant } = condition.policy_and_plant(parts)?;
+        let mut robot = params.watched(plant)?;
         let max_step_m = condition.options.limits.max_step_m;
         let limits = ResponseLimits { duration_s: params.duration_s, max_step_m };
         let mut trials = Vec::with_capacity(targets.len());
@@ -45,7 +46,8 @@ pub(crate) const PACE: Stage<PaceParams, (PartHandles, Handle<Vec<Point3>>), Vec
         kind: StageKind { name: "pace", module: module_path!(), cost_ms: 2000 },
         job: |params, (parts, path)| {
             let condition = &params.trial.condition;
-            let (mut policy, mut robot) = (condition.policy(parts)?, params.trial.robot()?);
+            let Players { mut policy, plant } = condition.policy_and_plant(parts)?;
+            let mut robot = params.trial.watched(plant)?;
             let lap = |&speed: &f64| {
                 let times =
                     LapTimes { lead_in_s: params.trial.duration_s, lap_s: params.lap_s / speed };
@@ -78,13 +80,9 @@ pub(crate) struct PaceParams {
 }
 
 impl ResponseParams {
-    fn robot(&self) -> Result<WatchedRobot, String> {
-        let build =
-            |quiet: &Identified| quiet.build(&self.condition.effects, self.condition.step_s);
-        Ok(WatchedRobot {
-            plant: self.condition.plant()?,
-            quiet: self.quiet.as_ref().map(build).transpose()?,
-        })
+    fn watched(&self, plant: Box<dyn Plant>) -> Result<WatchedRobot, String> {
+        let quiet = self.quiet.as_ref().map(|quiet| self.condition.robot(quiet)).transpose()?;
+        Ok(WatchedRobot { plant, quiet })
     }
 }
 

@@ -1,0 +1,250 @@
+"""Baselines of the tracks with questions, `identify` and `name`: answers them, and has `spinebench league` score the answers.
+
+usage: python3 benches/league/baselines.py OUT [--program spinebench] [--season FILE …]
+
+Run it in the root of a checkout, with requirements.txt installed. Arguments that it does not know go to `spinebench league
+robots` and `score`. It writes OUT/TRACK/METHOD, a submission each with its score, and a board in OUT. Questions,
+simulations and answers that OUT has already are kept: an interrupted run goes on.
+
+identify: tips under commands that were not seen
+    nominal             simulation of the nominal model
+    constant_curvature  a chain of arcs, by least squares                               these maps: fits.py
+    linear, cubic       ridge regression from the last commands
+    gaussian_process    one for each coordinate, from the last commands
+    model_gp            the nominal model, and Gaussian processes for what it leaves
+    calibrated          `spinebench calibrate` fits the CALIBRATED numbers of the model, then simulation
+    discover            simulation of the model that `spinebench discover` writes
+    mujoco              MuJoCo's own system identification; only where `mujoco[sysid]` is installed
+
+name: the missing effect, or none
+    always_nothing      none
+    gp_detect           a Gaussian process finds that something is missing (BIC against noise alone), but not what: answers
+                        FREQUENT. All effects are equally frequent: it names a missing one by chance, once in 17 to 25 times
+    sparse_regression   what the nominal model leaves, regressed on the differences that single effects of usual size make
+                        (SIZES); stepwise by BIC, at most MOST_NAMED. `contact` is not linear and not tried
+    discover            `spinebench discover`, at most MOST_NAMED effects, as the track says. `named`: these effects;
+                        `ambiguous`: the likeliest; `consistent`: none; `unexplained`: the first that it lists, else none
+
+Where a method fails on a robot, a line says so, and the answer is that of `nominal` or of `always_nothing`.
+"""
+
+import argparse
+import csv
+import json
+import os
+import subprocess
+import sys
+import time
+from multiprocessing import Pool
+from multiprocessing.pool import ThreadPool
+from pathlib import Path
+
+for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "RAYON_NUM_THREADS"):
+    os.environ[variable] = "1"
+
+import fits
+import numpy as np
+from robots import ROBOTS
+
+WORKERS = 2
+CALIBRATED = "youngs_modulus_pa,damping_time_s,tendon_radius_m,robot.tendons.pretension_m"
+MOST_NAMED, FREQUENT, UNTRAINED = 1, "tip_load", ("nominal", "always_nothing")
+# Usual sizes in the catalogue, as columns that are fitted together. "at": at each tendon, segment or second section in turn.
+SIZES = {
+    "tip_load": [{"mass_kg": 0.005}], "distributed_mass": [{"scale": 1.2}], "bending_stiffness": [{"scale": 1.1}],
+    "tip_force": [{"force_n": [0.03, 0, 0]}, {"force_n": [0, 0.03, 0]}, {"force_n": [0, 0, 0.1]}],
+    "base_tilt": [{"tilt_x_rad": 0.01, "tilt_y_rad": 0}, {"tilt_x_rad": 0, "tilt_y_rad": 0.01}],
+    "frame_shift": [{"shift_m": [0.002, 0, 0]}, {"shift_m": [0, 0.002, 0]}, {"shift_m": [0, 0, 0.002]}],
+    "anisotropic_stiffness": [{"ratio": 0.1, "angle_rad": 0}, {"ratio": 0.1, "angle_rad": 0.7853981633974483}],
+    "precurvature": [{"kappa_x_rad_m": 0.2, "kappa_y_rad_m": 0}, {"kappa_x_rad_m": 0, "kappa_y_rad_m": 0.2}],
+    "soft_section": [{"position_m": "at", "scale": 0.7}], "spine_compressibility": [{"scale": 1.2}],
+    "friction": [{"moment_nm": 0.01}], "hysteresis": [{"share": 0.1, "range_rad_m": 5}],
+    "creep": [{"share": 0.15, "time_s": 3}], "damping": [{"time_s": 0.08}], "delay": [{"time_s": 0.05}],
+    "backlash": [{"width_m": 0.001}], "actuator_gain": [{"tendon": "at", "scale": 1.04}],
+    "actuator_offset": [{"tendon": "at", "offset_m": 0.001}], "tendon_stretch": [{"compliance_m_per_n": 1e-4}],
+    "tendon_angle": [{"angle_rad": 0.04}], "tendon_radius": [{"scale": 1.04}], "tendon_friction": [{"coefficient": 0.05}],
+    "servo_lag": [{"time_s": 0.05}], "pretension": [{"segment": "at", "change_m": 0.001}],
+}  # fmt: skip
+NEED_SECTIONS = ("soft_section", "spine_compressibility")
+
+
+class Questions:
+    """What is known of one robot, and what the program makes of it."""
+
+    def __init__(self, program, folder, work):
+        self.program, self.folder, self.work = program, folder, work
+        work.mkdir(parents=True, exist_ok=True)
+        self.model, self.given_file, self.asked_file = (folder / name for name in ("model.yaml", "given.csv", "asked.csv"))
+        self.given = fits.Recording(self.given_file)
+        self.asked = fits.Recording(self.asked_file) if self.asked_file.exists() else None
+        self.family = next(family for family in ROBOTS if folder.name.startswith(family))
+        self.robot = ROBOTS[self.family]()
+
+    def make(self, out, command, *arguments):
+        """What a command writes, unless it is there."""
+        if not (out / "findings.json" if command == "discover" else out).exists():
+            call = [self.program, command, "--quiet", "--model", *map(str, arguments), "--out", out]
+            done = subprocess.run(call, check=False, capture_output=True, text=True)
+            if done.returncode:
+                raise RuntimeError(f"spinebench {command}: {done.stderr.strip()}")
+        return out
+
+    def asked_tips_m(self, name, model):
+        """Tips of a model under the commands that are asked."""
+        played = self.make(self.work / f"{name}_asked.csv", "simulate", model, "--commands", self.asked_file)
+        return fits.Recording(played).tips_m
+
+    def given_tips_m(self, name, effects=()):
+        """The same under the commands that are given, of the nominal model with these effects."""
+        text, model = self.model.read_text(), self.work / f"{name}.yaml"
+        if "effects: []" not in text:
+            raise RuntimeError(f"{self.model}: found effects, expected `effects: []`")
+        model.write_text(text.replace("effects: []", f"effects: {json.dumps(effects)}"))
+        played = self.make(self.work / f"{name}_given.csv", "simulate", model, "--commands", self.given_file)
+        return fits.Recording(played).tips_m
+
+    def found(self, *options):
+        return self.make(self.work / "found", "discover", self.model, "--measured", self.given_file, *options)
+
+
+def calibrated(q):
+    out = q.make(q.work / "calibrated.yaml", "calibrate", q.model, "--measured", q.given_file, "--fit", CALIBRATED)
+    return q.asked_tips_m("calibrated", out)
+
+
+def model_gp(q):
+    left_m = q.given.tips_m - q.given_tips_m("nominal")
+    return q.asked_tips_m("nominal", q.model) + fits.processes(q.given, left_m, q.asked)
+
+
+def gp_detect(q):
+    x, gain = q.given.commands_m / q.given.commands_m.std(), 0.0
+    for left_m in (q.given.tips_m - q.given_tips_m("nominal")).T:
+        process, count = fits.GaussianProcess(x, left_m), len(left_m)
+        noise = -0.5 * count * (1 + np.log(2 * np.pi * np.mean(left_m**2)))
+        # One more number than noise for each command, and those of the mean and the signal.
+        gain += process.evidence - count * np.log(process.spread) - noise - 0.5 * (x.shape[1] + 2) * np.log(count)
+    return FREQUENT if gain > 0 else ""
+
+
+def alternatives(robot, effect, columns):
+    """An effect at each place that it may be at: lists of parameters that are fitted together."""
+    if effect in NEED_SECTIONS and not robot.sections:
+        return []
+    places = {
+        "tendon": range(1, 1 + len(robot.tendon_angles_rad)),
+        "segment": range(1, 1 + len(set(robot.tendon_ends_m or [0]))),
+        "position_m": robot.section_middles_m()[::2].tolist(),
+    }
+    at = next((key for key, value in columns[0].items() if value == "at"), None)
+    return [[{**columns[0], at: place}] for place in places[at]] if at else [columns]
+
+
+def sparse_regression(q):
+    nominal_m, choices = q.given_tips_m("nominal"), []
+    for effect, columns in SIZES.items():
+        for i, chosen in enumerate(alternatives(q.robot, effect, columns)):
+            played = [q.given_tips_m(f"{effect}_{i}_{j}", [{effect: parameters}]) for j, parameters in enumerate(chosen)]
+            choices.append((effect, np.column_stack([(tips_m - nominal_m).ravel() for tips_m in played])))
+    return " ".join(fits.stepwise(choices, (q.given.tips_m - nominal_m).ravel(), MOST_NAMED))
+
+
+def discovered(q):
+    (q.work / "options.yaml").write_text(f"most_effects: {MOST_NAMED}\n")
+    findings = json.loads((q.found("--options", q.work / "options.yaml") / "findings.json").read_text())
+    names = [effect["name"] for effect in findings["effects"]]
+    return " ".join({"consistent": [], "unexplained": names[:1]}.get(findings["verdict"], names))
+
+
+METHODS = {
+    "identify": {
+        "nominal": lambda q: q.asked_tips_m("nominal", q.model),
+        "constant_curvature": lambda q: fits.arcs(q.robot, q.given, q.asked),
+        "linear": lambda q: fits.ridge(q.given, q.asked, 1), "cubic": lambda q: fits.ridge(q.given, q.asked, 3),
+        "gaussian_process": lambda q: fits.processes(q.given, q.given.tips_m, q.asked),
+        "model_gp": model_gp, "calibrated": calibrated,
+        "discover": lambda q: q.asked_tips_m("found", q.found() / "model.yaml"),
+        "mujoco": lambda q: fits.mujoco_sysid(q.family, q.given, q.asked),
+    },
+    "name": {
+        "always_nothing": lambda q: "", "gp_detect": gp_detect, "sparse_regression": sparse_regression, "discover": discovered,
+    },
+}  # fmt: skip
+
+
+def answered(task):
+    """What is known of a robot, the answer of a method, how long it took, and why it failed; failures are not kept."""
+    program, track, method, folder, work = task
+    q, kept, began = Questions(program, folder, work), work / f"answer_{method}.json", time.perf_counter()
+    if kept.exists():
+        return q, json.loads(kept.read_text())
+    try:
+        answer, failed = METHODS[track][method](q), None
+    except Exception as error:  # noqa: BLE001
+        answer, failed = next(iter(METHODS[track].values()))(q), str(error)
+    answer = answer if isinstance(answer, str) else answer.tolist()
+    result = {"answer": answer, "took_s": time.perf_counter() - began, "failed": failed}
+    if not failed:
+        kept.write_text(json.dumps(result))
+    return q, result
+
+
+def write(out, track, method, answers):
+    """A submission; `answers`: [(what is known of a robot, answer)]."""
+    (out / "answers").mkdir(parents=True, exist_ok=True)
+    tables = {"names": [("robot", "effects"), *((q.folder.name, answer) for q, answer in answers)]}
+    if track == "identify":
+        head = ("trial", "time_s", "tip_x_m", "tip_y_m", "tip_z_m")
+        tables = {
+            q.folder.name: [head, *((*row, *tip_m) for *row, tip_m in zip(q.asked.trial, q.asked.time_s, tips_m))]
+            for q, tips_m in answers
+        }
+    for name, rows in tables.items():
+        with open(out / "answers" / f"{name}.csv", "w", newline="") as file:
+            csv.writer(file, lineterminator="\n").writerows(rows)
+    rows = sum(len(q.given.trial) for q, _ in answers) * (method not in UNTRAINED)
+    submission = {
+        "name": method, "authors": ["spinebench"], "track": track,
+        "answers": "answers", "trained_on": f"given.csv of each robot, {rows} rows in all" if rows else "nothing",
+        "real_samples": rows, "licence": "MIT OR Apache-2.0",
+    }  # fmt: skip
+    (out / "submission.yaml").write_text(json.dumps(submission, indent=2) + "\n")
+
+
+def main():
+    parser, began = argparse.ArgumentParser(usage=__doc__), time.perf_counter()
+    parser.add_argument("out", type=Path)
+    parser.add_argument("--program", default="spinebench")
+    given, passed = parser.parse_known_args()
+    if not hasattr(fits.sysid, "optimize"):
+        print("mujoco[sysid] is not installed: `mujoco` is left out")
+        del METHODS["identify"]["mujoco"]
+    tasks, answers = [], {}
+    for track, methods in METHODS.items():
+        questions = given.out / "questions" / track
+        if not questions.exists():
+            subprocess.run([given.program, "league", "robots", track, "--out", questions, *passed], check=True)
+        folders = [(folder, given.out / "work" / track / folder.name) for folder in sorted(questions.iterdir())]
+        tasks += [(given.program, track, method, *both) for method in methods for both in folders]
+    with Pool(WORKERS, os.nice, (10,)) as pool:
+        for (_, track, method, folder, _), (q, kept) in zip(tasks, pool.imap(answered, tasks)):
+            failed = f": failed: {kept['failed']}" if kept["failed"] else ""
+            print(f"{track}, {method}, {folder.name}: {kept['took_s']:.1f} s{failed}", flush=True)
+            answers.setdefault((track, method), []).append((q, kept["answer"]))
+    for (track, method), of_robots in answers.items():
+        write(given.out / track / method, track, method, of_robots)
+
+    def score(folder):
+        call = [given.program, "league", "score", "--quiet", folder, *passed]
+        print(folder, flush=True)
+        return subprocess.run(call, check=False).returncode
+
+    with ThreadPool(WORKERS) as pool:
+        failed = any(pool.map(score, [given.out / track / method for track, method in answers], chunksize=1))
+    subprocess.run([given.program, "league", "table", given.out], check=True)
+    print(f"in all: {time.perf_counter() - began:.0f} s")
+    sys.exit(failed)
+
+
+if __name__ == "__main__":
+    main()

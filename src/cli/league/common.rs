@@ -1,0 +1,93 @@
+//! Arguments that several commands of the league take.
+
+use crate::cli::CommandError;
+use clap::Args;
+use spinebench::league::LeagueError;
+use spinebench::league::robot::{LeagueRobot, RobotSeed, draw};
+use spinebench::league::season::{PUBLIC_SEED, Season};
+use spinebench::league::track::ReadTrack;
+use std::path::{Path, PathBuf};
+
+impl From<LeagueError> for CommandError {
+    fn from(error: LeagueError) -> CommandError {
+        match error {
+            LeagueError::Input(words) => CommandError::BadInput(words),
+            LeagueError::Failed(words) => CommandError::Failed(words),
+        }
+    }
+}
+
+/// Which robots play.
+#[derive(Args)]
+pub(super) struct SeasonArgs {
+    /// Folder of the tracks.
+    #[arg(long, value_name = "DIR", default_value = "experiments/league")]
+    pub(super) tracks: PathBuf,
+    /// File of a season. Without it, the development robots.
+    #[arg(long, value_name = "SEASON.yaml")]
+    season: Option<PathBuf>,
+    /// File of the season's secret: play its sealed robots. A season that was opened needs none.
+    #[arg(long, value_name = "FILE", requires = "season")]
+    secret: Option<PathBuf>,
+    /// Play the sealed robots of a season that was opened.
+    #[arg(long, requires = "season")]
+    sealed: bool,
+}
+
+/// The season that robots belong to.
+pub(super) struct Robots {
+    /// Its name.
+    pub(super) season: String,
+    /// What draws them.
+    pub(super) seed: RobotSeed,
+}
+
+impl Robots {
+    pub(super) fn are_sealed(&self) -> bool {
+        matches!(self.seed, RobotSeed::Sealed(_))
+    }
+}
+
+impl SeasonArgs {
+    /// What draws the robots. Tracks and program are those of the season.
+    pub(super) fn robots(&self) -> Result<Robots, CommandError> {
+        let Some(file) = &self.season else {
+            return Ok(Robots {
+                season: "development".to_owned(),
+                seed: RobotSeed::Public(PUBLIC_SEED),
+            });
+        };
+        let season = Season::read(file)?;
+        season.check_frozen(&self.tracks)?;
+        let text = match (&self.secret, &season.secret) {
+            (Some(secret), _) => Some(read(secret)?),
+            (None, Some(secret)) if self.sealed => Some(secret.clone()),
+            (None, None) if self.sealed => refuse!(
+                "{}: found no `secret`, expected a season that was opened, or --secret FILE",
+                file.display()
+            ),
+            _ => None,
+        };
+        let secret = text.map(|text| season.checked(&text)).transpose()?;
+        Ok(Robots { season: season.season.clone(), seed: season.seed(secret) })
+    }
+
+    /// A track and its robots, of these families alone where there are any.
+    pub(super) fn track(
+        &self,
+        name: &str,
+        robots: &Robots,
+        families: &[String],
+    ) -> Result<(ReadTrack, Vec<LeagueRobot>), CommandError> {
+        let read = ReadTrack::read(&self.tracks, name)?;
+        let mut drawn = draw(&read, &robots.seed)?;
+        drawn.retain(|robot| families.is_empty() || families.contains(&robot.family));
+        Ok((read, drawn))
+    }
+}
+
+/// The text of a file.
+pub(super) fn read(file: &Path) -> Result<String, CommandError> {
+    std::fs::read_to_string(file)
+        .map_err(|error| CommandError::BadInput(format!("{}: {error}", file.display())))
+}

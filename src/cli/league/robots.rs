@@ -1,0 +1,48 @@
+//! `spinebench league robots`.
+
+use super::common::SeasonArgs;
+use crate::cli::{CommandError, CommandResult};
+use clap::Args;
+use spinebench::data::write_atomic;
+use spinebench::league::answers::write_questions;
+use spinebench::league::instance::{Player, experiment};
+use spinebench::league::questions::recordings;
+use std::path::PathBuf;
+
+/// Write the robots of a track: an experiment for each, which `spinebench run` runs, or for a track
+/// with questions the recordings to answer.
+#[derive(Args)]
+pub(crate) struct RobotsCommand {
+    /// The track.
+    track: String,
+    /// Folder to write them in.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    #[command(flatten)]
+    season: SeasonArgs,
+}
+
+impl RobotsCommand {
+    pub(crate) fn execute(&self) -> CommandResult {
+        let robots = self.season.robots()?;
+        let (read, drawn) = self.season.track(&self.track, &robots, &[])?;
+        if recordings(&read.track.task).is_some() {
+            write_questions(&read, &drawn, &self.out)?;
+        } else {
+            if robots.are_sealed() {
+                refuse!(
+                    "--secret: found a track with trials, expected one with questions: its experiments would show the sealed robots"
+                );
+            }
+            std::fs::create_dir_all(&self.out).map_err(CommandError::failed)?;
+            let player = Player::Builtin(vec!["integral".to_owned()]);
+            for robot in &drawn {
+                let text = experiment(&read, robot, &player)?;
+                let file = self.out.join(format!("{}.yaml", robot.name));
+                write_atomic(&file, text.as_bytes()).map_err(CommandError::failed)?;
+            }
+        }
+        println!("{} robots of `{}` in {}", drawn.len(), read.name, self.out.display());
+        Ok(())
+    }
+}

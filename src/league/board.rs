@@ -1,0 +1,120 @@
+//! The board: scores of many submissions, ranked where their intervals do not overlap.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::LeagueError;
+use super::score::Score;
+use crate::rows::league::BoardRow;
+
+/// Times of the answers of a policy (`timing.json`): they differ from run to run.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TickTimes {
+    /// Median, seconds.
+    pub median_s: f64,
+    /// 95th percentile, seconds.
+    pub p95_s: f64,
+}
+
+/// Name of the file of a score, and of the times beside it.
+pub const SCORE: &str = "score.json";
+/// See [`SCORE`].
+pub const TIMING: &str = "timing.json";
+
+/// The rows of the scores in a folder and those below it.
+///
+/// # Errors
+/// [`LeagueError::Input`] for a file that is no score, and where there is none.
+pub fn board(folder: &Path) -> Result<Vec<BoardRow>, LeagueError> {
+    let mut files = Vec::new();
+    collect(folder, &mut files)?;
+    files.sort();
+    if files.is_empty() {
+        return Err(LeagueError::input(format!(
+            "{}: found no {SCORE} in it, expected scores of `spinebench league score`",
+            folder.display()
+        )));
+    }
+    let mut scores = Vec::new();
+    for file in &files {
+        let timing = std::fs::read_to_string(file.with_file_name(TIMING)).ok();
+        let times: Option<TickTimes> = timing.and_then(|text| serde_json::from_str(&text).ok());
+        scores.push((Score::read(file)?, times));
+    }
+    let mut rows = Vec::new();
+    let groups: BTreeSet<(String, String)> =
+        scores.iter().map(|(score, _)| (score.track.clone(), score.season.clone())).collect();
+    for (track, season) in groups {
+        let of_group: Vec<&(Score, Option<TickTimes>)> = scores
+            .iter()
+            .filter(|(score, _)| score.track == track && score.season == season)
+            .collect();
+        let families: BTreeSet<&str> = of_group
+            .iter()
+            .flat_map(|(score, _)| &score.robots)
+            .map(|robot| robot.family.as_str())
+            .collect();
+        let everywhere = |score: &Score| {
+            families.iter().all(|family| score.robots.iter().any(|robot| robot.family == *family))
+        };
+        let all: Vec<&(Score, Option<TickTimes>)> =
+            of_group.iter().copied().filter(|(score, _)| everywhere(score)).collect();
+        if families.len() > 1 {
+            rows.extend(ranked(&all, None));
+        }
+        families.iter().for_each(|family| rows.extend(ranked(&of_group, Some(family))));
+    }
+    Ok(rows)
+}
+
+fn collect(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), LeagueError> {
+    let entries = std::fs::read_dir(folder)
+        .map_err(|error| LeagueError::input(format!("{}: {error}", folder.display())))?;
+    for entry in entries.flatten() {
+        match entry.file_type() {
+            Ok(kind) if kind.is_dir() => collect(&entry.path(), files)?,
+            Ok(_) if entry.file_name() == SCORE => files.push(entry.path()),
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+/// The rows of a family, the smallest error first.
+fn ranked(scores: &[&(Score, Option<TickTimes>)], family: Option<&str>) -> Vec<BoardRow> {
+    let mut rows: Vec<BoardRow> = scores
+        .iter()
+        .filter_map(|(score, times)| {
+            let summary = score.summary(family)?;
+            let [low_95, high_95] = summary.interval_95.unwrap_or([f64::NAN; 2]);
+            Some(BoardRow {
+                track: score.track.clone(),
+                season: score.season.clone(),
+                robots: family.unwrap_or("all").to_owned(),
+                rank: 1,
+                name: score.name.clone(),
+                kind: score.kind.clone(),
+                error: summary.error,
+                low_95,
+                high_95,
+                floor: summary.floor.unwrap_or(f64::NAN),
+                samples: score.real_samples + score.robot_samples,
+                tick_ms: times.map_or(f64::NAN, |times| 1e3 * times.median_s),
+                robot_count: summary.robots,
+                trials: summary.trials,
+                failed: summary.failed,
+            })
+        })
+        .collect();
+    rows.sort_by(|left, right| {
+        left.error.total_cmp(&right.error).then_with(|| left.name.cmp(&right.name))
+    });
+    let highest: Vec<f64> = rows.iter().map(|row| row.high_95).collect();
+    for row in &mut rows {
+        // Not a number, of a single robot, lies below nothing.
+        row.rank = 1 + highest.iter().filter(|high_95| **high_95 < row.low_95).count() as u64;
+    }
+    rows
+}

@@ -1,0 +1,233 @@
+//! Scores: what a submission reached on each robot, and on all of them.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::LeagueError;
+use crate::math::summary::{interval_95, mean};
+
+/// Error of a trial that failed, in lengths of the robot: as if the tip were that far away.
+pub const FAILED: f64 = 1.0;
+
+/// What `score.json` holds: the same bytes for the same submission, robots and program.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Score {
+    /// Version of this file.
+    pub format: u64,
+    /// Name of the submission.
+    pub name: String,
+    /// Its authors.
+    pub authors: Vec<String>,
+    /// The track.
+    pub track: String,
+    /// What its numbers are: `error over length` or `share not named`.
+    pub measure: String,
+    /// Kind of the policy, or `answers`.
+    pub kind: String,
+    /// What it was trained on.
+    pub trained_on: String,
+    /// Licence.
+    pub licence: String,
+    /// Measured samples before the trials.
+    pub real_samples: u64,
+    /// Samples of each robot that it may take.
+    pub robot_samples: u64,
+    /// The season; `development` without one.
+    pub season: String,
+    /// Whether the robots were sealed when it was scored.
+    pub sealed: bool,
+    /// Digests of what the score depends on.
+    pub digests: Digests,
+    /// The machine.
+    pub machine: Machine,
+    /// Each robot.
+    pub robots: Vec<RobotScore>,
+}
+
+/// Digests of what a score depends on, in hexadecimal.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Digests {
+    /// All files of the submission.
+    pub submission: String,
+    /// Tracks, models and engines.
+    pub tracks: String,
+    /// The robots as they were drawn.
+    pub robots: String,
+    /// Version of the program.
+    pub program: String,
+}
+
+/// Where a score was computed.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Machine {
+    /// Operating system and architecture.
+    pub system: String,
+    /// Name of the processor.
+    pub processor: String,
+    /// What confined the policy; empty for one of this program and for answers.
+    pub guards: String,
+}
+
+/// A submission on one robot.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RobotScore {
+    /// Name of the robot.
+    pub robot: String,
+    /// Its family.
+    pub family: String,
+    /// The engine that plays it.
+    pub engine: String,
+    /// Its trials by mode, or by speed, or as answers.
+    pub cells: Vec<CellScore>,
+}
+
+/// Trials of one mode or speed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CellScore {
+    /// `open`, `closed`, `speed 2`, `answers` …
+    pub cell: String,
+    /// Number of trials.
+    pub trials: u64,
+    /// Trials that failed, by their status.
+    pub failures: BTreeMap<String, u64>,
+    /// Mean error; a trial that failed counts 1.
+    pub error: f64,
+    /// Mean error of the floor; none where no controller of the floor plays.
+    pub floor: Option<f64>,
+}
+
+impl CellScore {
+    /// The mean over trials: errors, and statuses of those that failed.
+    pub fn of(cell: String, trials: &[(f64, Option<String>)]) -> CellScore {
+        let mut failures = BTreeMap::new();
+        let errors = trials.iter().map(|(error, failure)| {
+            let Some(status) = failure
+                .as_ref()
+                .map(|status| status.as_str())
+                .or_else(|| (!error.is_finite()).then_some("not measured"))
+            else {
+                return *error;
+            };
+            *failures.entry(status.to_owned()).or_default() += 1;
+            FAILED
+        });
+        let errors: Vec<f64> = errors.collect();
+        // Nanometres of a metre: what a table shows, and no more.
+        CellScore {
+            cell,
+            trials: errors.len() as u64,
+            failures,
+            error: rounded(mean(&errors)),
+            floor: None,
+        }
+    }
+
+    /// Number of trials that failed.
+    pub fn failed(&self) -> u64 {
+        self.failures.values().sum()
+    }
+}
+
+fn rounded(value: f64) -> f64 {
+    (value * 1e9).round() / 1e9
+}
+
+impl RobotScore {
+    /// Mean of the floor over its cells; none where one has no floor.
+    pub fn floor(&self) -> Option<f64> {
+        let floors: Option<Vec<f64>> = self.cells.iter().map(|cell| cell.floor).collect();
+        floors.map(|floors| mean(&floors))
+    }
+
+    /// Mean over its cells.
+    pub fn error(&self) -> f64 {
+        mean(&self.cells.iter().map(|cell| cell.error).collect::<Vec<_>>())
+    }
+}
+
+/// A score on all robots of one family, or of all.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Summary {
+    /// Mean error over robots.
+    pub error: f64,
+    /// Its 95 % interval over robots, Student's t; none for a single robot.
+    pub interval_95: Option<[f64; 2]>,
+    /// Mean of the floor; none where a robot has none.
+    pub floor: Option<f64>,
+    /// Robots.
+    pub robots: u64,
+    /// Trials.
+    pub trials: u64,
+    /// Trials that failed.
+    pub failed: u64,
+}
+
+impl Score {
+    /// The families that it played, and `all` where `families` are all of them.
+    pub fn summary(&self, family: Option<&str>) -> Option<Summary> {
+        let robots: Vec<&RobotScore> = self
+            .robots
+            .iter()
+            .filter(|robot| family.is_none_or(|family| robot.family == family))
+            .collect();
+        if robots.is_empty() {
+            return None;
+        }
+        let errors: Vec<f64> = robots.iter().map(|robot| robot.error()).collect();
+        let floors: Option<Vec<f64>> = robots.iter().map(|robot| robot.floor()).collect();
+        let cells = || robots.iter().flat_map(|robot| &robot.cells);
+        Some(Summary {
+            error: mean(&errors),
+            interval_95: interval_95(&errors),
+            floor: floors.map(|floors| mean(&floors)),
+            robots: robots.len() as u64,
+            trials: cells().map(|cell| cell.trials).sum(),
+            failed: cells().map(CellScore::failed).sum(),
+        })
+    }
+
+    /// Reads a score.
+    ///
+    /// # Errors
+    /// [`LeagueError::Input`] for a file that is no score.
+    pub fn read(file: &std::path::Path) -> Result<Score, LeagueError> {
+        let wrong = |words: String| LeagueError::input(format!("{}: {words}", file.display()));
+        let text = std::fs::read_to_string(file).map_err(|error| wrong(error.to_string()))?;
+        let score: Score = serde_json::from_str(&text).map_err(|error| {
+            wrong(format!("{error}, expected a score of `spinebench league score`"))
+        })?;
+        if score.format != FORMAT {
+            return Err(wrong(format!("format: found {}, expected {FORMAT}", score.format)));
+        }
+        Ok(score)
+    }
+
+    /// The text of its file.
+    pub fn json(&self) -> String {
+        serde_json::to_string_pretty(self).unwrap_or_default() + "\n"
+    }
+}
+
+/// Version of `score.json`.
+pub const FORMAT: u64 = 1;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_failed_trial_counts_as_one_length_and_is_named() {
+        let trials =
+            [(0.01, None), (0.03, None), (0.02, Some("policy: late".to_owned())), (f64::NAN, None)];
+        let cell = CellScore::of("closed".to_owned(), &trials);
+        assert!((cell.error - (0.01 + 0.03 + 1.0 + 1.0) / 4.0).abs() < 1e-12);
+        assert_eq!(cell.failed(), 2);
+        assert_eq!(cell.failures["policy: late"], 1);
+    }
+}

@@ -1,0 +1,182 @@
+//! Seasons: tracks and program are frozen, and a secret that draws the sealed robots is bound by
+//! its hash before the season and disclosed after it.
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::LeagueError;
+use super::robot::RobotSeed;
+use super::track::{self, ReadTrack};
+use crate::runner::Digest;
+use crate::specs::{Document, files_behind, to_yaml};
+
+/// The seed of the development robots where there is no season.
+pub const PUBLIC_SEED: u64 = 1;
+
+/// A season as its file gives it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Season {
+    /// Its name.
+    pub season: String,
+    /// Version of the program that scores.
+    pub program: String,
+    /// Digest of the tracks, models and engines.
+    pub tracks: String,
+    /// Seed of the development robots.
+    pub public_seed: u64,
+    /// Hash of the secret that draws the sealed robots, BLAKE3 over name and secret, in
+    /// hexadecimal; none before it is sealed.
+    #[serde(default)]
+    pub sealed: Option<String>,
+    /// The secret in hexadecimal, once the season has ended.
+    #[serde(default)]
+    pub secret: Option<String>,
+}
+
+impl Season {
+    /// A season of the tracks in a folder, to be scored by this program.
+    ///
+    /// # Errors
+    /// [`LeagueError::Input`] for tracks that cannot be read.
+    pub fn new(name: &str, tracks: &Path) -> Result<Season, LeagueError> {
+        Ok(Season {
+            season: name.to_owned(),
+            program: crate::VERSION.to_owned(),
+            tracks: digest(tracks)?.to_string(),
+            public_seed: u64::from(Digest::of(name.as_bytes()).bytes()[0]) + PUBLIC_SEED + 1,
+            sealed: None,
+            secret: None,
+        })
+    }
+
+    /// Reads the file of a season.
+    ///
+    /// # Errors
+    /// [`LeagueError::Input`] for the first wrong key.
+    pub fn read(file: &Path) -> Result<Season, LeagueError> {
+        let document = Document::read(file, &[], &[]).map_err(LeagueError::input)?;
+        document.parse().map_err(LeagueError::input)
+    }
+
+    /// The text of its file.
+    ///
+    /// # Errors
+    /// [`LeagueError::Failed`] where YAML cannot represent it.
+    pub fn text(&self) -> Result<String, LeagueError> {
+        to_yaml(self).map_err(LeagueError::failed)
+    }
+
+    /// The hash of a secret of this season.
+    pub fn hash(&self, secret: &[u8; 32]) -> String {
+        Digest::of(&[self.season.as_bytes(), secret].concat()).to_string()
+    }
+
+    /// The secret in a text, if it is that of this season.
+    ///
+    /// # Errors
+    /// [`LeagueError::Input`] for another secret.
+    pub fn checked(&self, text: &str) -> Result<[u8; 32], LeagueError> {
+        let expected = "64 hexadecimal digits, as `spinebench league seal` wrote";
+        let secret = Digest::parse(text.trim())
+            .ok_or_else(|| LeagueError::input(format!("secret: expected {expected}")))?;
+        let Some(sealed) = &self.sealed else {
+            return Err(LeagueError::input(format!(
+                "season {}: found no `sealed`, expected a season that was sealed",
+                self.season
+            )));
+        };
+        let hash = self.hash(secret.bytes());
+        if hash != *sealed {
+            return Err(LeagueError::input(format!(
+                "secret: found one with the hash {hash}, expected {sealed}, which was published"
+            )));
+        }
+        Ok(*secret.bytes())
+    }
+
+    /// Refuses another program or other tracks than those of the season.
+    ///
+    /// # Errors
+    /// [`LeagueError::Input`] names what differs.
+    pub fn check_frozen(&self, tracks: &Path) -> Result<(), LeagueError> {
+        let found = [
+            ("program", crate::VERSION.to_owned(), &self.program),
+            ("tracks", digest(tracks)?.to_string(), &self.tracks),
+        ];
+        for (key, found, expected) in found {
+            if found != *expected {
+                return Err(LeagueError::input(format!(
+                    "season {}: {key}: found {found}, expected {expected}",
+                    self.season
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    /// What draws the robots: the sealed ones with their secret, the development robots without.
+    pub fn seed(&self, secret: Option<[u8; 32]>) -> RobotSeed {
+        secret.map_or(RobotSeed::Public(self.public_seed), RobotSeed::Sealed)
+    }
+}
+
+/// Digest of all that tracks depend on: their files, the models, the engines.
+///
+/// # Errors
+/// [`LeagueError::Input`] for a file that cannot be read.
+pub fn digest(tracks: &Path) -> Result<Digest, LeagueError> {
+    let mut files: Vec<PathBuf> = Vec::new();
+    for name in track::names(tracks)? {
+        let read = ReadTrack::read(tracks, &name)?;
+        files.extend([read.file.clone(), tracks.join(&read.track.robots)]);
+        for kind in read.kinds.values() {
+            files.extend(files_behind(&read.robots_folder.join(&kind.model)));
+            let engine = kind.engine.iter();
+            let named = engine.flat_map(|engine| {
+                engine.command.iter().map(PathBuf::from).chain(engine.files.clone())
+            });
+            files.extend(
+                named.map(|file| read.robots_folder.join(file)).filter(|file| file.is_file()),
+            );
+        }
+    }
+    files.sort();
+    files.dedup();
+    let mut bytes = Vec::new();
+    for file in files {
+        let content = std::fs::read(&file)
+            .map_err(|error| LeagueError::input(format!("{}: {error}", file.display())))?;
+        bytes.extend(file.file_name().unwrap_or_default().to_string_lossy().bytes());
+        bytes.extend(Digest::of(&content).bytes());
+    }
+    Ok(Digest::of(&bytes))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_the_secret_of_the_season_opens_it() {
+        let mut season = Season {
+            season: "test".into(),
+            program: String::new(),
+            tracks: String::new(),
+            public_seed: 2,
+            sealed: None,
+            secret: None,
+        };
+        let secret = Digest::of(b"a secret");
+        assert!(season.checked(&secret.to_string()).unwrap_err().to_string().contains("sealed"));
+        season.sealed = Some(season.hash(secret.bytes()));
+        assert_eq!(season.checked(&format!("{secret}\n")), Ok(*secret.bytes()));
+        assert!(season.checked(&Digest::of(b"another").to_string()).is_err());
+        assert!(season.checked("no digits").is_err());
+        assert_ne!(
+            season.hash(secret.bytes()),
+            Season { season: "other".into(), ..season.clone() }.hash(secret.bytes())
+        );
+    }
+}

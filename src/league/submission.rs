@@ -1,0 +1,178 @@
+//! Submissions: a folder with `submission.yaml` and what it names.
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::LeagueError;
+use crate::policies::{self, OnnxOptions, OutsidePolicy, ProgramOptions, PythonOptions};
+use crate::runner::Digest;
+use crate::specs::Document;
+
+/// Name of the file that describes a submission.
+pub const FILE: &str = "submission.yaml";
+
+/// A submission as its file gives it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Submission {
+    /// Name on the board: letters, digits, `_` and `-`.
+    pub name: String,
+    /// Its authors.
+    pub authors: Vec<String>,
+    /// The track.
+    pub track: String,
+    /// Families of robots that it plays; empty: all.
+    #[serde(default)]
+    pub robots: Vec<String>,
+    /// The policy, for tracks with trials.
+    #[serde(default)]
+    pub policy: Option<SubmittedPolicy>,
+    /// Folder of the answers, for tracks with questions.
+    #[serde(default)]
+    pub answers: Option<PathBuf>,
+    /// What it was trained on, in words.
+    pub trained_on: String,
+    /// Measured samples of real or league robots that it was trained on beforehand.
+    pub real_samples: u64,
+    /// Licence of what is submitted.
+    pub licence: String,
+}
+
+/// A submitted policy.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum SubmittedPolicy {
+    /// A network in an ONNX file.
+    Onnx(OnnxOptions),
+    /// A class in a file of Python.
+    Python(PythonOptions),
+    /// A program that answers requests in lines of JSON.
+    Program(ProgramOptions),
+    /// A policy of this program by its name: the baselines.
+    Builtin(String),
+}
+
+impl SubmittedPolicy {
+    /// The policy from outside with its file in `folder`; none for one of this program.
+    pub fn outside(&self, folder: &Path) -> Option<OutsidePolicy> {
+        let policy = match self {
+            SubmittedPolicy::Onnx(options) => OutsidePolicy::Onnx(options.clone()),
+            SubmittedPolicy::Python(options) => OutsidePolicy::Python(options.clone()),
+            SubmittedPolicy::Program(options) => OutsidePolicy::Program(options.clone()),
+            SubmittedPolicy::Builtin(_) => return None,
+        };
+        let file = folder.join(policy.file());
+        let file = std::path::absolute(&file).unwrap_or(file);
+        Some(policy.with_file(file))
+    }
+
+    /// Its kind in tables.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            SubmittedPolicy::Onnx(_) => "onnx",
+            SubmittedPolicy::Python(_) => "python",
+            SubmittedPolicy::Program(_) => "program",
+            SubmittedPolicy::Builtin(_) => "builtin",
+        }
+    }
+}
+
+/// A submission with its folder.
+#[derive(Clone, Debug)]
+pub struct ReadSubmission {
+    /// The folder.
+    pub folder: PathBuf,
+    /// The content of its file.
+    pub submission: Submission,
+}
+
+impl ReadSubmission {
+    /// Reads the file of a submission.
+    ///
+    /// # Errors
+    /// [`LeagueError::Input`] for a missing file, and for the first wrong key.
+    pub fn read(folder: &Path) -> Result<ReadSubmission, LeagueError> {
+        let document = Document::read(&folder.join(FILE), &[], &[]).map_err(LeagueError::input)?;
+        let submission = document.parse().map_err(LeagueError::input)?;
+        Ok(ReadSubmission { folder: folder.to_owned(), submission })
+    }
+
+    /// What is wrong with it apart from its track: each fault as `key: found …, expected …`.
+    pub fn faults(&self) -> Vec<String> {
+        let Submission { name, authors, licence, trained_on, policy, .. } = &self.submission;
+        let mut faults = Vec::new();
+        let is_name = !name.is_empty()
+            && name.chars().all(|letter| letter.is_ascii_alphanumeric() || "_-".contains(letter));
+        let taken = matches!(policy, Some(SubmittedPolicy::Builtin(builtin)) if builtin == name);
+        if !is_name || policies::find(name).is_some() && !taken {
+            faults.push(format!("name: found `{name}`, expected letters, digits, `_` and `-`, and no name of a policy of this program"));
+        }
+        for (key, missing) in [
+            ("authors", authors.iter().all(|author| author.trim().is_empty())),
+            ("licence", licence.trim().is_empty()),
+            ("trained_on", trained_on.trim().is_empty()),
+        ] {
+            if missing {
+                faults.push(format!("{key}: found nothing, expected a text"));
+            }
+        }
+        if let Some(SubmittedPolicy::Builtin(builtin)) = policy
+            && policies::find(builtin).is_none()
+        {
+            faults.push(format!(
+                "policy.builtin: found `{builtin}`, expected a policy of this program"
+            ));
+        }
+        if let Some(outside) = policy.as_ref().and_then(|policy| policy.outside(&self.folder))
+            && !outside.file().is_file()
+        {
+            faults.push(format!(
+                "policy.{}.file: found no file {}",
+                policy.as_ref().map_or("", SubmittedPolicy::kind),
+                outside.file().display()
+            ));
+        }
+        faults
+    }
+
+    /// Digest of all its files, in the order of their names, but for what a score has written.
+    ///
+    /// # Errors
+    /// [`LeagueError::Input`] for a file that cannot be read.
+    pub fn digest(&self) -> Result<Digest, LeagueError> {
+        let mut bytes = Vec::new();
+        for file in files(&self.folder)? {
+            let content = std::fs::read(self.folder.join(&file))
+                .map_err(|error| LeagueError::input(format!("{}: {error}", file.display())))?;
+            bytes.extend(file.display().to_string().bytes());
+            bytes.extend(Digest::of(&content).bytes());
+        }
+        Ok(Digest::of(&bytes))
+    }
+}
+
+/// Folder that `score` writes below that of a submission; it is no part of it.
+pub const SCORE_FOLDER: &str = "score";
+
+/// The files of a folder and those below it, sorted.
+fn files(folder: &Path) -> Result<Vec<PathBuf>, LeagueError> {
+    let mut found = Vec::new();
+    let mut pending = vec![PathBuf::new()];
+    while let Some(below) = pending.pop() {
+        let place = folder.join(&below);
+        let entries = std::fs::read_dir(&place)
+            .map_err(|error| LeagueError::input(format!("{}: {error}", place.display())))?;
+        for entry in entries.flatten() {
+            let name = below.join(entry.file_name());
+            let is_written = name == Path::new(SCORE_FOLDER) || entry.file_name() == "__pycache__";
+            match entry.file_type() {
+                Ok(kind) if kind.is_dir() && !is_written => pending.push(name),
+                Ok(kind) if kind.is_file() => found.push(name),
+                _ => {}
+            }
+        }
+    }
+    found.sort();
+    Ok(found)
+}

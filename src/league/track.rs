@@ -1,0 +1,203 @@
+//! Tracks: what a league asks, each a file under `experiments/league/`.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use serde_yaml::Mapping;
+
+use super::LeagueError;
+use crate::benchmark::Population;
+use crate::specs::Document;
+
+/// A track as its file gives it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LeagueTrack {
+    /// What is asked, in a sentence.
+    pub about: String,
+    /// The task.
+    pub task: Task,
+    /// File of the robots, relative to that of the track.
+    pub robots: PathBuf,
+    /// Robots of each kind, each with hidden effects of its own.
+    pub robots_each: u64,
+    /// What is hidden in a robot.
+    pub hidden: Population,
+    /// Standard deviation of the tracking noise per axis, metres.
+    pub noise_m: f64,
+    /// Data budget: most samples of a robot that a policy may take before its trials.
+    #[serde(default)]
+    pub samples: usize,
+    /// Time limit: seconds for each answer of a policy.
+    #[serde(default = "answer_s")]
+    pub answer_s: f64,
+    /// Controllers of this program that know the hidden effects and see the tip without noise. The
+    /// best of them on each robot is its floor.
+    #[serde(default)]
+    pub floor: Vec<String>,
+    /// Keys of the experiment on each robot, as in any spec.
+    #[serde(default)]
+    #[schemars(with = "BTreeMap<String, serde_json::Value>")]
+    pub experiment: Mapping,
+}
+
+fn answer_s() -> f64 {
+    1.0
+}
+
+/// The task of a track.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Task {
+    /// Bring the tip from home to targets.
+    Reach {
+        /// Modes of the experiment.
+        modes: Vec<String>,
+    },
+    /// Follow a path in time.
+    Laps {
+        /// Duration of a lap at speed 1, seconds.
+        lap_s: f64,
+        /// Speeds as multiples of that.
+        speeds: Vec<f64>,
+        /// The robot changes in each lap, at a time that is drawn between these two, seconds.
+        #[serde(default)]
+        change: Option<HiddenChange>,
+    },
+    /// Predict the tips of commands that were not seen, from recordings.
+    Identify(QuestionPlan),
+    /// Name the effect that the model lacks, from a recording.
+    Name(QuestionPlan),
+}
+
+/// An unannounced change.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct HiddenChange {
+    /// Earliest and latest time in a trial, seconds.
+    pub between_s: [f64; 2],
+    /// The effects that the robot gets.
+    pub effects: Population,
+}
+
+/// QuestionPlan of a robot: random walks from home.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct QuestionPlan {
+    /// Trials that are given.
+    pub trials: usize,
+    /// Trials whose tips are asked for.
+    #[serde(default)]
+    pub asked: usize,
+    /// Rows of each trial, one a control step.
+    pub rows: usize,
+    /// Duration of a control step, seconds.
+    pub step_s: f64,
+    /// Largest change of a tendon in a step, as a share of the suited travel.
+    pub step_share: f64,
+    /// Largest pull, as a share of the suited travel.
+    pub pull_share: f64,
+}
+
+/// A kind of robot.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RobotKind {
+    /// Robots of one family have the same model; a submission may play some families alone.
+    pub family: String,
+    /// The nominal model, relative to the file of the robots.
+    pub model: PathBuf,
+    /// Effects of the catalogue that can be hidden in it; empty: all. An effect that changes nothing
+    /// of this robot could not be named.
+    #[serde(default)]
+    pub effects: Vec<String>,
+    /// Weight that the mode `closed_load` hangs on the tip, kilograms.
+    pub load_kg: f64,
+    /// The engine that plays it; the rod of this program where there is none.
+    #[serde(default)]
+    pub engine: Option<Engine>,
+}
+
+/// Another engine than the rod, behind the protocol of an `external` plant.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Engine {
+    /// Name in tables.
+    pub name: String,
+    /// Program and arguments; files are relative to the file of the robots.
+    pub command: Vec<String>,
+    /// What it is told.
+    #[serde(default)]
+    pub options: serde_json::Map<String, serde_json::Value>,
+    /// Files beside the command that the robot depends on.
+    #[serde(default)]
+    pub files: Vec<PathBuf>,
+}
+
+/// Kinds of robots by name.
+pub type RobotKinds = BTreeMap<String, RobotKind>;
+
+/// A track with its robots, and where they were read.
+#[derive(Clone, Debug)]
+pub struct ReadTrack {
+    /// Name: that of its file.
+    pub name: String,
+    /// The file.
+    pub file: PathBuf,
+    /// Its content.
+    pub track: LeagueTrack,
+    /// Folder of the file of the robots.
+    pub robots_folder: PathBuf,
+    /// The robots.
+    pub kinds: RobotKinds,
+}
+
+impl ReadTrack {
+    /// Reads and checks the track called `name` in a folder of tracks.
+    ///
+    /// # Errors
+    /// [`LeagueError::Input`] for an unknown name, and for the first wrong key.
+    pub fn read(folder: &Path, name: &str) -> Result<ReadTrack, LeagueError> {
+        let file = folder.join(format!("{name}.yaml"));
+        let tracks = names(folder)?;
+        if !tracks.iter().any(|track| track == name) {
+            let (folder, tracks) = (folder.display(), tracks.join("`, `"));
+            return Err(LeagueError::input(format!(
+                "track: found `{name}`, expected one of the tracks in {folder}: `{tracks}`"
+            )));
+        }
+        let document = Document::read(&file, &[], &[]).map_err(LeagueError::input)?;
+        let track: LeagueTrack = document.parse().map_err(LeagueError::input)?;
+        let wrong = |words: String| LeagueError::input(format!("{}: {words}", file.display()));
+        track.hidden.check().map_err(|error| wrong(format!("hidden.{error}")))?;
+        let robots = folder.join(&track.robots);
+        let document = Document::read(&robots, &[], &[]).map_err(LeagueError::input)?;
+        let kinds = document.parse().map_err(LeagueError::input)?;
+        let robots_folder = robots.parent().unwrap_or(Path::new("")).to_owned();
+        Ok(ReadTrack { name: name.to_owned(), file, track, robots_folder, kinds })
+    }
+}
+
+/// Names of the tracks in a folder: its YAML files that have a task.
+///
+/// # Errors
+/// [`LeagueError::Input`] where the folder cannot be read.
+pub fn names(folder: &Path) -> Result<Vec<String>, LeagueError> {
+    let words = |error| {
+        format!(
+            "{}: found {error}, expected a folder of tracks (`experiments/league` of a checkout)",
+            folder.display()
+        )
+    };
+    let entries = std::fs::read_dir(folder).map_err(|error| LeagueError::input(words(error)))?;
+    let mut names: Vec<String> = entries
+        .flatten()
+        .map(|entry| entry.path())
+        .filter(|path| path.extension().is_some_and(|end| end == "yaml"))
+        .filter(|path| std::fs::read_to_string(path).is_ok_and(|text| text.contains("\ntask:")))
+        .filter_map(|path| Some(path.file_stem()?.to_str()?.to_owned()))
+        .collect();
+    names.sort();
+    Ok(names)
+}

@@ -1,0 +1,42 @@
+//! The rows of a league's board.
+
+use crate::data::table_rows;
+
+table_rows! {
+    "board.csv", key [track, season, robots, name]:
+    /// One submission on the robots of one family, or on all of them.
+    pub struct BoardRow {
+        /// The track.
+        pub track: String,
+        /// The season; `development` for the development robots.
+        pub season: String,
+        /// Family of the robots, or `all`.
+        pub robots: String,
+        /// Rank: 1, and one more for each submission whose interval lies wholly below.
+        pub rank: u64,
+        /// Name of the submission.
+        pub name: String,
+        /// Kind of the policy, or `answers`.
+        pub kind: String,
+        /// Mean over robots of the error over the length of the robot; of the track `name` the share
+        /// of robots whose effects are not named.
+        pub error: f64,
+        /// Lower end of its 95 % interval over robots.
+        pub low_95: f64,
+        /// Upper end.
+        pub high_95: f64,
+        /// The same error of a controller that knows the hidden effects; empty without a floor.
+        pub floor: f64,
+        /// Measured samples before the trials, and those of each robot.
+        pub samples: u64,
+        /// Median time of an answer of the policy, milliseconds; empty for policies of this program
+        /// and for answers.
+        pub tick_ms: f64,
+        /// Number of robots.
+        pub robot_count: u64,
+        /// Number of trials.
+        pub trials: u64,
+        /// Trials that failed; each counts as an error of one length.
+        pub failed: u64,
+    }
+}

@@ -1,0 +1,284 @@
+//! The league from outside: submissions are scored twice with the same bytes, a policy that peeks
+//! learns nothing, a faulty one loses its trials alone, and another process serves a robot.
+//!
+//! Without Python, or on a system that cannot confine a policy, the tests are skipped, and say so,
+//! unless `SPINEBENCH_PEERS=required` as in `.ci/run`.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+use serde_json::Value;
+
+const POLICIES: &str = include_str!("../data/league/policy.py");
+
+fn root() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// Whether the tests can run here.
+fn is_possible() -> bool {
+    let python = Command::new("python3").args(["-c", "import json"]).output();
+    let missing = match python {
+        Ok(output) if output.status.success() => (!cfg!(target_os = "linux")).then_some("Linux"),
+        _ => Some("python3"),
+    };
+    let Some(missing) = missing else { return true };
+    let required = std::env::var("SPINEBENCH_PEERS").is_ok_and(|value| value == "required");
+    assert!(!required, "without {missing}");
+    eprintln!("skipped: without {missing}");
+    false
+}
+
+/// A folder with a track of one small robot, and a place for submissions.
+struct League(tempfile::TempDir);
+
+impl League {
+    fn new() -> League {
+        let league = League(tempfile::tempdir().unwrap());
+        let root = root();
+        let tracks = league.path("tracks");
+        std::fs::create_dir_all(&tracks).unwrap();
+        let track = format!(
+            "about: A small track.\ntask: {{reach: {{modes: [closed]}}}}\nrobots: robots.yaml\nrobots_each: 1\n\
+             hidden: {{least_effects: 1, most_effects: 1, effects: [tip_load]}}\nnoise_m: 0.0005\nsamples: 10\nanswer_s: 2.0\n\
+             floor: [integral]\nexperiment:\n  extends: {}\n  training: {{paper: null}}\n  targets: {{pool: 20, drawn: 2, \
+             sweep: {{rows: 5, columns: 5}}}}\n  reach: {{max_steps: 15}}\n",
+            root.join("experiments/paper.yaml").display()
+        );
+        std::fs::write(tracks.join("small.yaml"), track).unwrap();
+        let robots = format!(
+            "rod: {{family: paper, model: {}, load_kg: 0.02}}\n",
+            root.join("models/nominal.yaml").display()
+        );
+        std::fs::write(tracks.join("robots.yaml"), robots).unwrap();
+        std::fs::write(league.path("secret.txt"), "the truth").unwrap();
+        league
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    /// A submission with a policy in YAML.
+    fn submit(&self, name: &str, policy: &str) -> PathBuf {
+        let folder = self.path(name);
+        std::fs::create_dir_all(&folder).unwrap();
+        let text = format!(
+            "name: {name}\nauthors: [test]\ntrack: small\npolicy: {policy}\ntrained_on: nothing\nreal_samples: 0\nlicence: MIT\n"
+        );
+        std::fs::write(folder.join("submission.yaml"), text).unwrap();
+        std::fs::write(folder.join("policy.py"), POLICIES).unwrap();
+        folder
+    }
+
+    fn python(&self, name: &str, class: &str) -> PathBuf {
+        self.submit(name, &format!("{{python: {{file: policy.py, class: {class}}}}}"))
+    }
+
+    fn league(&self, arguments: &[&str]) -> Output {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_spinebench"));
+        command.arg("league").args(arguments);
+        command
+            .env("SPINEBENCH_CACHE", self.path("cache"))
+            .env("SPINEBENCH_TEST_SECRET", "the truth");
+        command.current_dir(self.0.path()).output().unwrap()
+    }
+
+    /// `league score`, which must succeed; its score.
+    fn score(&self, folder: &Path) -> Value {
+        let output = self.league(&["score", folder.to_str().unwrap(), "--tracks", "tracks"]);
+        assert!(output.status.success(), "{}", said(&output));
+        serde_json::from_slice(&std::fs::read(folder.join("score/score.json")).unwrap()).unwrap()
+    }
+}
+
+fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// The statuses of the failed trials.
+fn failures(score: &Value) -> String {
+    score["robots"][0]["cells"][0]["failures"].to_string()
+}
+
+#[test]
+fn a_strangers_policy_and_a_network_are_scored_twice_with_the_same_bytes() {
+    if !is_possible() {
+        return;
+    }
+    let league = League::new();
+    let network = league
+        .submit("network", "{onnx: {file: net.onnx, position_scale_m: 0.2, pull_scale_m: 0.02}}");
+    std::fs::copy(root().join("tests/data/onnx/torch_policy.onnx"), network.join("net.onnx"))
+        .unwrap();
+    for folder in [league.python("honest", "Honest"), network] {
+        let score = league.score(&folder);
+        assert_eq!(failures(&score), "{}", "{score}");
+        let first = std::fs::read(folder.join("score/score.json")).unwrap();
+        league.score(&folder);
+        assert_eq!(first, std::fs::read(folder.join("score/score.json")).unwrap());
+        let [error, floor] =
+            [&score["robots"][0]["cells"][0]["error"], &score["robots"][0]["cells"][0]["floor"]]
+                .map(|value| value.as_f64().unwrap());
+        assert!(floor > 0.0 && floor < error && error < 1.0, "{score}");
+    }
+    let table = league.league(&["table", ".", "--out", "board"]);
+    assert!(table.status.success(), "{}", said(&table));
+    let board = std::fs::read_to_string(league.path("board/board.csv")).unwrap();
+    assert_eq!(board.lines().count(), 3, "{board}");
+    assert!(std::fs::read_to_string(league.path("board/board.html")).unwrap().contains("honest"));
+}
+
+#[test]
+fn a_policy_that_peeks_learns_nothing() {
+    if !is_possible() {
+        return;
+    }
+    let league = League::new();
+    let folder = league.python("peeking", "Peeking");
+    let score = league.score(&folder);
+    assert_eq!(failures(&score), "{}", "{score}");
+    assert!(!folder.join("written.txt").exists());
+    // The same file without confinement does learn: the test can fail.
+    let free = Command::new("python3")
+        .arg("policy.py")
+        .current_dir(&folder)
+        .env("SPINEBENCH_TEST_SECRET", "the truth")
+        .output()
+        .unwrap();
+    let learnt = String::from_utf8_lossy(&free.stdout).into_owned();
+    assert!(learnt.matches(',').count() > 6, "{learnt} {}", said(&free));
+}
+
+#[test]
+fn a_faulty_policy_loses_its_trials_alone() {
+    if !is_possible() {
+        return;
+    }
+    let league = League::new();
+    for (class, words) in [
+        ("NotFinite", "not finite"),
+        ("WrongNumber", "wrong number of tendons: found 3, expected 4"),
+        ("Late", "late: no answer within 2 s"),
+        ("Crashing", "exit status 7"),
+        ("Forking", "forbidden system call"),
+        ("Hungry", "out of memory"),
+    ] {
+        let score = league.score(&league.python(&class.to_lowercase(), class));
+        let cell = &score["robots"][0]["cells"][0];
+        assert_eq!(cell["trials"], 2, "{class}: {score}");
+        assert!(
+            failures(&score).contains(words) && failures(&score).ends_with(":1}"),
+            "{class}: {}",
+            failures(&score)
+        );
+    }
+}
+
+#[test]
+fn check_reports_all_faults_at_once() {
+    let league = League::new();
+    let folder = league.submit("of course", "{python: {file: none.py, class: None}}");
+    let text = std::fs::read_to_string(folder.join("submission.yaml")).unwrap();
+    std::fs::write(
+        folder.join("submission.yaml"),
+        text.replace("licence: MIT", "licence: ''\nrobots: [snake]"),
+    )
+    .unwrap();
+    let output = league.league(&["check", folder.to_str().unwrap(), "--tracks", "tracks"]);
+    let said = said(&output);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    for words in
+        ["name: found `of course`", "licence: found nothing", "none.py", "robots: found `snake`"]
+    {
+        assert!(said.contains(words), "{words}: {said}");
+    }
+}
+
+#[test]
+fn only_its_secret_opens_a_season() {
+    let league = League::new();
+    let done = |arguments: &[&str]| {
+        let output = league.league(arguments);
+        assert!(output.status.success(), "{arguments:?}: {}", said(&output));
+    };
+    done(&["new-season", "one", "--out", "one.yaml", "--tracks", "tracks"]);
+    done(&["seal", "one.yaml", "--secret", "key"]);
+    let sealed = std::fs::read_to_string(league.path("one.yaml")).unwrap();
+    let key = std::fs::read_to_string(league.path("key")).unwrap();
+    assert!(!sealed.contains(key.trim()), "{sealed}");
+    std::fs::write(league.path("wrong"), "0".repeat(64)).unwrap();
+    let wrong = league.league(&["open", "one.yaml", "--secret", "wrong"]);
+    assert_eq!(wrong.status.code(), Some(2));
+    assert!(said(&wrong).contains("which was published"), "{}", said(&wrong));
+    done(&["open", "one.yaml", "--secret", "key"]);
+    assert!(std::fs::read_to_string(league.path("one.yaml")).unwrap().contains(key.trim()));
+    // Other tracks are another season.
+    let track = std::fs::read_to_string(league.path("tracks/small.yaml")).unwrap();
+    std::fs::write(
+        league.path("tracks/small.yaml"),
+        track.replace("noise_m: 0.0005", "noise_m: 0.0"),
+    )
+    .unwrap();
+    let other = league.league(&[
+        "robots", "small", "--out", "robots", "--tracks", "tracks", "--season", "one.yaml",
+    ]);
+    assert_eq!(other.status.code(), Some(2));
+    assert!(said(&other).contains("tracks: found"), "{}", said(&other));
+}
+
+#[test]
+fn another_process_serves_a_robot_over_a_pipe_and_over_a_port() {
+    if !is_possible() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let commands: String = (0..6)
+        .map(|row| {
+            format!("0,{:.1},{p},0,-{p},0\n", 0.2 * f64::from(row), p = 0.002 * f64::from(row))
+        })
+        .collect();
+    std::fs::write(
+        folder.path().join("in.csv"),
+        format!("trial,time_s,tendon_1_m,tendon_2_m,tendon_3_m,tendon_4_m\n{commands}"),
+    )
+    .unwrap();
+    let collect = |plant: &str, out: &str| {
+        let text = format!(
+            "external:\n  model: {}\n  {plant}\n",
+            root().join("models/nominal.yaml").display()
+        );
+        std::fs::write(folder.path().join("plant.yaml"), text).unwrap();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_spinebench"));
+        command.args(["collect", "--plant", "plant.yaml", "--commands", "in.csv", "--out", out]);
+        command.current_dir(folder.path()).output().unwrap()
+    };
+    let robot = root().join("benches/league/example_robot.py").display().to_string();
+    let pipe = collect(&format!("command: [python3, {robot}]"), "pipe.csv");
+    assert!(pipe.status.success(), "{}", said(&pipe));
+    let rows = std::fs::read_to_string(folder.path().join("pipe.csv")).unwrap();
+    // The arm of that file: 10 mm on a lever of 10 mm bend 200 mm by one radian.
+    assert!(rows.lines().count() == 7 && rows.contains("0.0735"), "{rows}");
+    let serve = "import socketserver, subprocess, sys\n\
+                 class One(socketserver.StreamRequestHandler):\n\
+                 \tdef handle(self):\n\
+                 \t\tsubprocess.run([sys.executable, sys.argv[1]], stdin=self.request, stdout=self.request)\n\
+                 server = socketserver.TCPServer(('127.0.0.1', 0), One)\n\
+                 print(server.server_address[1], flush=True)\n\
+                 server.handle_request()\n";
+    let mut server =
+        Command::new("python3").args(["-c", serve, &robot]).stdout(Stdio::piped()).spawn().unwrap();
+    let mut port = String::new();
+    std::io::BufRead::read_line(
+        &mut std::io::BufReader::new(server.stdout.as_mut().unwrap()),
+        &mut port,
+    )
+    .unwrap();
+    let socket = collect(&format!("address: '127.0.0.1:{}'", port.trim()), "socket.csv");
+    assert!(socket.status.success(), "{}", said(&socket));
+    assert_eq!(rows, std::fs::read_to_string(folder.path().join("socket.csv")).unwrap());
+    server.wait().unwrap();
+    let far = collect("address: '8.8.8.8:80'", "far.csv");
+    assert_eq!(far.status.code(), Some(2));
+    assert!(said(&far).contains("an address of this machine"), "{}", said(&far));
+}
