@@ -1,8 +1,8 @@
 //! The league from outside: submissions are scored twice with the same bytes, a policy that peeks
 //! learns nothing, a faulty one loses its trials alone, and another process serves a robot.
 //!
-//! Without Python, or on a system that cannot confine a policy, the tests are skipped, and say so,
-//! unless `SPINEBENCH_PEERS=required` as in `.ci/run`.
+//! Without Python or a kernel that can confine a policy the tests are skipped, and say so; with
+//! `SPINEBENCH_PEERS=required`, as in `.ci/run`, Python has to be there.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
@@ -17,16 +17,19 @@ fn root() -> PathBuf {
 
 /// Whether the tests can run here.
 fn is_possible() -> bool {
-    let python = Command::new("python3").args(["-c", "import json"]).output();
-    let missing = match python {
-        Ok(output) if output.status.success() => (!cfg!(target_os = "linux")).then_some("Linux"),
-        _ => Some("python3"),
+    let succeeds = |program: &str, arguments: &[&str]| {
+        let output = Command::new(program).args(arguments).output();
+        output.is_ok_and(|output| output.status.success())
     };
-    let Some(missing) = missing else { return true };
+    let has_python = succeeds("python3", &["-c", "import json"]);
     let required = std::env::var("SPINEBENCH_PEERS").is_ok_and(|value| value == "required");
-    assert!(!required, "without {missing}");
-    eprintln!("skipped: without {missing}");
-    false
+    assert!(has_python || !required, "without python3");
+    let confine = ["league", "confine", "--read", "/usr", "--", "/bin/true"];
+    let is_possible = has_python && succeeds(env!("CARGO_BIN_EXE_spinebench"), &confine);
+    if !is_possible {
+        eprintln!("skipped: without python3, or a kernel that can confine a policy");
+    }
+    is_possible
 }
 
 /// A folder with a track of one small robot, and a place for submissions.
