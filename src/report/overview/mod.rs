@@ -48,15 +48,15 @@ pub struct PathScenes {
 }
 
 /// A part of the page that its contents list.
-struct Part {
+struct PagePart {
     id: &'static str,
     heading: &'static str,
     content: Markup,
 }
 
-impl Part {
-    fn new(id: &'static str, heading: &'static str, content: Markup) -> Part {
-        Part { id, heading, content }
+impl PagePart {
+    fn new(id: &'static str, heading: &'static str, content: Markup) -> PagePart {
+        PagePart { id, heading, content }
     }
 }
 
@@ -69,13 +69,13 @@ pub fn overview(results: &Path, facts: &OverviewFacts) -> Result<String, ReportE
     let claims = claims::section(results, facts)?;
     let table1 = table1::section(results, &mut data)?;
     let mut parts = vec![
-        Part::new("claims", "Claims of the paper", claims.section),
-        Part::new("table1", "Table I", table1),
+        PagePart::new("claims", "Claims of the paper", claims.section),
+        PagePart::new("table1", "Table I", table1),
     ];
     parts.extend(sections::figures(results, facts, &mut data)?);
     parts.extend(sections::further(results, &mut data)?);
     let provenance = provenance::section(&facts.experiments, results);
-    parts.push(Part::new("provenance", "Provenance of the numbers", provenance));
+    parts.push(PagePart::new("provenance", "Provenance of the numbers", provenance));
     parts.retain(|part| !part.content.0.is_empty());
     let content = html! {
         (head(&claims.summary, facts))
@@ -88,7 +88,7 @@ pub fn overview(results: &Path, facts: &OverviewFacts) -> Result<String, ReportE
 }
 
 /// Links to the parts.
-fn contents(parts: &[Part]) -> Markup {
+fn contents(parts: &[PagePart]) -> Markup {
     html! {
         nav .contents aria-label="Contents" {
             ul {

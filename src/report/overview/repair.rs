@@ -43,11 +43,11 @@ fn counts(repairs: &[RepairRow], summary: &[RepairSummaryRow], monitors: &[Monit
     if repairs.is_empty() {
         return Markup::default();
     }
-    let lines: Vec<Change> = distinct(repairs.iter().map(|row| row.change.as_str()))
+    let lines: Vec<ChangeCounts> = distinct(repairs.iter().map(|row| row.change.as_str()))
         .into_iter()
-        .map(|change| Change::of(change, repairs, summary))
+        .map(|change| ChangeCounts::of(change, repairs, summary))
         .collect();
-    let total = |value: fn(&Change) -> usize| lines.iter().map(value).sum::<usize>();
+    let total = |value: fn(&ChangeCounts) -> usize| lines.iter().map(value).sum::<usize>();
     let hours: f64 = monitors.iter().map(|row| row.watched_s).sum::<f64>() / 3600.0;
     let false_alarms: u64 = monitors.iter().map(|row| row.false_alarms).sum();
     let rows: Vec<_> = lines
@@ -85,7 +85,7 @@ fn counts(repairs: &[RepairRow], summary: &[RepairSummaryRow], monitors: &[Monit
 }
 
 /// The counts of one change.
-struct Change {
+struct ChangeCounts {
     name: String,
     repetitions: usize,
     /// Repetitions with an alarm.
@@ -99,8 +99,8 @@ struct Change {
     compared: usize,
 }
 
-impl Change {
-    fn of(change: &str, repairs: &[RepairRow], summary: &[RepairSummaryRow]) -> Change {
+impl ChangeCounts {
+    fn of(change: &str, repairs: &[RepairRow], summary: &[RepairSummaryRow]) -> ChangeCounts {
         let rows = || repairs.iter().filter(|row| row.change == change);
         let identified =
             |row: &&RepairRow| row.verdict == "named" && effects(&row.named) == effects(&row.truth);
@@ -119,7 +119,7 @@ impl Change {
             .filter(|row| !["before", "changed"].contains(&row.variant.as_str()))
             .filter_map(|row| Some((row.mean_m, unrepaired_m(row)?)))
             .collect();
-        Change {
+        ChangeCounts {
             name: change.to_owned(),
             repetitions: rows().count(),
             alarms: rows().filter(|row| row.alarm_s.is_finite()).count(),

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::charts::{AxisColumn, Chart, ChartKind, PageData};
 use super::tables::{EmbeddedTable, published_columns};
-use super::{OverviewFacts, Part, repair};
+use super::{OverviewFacts, PagePart, repair};
 use crate::data::DataError;
 use crate::report::scene::player;
 use crate::report::style::training_label;
@@ -41,15 +41,15 @@ pub(super) fn figures(
     results: &Path,
     facts: &OverviewFacts,
     data: &mut PageData,
-) -> Result<Vec<Part>, DataError> {
+) -> Result<Vec<PagePart>, DataError> {
     let fig5 = fig5(results, data)?;
     let fig6 = fig6(results, data)?;
     let fig8 = fig8(results, data)?;
     let robots = path_player(facts);
     Ok(vec![
-        Part::new("fig5", "Fig. 5: simulated and “real” tips", fig5),
-        Part::new("fig6", "Fig. 6: error against the amount of real data", fig6),
-        Part::new("fig8", "Fig. 8: a path in closed loop", html! { (robots) (fig8) }),
+        PagePart::new("fig5", "Fig. 5: simulated and “real” tips", fig5),
+        PagePart::new("fig6", "Fig. 6: error against the amount of real data", fig6),
+        PagePart::new("fig8", "Fig. 8: a path in closed loop", html! { (robots) (fig8) }),
     ])
 }
 
@@ -181,7 +181,7 @@ fn fig8(results: &Path, data: &mut PageData) -> Result<Markup, DataError> {
 ///
 /// # Errors
 /// [`DataError`] for a table that cannot be read.
-pub(super) fn further(results: &Path, data: &mut PageData) -> Result<Vec<Part>, DataError> {
+pub(super) fn further(results: &Path, data: &mut PageData) -> Result<Vec<PagePart>, DataError> {
     let controllers = controllers(results, data)?;
     let repair = repair::section(results, data)?;
     let population = population(results, data)?;
@@ -189,12 +189,12 @@ pub(super) fn further(results: &Path, data: &mut PageData) -> Result<Vec<Part>, 
     let discovery = discovery(results, data)?;
     let real = real(results, data)?;
     Ok(vec![
-        Part::new("controllers", "Further controllers", controllers),
-        Part::new("repair", "Repair: a robot that changes", repair),
-        Part::new("population", "A population of robots", population),
-        Part::new("sweeps", "Sweeps", sweeps),
-        Part::new("discovery", "Discovery of missing physics", discovery),
-        Part::new("real", "Real robots", real),
+        PagePart::new("controllers", "Further controllers", controllers),
+        PagePart::new("repair", "Repair: a robot that changes", repair),
+        PagePart::new("population", "A population of robots", population),
+        PagePart::new("sweeps", "Sweeps", sweeps),
+        PagePart::new("discovery", "Discovery of missing physics", discovery),
+        PagePart::new("real", "Real robots", real),
     ])
 }
 
