@@ -9,8 +9,8 @@ use super::style::{GREY, INK, Marker, TALL};
 use super::{Artifact, ReportError, captioned, csv, text};
 use crate::rows::league::BoardRow;
 
-/// Stem of the files.
-const NAME: &str = "board";
+/// Stem of the files of the figure; its caption is Markdown, as the table is.
+const NAME: &str = "board_errors";
 
 /// The files of a board: CSV, JSON, Markdown, a page, and its figure.
 ///
@@ -39,7 +39,7 @@ const CAPTION: &str = "Board of the league: mean error over robots in % of the l
 fn groups(rows: &[BoardRow]) -> Vec<(String, Vec<&BoardRow>)> {
     let mut groups: Vec<(String, Vec<&BoardRow>)> = Vec::new();
     for row in rows {
-        let title = format!("{}, {} robots, {}", row.track, row.robots, row.season);
+        let title = format!("{}: {}, {}", row.track, row.robots, row.season);
         match groups.iter_mut().find(|(other, _)| *other == title) {
             Some((_, group)) => group.push(row),
             None => groups.push((title, vec![row])),
