@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
-use serde_yaml::Mapping;
 
 use super::LeagueError;
 use crate::benchmark::Population;
@@ -38,8 +37,7 @@ pub struct LeagueTrack {
     pub floor: Vec<String>,
     /// Keys of the experiment on each robot, as in any spec.
     #[serde(default)]
-    #[schemars(with = "BTreeMap<String, serde_json::Value>")]
-    pub experiment: Mapping,
+    pub experiment: serde_json::Map<String, serde_json::Value>,
 }
 
 fn answer_s() -> f64 {

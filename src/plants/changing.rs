@@ -125,7 +125,7 @@ mod tests {
     #[test]
     fn the_robot_changes_once_in_a_trial_at_a_time_that_its_seed_draws() {
         let mut changing = Changing::new(robot(0.0), robot(0.05), [1.0, 3.0]);
-        let pulls_m = [0.01, 0.0, -0.01, 0.0];
+        let pulls_m = [0.004, 0.0, -0.004, 0.0];
         let mut steps_before = |seed| {
             changing.reset(Seed(seed)).unwrap();
             let tips: Vec<f64> =

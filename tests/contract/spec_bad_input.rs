@@ -98,7 +98,7 @@ const BAD: &[(&str, &str)] = &[
     (
         "plant: {constant_curvature: {}}\nmodes: {closed_load: {feedback: closed, effects: \
          []}}\npopulation: {}",
-        "bad.yaml:2:8: plant: found a mapping, expected a simulated robot, to which `population` \
+        "bad.yaml:2:8: plant: found a mapping, expected a `simulated` or `external` robot, to which `population` \
          adds effects",
     ),
     (

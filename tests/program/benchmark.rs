@@ -60,7 +60,11 @@ fn the_smallest_spec_runs_end_to_end_and_twice_the_same() {
         "{:?}",
         rows[1]
     );
-    assert!(rows[2].verdict.starts_with("failed: blind_truth: 10 candidates"), "{:?}", rows[2]);
+    assert!(
+        rows[2].verdict.starts_with("failed: blind_truth: none of 10 candidates"),
+        "{:?}",
+        rows[2]
+    );
     let intervals: Vec<IntervalRow> = read_csv(&table.with_file_name("intervals.csv")).unwrap();
     for row in &rows {
         let own: Vec<&IntervalRow> =

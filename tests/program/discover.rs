@@ -248,7 +248,7 @@ fn of_several_recordings_the_bad_one_is_named() {
         "{changes}"
     );
     let twice = bench.refused("discover --model NOMINAL --measured first.csv first.csv --out out");
-    assert!(twice.contains("first.csv again"), "{twice}");
+    assert!(twice.contains("found the same trials as in first.csv"), "{twice}");
     bench.twin("part.csv", 50, &|_, cells| cells);
     let within = bench.refused("discover --model NOMINAL --measured first.csv part.csv --out out");
     assert!(

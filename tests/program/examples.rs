@@ -213,8 +213,9 @@ fn every_shown_command_has_the_options_and_files_that_it_names() {
             let words: Vec<&str> = shown.split_whitespace().skip(1).collect();
             let Some(name) = words.iter().find(|word| !word.starts_with('-')) else { continue };
             let mut command = vec![*name];
-            if *name == "cache" || *name == "import" || *name == "schema" {
-                command.extend(words.get(1).filter(|word| word.chars().all(char::is_lowercase)));
+            if ["cache", "import", "league", "schema"].contains(name) {
+                let is_word = |letter: char| letter.is_lowercase() || letter == '-';
+                command.extend(words.get(1).filter(|word| word.chars().all(is_word)));
             }
             let help = run(Path::new(ROOT), &format!("spinebench {} --help", command.join(" ")));
             let help = String::from_utf8_lossy(&help.stdout).into_owned();

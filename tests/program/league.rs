@@ -260,8 +260,8 @@ fn another_process_serves_a_robot_over_a_pipe_and_over_a_port() {
     let pipe = collect(&format!("command: [python3, {robot}]"), "pipe.csv");
     assert!(pipe.status.success(), "{}", said(&pipe));
     let rows = std::fs::read_to_string(folder.path().join("pipe.csv")).unwrap();
-    // The arm of that file: 10 mm on a lever of 10 mm bend 200 mm by one radian.
-    assert!(rows.lines().count() == 7 && rows.contains("0.0735"), "{rows}");
+    // The arm of that file: 8 mm on a lever of 10 mm bend 200 mm by 0.8 rad.
+    assert!(rows.lines().count() == 7 && rows.contains("0.0758233"), "{rows}");
     let serve = "import socketserver, subprocess, sys\n\
                  class One(socketserver.StreamRequestHandler):\n\
                  \tdef handle(self):\n\

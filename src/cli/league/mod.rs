@@ -18,11 +18,11 @@ use spinebench::runner::Progress;
 #[derive(Args)]
 pub(super) struct LeagueCommand {
     #[command(subcommand)]
-    command: Command,
+    command: LeagueTask,
 }
 
 #[derive(Subcommand)]
-enum Command {
+enum LeagueTask {
     Check(check::CheckCommand),
     Score(score::ScoreCommand),
     Table(board::TableCommand),
@@ -39,15 +39,15 @@ enum Command {
 impl LeagueCommand {
     pub(super) fn execute(self, progress: &Progress) -> CommandResult {
         match self.command {
-            Command::Check(check) => check.execute(),
-            Command::Score(score) => score.execute(progress),
-            Command::Table(table) => table.execute(),
-            Command::Robots(robots) => robots.execute(),
-            Command::NewSeason(season) => season.execute(),
-            Command::Seal(seal) => seal.execute(),
-            Command::Open(open) => open.execute(),
-            Command::Confine(confine) => confine.execute(),
-            Command::Answer(answer) => answer.execute(),
+            LeagueTask::Check(check) => check.execute(),
+            LeagueTask::Score(score) => score.execute(progress),
+            LeagueTask::Table(table) => table.execute(),
+            LeagueTask::Robots(robots) => robots.execute(),
+            LeagueTask::NewSeason(season) => season.execute(),
+            LeagueTask::Seal(seal) => seal.execute(),
+            LeagueTask::Open(open) => open.execute(),
+            LeagueTask::Confine(confine) => confine.execute(),
+            LeagueTask::Answer(answer) => answer.execute(),
         }
     }
 }

@@ -354,7 +354,7 @@ mod tests {
             ("se_ard linear", 8, "found `l`, expected `+`"),
             ("(se_ard", 8, "expected `)`"),
             ("se_ard[0]", 8, "from 1"),
-            ("se_ard[2-1]", 8, "rise"),
+            ("se_ard[2-1]", 8, "increasing"),
             ("se_ard[1, 1-2]", 11, "once"),
             ("se_ard[1", 9, "`]`"),
             ("", 1, "expected a kernel"),

@@ -122,7 +122,7 @@ fn a_broken_export_is_refused_by_line_and_column() {
         (with(9, 1, ""), "line 9, column `Time (Seconds)`: found nothing"),
         (
             with(9, 1, "0.000000"),
-            "line 9, column `Time (Seconds)`: found `0.000000`, expected more than 0 as in",
+            "line 9, column `Time (Seconds)`: found `0.000000`, expected more than 0",
         ),
         (with(9, 4, "\"0.1"), "line 9: found a quotation mark that is not closed"),
         (
