@@ -7,6 +7,7 @@ use std::net::{SocketAddr, TcpStream};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
@@ -45,6 +46,7 @@ pub struct LinePeer {
     requests: Option<Box<dyn Write + Send>>,
     answers: Receiver<std::io::Result<Vec<u8>>>,
     error_output: Arc<Mutex<Vec<u8>>>,
+    error_reader: Option<JoinHandle<()>>,
 }
 
 impl LinePeer {
@@ -63,14 +65,14 @@ impl LinePeer {
             .spawn()
             .map_err(|error| PeerError::Unreachable(format!("{program}: {error}")))?;
         let error_output = Arc::new(Mutex::new(Vec::new()));
-        if let Some(stderr) = child.stderr.take() {
+        let error_reader = child.stderr.take().map(|stderr| {
             let kept = Arc::clone(&error_output);
-            std::thread::spawn(move || keep_end(stderr, &kept));
-        }
+            std::thread::spawn(move || keep_end(stderr, &kept))
+        });
         let requests = child.stdin.take().map(|stdin| Box::new(stdin) as Box<dyn Write + Send>);
         let stdout = child.stdout.take().map(|stdout| Box::new(stdout) as Box<dyn Read + Send>);
         let answers = read_lines(stdout.unwrap_or_else(|| Box::new(std::io::empty())));
-        Ok(LinePeer { child: Some(child), requests, answers, error_output })
+        Ok(LinePeer { child: Some(child), requests, answers, error_output, error_reader })
     }
 
     /// Connects to a server on this machine.
@@ -90,6 +92,7 @@ impl LinePeer {
             requests: Some(Box::new(writing)),
             answers: read_lines(Box::new(reading)),
             error_output: Arc::default(),
+            error_reader: None,
         })
     }
 
@@ -150,6 +153,17 @@ impl LinePeer {
         None
     }
 
+    /// Waits until the error output of a process that ended is read, at most for a moment: a process
+    /// that it has started may hold it open.
+    fn read_error_output(&self) {
+        let began = Instant::now();
+        while !self.error_reader.as_ref().is_none_or(JoinHandle::is_finished)
+            && began.elapsed().as_secs_f64() < END_S
+        {
+            std::thread::sleep(Duration::from_millis(2));
+        }
+    }
+
     fn ended(&mut self) -> PeerError {
         self.requests = None;
         let mut words = match self.wait() {
@@ -157,6 +171,7 @@ impl LinePeer {
             None if self.child.is_some() => "it closed its output".to_owned(),
             None => "the connection is closed".to_owned(),
         };
+        self.read_error_output();
         let kept = self.error_output.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(last) =
             String::from_utf8_lossy(&kept).lines().rev().find(|line| !line.trim().is_empty())

@@ -269,7 +269,7 @@ fn of_several_recordings_the_bad_one_is_named() {
     );
     let within =
         bench.refused("discover --model NOMINAL --measured lost.csv lost_part.csv --out out");
-    assert!(within.contains("lost.csv again"), "{within}");
+    assert!(within.contains("found the same trials as in lost.csv"), "{within}");
     // What is wrong with all of them together is said of all.
     let line = |k: usize| text.lines().nth(k).unwrap();
     bench.put("short_1.csv", &[line(0), line(1), line(2), ""].join("\n"));
