@@ -63,16 +63,10 @@ else
 	@echo "A look at $(SEEDS) of ten repetitions is in $(OUT)/; the published results/ and plots/ are as they were."
 endif
 
-LEAGUE_POLICIES := integral online_jacobian model_integral mpc a b c pi_real a_integral c_hysteresis a_online dagger
-league: build ## baselines of the league and its board, into results/league (hours; needs Python with benches/league/requirements.txt): docs/guide/league.md
-	@for track in reach track change; do for policy in $(LEAGUE_POLICIES); do \
-	  folder=$(OUT)/results/league/$$track/$$policy && mkdir -p $$folder && \
-	  printf '%s\n' "name: $$policy" "authors: [spinebench]" "track: $$track" "policy: {builtin: $$policy}" \
-	    "trained_on: the nominal model, and 100 samples of each robot where it uses real data" "real_samples: 0" \
-	    "licence: MIT OR Apache-2.0" > $$folder/submission.yaml && \
-	  $(SPINEBENCH) league score $$folder --out $$folder || exit 1; done; done
-	python3 benches/league/baselines.py $(OUT)/results/league
-	$(SPINEBENCH) league table $(OUT)/results/league
+league: build ## baselines of the league and its board, into results/league (hours; needs Python with venv, and PyPI): docs/guide/league.md
+	python3 -m venv $(PYTHON_VENV)
+	$(PYTHON_VENV)/bin/python -m pip install --quiet --disable-pip-version-check ./python -r benches/league/requirements.txt "mujoco[sysid]"
+	PATH="$(CURDIR)/$(PYTHON_VENV)/bin:$$PATH" python3 -B benches/league/baselines.py $(OUT)/results/league --program target/release/spinebench
 
 ROBOT := target/tmp/robot
 robot: build ## the README's moving picture, plots/robot.gif: Fig. 8's path under two policies, and `discover` before and after

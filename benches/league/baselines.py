@@ -1,10 +1,15 @@
-"""Baselines of the tracks with questions, `identify` and `name`: answers them, and has `spinebench league` score the answers.
+"""Baselines of the league: writes submissions, has `spinebench league` score them, and makes the board.
 
-usage: python3 benches/league/baselines.py OUT [--program spinebench] [--season FILE …]
+usage: python3 benches/league/baselines.py OUT [--program spinebench] [--work DIR] [--track TRACK …] [--season FILE …]
 
 Run it in the root of a checkout, with requirements.txt installed. Arguments that it does not know go to `spinebench league
 robots` and `score`. It writes OUT/TRACK/METHOD, a submission each with its score, and a board in OUT. Questions,
-simulations and answers that OUT has already are kept: an interrupted run goes on.
+simulations and answers that DIR has already are kept: an interrupted run goes on.
+
+reach, track, change
+    CONTROLLERS         those of this program
+    gaussian_process    gaussian_process.py, with 100 samples of each robot
+    ppo                 python/examples/train_ppo.py, on the paper robot alone; only where the Python package is installed
 
 identify: tips under commands that were not seen
     nominal             simulation of the nominal model
@@ -32,11 +37,11 @@ import argparse
 import csv
 import json
 import os
+import shutil
 import subprocess
 import sys
 import time
 from multiprocessing import Pool
-from multiprocessing.pool import ThreadPool
 from pathlib import Path
 
 for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "RAYON_NUM_THREADS"):
@@ -47,6 +52,12 @@ import numpy as np
 from robots import ROBOTS
 
 WORKERS = 2
+TRIALS = ("reach", "track", "change")
+CONTROLLERS = (
+    "integral", "online_jacobian", "model_integral", "mpc", "a", "b", "c", "pi_real", "a_integral", "c_hysteresis", "a_online",
+    "dagger",
+)  # fmt: skip
+HERE = Path(__file__).resolve().parent
 CALIBRATED = "youngs_modulus_pa,damping_time_s,tendon_radius_m,robot.tendons.pretension_m"
 MOST_NAMED, FREQUENT, UNTRAINED = 1, "tip_load", ("nominal", "always_nothing")
 # Usual sizes in the catalogue, as columns that are fitted together. "at": at each tendon, segment or second section in turn.
@@ -189,9 +200,54 @@ def answered(task):
     return q, result
 
 
-def write(out, track, method, answers):
+def write_submission(out, track, name, trained_on, **keys):
+    """The folder of a submission with its description."""
+    folder = out / track / name
+    folder.mkdir(parents=True, exist_ok=True)
+    described = {
+        "name": name, "authors": ["spinebench"], "track": track, "trained_on": trained_on, "real_samples": 0,
+        "licence": "MIT OR Apache-2.0", **keys,
+    }  # fmt: skip
+    (folder / "submission.yaml").write_text(json.dumps(described, indent=2) + "\n")
+    return folder
+
+
+def trained_network(work):
+    """The network of python/examples/train_ppo.py; none without the Python package."""
+    network = work / "ppo.onnx"
+    if not network.exists():
+        work.mkdir(parents=True, exist_ok=True)
+        call = [sys.executable, HERE.parents[1] / "python" / "examples" / "train_ppo.py"]
+        done = subprocess.run(call, check=False, cwd=work, capture_output=True, text=True)
+        if done.returncode:
+            print(f"`ppo` is left out: {done.stderr.strip().splitlines()[-1]}")
+            return None
+    return network
+
+
+def write_policies(out, work, track):
+    """Submissions with policies: their folders."""
+    folders = [
+        write_submission(out, track, name, "the nominal model, and samples of each robot", policy={"builtin": name})
+        for name in CONTROLLERS
+    ]
+    process = {"file": "gaussian_process.py", "class": "GaussianProcess", "samples": 100}
+    trained_on = "100 samples of each robot, which the policy takes before the trials"
+    folders.append(write_submission(out, track, "gaussian_process", trained_on, policy={"python": process}))
+    shutil.copy(HERE / process["file"], folders[-1])
+    if network := trained_network(work):
+        onnx = {"file": network.name, "inputs": ["error"], "output": "changes"}
+        folders.append(write_submission(out, track, "ppo", "the nominal model", policy={"onnx": onnx}, robots=["paper"]))
+        shutil.copy(network, folders[-1])
+    return folders
+
+
+def write_answers(out, track, method, answers):
     """A submission; `answers`: [(what is known of a robot, answer)]."""
-    (out / "answers").mkdir(parents=True, exist_ok=True)
+    rows = sum(len(q.given.trial) for q, _ in answers) * (method not in UNTRAINED)
+    trained_on = f"given.csv of each robot, {rows} rows in all" if rows else "nothing"
+    out = write_submission(out, track, method, trained_on, answers="answers", real_samples=rows)
+    (out / "answers").mkdir(exist_ok=True)
     tables = {"names": [("robot", "effects"), *((q.folder.name, answer) for q, answer in answers)]}
     if track == "identify":
         head = ("trial", "time_s", "tip_x_m", "tip_y_m", "tip_z_m")
@@ -202,45 +258,44 @@ def write(out, track, method, answers):
     for name, rows in tables.items():
         with open(out / "answers" / f"{name}.csv", "w", newline="") as file:
             csv.writer(file, lineterminator="\n").writerows(rows)
-    rows = sum(len(q.given.trial) for q, _ in answers) * (method not in UNTRAINED)
-    submission = {
-        "name": method, "authors": ["spinebench"], "track": track,
-        "answers": "answers", "trained_on": f"given.csv of each robot, {rows} rows in all" if rows else "nothing",
-        "real_samples": rows, "licence": "MIT OR Apache-2.0",
-    }  # fmt: skip
-    (out / "submission.yaml").write_text(json.dumps(submission, indent=2) + "\n")
+    return out
+
+
+def answer(out, work, track, program, passed):
+    """Answers of all methods to the questions of a track: the folders of the submissions."""
+    questions, answers = work / "questions" / track, {}
+    if not questions.exists():
+        subprocess.run([program, "league", "robots", track, "--out", questions, *passed], check=True)
+    folders = [(folder, work / "work" / track / folder.name) for folder in sorted(questions.iterdir())]
+    tasks = [(program, track, method, *both) for method in METHODS[track] for both in folders]
+    with Pool(WORKERS, os.nice, (10,)) as pool:
+        for (_, _, method, folder, _), (q, kept) in zip(tasks, pool.imap(answered, tasks)):
+            failed = f": failed: {kept['failed']}" if kept["failed"] else ""
+            print(f"{track}, {method}, {folder.name}: {kept['took_s']:.1f} s{failed}", flush=True)
+            answers.setdefault(method, []).append((q, kept["answer"]))
+    return [write_answers(out, track, method, of_robots) for method, of_robots in answers.items()]
 
 
 def main():
     parser, began = argparse.ArgumentParser(usage=__doc__), time.perf_counter()
     parser.add_argument("out", type=Path)
     parser.add_argument("--program", default="spinebench")
+    parser.add_argument("--work", type=Path, default=Path("target/league"))
+    parser.add_argument("--track", action="append", choices=(*TRIALS, *METHODS))
     given, passed = parser.parse_known_args()
     if not hasattr(fits.sysid, "optimize"):
         print("mujoco[sysid] is not installed: `mujoco` is left out")
         del METHODS["identify"]["mujoco"]
-    tasks, answers = [], {}
-    for track, methods in METHODS.items():
-        questions = given.out / "questions" / track
-        if not questions.exists():
-            subprocess.run([given.program, "league", "robots", track, "--out", questions, *passed], check=True)
-        folders = [(folder, given.out / "work" / track / folder.name) for folder in sorted(questions.iterdir())]
-        tasks += [(given.program, track, method, *both) for method in methods for both in folders]
-    with Pool(WORKERS, os.nice, (10,)) as pool:
-        for (_, track, method, folder, _), (q, kept) in zip(tasks, pool.imap(answered, tasks)):
-            failed = f": failed: {kept['failed']}" if kept["failed"] else ""
-            print(f"{track}, {method}, {folder.name}: {kept['took_s']:.1f} s{failed}", flush=True)
-            answers.setdefault((track, method), []).append((q, kept["answer"]))
-    for (track, method), of_robots in answers.items():
-        write(given.out / track / method, track, method, of_robots)
-
-    def score(folder):
-        call = [given.program, "league", "score", "--quiet", folder, *passed]
-        print(folder, flush=True)
-        return subprocess.run(call, check=False).returncode
-
-    with ThreadPool(WORKERS) as pool:
-        failed = any(pool.map(score, [given.out / track / method for track, method in answers], chunksize=1))
+    failed = False
+    for track in given.track or (*TRIALS, *METHODS):
+        if track in TRIALS:
+            folders = write_policies(given.out, given.work, track)
+        else:
+            folders = answer(given.out, given.work, track, given.program, passed)
+        for folder in folders:
+            print(folder, flush=True)
+            call = [given.program, "league", "score", "--quiet", folder, *passed]
+            failed |= subprocess.run(call, check=False).returncode != 0
     subprocess.run([given.program, "league", "table", given.out], check=True)
     print(f"in all: {time.perf_counter() - began:.0f} s")
     sys.exit(failed)

@@ -1,0 +1,96 @@
+"""A baseline of the league: segments of constant curvature, and a Gaussian process for what they leave at 100 samples.
+
+The tip of a bend is the chain of arcs plus the mean of the process; its inverse is found by damped least squares. In closed
+loop the error is integrated into the aim.
+"""
+
+import itertools
+
+import numpy as np
+
+# Angles of the tendons (degrees), number of segments (tendons end in equal shares), distance from the backbone and length (m).
+ROBOTS = {
+    4: ([0, 90, 180, 270], 1, 0.02, 0.22),
+    6: ([0, 120, 240, 60, 180, 300], 2, 0.01, 0.4),
+    9: ([0, 120, 240, 40, 160, 280, 80, 200, 320], 3, 0.015, 0.3),
+}
+SAMPLES, LARGEST_BEND_RAD = 100, 1.3
+LENGTH_SCALES_RAD, NOISES_M = (0.3, 0.6, 1.2, 2.4, 4.8), (0.0003, 0.0006, 0.0012)
+
+
+def arcs_tip_m(bends_rad, length_m):
+    """Tips of arcs of equal length, one after the other; bends (…, segments, 2): angle of each, towards x and y."""
+    tip_m, turned = np.zeros((*bends_rad.shape[:-2], 3)), np.broadcast_to(np.eye(3), (*bends_rad.shape[:-2], 3, 3))
+    for bend in np.moveaxis(bends_rad, -2, 0):
+        angle = np.linalg.norm(bend, axis=-1)[..., None] + 1e-12
+        x, y, c, s = bend[..., :1] / angle, bend[..., 1:] / angle, np.cos(angle), np.sin(angle)
+        arc = length_m / bends_rad.shape[-2] / angle * np.concatenate([x * (1 - c), y * (1 - c), s], axis=-1)
+        tip_m = tip_m + (turned @ arc[..., None])[..., 0]
+        rows = [[1 - x * x * (1 - c), -x * y * (1 - c), x * s], [-x * y * (1 - c), 1 - y * y * (1 - c), y * s], [-x * s, -y * s, c]]
+        turned = turned @ np.stack([np.concatenate(row, axis=-1) for row in rows], axis=-2)
+    return tip_m
+
+
+class GaussianProcess:
+    def begin(self, robot):
+        angles, self.segments, radius_m, self.length_m = ROBOTS[robot["tendons"]]
+        directions = np.radians(angles).reshape(self.segments, -1)
+        # A tendon feels the bends of its own segment and of those before it.
+        self.pulls_m_per_rad = np.zeros((self.segments, 2, len(angles)))
+        for segment, after in itertools.combinations_with_replacement(range(self.segments), 2):
+            at = slice(after * directions.shape[1], (after + 1) * directions.shape[1])
+            self.pulls_m_per_rad[segment, :, at] = radius_m * np.stack([np.cos(directions[after]), np.sin(directions[after])])
+        draws = np.random.default_rng(0)
+        size = LARGEST_BEND_RAD / self.segments * np.sqrt(draws.uniform(size=(SAMPLES, self.segments, 1)))
+        turn = draws.uniform(0, 2 * np.pi, size=(SAMPLES, self.segments, 1))
+        self.bends_rad, self.tips_m = size * np.concatenate([np.cos(turn), np.sin(turn)], axis=-1), []
+
+    def sample(self, tip_m, pulls_m):
+        self.tips_m.append(tip_m)
+        taken = len(self.tips_m) - 1  # The first is the tip at home.
+        if taken < SAMPLES:
+            return self.pulls_m(self.bends_rad[taken])
+        self.known = np.concatenate([np.zeros((1, 2 * self.segments)), self.bends_rad.reshape(SAMPLES, -1)])[: len(self.tips_m)]
+        left_m = np.array(self.tips_m) - arcs_tip_m(self.known.reshape(-1, self.segments, 2), self.length_m)
+        self.mean_m = left_m.mean(axis=0)
+        left_m, variance = left_m - self.mean_m, left_m.var()
+        evidence = []
+        for self.scale_rad, noise_m in itertools.product(LENGTH_SCALES_RAD, NOISES_M):
+            root = np.linalg.cholesky(self.kernel(self.known) + noise_m**2 / variance * np.eye(len(self.known)))
+            white = np.linalg.solve(root, left_m / np.sqrt(variance))
+            evidence.append((-0.5 * (white**2).sum() - 3 * np.log(np.diag(root)).sum(), self.scale_rad, root))
+        _, self.scale_rad, root = max(evidence, key=lambda each: each[0])
+        self.weights_m = np.linalg.solve(root.T, np.linalg.solve(root, left_m))
+        return None
+
+    def kernel(self, bends_rad):
+        apart = bends_rad[:, None] - self.known
+        return np.exp(-0.5 * (apart**2).sum(axis=-1) / self.scale_rad**2)
+
+    def tip_m(self, bends_rad):
+        """Predicted tips of bends (rows, 2 segments)."""
+        arcs_m = arcs_tip_m(bends_rad.reshape(len(bends_rad), self.segments, 2), self.length_m)
+        return arcs_m + self.mean_m + self.kernel(bends_rad) @ self.weights_m
+
+    def pulls_m(self, bends_rad):
+        return np.einsum("sk,skt->t", bends_rad.reshape(self.segments, 2), self.pulls_m_per_rad)
+
+    def reset(self):
+        self.shift_m, self.bend_rad = np.zeros(3), None
+
+    def act(self, tip_m, target_m, pulls_m, time_s):
+        error_m = target_m - tip_m
+        if time_s > 0:  # In open loop the tip stays that at home, at time 0.
+            self.shift_m = np.clip(self.shift_m + 0.3 * error_m, -0.05, 0.05)
+        if self.bend_rad is None:
+            self.bend_rad = self.known[np.linalg.norm(self.tips_m - target_m, axis=1).argmin()]
+        steps = 1e-4 * np.eye(len(self.bend_rad))
+        for _ in range(20):
+            tips_m = self.tip_m(self.bend_rad + np.concatenate([np.zeros((1, len(steps))), steps]))
+            slope = (tips_m[1:] - tips_m[0]) / 1e-4
+            wanted_m = target_m + self.shift_m - tips_m[0]
+            damped = slope @ slope.T + 0.001**2 * np.eye(len(steps))
+            self.bend_rad = self.bend_rad + np.clip(np.linalg.solve(damped, slope @ wanted_m), -0.2, 0.2)
+            largest = np.abs(self.bend_rad).max()
+            self.bend_rad = self.bend_rad * min(1.0, 1.2 * LARGEST_BEND_RAD / self.segments / (largest + 1e-12))
+        return self.pulls_m(self.bend_rad), bool(np.linalg.norm(error_m) < 0.001)
