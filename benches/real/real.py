@@ -2,6 +2,7 @@
 
 Usage: python3 benches/real/real.py DATA PROGRAM   (from the root of the repository)
        python3 benches/real/real.py --check DATA
+       python3 benches/real/real.py --convert DATA OUT    writes the recordings and the models to start from, for the league
 
 DATA holds the measured files (sources.py says which). Recordings and reports are written to target/real; what is published,
 models/real, results/real and plots/real, is written at the end, when every robot has succeeded. Needs nothing but Python 3.
@@ -122,6 +123,14 @@ def main():
     """All robots."""
     if sys.argv[1:2] == ["--check"]:
         sources.check(sys.argv[2])
+        return
+    if sys.argv[1:2] == ["--convert"]:
+        data, out = sys.argv[2:4]
+        sources.check(data)
+        Path(out).mkdir(parents=True, exist_ok=True)
+        for robot in ROBOTS:
+            # Rows that a publisher keeps apart are not among those of the league.
+            robot.prepare(data, out, with_kept_apart=False)
         return
     data, program = sys.argv[1:3]
     sources.check(data)

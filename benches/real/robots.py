@@ -29,7 +29,8 @@ class Robot:
     def __init__(self, name, title, fit, convert, start, published, hold_out=(), kept_apart=None):
         self.name = name
         self.title = title
-        self._fit = fit
+        #: Numbers that `spinebench calibrate` fits.
+        self.fit = fit
         self._convert = convert
         self._start = start
         self._published = published
@@ -45,11 +46,12 @@ class Robot:
     def options(self, data):
         """Options of `spinebench calibrate` beside the files."""
         hold_out = ["--hold-out-patterns", "val_*"] if self._judge(data) else self._hold_out
-        return ["--static", "--fit", self._fit, *hold_out]
+        return ["--static", "--fit", self.fit, *hold_out]
 
-    def prepare(self, data, work):
+    def prepare(self, data, work, with_kept_apart=True):
         """Writes the recording and the model to start from into `work`."""
-        files = [path for path in (Path(data) / self._published, self._judge(data)) if path]
+        kept_apart = self._judge(data) if with_kept_apart else None
+        files = [path for path in (Path(data) / self._published, kept_apart) if path]
         self._convert(files, Path(work) / f"{self.name}.csv")
         (Path(work) / f"{self.name}_start.yaml").write_text(self._start(Path(data)), encoding="utf-8")
 
