@@ -32,6 +32,7 @@ pub use compare::blocks::HoldOut;
 pub use compare::robust::ErrorLaw;
 pub use error::CalibrationError;
 pub use numbers::entry::SHORT_NAMES;
+pub(crate) use numbers::path::like;
 pub use recordings::Recordings;
 
 /// The entry that stands for a staged set of numbers.

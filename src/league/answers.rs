@@ -6,8 +6,8 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::LeagueError;
-use super::questions::{RobotQuestion, question, recordings};
-use super::robot::LeagueRobot;
+use super::questions::{question, recordings};
+use super::robot::{LeagueRobot, RobotQuestion};
 use super::score::{CellScore, RobotScore};
 use super::track::{ReadTrack, Task};
 use crate::base::{Point3, distance_m};

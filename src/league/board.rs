@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::LeagueError;
+use super::robot::MEASURED;
 use super::score::Score;
 use crate::rows::league::BoardRow;
 
@@ -51,17 +52,16 @@ pub fn board(folder: &Path) -> Result<Vec<BoardRow>, LeagueError> {
             .iter()
             .filter(|(score, _)| score.track == track && score.season == season)
             .collect();
-        let families: BTreeSet<&str> = of_group
-            .iter()
-            .flat_map(|(score, _)| &score.robots)
-            .map(|robot| robot.family.as_str())
-            .collect();
+        let robots = || of_group.iter().flat_map(|(score, _)| &score.robots);
+        let families: BTreeSet<&str> = robots().map(|robot| robot.family.as_str()).collect();
+        let simulated = robots().filter(|robot| robot.engine != MEASURED);
+        let simulated: BTreeSet<&str> = simulated.map(|robot| robot.family.as_str()).collect();
         let everywhere = |score: &Score| {
-            families.iter().all(|family| score.robots.iter().any(|robot| robot.family == *family))
+            simulated.iter().all(|family| score.robots.iter().any(|robot| robot.family == *family))
         };
         let all: Vec<&(Score, Option<TickTimes>)> =
             of_group.iter().copied().filter(|(score, _)| everywhere(score)).collect();
-        if families.len() > 1 {
+        if simulated.len() > 1 {
             rows.extend(ranked(&all, None));
         }
         families.iter().for_each(|family| rows.extend(ranked(&of_group, Some(family))));
@@ -117,4 +117,63 @@ fn ranked(scores: &[&(Score, Option<TickTimes>)], family: Option<&str>) -> Vec<B
         row.rank = 1 + highest.iter().filter(|high_95| **high_95 < row.low_95).count() as u64;
     }
     rows
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::league::score::{CellScore, Digests, FORMAT, Machine, RobotScore};
+
+    fn score(name: &str, robots: &[(&str, &str)]) -> Score {
+        let robot = |(index, (family, engine)): (usize, &(&str, &str))| RobotScore {
+            robot: format!("{family}_1"),
+            family: (*family).to_owned(),
+            engine: (*engine).to_owned(),
+            cells: vec![CellScore::of("answers".to_owned(), &[(0.1 * (index + 1) as f64, None)])],
+        };
+        let none = String::new;
+        Score {
+            format: FORMAT,
+            name: name.to_owned(),
+            authors: Vec::new(),
+            track: "identify".to_owned(),
+            measure: none(),
+            kind: none(),
+            trained_on: none(),
+            licence: none(),
+            real_samples: 0,
+            robot_samples: 0,
+            season: none(),
+            sealed: false,
+            digests: Digests {
+                submission: none(),
+                tracks: none(),
+                robots: none(),
+                program: none(),
+            },
+            machine: Machine { system: none(), processor: none(), guards: none() },
+            robots: robots.iter().enumerate().map(robot).collect(),
+        }
+    }
+
+    #[test]
+    fn real_robots_have_tables_of_their_own_and_do_not_count_among_all() {
+        let folder = tempfile::tempdir().unwrap();
+        let simulated = [("a", "rod"), ("b", "rod")];
+        let with_real = [("a", "rod"), ("b", "rod"), ("v4", MEASURED)];
+        for (name, robots) in [("simulated", &simulated[..]), ("also_real", &with_real)] {
+            std::fs::create_dir_all(folder.path().join(name)).unwrap();
+            std::fs::write(folder.path().join(name).join(SCORE), score(name, robots).json())
+                .unwrap();
+        }
+        let rows = board(folder.path()).unwrap();
+        let of = |robots: &str| {
+            let rows = rows.iter().filter(|row| row.robots == robots);
+            rows.map(|row| (row.name.as_str(), row.error)).collect::<Vec<_>>()
+        };
+        let [first, second] = of("all")[..] else { panic!("{rows:?}") };
+        assert_eq!([first.0, second.0], ["also_real", "simulated"]);
+        assert!((first.1 - 0.15).abs() < 1e-9 && (second.1 - 0.15).abs() < 1e-9, "{rows:?}");
+        assert_eq!(of("v4").len(), 1);
+    }
 }

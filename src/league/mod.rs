@@ -1,14 +1,15 @@
 //! The league: controllers and diagnoses of other laboratories on robots with hidden effects
 //! (docs/guide/league.md).
 //!
-//! Order: `digest`, `track` (what is asked), `robot` (robots and their hidden effects, by a seed),
-//! `season` (what is frozen and sealed), `submission`, `instance` (a track on one robot as an
+//! Order: `track` (what is asked), `robot` (robots and their hidden effects, by a seed), `measured`
+//! (real robots, from recordings), `season` (what is frozen and sealed), `submission`, `instance` (a track on one robot as an
 //! ordinary experiment), `questions` (recordings to answer), `score`, `play` (a submission on
 //! all robots), `answers` (answers to questions), `board`.
 
 pub mod answers;
 pub mod board;
 pub mod instance;
+pub mod measured;
 pub mod play;
 pub mod questions;
 pub mod robot;

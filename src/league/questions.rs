@@ -1,23 +1,12 @@
 //! Questions: recordings of the robots of a track, and what is asked of them.
 
 use super::LeagueError;
-use super::robot::LeagueRobot;
+use super::robot::{LeagueRobot, RobotQuestion};
 use super::track::{QuestionPlan, Task};
-use crate::base::{Plant, Point3, Seed};
+use crate::base::{Plant, Seed};
 use crate::benchmark::{Commands, explore_commands};
 use crate::data::{Actuation, Recording};
 use crate::tasks::{ExploreOptions, record_trial};
-
-/// The recordings of one robot.
-#[derive(Clone, Debug, PartialEq)]
-pub struct RobotQuestion {
-    /// Measured, with noise: what is given.
-    pub given: Recording,
-    /// Commands whose tips are asked for; without rows where none are.
-    pub asked: Recording,
-    /// The tips after them, without noise, metres.
-    pub tips_m: Vec<Point3>,
-}
 
 /// The recordings of a task, where it is one of questions.
 pub fn recordings(task: &Task) -> Option<QuestionPlan> {
@@ -27,7 +16,7 @@ pub fn recordings(task: &Task) -> Option<QuestionPlan> {
     }
 }
 
-/// Records a robot.
+/// What is asked of a robot: a simulated one is recorded, of a real one the rows are there.
 ///
 /// # Errors
 /// [`LeagueError::Failed`] for a robot that cannot follow.
@@ -35,6 +24,9 @@ pub fn question(
     robot: &LeagueRobot,
     recordings: &QuestionPlan,
 ) -> Result<RobotQuestion, LeagueError> {
+    if let Some(measured) = &robot.measured {
+        return Ok(measured.clone());
+    }
     let QuestionPlan { trials, asked, rows, step_s, .. } = *recordings;
     let failed = |error: String| LeagueError::failed(format!("{}: {error}", robot.name));
     let travel_m = robot.travel_m();

@@ -4,8 +4,9 @@ use std::path::Path;
 
 use super::LeagueError;
 use super::track::{Engine, ReadTrack, Task};
-use crate::base::Seed;
+use crate::base::{Point3, Seed};
 use crate::benchmark::Population;
+use crate::data::Recording;
 use crate::effects::{EffectSpec, Model};
 use crate::plants::{ExternalOptions, PlantSpec, RobotChange, SimulatedSpec};
 use crate::runner::Digest;
@@ -28,11 +29,29 @@ impl RobotSeed {
             RobotSeed::Sealed(secret) => secret.to_vec(),
         };
         text.extend(format!(" {track} {kind} {number}").bytes());
-        let digest = Digest::of(&text);
-        let first: [u8; 8] = std::array::from_fn(|index| digest.bytes()[index]);
-        // 63 bits: a whole number of any YAML reader.
-        Seed(u64::from_le_bytes(first) >> 1)
+        seed_of(&Digest::of(&text))
     }
+}
+
+/// The seed that a digest begins with.
+pub(super) fn seed_of(digest: &Digest) -> Seed {
+    let first: [u8; 8] = std::array::from_fn(|index| digest.bytes()[index]);
+    // 63 bits: a whole number of any YAML reader.
+    Seed(u64::from_le_bytes(first) >> 1)
+}
+
+/// Name of the engine of real robots.
+pub const MEASURED: &str = "measured";
+
+/// The recordings of one robot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RobotQuestion {
+    /// Measured, with noise: what is given.
+    pub given: Recording,
+    /// Commands whose tips are asked for; without rows where none are.
+    pub asked: Recording,
+    /// The tips after them, metres; of a simulated robot without noise.
+    pub tips_m: Vec<Point3>,
 }
 
 /// A robot of the league.
@@ -44,7 +63,7 @@ pub struct LeagueRobot {
     pub family: String,
     /// Name of the engine that plays it.
     pub engine: String,
-    /// Root of its trials.
+    /// Root of its trials; of a real robot, from the digest of its recording.
     pub seed: Seed,
     /// The model without the hidden effects.
     pub nominal: Model,
@@ -54,8 +73,10 @@ pub struct LeagueRobot {
     pub load_kg: f64,
     /// Its change during a trial.
     pub change: Option<RobotChange>,
-    /// The robot as it is played.
+    /// The robot as it is played; of a real robot, its nominal model.
     pub plant: PlantSpec,
+    /// What was measured of a real robot.
+    pub measured: Option<RobotQuestion>,
 }
 
 impl LeagueRobot {
@@ -113,6 +134,7 @@ pub fn draw(read: &ReadTrack, seed: &RobotSeed) -> Result<Vec<LeagueRobot>, Leag
                 load_kg: description.load_kg,
                 change,
                 plant,
+                measured: None,
             });
         }
     }

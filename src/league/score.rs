@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::LeagueError;
+use super::robot::MEASURED;
 use crate::math::summary::{interval_95, mean};
 
 /// Error of a trial that failed, in lengths of the robot: as if the tip were that far away.
@@ -169,13 +170,14 @@ pub struct Summary {
 }
 
 impl Score {
-    /// The families that it played, and `all` where `families` are all of them.
+    /// What it reached on the robots of a family, or without one on all simulated robots: real
+    /// robots play only where their recordings are.
     pub fn summary(&self, family: Option<&str>) -> Option<Summary> {
-        let robots: Vec<&RobotScore> = self
-            .robots
-            .iter()
-            .filter(|robot| family.is_none_or(|family| robot.family == family))
-            .collect();
+        let is_in = |robot: &&RobotScore| match family {
+            Some(family) => robot.family == family,
+            None => robot.engine != MEASURED,
+        };
+        let robots: Vec<&RobotScore> = self.robots.iter().filter(is_in).collect();
         if robots.is_empty() {
             return None;
         }

@@ -35,6 +35,9 @@ pub struct LeagueTrack {
     /// best of them on each robot is its floor.
     #[serde(default)]
     pub floor: Vec<String>,
+    /// Real robots by name, which were recorded at rest; they play where their recordings are.
+    #[serde(default)]
+    pub measured: BTreeMap<String, MeasuredRobot>,
     /// Keys of the experiment on each robot, as in any spec.
     #[serde(default)]
     pub experiment: serde_json::Map<String, serde_json::Value>,
@@ -96,6 +99,31 @@ pub struct QuestionPlan {
     pub step_share: f64,
     /// Largest pull, as a share of the suited travel.
     pub pull_share: f64,
+}
+
+/// A real robot that was recorded: each row is a pose at rest. Its rows are not part of a checkout.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MeasuredRobot {
+    /// Its recording.
+    pub recording: PinnedFile,
+    /// The nominal model, which no asked row has changed.
+    pub model: PinnedFile,
+    /// Patterns of the rows that are asked, with any number of `*`; all other rows are given.
+    pub asked: Vec<String>,
+    /// Tracked point that is the tip; default: the tip of the recording.
+    #[serde(default)]
+    pub tip: Option<String>,
+}
+
+/// A file whose content everybody has to have.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PinnedFile {
+    /// Its name in the folder of the recordings.
+    pub file: PathBuf,
+    /// BLAKE3 digest of its content, in hexadecimal.
+    pub digest: String,
 }
 
 /// A kind of robot.
@@ -169,6 +197,11 @@ impl ReadTrack {
         let track: LeagueTrack = document.parse().map_err(LeagueError::input)?;
         let wrong = |words: String| LeagueError::input(format!("{}: {words}", file.display()));
         track.hidden.check().map_err(|error| wrong(format!("hidden.{error}")))?;
+        if !track.measured.is_empty() && !matches!(track.task, Task::Identify(_)) {
+            let words =
+                "measured: found recorded robots, expected none: the task is not `identify`";
+            return Err(wrong(words.to_owned()));
+        }
         let robots = folder.join(&track.robots);
         let document = Document::read(&robots, &[], &[]).map_err(LeagueError::input)?;
         let kinds = document.parse().map_err(LeagueError::input)?;

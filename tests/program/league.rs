@@ -231,6 +231,75 @@ fn only_its_secret_opens_a_season() {
 }
 
 #[test]
+fn a_real_robot_plays_where_its_recording_is() {
+    let league = League::new();
+    let rows = league.path("rows");
+    std::fs::create_dir_all(&rows).unwrap();
+    let model = std::fs::read_to_string(root().join("models/nominal.yaml")).unwrap();
+    std::fs::write(rows.join("arm_start.yaml"), &model).unwrap();
+    let recording = "trial,time_s,tendon_1_m,tendon_2_m,tendon_3_m,tendon_4_m,tip_x_m,tip_y_m,tip_z_m,valid,pattern\n\
+        0,0,0,0,0,0,0,0,0.22,1,one\n0,1,0.002,0,-0.002,0,0.01,0,0.21,1,one\n\
+        0,2,0.002,0.002,-0.002,-0.002,0.01,0.01,0.21,1,pair_1\n0,3,0.003,0.003,-0.003,-0.003,,,,0,pair_1\n\
+        0,4,0.004,0.004,-0.004,-0.004,0.02,0.02,0.2,1,pair_2\n";
+    std::fs::write(rows.join("arm.csv"), recording).unwrap();
+    let digest = |text: &str| spinebench::runner::Digest::of(text.as_bytes());
+    let track = format!(
+        "about: A small track.\ntask: {{identify: {{trials: 1, asked: 1, rows: 3, step_s: 0.2, step_share: 0.1, pull_share: 1.0}}}}\n\
+         robots: robots.yaml\nrobots_each: 1\nhidden: {{least_effects: 1, most_effects: 1, effects: [tip_load]}}\nnoise_m: 0.0005\n\
+         measured:\n  arm:\n    recording: {{file: arm.csv, digest: {}}}\n    model: {{file: arm_start.yaml, digest: {}}}\n    \
+         asked: [pair_*]\n",
+        digest(recording),
+        digest(&model)
+    );
+    std::fs::write(league.path("tracks/unseen.yaml"), track).unwrap();
+    let measured = ["--tracks", "tracks", "--measured", "rows"];
+    let robots =
+        league.league(&[["robots", "unseen", "--out", "questions"].as_slice(), &measured].concat());
+    assert!(robots.status.success(), "{}", said(&robots));
+    let [given, asked] = ["given", "asked"].map(|name| {
+        std::fs::read_to_string(league.path(&format!("questions/arm/{name}.csv"))).unwrap()
+    });
+    assert!(given.lines().count() == 3 && given.contains("at_rest"), "{given}");
+    // The row without a tip is not asked.
+    assert!(asked.lines().count() == 3 && !asked.contains("tip"), "{asked}");
+
+    let folder = league.path("mine");
+    std::fs::create_dir_all(folder.join("answers")).unwrap();
+    let submission = "name: mine\nauthors: [test]\ntrack: unseen\nrobots: [arm]\nanswers: answers\ntrained_on: nothing\nreal_samples: 0\nlicence: MIT\n";
+    std::fs::write(folder.join("submission.yaml"), submission).unwrap();
+    // 2.2 mm beside tips of a robot of 220 mm.
+    let answer =
+        "trial,time_s,tip_x_m,tip_y_m,tip_z_m\n0,2,0.0122,0.01,0.21\n0,4,0.02,0.0222,0.2\n";
+    std::fs::write(folder.join("answers/arm.csv"), answer).unwrap();
+    let score = league.league(&[["score", "mine"].as_slice(), &measured].concat());
+    assert!(score.status.success(), "{}", said(&score));
+    let score: Value =
+        serde_json::from_slice(&std::fs::read(folder.join("score/score.json")).unwrap()).unwrap();
+    let robot = &score["robots"][0];
+    assert_eq!(
+        [&robot["robot"], &robot["family"], &robot["engine"]],
+        ["arm", "arm", "measured"],
+        "{score}"
+    );
+    assert!((robot["cells"][0]["error"].as_f64().unwrap() - 0.01).abs() < 1e-9, "{score}");
+
+    let refused = |arguments: &[&str], words: &[&str]| {
+        let output = league.league(&[["check", "mine"].as_slice(), arguments].concat());
+        let said = said(&output);
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(words.iter().all(|words| said.contains(words)), "{words:?}: {said}");
+    };
+    refused(&measured[..2], &["robots: found `arm`", "needs --measured DIR"]);
+    let other = recording.replace("0.01,0.01,0.21", "0.01,0.01,0.20");
+    std::fs::write(rows.join("arm.csv"), &other).unwrap();
+    let [found, expected] = [&other[..], recording].map(|text| digest(text).to_string());
+    let key = "unseen.yaml: measured.arm.recording.digest: found";
+    refused(&measured, &[key, &found, "arm.csv", &expected]);
+    std::fs::remove_file(rows.join("arm.csv")).unwrap();
+    refused(&measured, &["measured.arm.recording.file: found no", "arm.csv", "expected"]);
+}
+
+#[test]
 fn another_process_serves_a_robot_over_a_pipe_and_over_a_port() {
     if !is_possible() {
         return;

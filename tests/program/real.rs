@@ -5,6 +5,8 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use spinebench::league::measured::measured_robots;
+use spinebench::league::track::ReadTrack;
 use spinebench::specs::read_model;
 
 const ROBOTS: [&str; 4] = ["v4", "v6", "trunk", "tentacle"];
@@ -138,6 +140,31 @@ fn without_the_measured_files_it_says_who_publishes_them() {
         assert!(said.contains(words), "{words}: {said}");
     }
     assert_eq!(std::fs::read_dir(empty.path()).unwrap().count(), 0);
+}
+
+/// The league refuses other rows than those that `--convert` writes.
+#[test]
+fn the_league_expects_the_files_that_convert_writes() {
+    let Some(data) = real_data() else { return };
+    let out = tempfile::tempdir().unwrap();
+    let mut convert = Command::new("python3");
+    convert.args(["-B", "benches/real/real.py", "--convert"]).arg(&data).arg(out.path());
+    let done = convert.current_dir(root()).output().unwrap();
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    let track = ReadTrack::read(&root().join("experiments/league"), "identify").unwrap();
+    let robots = measured_robots(&track, out.path()).unwrap();
+    let names: Vec<&str> = robots.iter().map(|robot| robot.name.as_str()).collect();
+    assert_eq!(names, ["tentacle", "trunk", "v4", "v6"]);
+    for robot in robots {
+        let question = robot.measured.unwrap();
+        assert_eq!(question.asked.len(), question.tips_m.len());
+        println!(
+            "{}: {} rows given, {} asked",
+            robot.name,
+            question.given.len(),
+            question.asked.len()
+        );
+    }
 }
 
 /// The models are read; with the measured files, they predict the rows that were held out, or all

@@ -67,11 +67,21 @@ impl CheckedSubmission {
         let submission = &read.submission;
         let (track, drawn) = season.track(&submission.track, robots, &submission.robots)?;
         let mut faults = read.faults();
-        let families: Vec<&str> = track.kinds.values().map(|kind| kind.family.as_str()).collect();
+        let mut families: Vec<&str> =
+            track.kinds.values().map(|kind| kind.family.as_str()).collect();
+        let real = track.track.measured.keys().map(String::as_str);
+        if season.measured.is_some() {
+            families.extend(real.clone());
+        }
         for family in submission.robots.iter().filter(|family| !families.contains(&family.as_str()))
         {
+            let needs = if real.clone().any(|name| name == family) {
+                "; it is a real robot and needs --measured DIR"
+            } else {
+                ""
+            };
             faults.push(format!(
-                "robots: found `{family}`, expected families of the track: {}",
+                "robots: found `{family}`, expected families of the track: {}{needs}",
                 unique(&families)
             ));
         }

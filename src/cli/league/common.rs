@@ -3,6 +3,7 @@
 use crate::cli::CommandError;
 use clap::Args;
 use spinebench::league::LeagueError;
+use spinebench::league::measured::measured_robots;
 use spinebench::league::robot::{LeagueRobot, RobotSeed, draw};
 use spinebench::league::season::{PUBLIC_SEED, Season};
 use spinebench::league::track::ReadTrack;
@@ -32,6 +33,10 @@ pub(super) struct SeasonArgs {
     /// Play the sealed robots of a season that was opened.
     #[arg(long, requires = "season")]
     sealed: bool,
+    /// Folder of recordings of real robots, as `benches/real/real.py --convert` writes it: they
+    /// play too, in a track that has any.
+    #[arg(long, value_name = "DIR")]
+    pub(super) measured: Option<PathBuf>,
 }
 
 /// The season that robots belong to.
@@ -81,6 +86,9 @@ impl SeasonArgs {
     ) -> Result<(ReadTrack, Vec<LeagueRobot>), CommandError> {
         let read = ReadTrack::read(&self.tracks, name)?;
         let mut drawn = draw(&read, &robots.seed)?;
+        if let Some(folder) = &self.measured {
+            drawn.extend(measured_robots(&read, folder)?);
+        }
         drawn.retain(|robot| families.is_empty() || families.contains(&robot.family));
         Ok((read, drawn))
     }
