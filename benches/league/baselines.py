@@ -1,6 +1,6 @@
 """Baselines of the league: writes submissions, has `spinebench league` score them, and makes the board.
 
-usage: python3 benches/league/baselines.py OUT [--program spinebench] [--work DIR] [--track TRACK …] [--season FILE …]
+usage: python3 benches/league/baselines.py OUT [--program spinebench] [--work DIR] [--track TRACK …] [--family FAMILY …] [--season FILE …]
 
 Run it in the root of a checkout, with requirements.txt installed. Arguments that it does not know go to `spinebench league
 robots` and `score`. It writes OUT/TRACK/METHOD, a submission each with its score, and a board in OUT. Questions,
@@ -30,11 +30,15 @@ name: the missing effect, or none
     discover            `spinebench discover`, at most MOST_NAMED effects, as the track says. `named`: these effects;
                         `ambiguous`: the likeliest; `consistent`: none; `unexplained`: the first that it lists, else none
 
-Where a method fails on a robot, a line says so, and the answer is that of `nominal` or of `always_nothing`.
+Where a method fails on a robot, a line says so, and the answer is that of `nominal` or of `always_nothing`. A line also says
+where a method is left out on a real robot (`--measured`): `constant_curvature` needs displacements of tendons, `discover` a
+baseline of the same robot, `mujoco` a chain of robots.py. On real robots `calibrated` fits the numbers of `make real`, which were
+chosen on all rows; their values come from given.csv alone.
 """
 
 import argparse
 import csv
+import importlib.util
 import json
 import os
 import shutil
@@ -49,7 +53,8 @@ for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "RAYON_NUM_THREADS")
 
 import fits
 import numpy as np
-from robots import ROBOTS
+import yaml
+from robots import ROBOTS, Segmented
 
 WORKERS = 2
 TRIALS = ("reach", "track", "change")
@@ -79,6 +84,10 @@ SIZES = {
 NEED_SECTIONS = ("soft_section", "spine_compressibility")
 
 
+class LeftOut(Exception):
+    """A method cannot answer for a robot; says why."""
+
+
 class Questions:
     """What is known of one robot, and what the program makes of it."""
 
@@ -88,13 +97,15 @@ class Questions:
         self.model, self.given_file, self.asked_file = (folder / name for name in ("model.yaml", "given.csv", "asked.csv"))
         self.given = fits.Recording(self.given_file)
         self.asked = fits.Recording(self.asked_file) if self.asked_file.exists() else None
-        self.family = next(family for family in ROBOTS if folder.name.startswith(family))
-        self.robot = ROBOTS[self.family]()
+        self.is_real = self.given.at_rest
+        self.family = folder.name if self.is_real else family_of(folder)
+        self.robot = None if self.is_real else ROBOTS[self.family]()
 
     def make(self, out, command, *arguments):
         """What a command writes, unless it is there."""
         if not (out / "findings.json" if command == "discover" else out).exists():
-            call = [self.program, command, "--quiet", "--model", *map(str, arguments), "--out", out]
+            at_rest = ["--static"] * self.is_real
+            call = [self.program, command, "--quiet", *at_rest, "--model", *map(str, arguments), "--out", out]
             done = subprocess.run(call, check=False, capture_output=True, text=True)
             if done.returncode:
                 raise RuntimeError(f"spinebench {command}: {done.stderr.strip()}")
@@ -108,19 +119,66 @@ class Questions:
     def given_tips_m(self, name, effects=()):
         """The same under the commands that are given, of the nominal model with these effects."""
         text, model = self.model.read_text(), self.work / f"{name}.yaml"
-        if "effects: []" not in text:
+        if effects and "effects: []" not in text:
             raise RuntimeError(f"{self.model}: found effects, expected `effects: []`")
         model.write_text(text.replace("effects: []", f"effects: {json.dumps(effects)}"))
         played = self.make(self.work / f"{name}_given.csv", "simulate", model, "--commands", self.given_file)
         return fits.Recording(played).tips_m
 
     def found(self, *options):
+        if self.is_real:
+            raise LeftOut("it needs a baseline of the same robot")
         return self.make(self.work / "found", "discover", self.model, "--measured", self.given_file, *options)
 
 
+def family_of(folder):
+    return next((family for family in ROBOTS if folder.name.startswith(family)), folder.name)
+
+
+def geometry(model_file):
+    """Tendons and length of the robot of a model, place of its base, and displacements of tendons per command."""
+    model = yaml.safe_load(model_file.read_text())
+    robot, tendons, drives = model["robot"], model["robot"]["tendons"], model.get("drives", {})
+    gains = np.eye(len(tendons["angles_deg"]))
+    if drives:
+        gains = np.zeros((len(drives), len(gains)))
+        for row, name in enumerate(sorted(drives)):
+            gains[row, np.array(drives[name]["tendons"]) - 1] = drives[name]["gains"]
+    numbers = {"length_m": robot["backbone"]["length_m"], "tendon_radius_m": tendons["radius_m"]}
+    angles_rad = tuple(np.radians(tendons["angles_deg"]))
+    known = Segmented(**numbers, tendon_angles_rad=angles_rad, tendon_ends_m=tuple(tendons["ends_m"]))
+    return known, np.array(robot.get("base_m", [0.0, 0.0, 0.0])), gains
+
+
+def real_robots():
+    """Robots of benches/real/robots.py, a namesake of ours, by name."""
+    file = HERE.parent / "real" / "robots.py"
+    sys.path.append(str(file.parent))
+    spec = importlib.util.spec_from_file_location("real_robots", file)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return {robot.name: robot for robot in module.ROBOTS}
+
+
+def constant_curvature(q):
+    if not q.is_real:
+        return fits.arcs(q.robot, q.given, q.asked)
+    if "tendon_1_n" in q.given_file.read_text():
+        raise LeftOut("it needs displacements of tendons")
+    robot, base_m, gains = geometry(q.model)
+    return fits.arcs(robot, q.given, q.asked, base_m, gains)
+
+
 def calibrated(q):
-    out = q.make(q.work / "calibrated.yaml", "calibrate", q.model, "--measured", q.given_file, "--fit", CALIBRATED)
+    numbers = real_robots()[q.family].fit if q.is_real else CALIBRATED
+    out = q.make(q.work / "calibrated.yaml", "calibrate", q.model, "--measured", q.given_file, "--fit", numbers)
     return q.asked_tips_m("calibrated", out)
+
+
+def mujoco(q):
+    if q.is_real:
+        raise LeftOut("robots.py has no chain of it")
+    return fits.mujoco_sysid(q.family, q.given, q.asked)
 
 
 def model_gp(q):
@@ -170,12 +228,11 @@ def discovered(q):
 METHODS = {
     "identify": {
         "nominal": lambda q: q.asked_tips_m("nominal", q.model),
-        "constant_curvature": lambda q: fits.arcs(q.robot, q.given, q.asked),
+        "constant_curvature": constant_curvature,
         "linear": lambda q: fits.ridge(q.given, q.asked, 1), "cubic": lambda q: fits.ridge(q.given, q.asked, 3),
         "gaussian_process": lambda q: fits.processes(q.given, q.given.tips_m, q.asked),
         "model_gp": model_gp, "calibrated": calibrated,
-        "discover": lambda q: q.asked_tips_m("found", q.found() / "model.yaml"),
-        "mujoco": lambda q: fits.mujoco_sysid(q.family, q.given, q.asked),
+        "discover": lambda q: q.asked_tips_m("found", q.found() / "model.yaml"), "mujoco": mujoco,
     },
     "name": {
         "always_nothing": lambda q: "", "gp_detect": gp_detect, "sparse_regression": sparse_regression, "discover": discovered,
@@ -191,6 +248,8 @@ def answered(task):
         return q, json.loads(kept.read_text())
     try:
         answer, failed = METHODS[track][method](q), None
+    except LeftOut as needs:
+        return q, {"left_out": str(needs)}
     except Exception as error:  # noqa: BLE001
         answer, failed = next(iter(METHODS[track].values()))(q), str(error)
     answer = answer if isinstance(answer, str) else answer.tolist()
@@ -242,11 +301,11 @@ def write_policies(out, work, track):
     return folders
 
 
-def write_answers(out, track, method, answers):
-    """A submission; `answers`: [(what is known of a robot, answer)]."""
+def write_answers(out, track, method, answers, robots):
+    """A submission; `answers`: [(what is known of a robot, answer)]; `robots`: its families, unless it answers all."""
     rows = sum(len(q.given.trial) for q, _ in answers) * (method not in UNTRAINED)
     trained_on = f"given.csv of each robot, {rows} rows in all" if rows else "nothing"
-    out = write_submission(out, track, method, trained_on, answers="answers", real_samples=rows)
+    out = write_submission(out, track, method, trained_on, answers="answers", real_samples=rows, **robots)
     (out / "answers").mkdir(exist_ok=True)
     tables = {"names": [("robot", "effects"), *((q.folder.name, answer) for q, answer in answers)]}
     if track == "identify":
@@ -261,19 +320,28 @@ def write_answers(out, track, method, answers):
     return out
 
 
-def answer(out, work, track, program, passed):
-    """Answers of all methods to the questions of a track: the folders of the submissions."""
+def answer(out, work, track, families, program, passed):
+    """Answers of all methods to the questions of a track, to those of some `families` if any: the folders of the submissions."""
     questions, answers = work / "questions" / track, {}
     if not questions.exists():
         subprocess.run([program, "league", "robots", track, "--out", questions, *passed], check=True)
-    folders = [(folder, work / "work" / track / folder.name) for folder in sorted(questions.iterdir())]
+    every = {folder: family_of(folder) for folder in sorted(questions.iterdir())}
+    folders = [(folder, work / "work" / track / folder.name) for folder in every if every[folder] in (families or every.values())]
     tasks = [(program, track, method, *both) for method in METHODS[track] for both in folders]
     with Pool(WORKERS, os.nice, (10,)) as pool:
         for (_, _, method, folder, _), (q, kept) in zip(tasks, pool.imap(answered, tasks)):
+            if "left_out" in kept:
+                print(f"{track}, {method}, {folder.name}: left out: {kept['left_out']}", flush=True)
+                continue
             failed = f": failed: {kept['failed']}" if kept["failed"] else ""
             print(f"{track}, {method}, {folder.name}: {kept['took_s']:.1f} s{failed}", flush=True)
             answers.setdefault(method, []).append((q, kept["answer"]))
-    return [write_answers(out, track, method, of_robots) for method, of_robots in answers.items()]
+    submissions = []
+    for method, of_robots in answers.items():
+        answered_families = {q.family for q, _ in of_robots}
+        robots = {} if answered_families == set(every.values()) else {"robots": sorted(answered_families)}
+        submissions.append(write_answers(out, track, method, of_robots, robots))
+    return submissions
 
 
 def main():
@@ -282,6 +350,7 @@ def main():
     parser.add_argument("--program", default="spinebench")
     parser.add_argument("--work", type=Path, default=Path("target/league"))
     parser.add_argument("--track", action="append", choices=(*TRIALS, *METHODS))
+    parser.add_argument("--family", action="append")
     given, passed = parser.parse_known_args()
     if not hasattr(fits.sysid, "optimize"):
         print("mujoco[sysid] is not installed: `mujoco` is left out")
@@ -291,7 +360,7 @@ def main():
         if track in TRIALS:
             folders = write_policies(given.out, given.work, track)
         else:
-            folders = answer(given.out, given.work, track, given.program, passed)
+            folders = answer(given.out, given.work, track, given.family, given.program, passed)
         for folder in folders:
             print(folder, flush=True)
             call = [given.program, "league", "score", "--quiet", folder, *passed]

@@ -1,10 +1,12 @@
 """Maps from commands to tips that are fitted to measured trials. They know no mechanics, but for arcs and MuJoCo.
 
 A tip depends on the commands of the rows before: those of its own row have not acted yet. Regression
-and Gaussian processes see the last two (LAGS).
+and Gaussian processes see the last two (LAGS). A row of a real robot is a pose at rest (column `at_rest`): they see its own
+command alone.
 
     ridge(degree)       ridge regression on monomials of the last command up to a degree and on the one before; its
-                        regularisation has the least error on trials left out, one at a time
+                        regularisation has the least error on trials left out, one at a time (poses at rest: patterns, or
+                        tenths of a single one)
     GaussianProcess     squared exponential kernel with a length for each command, one process for each coordinate;
                         lengths, signal and noise by maximum likelihood
     arcs                a chain of arcs (constant curvature), one for each segment, at rest under the last command: for each
@@ -36,17 +38,29 @@ SYSID_NUMBERS = (
 
 
 class Recording:
-    """Rows of a table. `commands_m` are those that have acted on each row, the newest first; `tips_m` is None where asked."""
+    """Rows of a table. `commands_m` are those that have acted on each row, the newest first; `tips_m` is None where asked.
+    Commands may also be tensions in N or angles of drives in rad. Rows of one `group` are left out together."""
 
     def __init__(self, file):
         with open(file, newline="") as rows:
             rows = list(csv.DictReader(rows))
-        columns = {key: np.array([float(row[key]) for row in rows]) for key in rows[0] if key.endswith(("_m", "_s"))}
+        units = ("_m", "_s", "_n", "_rad")
+        columns = {key: np.array([float(row[key] or "nan") for row in rows]) for key in rows[0] if key.endswith(units)}
         self.trial = np.array([int(row["trial"]) for row in rows])
         self.time_s, self.step_s = columns["time_s"], float(columns["time_s"][1] - columns["time_s"][0])
-        self.pulls_m = np.column_stack([value for key, value in columns.items() if key.startswith("tendon_")])
+        self.pulls_m = np.column_stack([value for key, value in columns.items() if key.startswith(("tendon_", "drive_"))])
+        self.at_rest, self.group = "at_rest" in rows[0], self.trial
         self.tips_m = np.column_stack([columns[f"tip_{axis}_m"] for axis in "xyz"]) if "tip_x_m" in columns else None
         self.commands_m = np.hstack([self.before(lag) for lag in range(1, LAGS + 1)])
+        if self.at_rest:
+            self.commands_m = self.pulls_m
+            self.group = np.unique([row["pattern"] for row in rows], return_inverse=True)[1]
+            if not self.group.any():
+                self.group = np.arange(len(rows)) * 10 // len(rows)
+
+    def last_m(self):
+        """The last commands that have acted."""
+        return self.commands_m[:, : self.pulls_m.shape[1]]
 
     def before(self, lag):
         """Commands so many rows before; home before the first."""
@@ -55,20 +69,21 @@ class Recording:
         return before_m
 
 
-def monomials(x, degree):
-    """Of the first of LAGS parts up to the degree, and the others as they are."""
-    last = x[:, : x.shape[1] // LAGS]
+def monomials(x, tendons, degree):
+    """Of the last commands up to the degree, and the others as they are."""
+    last = x[:, :tendons]
     columns = [
         np.prod(last[:, list(chosen)], axis=1)
         for power in range(1, degree + 1)
-        for chosen in itertools.combinations_with_replacement(range(last.shape[1]), power)
+        for chosen in itertools.combinations_with_replacement(range(tendons), power)
     ]
-    return np.column_stack([*columns, x[:, last.shape[1] :]])
+    return np.column_stack([*columns, x[:, tendons:]])
 
 
 def ridge(given, asked, degree):
     """Tips under the asked commands."""
-    x, asked = (monomials(part.commands_m / given.commands_m.std(), degree) for part in (given, asked))
+    scale, tendons = given.commands_m.std(), given.pulls_m.shape[1]
+    x, asked = (monomials(part.commands_m / scale, tendons, degree) for part in (given, asked))
     tips_m = given.tips_m
 
     def solve(rows, weights):
@@ -80,8 +95,8 @@ def ridge(given, asked, degree):
 
     weights = len(x) * np.logspace(-8, 1, 28)
     errors = np.zeros(len(weights))
-    for left_out in np.unique(given.trial):
-        rows = given.trial != left_out
+    for left_out in np.unique(given.group):
+        rows = given.group != left_out
         x_mean, tip_mean, all_coefficients = solve(rows, weights)
         for i, coefficients in enumerate(all_coefficients):
             errors[i] += ((tip_mean + (x[~rows] - x_mean) @ coefficients - tips_m[~rows]) ** 2).sum()
@@ -200,19 +215,20 @@ def turn(bend):
     return np.eye(3) + sine * cross + (1 - cosine) * cross @ cross
 
 
-def arcs(robot, given, asked):
-    """Tips under the asked commands. `robot`: of robots.py, for its geometry."""
-    given_m, asked_m = given.before(1), asked.before(1)
+def arcs(robot, given, asked, base_m=0.0, gains=1.0):
+    """Tips under the asked commands. `robot`: of robots.py, for its geometry; `gains`: displacements of tendons per command."""
+    given_m, asked_m = (np.dot(part.last_m(), gains) for part in (given, asked))
+    tips_m = given.tips_m - base_m
     count = len(np.unique(robot.tendon_ends_m or [robot.length_m]))
     start = np.r_[np.tile([1.0, 0.0, 0.0], count), 0.0, 0.0, 1.0]
 
     def residual(numbers):
         # Tilt and the rest bend of the first segment differ little: a weak pull to the start keeps both finite.
         weak_m = 1e-3 * robot.length_m * (numbers - start)
-        return np.r_[(arc_tips(robot, given_m, numbers) - given.tips_m).ravel(), weak_m]
+        return np.r_[(arc_tips(robot, given_m, numbers) - tips_m).ravel(), weak_m]
 
     fitted = least_squares(residual, start)
-    return arc_tips(robot, asked_m, fitted)
+    return base_m + arc_tips(robot, asked_m, fitted)
 
 
 def mujoco_sysid(family, given, asked):
