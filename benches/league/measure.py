@@ -16,11 +16,11 @@ finest chain has 22, 40 and 36 pieces and 0.5 ms; it is 0.34, 0.36 and 0.22 mm f
     paper         11      2 ms       0.11             0.33          3
     paper         22      1 ms       0.01             0.34          17
     two_segment   14      2 ms       2.29             2.57          3
-    two_segment   20      1 ms       0.97             1.26          12
-    two_segment   20      2 ms *     0.97             1.27          6
+    two_segment   20      1 ms *     0.97             1.26          12
+    two_segment   20      2 ms       0.97             1.27          6
     nine_tendon   12      2 ms       1.85             1.82          4
-    nine_tendon   18      1 ms       0.75             0.74          13
-    nine_tendon   18      2 ms *     0.75             0.74          6
+    nine_tendon   18      1 ms *     0.75             0.74          13
+    nine_tendon   18      2 ms       0.75             0.74          6
 """
 
 import csv

@@ -12,7 +12,7 @@ from catalogue import build
 from chain import Chain
 from drive import Drive
 from refusal import Refusal
-from robots import TIME_STEPS_S
+from robots import TIME_STEP_S
 
 UNSTABLE = (mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC)
 # Longer than any tendon: it does not pull.
@@ -62,7 +62,7 @@ class Trial:
 
     def __init__(self, robot, pieces, effects, change, step_s, most_dt_s):
         self.step_s = step_s
-        self.step_ticks = int(np.ceil(step_s / (most_dt_s or TIME_STEPS_S[robot]) - 1e-9))
+        self.step_ticks = int(np.ceil(step_s / (most_dt_s or TIME_STEP_S) - 1e-9))
         self.dt_s = step_s / self.step_ticks
         self.before = self.after = Driven(robot, pieces, effects, self.dt_s)
         self.change_tick = None
