@@ -5,7 +5,7 @@
 use rand_distr::{Distribution, Normal};
 use serde::{Deserialize, Serialize};
 
-use super::{PlantOptions, RobotSize};
+use super::{PlantOptions, RobotSize, check_commands};
 use crate::base::{
     BadOption, Generator, Observation, Plant, PlantError, Point3, Seed, TendonCommand,
 };
@@ -157,27 +157,6 @@ impl ConstantCurvature {
             (TendonCommand::Follow, TendonCommand::Follow) => 0.0,
         }
     }
-
-    fn check(&self, commands: &[TendonCommand]) -> Result<(), PlantError> {
-        if commands.len() != TENDONS {
-            return Err(PlantError::Refused(format!(
-                "{} tendons, expected {TENDONS}",
-                commands.len()
-            )));
-        }
-        for (index, command) in commands.iter().enumerate() {
-            if let TendonCommand::Pull(pull_m) = command
-                && (pull_m.is_nan() || pull_m.abs() > self.options.travel_m)
-            {
-                let travel_m = self.options.travel_m;
-                return Err(PlantError::Refused(format!(
-                    "tendon {}: {pull_m} m, expected at most ±{travel_m} m",
-                    index + 1
-                )));
-            }
-        }
-        Ok(())
-    }
 }
 
 impl Plant for ConstantCurvature {
@@ -197,7 +176,7 @@ impl Plant for ConstantCurvature {
     }
 
     fn drive(&mut self, commands: &[TendonCommand]) -> Result<Observation, PlantError> {
-        self.check(commands)?;
+        check_commands(commands, TENDONS, self.options.travel_m)?;
         let target_rad = [
             self.commanded_rad(commands[0], commands[2]),
             self.commanded_rad(commands[1], commands[3]),

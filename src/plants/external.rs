@@ -8,7 +8,7 @@ use rand_distr::{Distribution, Normal};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
-use super::{PlantOptions, RobotSize};
+use super::{PlantOptions, RobotSize, check_commands};
 use crate::base::{
     BadOption, Generator, LinePeer, Observation, PeerError, Plant, PlantError, Seed, SeenPoint,
     TendonCommand, TendonLayout,
@@ -306,19 +306,7 @@ impl Plant for External {
     }
 
     fn drive(&mut self, commands: &[TendonCommand]) -> Result<Observation, PlantError> {
-        let (found, expected, travel_m) = (commands.len(), self.tendons(), self.options.travel_m);
-        if found != expected {
-            return Err(PlantError::Refused(format!("{found} tendons, expected {expected}")));
-        }
-        let pulled = commands.iter().filter_map(|command| match *command {
-            TendonCommand::Pull(pull_m) => Some(pull_m),
-            TendonCommand::Follow => None,
-        });
-        let mut pulled = pulled.filter(|pull_m: &f64| pull_m.is_nan() || pull_m.abs() > travel_m);
-        if let Some(pull_m) = pulled.next() {
-            let words = format!("a displacement of {pull_m} m, travel is ±{travel_m} m");
-            return Err(PlantError::Refused(words));
-        }
+        check_commands(commands, self.tendons(), self.options.travel_m)?;
         self.commands_left = self.commands_left.checked_sub(1).ok_or_else(|| {
             let limit = self.options.max_commands.unwrap_or_default();
             PlantError::Stopped(format!("`max_commands` {limit} is used up"))

@@ -15,8 +15,31 @@ pub use hardware::{Hardware, HardwareOptions};
 pub use replay::{Replay, ReplayOptions};
 pub use simulated::{Simulated, SimulatedOptions, SimulatedSpec};
 
-use crate::base::{BadOption, Plant, TendonLayout};
+use crate::base::{BadOption, Plant, PlantError, TendonCommand, TendonLayout};
 use crate::effects::{DriveGains, EffectSpec, Model};
+
+/// Refuses another number of tendons, and displacements that are not finite or beyond the travel.
+fn check_commands(
+    commands: &[TendonCommand],
+    tendons: usize,
+    travel_m: f64,
+) -> Result<(), PlantError> {
+    if commands.len() != tendons {
+        let found = commands.len();
+        return Err(PlantError::Refused(format!("{found} tendons, expected {tendons}")));
+    }
+    for (index, command) in commands.iter().enumerate() {
+        if let TendonCommand::Pull(pull_m) = command
+            && (pull_m.is_nan() || pull_m.abs() > travel_m)
+        {
+            return Err(PlantError::Refused(format!(
+                "tendon {}: a displacement of {pull_m} m, expected at most ±{travel_m} m",
+                index + 1
+            )));
+        }
+    }
+    Ok(())
+}
 
 /// What a kind of plant states about itself: the options that a spec gives it, and what follows
 /// from them.

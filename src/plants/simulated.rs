@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use rand_distr::{Distribution, Normal};
 use serde::{Deserialize, Serialize};
 
-use super::{PlantOptions, RobotSize};
+use super::{PlantOptions, RobotSize, check_commands};
 use crate::base::{
     BadOption, Generator, Observation, Plant, PlantError, Seed, TendonCommand, TendonLayout,
 };
@@ -248,7 +248,7 @@ impl Simulated {
     /// # Errors
     /// As [`Plant::drive`].
     pub fn settle(&mut self, commands: &[TendonCommand]) -> Result<Observation, PlantError> {
-        self.check(commands)?;
+        check_commands(commands, self.tendons(), self.options.travel_m)?;
         self.driven.settle(commands)?;
         Ok(self.observe(commands))
     }
@@ -279,25 +279,6 @@ impl Simulated {
     /// Sets the duration of the next steps, s.
     pub fn set_step_s(&mut self, step_s: f64) {
         self.options.step_s = step_s;
-    }
-
-    /// Refuses displacements that are not finite or beyond the travel.
-    fn check(&self, commands: &[TendonCommand]) -> Result<(), PlantError> {
-        for command in commands {
-            match *command {
-                TendonCommand::Pull(pull) if !pull.is_finite() => {
-                    return Err(PlantError::Refused("a displacement that is not finite".into()));
-                }
-                TendonCommand::Pull(pull) if pull.abs() > self.options.travel_m => {
-                    let travel = self.options.travel_m;
-                    return Err(PlantError::Refused(format!(
-                        "a displacement of {pull} m, travel is ±{travel} m"
-                    )));
-                }
-                _ => {}
-            }
-        }
-        Ok(())
     }
 
     fn observe(&mut self, commands: &[TendonCommand]) -> Observation {
@@ -334,7 +315,7 @@ impl Plant for Simulated {
     }
 
     fn drive(&mut self, commands: &[TendonCommand]) -> Result<Observation, PlantError> {
-        self.check(commands)?;
+        check_commands(commands, self.tendons(), self.options.travel_m)?;
         self.driven.advance(commands, self.options.step_s)?;
         self.time_s += self.options.step_s;
         Ok(self.observe(commands))

@@ -183,9 +183,9 @@ impl ProcessDecider {
         // Where it failed, what it has learnt of the robot is lost; there are no samples anew.
         let samples = samples - self.samples_taken;
         let hello = json!({ "hello": { "protocol": PROTOCOL, "tendons": tendons, "samples": samples, "seed": 0 } });
-        let answer = peer.ask(&hello, self.options.start_s).map_err(failed)?;
+        let answer = self.checked(peer.ask(&hello, self.options.start_s).map_err(failed)?)?;
         self.peer = Some(peer);
-        self.checked(answer)
+        Ok(answer)
     }
 
     fn ask(&mut self, request: &Value) -> Result<Value, PolicyError> {
