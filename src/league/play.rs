@@ -1,13 +1,14 @@
 //! A submission, or policies of this program, on the robots of a track.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::LeagueError;
 use super::instance::{Player, experiment};
 use super::robot::LeagueRobot;
 use super::score::{CellScore, RobotScore};
 use super::track::ReadTrack;
+use crate::data::write_atomic;
 use crate::report::Published;
 use crate::rows::cell::Outcome;
 use crate::runner::{Campaign, Progress, RunOptions, Store, execute};
@@ -36,13 +37,10 @@ pub fn play(
     player: &Player,
     options: &PlayOptions,
 ) -> Result<BTreeMap<String, Vec<RobotScore>>, LeagueError> {
-    std::fs::create_dir_all(options.specs).map_err(LeagueError::failed)?;
-    let mut experiments = Vec::new();
-    for robot in robots {
-        let file = options.specs.join(format!("{}.yaml", robot.name));
-        std::fs::write(&file, experiment(read, robot, player)?).map_err(LeagueError::failed)?;
-        experiments.push(ExperimentSet::read(&file, &[], &[]).map_err(LeagueError::input)?);
-    }
+    let files = write_experiments(read, robots, player, options.specs)?;
+    let experiments = files.iter().map(|file| ExperimentSet::read(file, &[], &[]));
+    let experiments: Vec<ExperimentSet> =
+        experiments.collect::<Result<_, _>>().map_err(LeagueError::input)?;
     let campaign = Campaign::expand(experiments).map_err(LeagueError::input)?;
     let run = RunOptions::new(options.threads, options.progress);
     let outcomes = execute(&campaign.graph, options.store, &campaign.wanted(), &run)
@@ -62,6 +60,26 @@ pub fn play(
         }
     }
     Ok(scores)
+}
+
+/// Writes the experiment of a player on each robot, a file a robot, and returns the files.
+///
+/// # Errors
+/// [`LeagueError::Failed`] where a file cannot be written.
+pub fn write_experiments(
+    read: &ReadTrack,
+    robots: &[LeagueRobot],
+    player: &Player,
+    folder: &Path,
+) -> Result<Vec<PathBuf>, LeagueError> {
+    std::fs::create_dir_all(folder).map_err(LeagueError::failed)?;
+    let write = |robot: &LeagueRobot| {
+        let file = folder.join(format!("{}.yaml", robot.name));
+        let text = experiment(read, robot, player)?;
+        write_atomic(&file, text.as_bytes()).map_err(LeagueError::failed)?;
+        Ok(file)
+    };
+    robots.iter().map(write).collect()
 }
 
 /// Trials by policy and mode or speed.

@@ -45,7 +45,7 @@ impl Season {
             season: name.to_owned(),
             program: crate::VERSION.to_owned(),
             tracks: digest(tracks)?.to_string(),
-            public_seed: u64::from(Digest::of(name.as_bytes()).bytes()[0]) + PUBLIC_SEED + 1,
+            public_seed: public_seed(name),
             sealed: None,
             secret: None,
         })
@@ -120,6 +120,12 @@ impl Season {
     pub fn seed(&self, secret: Option<[u8; 32]>) -> RobotSeed {
         secret.map_or(RobotSeed::Public(self.public_seed), RobotSeed::Sealed)
     }
+}
+
+/// The seed of the development robots of a season: 32 bits of the hash of its name.
+fn public_seed(name: &str) -> u64 {
+    let first: [u8; 4] = std::array::from_fn(|index| Digest::of(name.as_bytes()).bytes()[index]);
+    u32::from_le_bytes(first).into()
 }
 
 /// Digest of all that tracks depend on: their files, the models, the engines.

@@ -1,11 +1,11 @@
 //! `spinebench league robots`.
 
 use super::common::SeasonArgs;
-use crate::cli::{CommandError, CommandResult};
+use crate::cli::CommandResult;
 use clap::Args;
-use spinebench::data::write_atomic;
 use spinebench::league::answers::write_questions;
-use spinebench::league::instance::{Player, experiment};
+use spinebench::league::instance::Player;
+use spinebench::league::play::write_experiments;
 use spinebench::league::questions::recordings;
 use std::path::PathBuf;
 
@@ -34,13 +34,8 @@ impl RobotsCommand {
                     "--secret: found a track with trials, expected one with questions: its experiments would show the sealed robots"
                 );
             }
-            std::fs::create_dir_all(&self.out).map_err(CommandError::failed)?;
             let player = Player::Builtin(vec!["integral".to_owned()]);
-            for robot in &drawn {
-                let text = experiment(&read, robot, &player)?;
-                let file = self.out.join(format!("{}.yaml", robot.name));
-                write_atomic(&file, text.as_bytes()).map_err(CommandError::failed)?;
-            }
+            write_experiments(&read, &drawn, &player, &self.out)?;
         }
         println!("{} robots of `{}` in {}", drawn.len(), read.name, self.out.display());
         Ok(())
