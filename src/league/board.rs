@@ -6,8 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::LeagueError;
-use super::robot::MEASURED;
-use super::score::Score;
+use super::score::{Part, Score};
 use crate::rows::league::BoardRow;
 
 /// Times of the answers of a policy (`timing.json`): they differ from run to run.
@@ -19,6 +18,11 @@ pub struct TickTimes {
     pub p95_s: f64,
 }
 
+/// A score, with the times of its policy where it has one of its own.
+type TimedScore = (Score, Option<TickTimes>);
+
+/// All families, or all modes or speeds, in a row.
+pub const ALL: &str = "all";
 /// Name of the file of a score, and of the times beside it.
 pub const SCORE: &str = "score.json";
 /// See [`SCORE`].
@@ -48,25 +52,35 @@ pub fn board(folder: &Path) -> Result<Vec<BoardRow>, LeagueError> {
     let groups: BTreeSet<(String, String)> =
         scores.iter().map(|(score, _)| (score.track.clone(), score.season.clone())).collect();
     for (track, season) in groups {
-        let of_group: Vec<&(Score, Option<TickTimes>)> = scores
-            .iter()
-            .filter(|(score, _)| score.track == track && score.season == season)
-            .collect();
-        let robots = || of_group.iter().flat_map(|(score, _)| &score.robots);
-        let families: BTreeSet<&str> = robots().map(|robot| robot.family.as_str()).collect();
-        let simulated = robots().filter(|robot| robot.engine != MEASURED);
-        let simulated: BTreeSet<&str> = simulated.map(|robot| robot.family.as_str()).collect();
-        let everywhere = |score: &Score| {
-            simulated.iter().all(|family| score.robots.iter().any(|robot| robot.family == *family))
-        };
-        let all: Vec<&(Score, Option<TickTimes>)> =
-            of_group.iter().copied().filter(|(score, _)| everywhere(score)).collect();
-        if simulated.len() > 1 {
-            rows.extend(ranked(&all, None));
-        }
-        families.iter().for_each(|family| rows.extend(ranked(&of_group, Some(family))));
+        let of_group =
+            scores.iter().filter(|(score, _)| score.track == track && score.season == season);
+        rows.extend(of_track(&of_group.collect::<Vec<_>>()));
     }
     Ok(rows)
+}
+
+/// The rows of a track: all simulated robots and each family, each for all modes or speeds and for
+/// each of them. A submission that lacks one of them has no place in the sum.
+fn of_track(scores: &[&TimedScore]) -> Vec<BoardRow> {
+    let families = |simulated: bool| -> BTreeSet<&str> {
+        scores.iter().flat_map(|(score, _)| score.families(simulated)).collect()
+    };
+    let simulated = families(true);
+    let cells: BTreeSet<&str> = scores.iter().flat_map(|(score, _)| score.cells()).collect();
+    let all = (simulated.len() > 1).then_some(None);
+    let mut rows = Vec::new();
+    for family in all.into_iter().chain(families(false).into_iter().map(Some)) {
+        let all = (cells.len() > 1).then_some(None);
+        for cell in all.into_iter().chain(cells.iter().copied().map(Some)) {
+            let plays = |score: &Score| {
+                (family.is_some() || score.families(true) == simulated)
+                    && (cell.is_some() || score.cells() == cells)
+            };
+            let playing = scores.iter().copied().filter(|(score, _)| plays(score));
+            rows.extend(ranked(&playing.collect::<Vec<_>>(), Part { family, cell }));
+        }
+    }
+    rows
 }
 
 fn collect(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), LeagueError> {
@@ -82,20 +96,22 @@ fn collect(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), LeagueError> {
     Ok(())
 }
 
-/// The rows of a family, the smallest error first.
-fn ranked(scores: &[&(Score, Option<TickTimes>)], family: Option<&str>) -> Vec<BoardRow> {
+/// The rows of a part, the smallest error first.
+fn ranked(scores: &[&TimedScore], part: Part) -> Vec<BoardRow> {
     let mut rows: Vec<BoardRow> = scores
         .iter()
         .filter_map(|(score, times)| {
-            let summary = score.summary(family)?;
+            let summary = score.summary(part)?;
             let [low_95, high_95] = summary.interval_95.unwrap_or([f64::NAN; 2]);
             Some(BoardRow {
                 track: score.track.clone(),
                 season: score.season.clone(),
-                robots: family.unwrap_or("all").to_owned(),
+                robots: part.family.unwrap_or(ALL).to_owned(),
+                cell: part.cell.unwrap_or(ALL).to_owned(),
                 rank: 1,
                 name: score.name.clone(),
                 kind: score.kind.clone(),
+                measure: score.measure.clone(),
                 error: summary.error,
                 low_95,
                 high_95,
@@ -122,6 +138,7 @@ fn ranked(scores: &[&(Score, Option<TickTimes>)], family: Option<&str>) -> Vec<B
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::league::robot::MEASURED;
     use crate::league::score::{CellScore, Digests, FORMAT, Machine, RobotScore};
 
     fn score(name: &str, robots: &[(&str, &str)]) -> Score {

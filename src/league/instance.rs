@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::LeagueError;
 use super::robot::LeagueRobot;
-use super::track::{ReadTrack, Task};
+use super::track::{LeagueTrack, ReadTrack, Task};
 use crate::plants::{PlantSpec, SimulatedSpec};
 use crate::policies::{self, OutsidePolicy, PolicyEntry};
 use crate::specs::to_yaml;
@@ -92,6 +92,12 @@ fn modes(robot: &LeagueRobot) -> Result<Value, LeagueError> {
         modes[CHANGING] = json!({ "feedback": "closed", "change": as_json(change)? });
     }
     Ok(modes)
+}
+
+/// Samples of each robot that a policy of this program takes before its trials.
+pub fn robot_samples(track: &LeagueTrack, name: &str) -> usize {
+    let is_used = |entry: &PolicyEntry| entry.uses_error_model() || entry.uses_real_data();
+    if policies::find(name).is_some_and(is_used) { track.samples } else { 0 }
 }
 
 fn runs(read: &ReadTrack, names: &[String]) -> Value {

@@ -1,6 +1,6 @@
 //! Scores: what a submission reached on each robot, and on all of them.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde::{Deserialize, Serialize};
 
@@ -87,6 +87,13 @@ pub struct RobotScore {
     pub cells: Vec<CellScore>,
 }
 
+impl RobotScore {
+    /// Mean over its cells.
+    pub fn error(&self) -> f64 {
+        mean(&self.cells.iter().map(|cell| cell.error).collect::<Vec<_>>())
+    }
+}
+
 /// Trials of one mode or speed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -139,20 +146,17 @@ fn rounded(value: f64) -> f64 {
     (value * 1e9).round() / 1e9
 }
 
-impl RobotScore {
-    /// Mean of the floor over its cells; none where one has no floor.
-    pub fn floor(&self) -> Option<f64> {
-        let floors: Option<Vec<f64>> = self.cells.iter().map(|cell| cell.floor).collect();
-        floors.map(|floors| mean(&floors))
-    }
-
-    /// Mean over its cells.
-    pub fn error(&self) -> f64 {
-        mean(&self.cells.iter().map(|cell| cell.error).collect::<Vec<_>>())
-    }
+/// Part of a score: robots of a family, or all simulated ones (real robots play only where their
+/// recordings are); trials of a mode or speed, or all.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Part<'a> {
+    /// Family of the robots.
+    pub family: Option<&'a str>,
+    /// Mode or speed.
+    pub cell: Option<&'a str>,
 }
 
-/// A score on all robots of one family, or of all.
+/// A score on a part of its trials.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Summary {
     /// Mean error over robots.
@@ -170,24 +174,46 @@ pub struct Summary {
 }
 
 impl Score {
-    /// What it reached on the robots of a family, or without one on all simulated robots: real
-    /// robots play only where their recordings are.
-    pub fn summary(&self, family: Option<&str>) -> Option<Summary> {
-        let is_in = |robot: &&RobotScore| match family {
+    /// Names of its modes or speeds.
+    pub fn cells(&self) -> BTreeSet<&str> {
+        self.robots.iter().flat_map(|robot| &robot.cells).map(|cell| cell.cell.as_str()).collect()
+    }
+
+    /// Families of its robots: of all, or of the simulated ones.
+    pub fn families(&self, simulated: bool) -> BTreeSet<&str> {
+        let robots = self.robots.iter().filter(|robot| !simulated || robot.engine != MEASURED);
+        robots.map(|robot| robot.family.as_str()).collect()
+    }
+
+    /// The score on a part of its trials; none where it has none of them.
+    pub fn summary(&self, part: Part) -> Option<Summary> {
+        let robots = self.robots.iter().filter(|robot| match part.family {
             Some(family) => robot.family == family,
             None => robot.engine != MEASURED,
+        });
+        let of_robot = |robot: &RobotScore| -> Vec<CellScore> {
+            let cells =
+                robot.cells.iter().filter(|cell| part.cell.is_none_or(|name| cell.cell == name));
+            cells.cloned().collect()
         };
-        let robots: Vec<&RobotScore> = self.robots.iter().filter(is_in).collect();
+        let robots: Vec<Vec<CellScore>> =
+            robots.map(of_robot).filter(|cells| !cells.is_empty()).collect();
         if robots.is_empty() {
             return None;
         }
-        let errors: Vec<f64> = robots.iter().map(|robot| robot.error()).collect();
-        let floors: Option<Vec<f64>> = robots.iter().map(|robot| robot.floor()).collect();
-        let cells = || robots.iter().flat_map(|robot| &robot.cells);
+        let mean_of = |cells: &Vec<CellScore>, value: fn(&CellScore) -> f64| {
+            mean(&cells.iter().map(value).collect::<Vec<f64>>())
+        };
+        let over_robots = |value: fn(&CellScore) -> f64| -> Vec<f64> {
+            robots.iter().map(|cells| mean_of(cells, value)).collect()
+        };
+        let errors = over_robots(|cell| cell.error);
+        let floor = mean(&over_robots(|cell| cell.floor.unwrap_or(f64::NAN)));
+        let cells = || robots.iter().flatten();
         Some(Summary {
             error: mean(&errors),
             interval_95: interval_95(&errors),
-            floor: floors.map(|floors| mean(&floors)),
+            floor: floor.is_finite().then_some(floor),
             robots: robots.len() as u64,
             trials: cells().map(|cell| cell.trials).sum(),
             failed: cells().map(CellScore::failed).sum(),

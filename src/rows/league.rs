@@ -3,7 +3,7 @@
 use crate::data::table_rows;
 
 table_rows! {
-    "board.csv", key [track, season, robots, name]:
+    "board.csv", key [track, season, robots, cell, name]:
     /// One submission on the robots of one family, or on all of them.
     pub struct BoardRow {
         /// The track.
@@ -12,12 +12,16 @@ table_rows! {
         pub season: String,
         /// Family of the robots, or `all`.
         pub robots: String,
+        /// Mode or speed, or `all`: the mean over them.
+        pub cell: String,
         /// Rank: 1, and one more for each submission whose interval lies wholly below.
         pub rank: u64,
         /// Name of the submission.
         pub name: String,
         /// Kind of the policy, or `answers`.
         pub kind: String,
+        /// What is measured: `error over length`, or `share not named`.
+        pub measure: String,
         /// Mean over robots of the error over the length of the robot; of the track `name` the share
         /// of robots whose effects are not named.
         pub error: f64,

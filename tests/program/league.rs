@@ -199,7 +199,7 @@ fn check_reports_all_faults_at_once() {
 }
 
 #[test]
-fn only_its_secret_opens_a_season() {
+fn anybody_verifies_a_season_by_the_same_bytes_once_its_secret_is_disclosed() {
     let league = League::new();
     let done = |arguments: &[&str]| {
         let output = league.league(arguments);
@@ -210,12 +210,31 @@ fn only_its_secret_opens_a_season() {
     let sealed = std::fs::read_to_string(league.path("one.yaml")).unwrap();
     let key = std::fs::read_to_string(league.path("key")).unwrap();
     assert!(!sealed.contains(key.trim()), "{sealed}");
+    league.submit("integral", "{builtin: integral}");
+    let score = |out: &str, robots: &[&str]| {
+        let arguments =
+            [&["score", "integral", "--tracks", "tracks", "--out", out], robots].concat();
+        (league.league(&arguments), std::fs::read_to_string(league.path(out).join("score.json")))
+    };
+    let (scored, first) = score("first", &["--season", "one.yaml", "--secret", "key"]);
+    assert!(scored.status.success(), "{}", said(&scored));
+    let first = first.unwrap();
+    assert!(first.contains("\"sealed\": true") && !first.contains(key.trim()), "{first}");
+    let (_, public) = score("public", &["--season", "one.yaml"]);
+    let robots =
+        |score: &str| serde_json::from_str::<Value>(score).unwrap()["digests"]["robots"].clone();
+    assert_ne!(robots(&first), robots(&public.unwrap()));
+    let (early, none) = score("early", &["--season", "one.yaml", "--sealed"]);
+    assert!(early.status.code() == Some(2) && none.is_err(), "{}", said(&early));
     std::fs::write(league.path("wrong"), "0".repeat(64)).unwrap();
     let wrong = league.league(&["open", "one.yaml", "--secret", "wrong"]);
     assert_eq!(wrong.status.code(), Some(2));
     assert!(said(&wrong).contains("which was published"), "{}", said(&wrong));
     done(&["open", "one.yaml", "--secret", "key"]);
     assert!(std::fs::read_to_string(league.path("one.yaml")).unwrap().contains(key.trim()));
+    let (scored, second) = score("second", &["--season", "one.yaml", "--sealed"]);
+    assert!(scored.status.success(), "{}", said(&scored));
+    assert_eq!(first, second.unwrap());
     // Other tracks are another season.
     let track = std::fs::read_to_string(league.path("tracks/small.yaml")).unwrap();
     std::fs::write(

@@ -26,16 +26,6 @@ impl TableCommand {
             write_atomic(&out.join(&artifact.name), &artifact.bytes)
                 .map_err(CommandError::failed)?;
         }
-        for row in &rows {
-            println!(
-                "{}, {}: {}. {} {:.2} %",
-                row.track,
-                row.robots,
-                row.rank,
-                row.name,
-                100.0 * row.error
-            );
-        }
         println!("{}", out.join("board.html").display());
         Ok(())
     }

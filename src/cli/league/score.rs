@@ -9,9 +9,9 @@ use clap::Args;
 use spinebench::data::write_atomic;
 use spinebench::league::answers::judge;
 use spinebench::league::board::{SCORE, TIMING, board};
-use spinebench::league::instance::Player;
+use spinebench::league::instance::{Player, robot_samples};
 use spinebench::league::play::{PlayOptions, add_floors, play};
-use spinebench::league::score::{Digests, FORMAT, Machine, RobotScore, Score};
+use spinebench::league::score::{Digests, FORMAT, Machine, Part, RobotScore, Score};
 use spinebench::league::season::digest;
 use spinebench::league::submission::{SCORE_FOLDER, SubmittedPolicy};
 use spinebench::league::track::Task;
@@ -135,7 +135,12 @@ impl ScoreCommand {
             trained_on: submission.trained_on.clone(),
             licence: submission.licence.clone(),
             real_samples: submission.real_samples,
-            robot_samples: outside.map_or(0, |outside| outside.samples() as u64),
+            robot_samples: match (policy, outside) {
+                (Some(SubmittedPolicy::Builtin(name)), _) => {
+                    robot_samples(&track.track, name) as u64
+                }
+                (_, outside) => outside.map_or(0, |outside| outside.samples() as u64),
+            },
             season: season.season.clone(),
             sealed: season.are_sealed(),
             digests: Digests {
@@ -166,7 +171,7 @@ fn tell(score: &Score, out: &Path) {
         let failed = if failed > 0 { format!(", {failed} trials failed") } else { String::new() };
         println!("{:24} {:6.2} %{failed}", robot.robot, 100.0 * robot.error());
     }
-    if let Some(summary) = score.summary(None) {
+    if let Some(summary) = score.summary(Part::default()) {
         let interval = summary
             .interval_95
             .map(|[low, high]| format!(" [{:.2}, {:.2}]", 100.0 * low, 100.0 * high));

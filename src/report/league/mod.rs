@@ -1,6 +1,6 @@
 //! The board of a league: tables, a figure, and a page of both.
 
-use maud::html;
+use maud::{Markup, html};
 
 use super::discovery::html::{document, figure};
 use super::drawing::{Axis, Canvas, Dot, DotChart, DotPanel, DotRow};
@@ -9,10 +9,10 @@ use super::style::{GREY, INK, Marker, TALL};
 use super::{Artifact, ReportError, captioned, csv, text};
 use crate::rows::league::BoardRow;
 
-/// Stem of the files of the figure; its caption is Markdown, as the table is.
-const NAME: &str = "board_errors";
+/// Name of the figures in errors.
+const NAME: &str = "board";
 
-/// The files of a board: CSV, JSON, Markdown, a page, and its figure.
+/// The files of a board: CSV, JSON, Markdown, a page, and a figure for each track.
 ///
 /// # Errors
 /// [`ReportError`] where nothing can be drawn or written.
@@ -27,115 +27,187 @@ pub fn board(rows: &[BoardRow]) -> Result<Vec<Artifact>, ReportError> {
         text("board.md", markdown(rows)),
         text("board.html", page(rows)?),
     ];
-    files.extend(captioned(NAME, NAME, CAPTION, |width| draw(rows, width))?);
+    for track in tracks(rows) {
+        let whole = families(track)[0];
+        let stem = format!("board_{}_{}", whole[0].track, whole[0].season);
+        files.extend(captioned(NAME, &stem, &caption(whole), |width| draw(whole, width))?);
+    }
     Ok(files)
 }
 
-const CAPTION: &str = "Board of the league: mean error over robots in % of the length of the robot, on a logarithmic axis, \
-     with its 95 % interval over robots; of the track `name`, the share of robots whose effects are not named. Grey, hollow: \
-     a controller that knows the hidden effects.";
-
-/// The tables of a board, one for each track, season and family.
-fn groups(rows: &[BoardRow]) -> Vec<(String, Vec<&BoardRow>)> {
-    let mut groups: Vec<(String, Vec<&BoardRow>)> = Vec::new();
-    for row in rows {
-        let title = format!("{}: {}, {}", row.track, row.robots, row.season);
-        match groups.iter_mut().find(|(other, _)| *other == title) {
-            Some((_, group)) => group.push(row),
-            None => groups.push((title, vec![row])),
-        }
-    }
-    groups
+/// What a figure shows.
+fn caption(family: &[BoardRow]) -> String {
+    let BoardRow { track, season, robots, .. } = &family[0];
+    format!(
+        "Track {track}, season {season}, robots {robots}: {}, mean and 95 % interval over robots. Grey, hollow: the best \
+         of the controllers that know the hidden effects. Without a dot: a submission without this mode.",
+        measure(family)
+    )
 }
 
-/// A table: ranks, names, errors.
-fn table(rows: &[&BoardRow]) -> MarkdownTable {
-    let number = |value: f64, digits: usize| {
-        if value.is_finite() { format!("{value:.digits$}") } else { "–".to_owned() }
+/// What the numbers of a track are.
+fn measure(track: &[BoardRow]) -> String {
+    format!("{} (%)", track[0].measure)
+}
+
+/// The rows of each track and season; they follow one another.
+fn tracks(rows: &[BoardRow]) -> Vec<&[BoardRow]> {
+    rows.chunk_by(|one, next| (&one.track, &one.season) == (&next.track, &next.season)).collect()
+}
+
+/// The rows of all robots of a track, and of each family.
+fn families(track: &[BoardRow]) -> Vec<&[BoardRow]> {
+    track.chunk_by(|one, next| one.robots == next.robots).collect()
+}
+
+/// The rows of all modes or speeds, and of each.
+fn cells(family: &[BoardRow]) -> Vec<&[BoardRow]> {
+    family.chunk_by(|one, next| one.cell == next.cell).collect()
+}
+
+/// Names of the submissions, those of the first cell in their order, then the others.
+fn names(family: &[BoardRow]) -> Vec<&str> {
+    let mut names: Vec<&str> = Vec::new();
+    for row in family {
+        if !names.contains(&row.name.as_str()) {
+            names.push(&row.name);
+        }
+    }
+    names
+}
+
+/// A table: ranks, names, errors over all modes or speeds and of each.
+fn table(family: &[BoardRow]) -> MarkdownTable {
+    let percent = |share: Option<f64>| match share {
+        Some(share) if share.is_finite() => format!("{:.2}", 100.0 * share),
+        _ => "–".to_owned(),
     };
-    let cells = rows.iter().map(|row| {
-        vec![
-            row.rank.to_string(),
-            row.name.clone(),
-            row.kind.clone(),
-            number(100.0 * row.error, 2),
-            format!("[{}, {}]", number(100.0 * row.low_95, 2), number(100.0 * row.high_95, 2)),
-            number(100.0 * row.floor, 2),
-            row.samples.to_string(),
-            number(row.tick_ms, 2),
-            format!("{} of {}", row.failed, row.trials),
-        ]
+    let cells = cells(family);
+    let [first, parts @ ..] = &cells[..] else { return MarkdownTable::default() };
+    let rows = names(family).into_iter().filter_map(|name| {
+        let own: Vec<&BoardRow> = family.iter().filter(|row| row.name == name).collect();
+        let whole = first.iter().find(|row| row.name == name);
+        let counted = if whole.is_some() { &own[..1] } else { &own[..] };
+        let count = |value: fn(&BoardRow) -> u64| counted.iter().map(|row| value(row)).sum::<u64>();
+        let any = own.first()?;
+        let mut cells = vec![
+            whole.map_or("–".to_owned(), |row| row.rank.to_string()),
+            name.to_owned(),
+            any.kind.clone(),
+            percent(whole.map(|row| row.error)),
+            whole.map_or("–".to_owned(), |row| {
+                format!("[{}, {}]", percent(Some(row.low_95)), percent(Some(row.high_95)))
+            }),
+            percent(whole.map(|row| row.floor)),
+        ];
+        cells.extend(
+            parts
+                .iter()
+                .map(|part| percent(part.iter().find(|row| row.name == name).map(|row| row.error))),
+        );
+        let tick_ms = any.tick_ms.is_finite().then(|| format!("{:.2}", any.tick_ms));
+        cells.extend([
+            any.samples.to_string(),
+            tick_ms.unwrap_or_else(|| "–".to_owned()),
+            format!("{} of {}", count(|row| row.failed), count(|row| row.trials)),
+        ]);
+        Some(cells)
     });
-    MarkdownTable::new(
-        "Rank | Submission | Kind | Error, % of length | 95 % interval | Floor, % | Samples | Tick, ms | Failed trials",
-        cells,
-    )
+    let parts: String = parts.iter().map(|part| format!("{}, % | ", part[0].cell)).collect();
+    let header = format!(
+        "Rank | Submission | Kind | Error, % | 95 % interval | Floor, % | {parts}Samples | Tick, ms | Failed trials"
+    );
+    MarkdownTable::new(&header, rows)
 }
 
 fn markdown(rows: &[BoardRow]) -> String {
     let mut out = String::from("# Board of the league\n");
-    for (title, group) in groups(rows) {
-        out += &format!("\n## {title}\n\n{}", table(&group).markdown());
+    for track in tracks(rows) {
+        let [first, ..] = track else { continue };
+        out += &format!("\n## {}, {}: {}\n", first.track, first.season, measure(track));
+        for family in families(track) {
+            out += &format!("\nRobots: {}\n\n{}", family[0].robots, table(family).markdown());
+        }
     }
     out + "\nA rank counts the submissions whose interval lies wholly below. Overlapping intervals share a rank.\n"
 }
 
 fn page(rows: &[BoardRow]) -> Result<String, ReportError> {
-    let drawing = figure(NAME, |width| Some(draw(rows, width)))?;
-    let content = html! {
+    let mut content = html! {
         h1 { "Board of the league" }
         p { "Ranks count the submissions whose 95 % interval lies wholly below; overlapping intervals share a rank. A trial that failed counts as an error of one length of the robot." }
-        figure { (drawing) figcaption { (CAPTION) } }
-        @for (title, group) in groups(rows) {
-            h2 { (title) }
-            @let grid = table(&group);
-            div.wide-table { table {
-                thead { tr { @for name in &grid.header { th { (name) } } } }
-                tbody { @for row in &grid.rows { tr { @for (name, cell) in grid.header.iter().zip(row) { td data-label=(name) { (cell) } } } } }
-            } }
-        }
     };
+    for track in tracks(rows) {
+        content.0 += &html! { h2 { (track[0].track) ", " (track[0].season) } }.0;
+        for (place, family) in families(track).into_iter().enumerate() {
+            let drawing = figure(NAME, |width| Some(draw(family, width)))?;
+            let shown = html! {
+                figure { (drawing) figcaption { (caption(family)) } }
+                (page_table(family))
+            };
+            content.0 += &html! {
+                @if place == 0 { (shown) }
+                @else { details { summary { "Robots: " (family[0].robots) } (shown) } }
+            }
+            .0;
+        }
+    }
     Ok(document("Board of the league", &content))
 }
 
-/// Dots with intervals, a heading for each table.
-fn draw(rows: &[BoardRow], width: f64) -> Canvas {
-    let (mut names, mut dots) = (Vec::new(), Vec::new());
-    let at = |share: f64| (100.0 * share.max(LEAST_SHARE)).log10();
-    for (title, group) in groups(rows) {
-        names.push(DotRow::Heading(title));
-        for row in group {
-            let place = names.len();
-            names.push(DotRow::Named(row.name.clone(), 1));
-            let thin = (row.low_95.is_finite() && row.high_95.is_finite())
-                .then(|| [at(row.low_95), at(row.high_95)]);
-            if row.floor > 0.0 {
-                dots.push(Dot {
-                    hollow: true,
-                    ..Dot::new(place, 0, at(row.floor), Marker::Diamond, GREY)
-                });
+fn page_table(rows: &[BoardRow]) -> Markup {
+    let grid = table(rows);
+    html! {
+        div.wide-table { table {
+            thead { tr { @for name in &grid.header { th { (name) } } } }
+            tbody { @for row in &grid.rows { tr { @for (name, cell) in grid.header.iter().zip(row) { td data-label=(name) { (cell) } } } } }
+        } }
+    }
+}
+
+/// A row for each submission, a panel for all modes or speeds and for each.
+fn draw(family: &[BoardRow], width: f64) -> Canvas {
+    let names = names(family);
+    let ends = || {
+        let values = family.iter().flat_map(|row| [row.low_95, row.high_95, row.error, row.floor]);
+        values.filter(|value| value.is_finite()).map(|share| 100.0 * share)
+    };
+    // A share reaches zero.
+    let is_share = family[0].measure.starts_with("share");
+    let (x, at): (Axis, fn(f64) -> f64) = if is_share {
+        (Axis::exact(&measure(family), 0.0, 100.0, 4), |share| 100.0 * share)
+    } else {
+        let place = |share: f64| (100.0 * share.max(LEAST)).log10();
+        (Axis::log(&measure(family), ends().map(|value| value.max(100.0 * LEAST)), 100.0), place)
+    };
+    let panels = cells(family).into_iter().map(|cell| {
+        let mut dots = Vec::new();
+        for row in cell {
+            let place = names.iter().position(|name| *name == row.name).unwrap_or_default();
+            if row.floor.is_finite() {
+                let floor = Dot::new(place, 0, at(row.floor), Marker::Diamond, GREY);
+                dots.push(Dot { hollow: true, ..floor });
             }
+            let has_interval = row.low_95.is_finite() && row.high_95.is_finite();
             dots.push(Dot {
-                thin,
+                thin: has_interval.then(|| [at(row.low_95), at(row.high_95)]),
                 words: format!("{:.2}", 100.0 * row.error),
                 ..Dot::new(place, 0, at(row.error), Marker::Circle, INK)
             });
         }
-    }
-    let ends = rows.iter().flat_map(|row| [row.low_95, row.high_95, row.error, row.floor]);
-    let ends = ends.filter(|value| value.is_finite()).map(|share| 100.0 * share.max(LEAST_SHARE));
-    let x = Axis::log("error (% of length)", ends, 100.0);
+        DotPanel::new(&cell[0].cell.replace('_', " "), x.clone(), dots)
+    });
     let chart = DotChart {
-        rows: names,
+        panels: panels.collect(),
+        rows: names.iter().map(|name| DotRow::Named((*name).to_owned(), 1)).collect(),
         lane_height: 15.0,
-        min_panel: 110.0,
-        aside: 40.0,
-        panels: vec![DotPanel::new("", x, dots)],
+        min_panel: 90.0,
+        aside: 34.0,
     };
     let mut canvas = Canvas::new(width, TALL);
     canvas.height = chart.draw(&mut canvas, 24.0).round();
     canvas
 }
 
-/// Errors below this share of the length stand at the edge of the axis.
-const LEAST_SHARE: f64 = 1e-4;
+/// Errors below this share of the length stand at the edge of the axis: ends of intervals.
+const LEAST: f64 = 1e-3;
