@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::LeagueError;
 use super::score::{Part, Score};
-use crate::rows::league::BoardRow;
+use crate::rows::league::{ALL, BoardRow};
 
 /// Times of the answers of a policy (`timing.json`): they differ from run to run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -21,8 +21,6 @@ pub struct TickTimes {
 /// A score, with the times of its policy where it has one of its own.
 type TimedScore = (Score, Option<TickTimes>);
 
-/// All families, or all modes or speeds, in a row.
-pub const ALL: &str = "all";
 /// Name of the file of a score, and of the times beside it.
 pub const SCORE: &str = "score.json";
 /// See [`SCORE`].

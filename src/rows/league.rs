@@ -2,6 +2,9 @@
 
 use crate::data::table_rows;
 
+/// All families, or all modes or speeds.
+pub const ALL: &str = "all";
+
 table_rows! {
     "board.csv", key [track, season, robots, cell, name]:
     /// One submission on the robots of one family, or on all of them.

@@ -2,12 +2,12 @@
 
 use maud::{Markup, html};
 
-use super::discovery::html::{document, figure};
+use super::discovery::html::{self, document, figure};
 use super::drawing::{Axis, Canvas, Dot, DotChart, DotPanel, DotRow};
 use super::page::markup::MarkdownTable;
 use super::style::{GREY, INK, Marker, TALL};
 use super::{Artifact, ReportError, captioned, csv, text};
-use crate::rows::league::BoardRow;
+use crate::rows::league::{ALL, BoardRow};
 
 /// Name of the figures in errors.
 const NAME: &str = "board";
@@ -76,12 +76,19 @@ fn names(family: &[BoardRow]) -> Vec<&str> {
     names
 }
 
-/// A table: ranks, names, errors over all modes or speeds and of each.
+/// A share in per cent.
+fn percent(share: f64) -> String {
+    if share.is_finite() { format!("{:.2}", 100.0 * share) } else { "–".to_owned() }
+}
+
+/// The error of a row with its interval, in per cent.
+fn with_interval(row: &BoardRow) -> String {
+    let [error, low_95, high_95] = [row.error, row.low_95, row.high_95].map(percent);
+    if row.low_95.is_finite() { format!("{error} [{low_95}, {high_95}]") } else { error }
+}
+
+/// A table: names, ranks, errors over all modes or speeds and of each.
 fn table(family: &[BoardRow]) -> MarkdownTable {
-    let percent = |share: Option<f64>| match share {
-        Some(share) if share.is_finite() => format!("{:.2}", 100.0 * share),
-        _ => "–".to_owned(),
-    };
     let cells = cells(family);
     let [first, parts @ ..] = &cells[..] else { return MarkdownTable::default() };
     let rows = names(family).into_iter().filter_map(|name| {
@@ -91,22 +98,16 @@ fn table(family: &[BoardRow]) -> MarkdownTable {
         let count = |value: fn(&BoardRow) -> u64| counted.iter().map(|row| value(row)).sum::<u64>();
         let any = own.first()?;
         let mut cells = vec![
-            whole.map_or("–".to_owned(), |row| row.rank.to_string()),
             name.to_owned(),
-            any.kind.clone(),
-            percent(whole.map(|row| row.error)),
-            whole.map_or("–".to_owned(), |row| {
-                format!("[{}, {}]", percent(Some(row.low_95)), percent(Some(row.high_95)))
-            }),
-            percent(whole.map(|row| row.floor)),
+            whole.map_or("–".to_owned(), |row| row.rank.to_string()),
+            whole.map_or("–".to_owned(), |row| with_interval(row)),
         ];
-        cells.extend(
-            parts
-                .iter()
-                .map(|part| percent(part.iter().find(|row| row.name == name).map(|row| row.error))),
-        );
+        cells.extend(parts.iter().map(|part| {
+            percent(part.iter().find(|row| row.name == name).map_or(f64::NAN, |row| row.error))
+        }));
         let tick_ms = any.tick_ms.is_finite().then(|| format!("{:.2}", any.tick_ms));
         cells.extend([
+            percent(whole.map_or(f64::NAN, |row| row.floor)),
             any.samples.to_string(),
             tick_ms.unwrap_or_else(|| "–".to_owned()),
             format!("{} of {}", count(|row| row.failed), count(|row| row.trials)),
@@ -114,9 +115,8 @@ fn table(family: &[BoardRow]) -> MarkdownTable {
         Some(cells)
     });
     let parts: String = parts.iter().map(|part| format!("{}, % | ", part[0].cell)).collect();
-    let header = format!(
-        "Rank | Submission | Kind | Error, % | 95 % interval | Floor, % | {parts}Samples | Tick, ms | Failed trials"
-    );
+    let header =
+        format!("Submission | Rank | Error, % | {parts}Floor, % | Samples | Tick, ms | Failed");
     MarkdownTable::new(&header, rows)
 }
 
@@ -157,12 +157,9 @@ fn page(rows: &[BoardRow]) -> Result<String, ReportError> {
 
 fn page_table(rows: &[BoardRow]) -> Markup {
     let grid = table(rows);
-    html! {
-        div.wide-table { table {
-            thead { tr { @for name in &grid.header { th { (name) } } } }
-            tbody { @for row in &grid.rows { tr { @for (name, cell) in grid.header.iter().zip(row) { td data-label=(name) { (cell) } } } } }
-        } }
-    }
+    let header: Vec<&str> = grid.header.iter().map(String::as_str).collect();
+    let cells = |row: &Vec<String>| row.iter().map(|cell| html! { (cell) }).collect();
+    html::table(&header, &grid.rows.iter().map(cells).collect::<Vec<_>>())
 }
 
 /// A row for each submission, a panel for all modes or speeds and for each.
@@ -178,7 +175,7 @@ fn draw(family: &[BoardRow], width: f64) -> Canvas {
         (Axis::exact(&measure(family), 0.0, 100.0, 4), |share| 100.0 * share)
     } else {
         let place = |share: f64| (100.0 * share.max(LEAST)).log10();
-        (Axis::log(&measure(family), ends().map(|value| value.max(100.0 * LEAST)), 100.0), place)
+        (Axis::log(&measure(family), ends().map(|value| value.max(100.0 * LEAST)), 130.0), place)
     };
     let panels = cells(family).into_iter().map(|cell| {
         let mut dots = Vec::new();
@@ -195,7 +192,8 @@ fn draw(family: &[BoardRow], width: f64) -> Canvas {
                 ..Dot::new(place, 0, at(row.error), Marker::Circle, INK)
             });
         }
-        DotPanel::new(&cell[0].cell.replace('_', " "), x.clone(), dots)
+        let title = if cell[0].cell == ALL { "mean of all" } else { &cell[0].cell };
+        DotPanel::new(&title.replace('_', " "), x.clone(), dots)
     });
     let chart = DotChart {
         panels: panels.collect(),
