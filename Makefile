@@ -143,6 +143,9 @@ test-python: ## the Python package: build, tests, types (needs Python 3.10 or la
 	$(PYTHON_VENV)/bin/python -m pip install --quiet --disable-pip-version-check -r benches/league/requirements.txt
 	$(PYTHON_VENV)/bin/python -B benches/league/test_serve.py
 	PATH="$(CURDIR)/$(PYTHON_VENV)/bin:$$PATH" $(SPINEBENCH) league check experiments/league/example
+	rm -rf target/tmp/league{,_cache} && mkdir -p target/tmp && cp -r experiments/league/example target/tmp/league
+	echo 'robots: [paper]' >> target/tmp/league/submission.yaml
+	PATH="$(CURDIR)/$(PYTHON_VENV)/bin:$$PATH" $(SPINEBENCH) league score target/tmp/league --cache target/tmp/league_cache
 
 BROWSER_VENV := target/browser-venv
 test-browser: build ## pages in a browser: live view, player, reports (needs Python with venv, PyPI, and Chromium or $$CHROMIUM)
