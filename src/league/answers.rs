@@ -13,6 +13,7 @@ use super::track::{ReadTrack, Task};
 use crate::base::{Point3, distance_m};
 use crate::data::tables::read_csv;
 use crate::data::write_atomic;
+use crate::effects::card;
 use crate::math::summary::root_mean_square;
 use crate::specs::model_text;
 
@@ -92,18 +93,26 @@ pub fn judge(
         Task::Name(_) => named(folder)?,
         _ => BTreeMap::new(),
     };
-    let mut faults = Vec::new();
+    let mut faults: Vec<String> = Vec::new();
     let mut scores = Vec::new();
+    let of = |robot: &LeagueRobot| folder.join(format!("{}.csv", robot.name));
+    if !matches!(read.track.task, Task::Name(_)) {
+        // Before robots are recorded, which takes minutes.
+        let missing = robots.iter().map(of).filter(|file| !file.is_file());
+        faults.extend(missing.map(|file| format!("{}: found no such file", file.display())));
+    }
+    if !faults.is_empty() {
+        return Err(LeagueError::Input(faults.join("\n")));
+    }
     for robot in robots {
         let trial = match read.track.task {
-            Task::Name(_) => names
-                .get(&robot.name)
-                .map(|answer| unnamed(answer, robot))
-                .ok_or_else(|| format!("{NAMES}: found no row of `{}`", robot.name)),
-            _ => {
-                let file = folder.join(format!("{}.csv", robot.name));
-                predicted(&file, &asked_of(read, robot)?).map(|error_m| error_m / robot.length_m())
+            Task::Name(_) => {
+                names.get(&robot.name).map(|answer| unnamed(answer, robot)).ok_or_else(|| {
+                    format!("{}: found no row of `{}`", folder.join(NAMES).display(), robot.name)
+                })
             }
+            _ => predicted(&of(robot), &asked_of(read, robot)?)
+                .map(|error_m| error_m / robot.length_m()),
         };
         match trial {
             Err(fault) => faults.push(fault),
@@ -119,7 +128,17 @@ pub fn judge(
 }
 
 fn named(folder: &Path) -> Result<BTreeMap<String, String>, LeagueError> {
-    let rows: Vec<EffectAnswer> = read_csv(&folder.join(NAMES)).map_err(LeagueError::input)?;
+    let file = folder.join(NAMES);
+    let rows: Vec<EffectAnswer> = read_csv(&file).map_err(LeagueError::input)?;
+    for (row, answer) in rows.iter().enumerate() {
+        if let Some(found) = answer.effects.split_whitespace().find(|name| card(name).is_none()) {
+            return Err(LeagueError::input(format!(
+                "{}:{}: effects: found `{found}`, expected names of `spinebench effects`",
+                file.display(),
+                row + 2
+            )));
+        }
+    }
     Ok(rows.into_iter().map(|row| (row.robot, row.effects)).collect())
 }
 
@@ -151,7 +170,7 @@ fn predicted(file: &Path, question: &RobotQuestion) -> Result<f64, String> {
         let tip_m: Point3 = [predicted.tip_x_m, predicted.tip_y_m, predicted.tip_z_m];
         if !is_asked || !tip_m.iter().all(|value| value.is_finite()) {
             return Err(format!(
-                "{}:{}: found trial {} at {} s, expected trial {} at {} s with a finite tip",
+                "{}:{}: found trial {} at {:.3} s, expected trial {} at {:.3} s with a finite tip",
                 file.display(),
                 row + 2,
                 predicted.trial,

@@ -100,7 +100,8 @@ impl ReadSubmission {
 
     /// What is wrong with it apart from its track: each fault as `key: found …, expected …`.
     pub fn faults(&self) -> Vec<String> {
-        let Submission { name, authors, licence, trained_on, policy, .. } = &self.submission;
+        let Submission { name, authors, licence, trained_on, policy, answers, .. } =
+            &self.submission;
         let mut faults = Vec::new();
         let is_name = !name.is_empty()
             && name.chars().all(|letter| letter.is_ascii_alphanumeric() || "_-".contains(letter));
@@ -124,16 +125,34 @@ impl ReadSubmission {
                 "policy.builtin: found `{builtin}`, expected a policy of this program"
             ));
         }
-        if let Some(outside) = policy.as_ref().and_then(|policy| policy.outside(&self.folder))
-            && !outside.file().is_file()
-        {
-            faults.push(format!(
-                "policy.{}.file: found no file {}",
-                policy.as_ref().map_or("", SubmittedPolicy::kind),
-                outside.file().display()
-            ));
+        let kind = policy.as_ref().map_or("", SubmittedPolicy::kind);
+        let outside = policy.as_ref().and_then(|policy| policy.outside(&self.folder));
+        if let Some(file) = outside.as_ref().map(OutsidePolicy::file) {
+            if !file.is_file() {
+                faults.push(format!("policy.{kind}.file: found no file {}", file.display()));
+            } else if !self.is_within(file) {
+                faults.push(self.outside_its_folder(&format!("policy.{kind}.file"), file));
+            }
+        }
+        if let Some(answers) = answers.as_ref().map(|answers| self.folder.join(answers)) {
+            if !answers.is_dir() {
+                faults.push(format!("answers: found no folder {}", answers.display()));
+            } else if !self.is_within(&answers) {
+                faults.push(self.outside_its_folder("answers", &answers));
+            }
         }
         faults
+    }
+
+    /// Whether a file is part of the submission: its digest has to cover it.
+    fn is_within(&self, file: &Path) -> bool {
+        let places = (file.canonicalize(), self.folder.canonicalize());
+        matches!(places, (Ok(file), Ok(folder)) if file.starts_with(&folder))
+    }
+
+    fn outside_its_folder(&self, key: &str, found: &Path) -> String {
+        let (found, folder) = (found.display(), self.folder.display());
+        format!("{key}: found {found}, expected a place in the folder of the submission, {folder}")
     }
 
     /// Digest of all its files, in the order of their names, but for what a score has written.

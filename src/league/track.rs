@@ -217,7 +217,7 @@ impl ReadTrack {
 pub fn names(folder: &Path) -> Result<Vec<String>, LeagueError> {
     let words = |error| {
         format!(
-            "{}: found {error}, expected a folder of tracks (`experiments/league` of a checkout)",
+            "{}: found {error}, expected a folder of tracks (`experiments/league` of a checkout), or --tracks DIR",
             folder.display()
         )
     };

@@ -199,6 +199,36 @@ fn check_reports_all_faults_at_once() {
 }
 
 #[test]
+fn check_refuses_what_a_score_could_not_stand_for() {
+    if !is_possible() {
+        return;
+    }
+    let league = League::new();
+    std::fs::write(league.path("beside.py"), POLICIES).unwrap();
+    let answers = "{python: {file: policy.py, class: ShortSample, samples: 5}}";
+    for (name, policy, words) in [
+        (
+            "beside",
+            "{python: {file: ../beside.py, class: Honest}}",
+            "expected a place in the folder",
+        ),
+        ("short", answers, "sample: wrong number of tendons: found 3, expected 4"),
+    ] {
+        let folder = league.submit(name, policy);
+        let output = league.league(&["check", folder.to_str().unwrap(), "--tracks", "tracks"]);
+        assert_eq!(output.status.code(), Some(2), "{name}");
+        assert!(said(&output).contains(words), "{name}: {}", said(&output));
+    }
+    let robots = std::fs::read_to_string(league.path("tracks/robots.yaml")).unwrap();
+    let engine = ", engine: {name: other, command: [python3, -c, 'import nothing']}}";
+    std::fs::write(league.path("tracks/robots.yaml"), robots.replace('}', engine)).unwrap();
+    let folder = league.python("honest", "Honest");
+    let output = league.league(&["check", folder.to_str().unwrap(), "--tracks", "tracks"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(said(&output).contains("this machine: engine `other`"), "{}", said(&output));
+}
+
+#[test]
 fn anybody_verifies_a_season_by_the_same_bytes_once_its_secret_is_disclosed() {
     let league = League::new();
     let done = |arguments: &[&str]| {

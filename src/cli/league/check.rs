@@ -37,9 +37,16 @@ impl CheckCommand {
         }
         let times =
             checked.times.map(|times| format!(", {:.1} ms an answer", 1e3 * times.median_s));
-        let name = &checked.read.submission.name;
+        let submission = &checked.read.submission;
+        let outside = submission.policy.as_ref().and_then(|policy| policy.outside(&self.folder));
+        let closed_only = if outside.is_some_and(|outside| outside.entry().closed_loop_only) {
+            "; closed loop alone: the mode `open` is not played, so it has no rank over all modes"
+        } else {
+            ""
+        };
         println!(
-            "`{name}` is ready for the track `{}`: {} robots{}",
+            "`{}` is ready for the track `{}`: {} robots{}{closed_only}",
+            submission.name,
             checked.track.name,
             checked.robots.len(),
             times.unwrap_or_default()
@@ -85,6 +92,7 @@ impl CheckedSubmission {
                 unique(&families)
             ));
         }
+        faults.extend(engine_faults(&drawn));
         let has_questions = recordings(&track.track.task).is_some();
         match (&submission.policy, &submission.answers, has_questions) {
             (None, _, false) => faults
@@ -112,6 +120,20 @@ impl CheckedSubmission {
             faults.join("\n  ")
         )))
     }
+}
+
+/// Engines that cannot be started on this machine: their robots could not be played.
+fn engine_faults(robots: &[LeagueRobot]) -> Vec<String> {
+    let external = robots.iter().filter(|robot| matches!(robot.plant, PlantSpec::External(_)));
+    let one_each: BTreeMap<&str, &LeagueRobot> =
+        external.map(|robot| (robot.engine.as_str(), robot)).collect();
+    let failed = |(engine, robot): (&str, &LeagueRobot)| {
+        let error = robot.plant.build(STEP_S).err()?;
+        Some(format!(
+            "this machine: engine `{engine}`: found {error}, expected its program to start: `pip install -r benches/league/requirements.txt`"
+        ))
+    };
+    one_each.into_iter().filter_map(failed).collect()
 }
 
 fn unique(names: &[&str]) -> String {
@@ -186,8 +208,12 @@ fn answers(
     // Samples of the nominal robot: the robots of the track are for its score.
     let nominal = PlantSpec::Simulated(Box::new(SimulatedSpec::new(robot.nominal.clone(), 0.0)));
     let max_step_m = Some(0.1 * robot.travel_m());
-    policy_samples(nominal.build(STEP_S)?.as_mut(), policy.as_mut(), max_step_m, Seed(0))
-        .map_err(|error| error.to_string())?;
+    let failed =
+        policy_samples(nominal.build(STEP_S)?.as_mut(), policy.as_mut(), max_step_m, Seed(0))
+            .map_err(|error| error.to_string())?;
+    if let Some(fault) = failed {
+        return Err(format!("sample: {fault}"));
+    }
     policy.reset();
     let length_m = robot.length_m();
     let mut seen = Observation {

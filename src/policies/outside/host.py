@@ -52,7 +52,7 @@ class Host:
         made = getattr(module, self.class_name, None)
         self.policy = made() if callable(made) else None
         if not callable(getattr(self.policy, "act", None)):
-            raise Fault("failed", f"found no class `{self.class_name}` with a method act() in {os.path.basename(self.file)}")
+            raise Fault("failed", f"no class `{self.class_name}` with a method act() in {os.path.basename(self.file)}")
         self.optional("begin", robot)
         return {"ready": {"closed_loop_only": bool(getattr(self.policy, "closed_loop_only", False))}}
 

@@ -20,6 +20,13 @@ class Honest:
         return [*self.bend, *(-value for value in self.bend)]
 
 
+class ShortSample(Honest):
+    """Samples with a displacement too few."""
+
+    def sample(self, tip_m, pulls_m):
+        return pulls_m[:3]
+
+
 def secrets():
     """Each way to learn something that the policy may not know; it returns something, or fails."""
     parent = os.getppid()
