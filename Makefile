@@ -67,6 +67,8 @@ league: build ## baselines of the league and its board, into results/league (hou
 	python3 -m venv $(PYTHON_VENV)
 	$(PYTHON_VENV)/bin/python -m pip install --quiet --disable-pip-version-check ./python -r benches/league/requirements.txt "mujoco[sysid]"
 	PATH="$(CURDIR)/$(PYTHON_VENV)/bin:$$PATH" python3 -B benches/league/baselines.py $(OUT)/results/league --program target/release/spinebench
+	mkdir -p $(OUT)/plots/league && mv $(OUT)/results/league/board_*_* $(OUT)/plots/league
+	$(if $(filter .,$(OUT)),$(UPDATE_PAGES))
 
 ROBOT := target/tmp/robot
 robot: build ## the README's moving picture, plots/robot.gif: Fig. 8's path under two policies, and `discover` before and after

@@ -1,4 +1,4 @@
-"""A baseline of the league: segments of constant curvature, and a Gaussian process for what they leave at 100 samples.
+"""A baseline of the league: segments of constant curvature, and a Gaussian process for what they leave at 99 samples.
 
 The tip of a bend is the chain of arcs plus the mean of the process; its inverse is found by damped least squares. In closed
 loop the error is integrated into the aim.
@@ -14,7 +14,8 @@ ROBOTS = {
     6: ([0, 120, 240, 60, 180, 300], 2, 0.01, 0.4),
     9: ([0, 120, 240, 40, 160, 280, 80, 200, 320], 3, 0.015, 0.3),
 }
-SAMPLES, LARGEST_BEND_RAD = 100, 1.3
+# The tip of each sample comes with the request for the next one: the last of 100 requests is answered by "enough".
+SAMPLES, LARGEST_BEND_RAD = 99, 1.3
 LENGTH_SCALES_RAD, NOISES_M = (0.3, 0.6, 1.2, 2.4, 4.8), (0.0003, 0.0006, 0.0012)
 
 

@@ -1,12 +1,12 @@
 //! The board: scores of many submissions, ranked where their intervals do not overlap.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
 use super::LeagueError;
-use super::score::{Part, Score};
+use super::score::{Score, ScorePart};
 use crate::rows::league::{ALL, BoardRow};
 
 /// Times of the answers of a policy (`timing.json`): they differ from run to run.
@@ -46,15 +46,47 @@ pub fn board(folder: &Path) -> Result<Vec<BoardRow>, LeagueError> {
         let times: Option<TickTimes> = timing.and_then(|text| serde_json::from_str(&text).ok());
         scores.push((Score::read(file)?, times));
     }
+    let mut groups: BTreeMap<(&str, String), Vec<(&Path, &TimedScore)>> = BTreeMap::new();
+    for (file, score) in files.iter().zip(&scores) {
+        groups.entry((&score.0.track, season(&score.0))).or_default().push((file, score));
+    }
     let mut rows = Vec::new();
-    let groups: BTreeSet<(String, String)> =
-        scores.iter().map(|(score, _)| (score.track.clone(), score.season.clone())).collect();
-    for (track, season) in groups {
-        let of_group =
-            scores.iter().filter(|(score, _)| score.track == track && score.season == season);
-        rows.extend(of_track(&of_group.collect::<Vec<_>>()));
+    for group in groups.values() {
+        check_comparable(group)?;
+        rows.extend(of_track(&group.iter().map(|(_, score)| *score).collect::<Vec<_>>()));
     }
     Ok(rows)
+}
+
+/// The season of a score, and whether its robots were the sealed ones.
+fn season(score: &Score) -> String {
+    score.season.clone() + if score.sealed { "_sealed" } else { "" }
+}
+
+/// Refuses two scores of one name, and scores on other tracks, models or engines than the first.
+fn check_comparable(group: &[(&Path, &TimedScore)]) -> Result<(), LeagueError> {
+    for (index, (file, (score, _))) in group.iter().enumerate() {
+        let (first_file, (first, _)) = group[0];
+        if score.digests.tracks != first.digests.tracks {
+            return Err(LeagueError::input(format!(
+                "{}: digests.tracks: found {}, expected {} as in {}: scores on other tracks cannot be compared",
+                file.display(),
+                score.digests.tracks,
+                first.digests.tracks,
+                first_file.display()
+            )));
+        }
+        let same = group[..index].iter().find(|(_, (other, _))| other.name == score.name);
+        if let Some((other, _)) = same {
+            return Err(LeagueError::input(format!(
+                "{}: name: found `{}`, expected another name than that in {}",
+                file.display(),
+                score.name,
+                other.display()
+            )));
+        }
+    }
+    Ok(())
 }
 
 /// The rows of a track: all simulated robots and each family, each for all modes or speeds and for
@@ -75,7 +107,7 @@ fn of_track(scores: &[&TimedScore]) -> Vec<BoardRow> {
                     && (cell.is_some() || score.cells() == cells)
             };
             let playing = scores.iter().copied().filter(|(score, _)| plays(score));
-            rows.extend(ranked(&playing.collect::<Vec<_>>(), Part { family, cell }));
+            rows.extend(ranked(&playing.collect::<Vec<_>>(), ScorePart { family, cell }));
         }
     }
     rows
@@ -95,7 +127,7 @@ fn collect(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), LeagueError> {
 }
 
 /// The rows of a part, the smallest error first.
-fn ranked(scores: &[&TimedScore], part: Part) -> Vec<BoardRow> {
+fn ranked(scores: &[&TimedScore], part: ScorePart) -> Vec<BoardRow> {
     let mut rows: Vec<BoardRow> = scores
         .iter()
         .filter_map(|(score, times)| {
@@ -103,7 +135,7 @@ fn ranked(scores: &[&TimedScore], part: Part) -> Vec<BoardRow> {
             let [low_95, high_95] = summary.interval_95.unwrap_or([f64::NAN; 2]);
             Some(BoardRow {
                 track: score.track.clone(),
-                season: score.season.clone(),
+                season: season(score),
                 robots: part.family.unwrap_or(ALL).to_owned(),
                 cell: part.cell.unwrap_or(ALL).to_owned(),
                 rank: 1,

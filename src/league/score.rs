@@ -149,7 +149,7 @@ fn rounded(value: f64) -> f64 {
 /// Part of a score: robots of a family, or all simulated ones (real robots play only where their
 /// recordings are); trials of a mode or speed, or all.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Part<'a> {
+pub struct ScorePart<'a> {
     /// Family of the robots.
     pub family: Option<&'a str>,
     /// Mode or speed.
@@ -186,7 +186,7 @@ impl Score {
     }
 
     /// The score on a part of its trials; none where it has none of them.
-    pub fn summary(&self, part: Part) -> Option<Summary> {
+    pub fn summary(&self, part: ScorePart) -> Option<Summary> {
         let robots = self.robots.iter().filter(|robot| match part.family {
             Some(family) => robot.family == family,
             None => robot.engine != MEASURED,

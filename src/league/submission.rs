@@ -144,10 +144,12 @@ impl ReadSubmission {
         faults
     }
 
-    /// Whether a file is part of the submission: its digest has to cover it.
+    /// Whether the digest of the submission covers a file: it lies in its folder, without links.
     fn is_within(&self, file: &Path) -> bool {
-        let places = (file.canonicalize(), self.folder.canonicalize());
-        matches!(places, (Ok(file), Ok(folder)) if file.starts_with(&folder))
+        let (Ok(file), Ok(folder)) = (file.canonicalize(), self.folder.canonicalize()) else {
+            return false;
+        };
+        file.strip_prefix(&folder).is_ok_and(|below| !is_written(below))
     }
 
     fn outside_its_folder(&self, key: &str, found: &Path) -> String {
@@ -174,6 +176,11 @@ impl ReadSubmission {
 /// Folder that `score` writes below that of a submission; it is no part of it.
 pub const SCORE_FOLDER: &str = "score";
 
+/// Whether a place below the folder of a submission is written by a score or by Python.
+fn is_written(below: &Path) -> bool {
+    below.starts_with(SCORE_FOLDER) || below.iter().any(|name| name == "__pycache__")
+}
+
 /// The files of a folder and those below it, sorted.
 fn files(folder: &Path) -> Result<Vec<PathBuf>, LeagueError> {
     let mut found = Vec::new();
@@ -184,10 +191,15 @@ fn files(folder: &Path) -> Result<Vec<PathBuf>, LeagueError> {
             .map_err(|error| LeagueError::input(format!("{}: {error}", place.display())))?;
         for entry in entries.flatten() {
             let name = below.join(entry.file_name());
-            let is_written = name == Path::new(SCORE_FOLDER) || entry.file_name() == "__pycache__";
             match entry.file_type() {
-                Ok(kind) if kind.is_dir() && !is_written => pending.push(name),
+                Ok(kind) if kind.is_dir() && !is_written(&name) => pending.push(name),
                 Ok(kind) if kind.is_file() => found.push(name),
+                Ok(kind) if kind.is_symlink() => {
+                    let file = folder.join(&name).display().to_string();
+                    return Err(LeagueError::input(format!(
+                        "{file}: found a link, expected a file: a digest covers the submission"
+                    )));
+                }
                 _ => {}
             }
         }

@@ -11,7 +11,7 @@ table_rows! {
     pub struct BoardRow {
         /// The track.
         pub track: String,
-        /// The season; `development` for the development robots.
+        /// The season; `development` for the development robots, `_sealed` behind it for sealed ones.
         pub season: String,
         /// Family of the robots, or `all`.
         pub robots: String,

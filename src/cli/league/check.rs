@@ -9,7 +9,7 @@ use spinebench::league::board::TickTimes;
 use spinebench::league::questions::recordings;
 use spinebench::league::robot::LeagueRobot;
 use spinebench::league::submission::{ReadSubmission, SubmittedPolicy};
-use spinebench::league::track::ReadTrack;
+use spinebench::league::track::{ReadTrack, Task};
 use spinebench::math::summary::quantile;
 use spinebench::plants::{PlantSpec, SimulatedSpec};
 use spinebench::policies::{OutsidePolicy, PolicyOptions, ProcessOptions};
@@ -39,7 +39,10 @@ impl CheckCommand {
             checked.times.map(|times| format!(", {:.1} ms an answer", 1e3 * times.median_s));
         let submission = &checked.read.submission;
         let outside = submission.policy.as_ref().and_then(|policy| policy.outside(&self.folder));
-        let closed_only = if outside.is_some_and(|outside| outside.entry().closed_loop_only) {
+        let has_open = matches!(&checked.track.track.task, Task::Reach { modes } if modes.iter().any(|mode| mode == "open"));
+        let closed_only = if has_open
+            && outside.is_some_and(|outside| outside.entry().closed_loop_only)
+        {
             "; closed loop alone: the mode `open` is not played, so it has no rank over all modes"
         } else {
             ""
@@ -92,7 +95,9 @@ impl CheckedSubmission {
                 unique(&families)
             ));
         }
-        faults.extend(engine_faults(&drawn));
+        if !matches!(track.track.task, Task::Name(_)) {
+            faults.extend(engine_faults(&drawn));
+        }
         let has_questions = recordings(&track.track.task).is_some();
         match (&submission.policy, &submission.answers, has_questions) {
             (None, _, false) => faults
@@ -130,7 +135,7 @@ fn engine_faults(robots: &[LeagueRobot]) -> Vec<String> {
     let failed = |(engine, robot): (&str, &LeagueRobot)| {
         let error = robot.plant.build(STEP_S).err()?;
         Some(format!(
-            "this machine: engine `{engine}`: found {error}, expected its program to start: `pip install -r benches/league/requirements.txt`"
+            "this machine: engine `{engine}`: found {error}, expected a robot that can be played; without MuJoCo: `pip install -r benches/league/requirements.txt`"
         ))
     };
     one_each.into_iter().filter_map(failed).collect()

@@ -11,7 +11,7 @@ use spinebench::league::answers::judge;
 use spinebench::league::board::{SCORE, TIMING, board};
 use spinebench::league::instance::{Player, robot_samples};
 use spinebench::league::play::{PlayOptions, add_floors, play};
-use spinebench::league::score::{Digests, FORMAT, Machine, Part, RobotScore, Score};
+use spinebench::league::score::{Digests, FORMAT, Machine, RobotScore, Score, ScorePart};
 use spinebench::league::season::digest;
 use spinebench::league::submission::{SCORE_FOLDER, SubmittedPolicy};
 use spinebench::league::track::Task;
@@ -171,7 +171,7 @@ fn tell(score: &Score, out: &Path) {
         let failed = if failed > 0 { format!(", {failed} trials failed") } else { String::new() };
         println!("{:24} {:6.2} %{failed}", robot.robot, 100.0 * robot.error());
     }
-    if let Some(summary) = score.summary(Part::default()) {
+    if let Some(summary) = score.summary(ScorePart::default()) {
         let interval = summary
             .interval_95
             .map(|[low, high]| format!(" [{:.2}, {:.2}]", 100.0 * low, 100.0 * high));

@@ -35,14 +35,25 @@ pub fn board(rows: &[BoardRow]) -> Result<Vec<Artifact>, ReportError> {
     Ok(files)
 }
 
+/// What ranks and dashes mean.
+const RANKS: &str = "A rank is one more than the number of submissions whose 95 % interval lies wholly below: a wide \
+     interval can have a better rank than a smaller mean. A dash: a submission without all modes or speeds, or a single \
+     robot. A trial that failed counts as an error of one length of the robot.";
+
 /// What a figure shows.
 fn caption(family: &[BoardRow]) -> String {
     let BoardRow { track, season, robots, .. } = &family[0];
-    format!(
-        "Track {track}, season {season}, robots {robots}: {}, mean and 95 % interval over robots. Grey, hollow: the best \
-         of the controllers that know the hidden effects. Without a dot: a submission without this mode.",
+    let mut words = format!(
+        "Track {track}, season {season}, robots {robots}: {}, mean and 95 % interval over robots.",
         measure(family)
-    )
+    );
+    if family.iter().any(|row| row.floor.is_finite()) {
+        words += " Grey, hollow: the best of the controllers that know the hidden effects.";
+    }
+    if cells(family).len() > 1 {
+        words += " Without a dot: a submission without this mode or speed.";
+    }
+    words
 }
 
 /// What the numbers of a track are.
@@ -81,6 +92,12 @@ fn percent(share: f64) -> String {
     if share.is_finite() { format!("{:.2}", 100.0 * share) } else { "–".to_owned() }
 }
 
+/// The rank of a row; none without an interval.
+fn rank(row: Option<&BoardRow>) -> String {
+    let ranked = row.filter(|row| row.low_95.is_finite());
+    ranked.map_or("–".to_owned(), |row| row.rank.to_string())
+}
+
 /// The error of a row with its interval, in per cent.
 fn with_interval(row: &BoardRow) -> String {
     let [error, low_95, high_95] = [row.error, row.low_95, row.high_95].map(percent);
@@ -90,7 +107,10 @@ fn with_interval(row: &BoardRow) -> String {
 /// A table: names, ranks, errors over all modes or speeds and of each.
 fn table(family: &[BoardRow]) -> MarkdownTable {
     let cells = cells(family);
-    let [first, parts @ ..] = &cells[..] else { return MarkdownTable::default() };
+    // Where no submission has all modes, none has an error over them.
+    let has_whole = cells.len() == 1 || cells.iter().any(|cell| cell[0].cell == ALL);
+    let (first, parts) = cells.split_at(usize::from(has_whole));
+    let first = first.first().copied().unwrap_or_default();
     let rows = names(family).into_iter().filter_map(|name| {
         let own: Vec<&BoardRow> = family.iter().filter(|row| row.name == name).collect();
         let whole = first.iter().find(|row| row.name == name);
@@ -99,7 +119,7 @@ fn table(family: &[BoardRow]) -> MarkdownTable {
         let any = own.first()?;
         let mut cells = vec![
             name.to_owned(),
-            whole.map_or("–".to_owned(), |row| row.rank.to_string()),
+            rank(whole),
             whole.map_or("–".to_owned(), |row| with_interval(row)),
         ];
         cells.extend(parts.iter().map(|part| {
@@ -129,13 +149,13 @@ fn markdown(rows: &[BoardRow]) -> String {
             out += &format!("\nRobots: {}\n\n{}", family[0].robots, table(family).markdown());
         }
     }
-    out + "\nA rank counts the submissions whose interval lies wholly below. Overlapping intervals share a rank.\n"
+    out + "\n" + RANKS + "\n"
 }
 
 fn page(rows: &[BoardRow]) -> Result<String, ReportError> {
     let mut content = html! {
         h1 { "Board of the league" }
-        p { "Ranks count the submissions whose 95 % interval lies wholly below; overlapping intervals share a rank. A trial that failed counts as an error of one length of the robot." }
+        p { (RANKS) }
     };
     for track in tracks(rows) {
         content.0 += &html! { h2 { (track[0].track) ", " (track[0].season) } }.0;
