@@ -63,10 +63,12 @@ else
 	@echo "A look at $(SEEDS) of ten repetitions is in $(OUT)/; the published results/ and plots/ are as they were."
 endif
 
-league: build ## baselines of the league and its board, into results/league (hours; needs Python with venv, and PyPI): docs/guide/league.md
+# Rows of the real robots as benches/real/real.py --convert writes them; without them, these robots do not play.
+REAL_ROWS ?=
+league: build ## baselines of the league and its board, into results/league (hours; needs Python with venv, and PyPI); REAL_ROWS=DIR with the real robots
 	python3 -m venv $(PYTHON_VENV)
 	$(PYTHON_VENV)/bin/python -m pip install --quiet --disable-pip-version-check ./python -r benches/league/requirements.txt "mujoco[sysid]"
-	PATH="$(CURDIR)/$(PYTHON_VENV)/bin:$$PATH" python3 -B benches/league/baselines.py $(OUT)/results/league --program target/release/spinebench
+	PATH="$(CURDIR)/$(PYTHON_VENV)/bin:$$PATH" python3 -B benches/league/baselines.py $(OUT)/results/league --program target/release/spinebench $(if $(REAL_ROWS),--measured $(REAL_ROWS))
 	mkdir -p $(OUT)/plots/league && mv $(OUT)/results/league/board_*_* $(OUT)/plots/league
 	$(if $(filter .,$(OUT)),$(UPDATE_PAGES))
 

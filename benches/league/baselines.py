@@ -1,10 +1,10 @@
 """Baselines of the league: writes submissions, has `spinebench league` score them, and makes the board.
 
-usage: python3 benches/league/baselines.py OUT [--program spinebench] [--work DIR] [--track TRACK …] [--family FAMILY …] [--season FILE …]
+usage: python3 benches/league/baselines.py OUT [--program spinebench] [--work DIR] [--track TRACK]… [--family FAMILY]… [--season FILE …]
 
 Run it in the root of a checkout, with requirements.txt installed. Arguments that it does not know go to `spinebench league
 robots` and `score`. It writes OUT/TRACK/METHOD, a submission each with its score, and a board in OUT. Questions,
-simulations and answers that DIR has already are kept: an interrupted run goes on.
+simulations and answers that DIR has already of the same program, tracks and arguments are kept: an interrupted run goes on.
 
 reach, track, change
     CONTROLLERS         those of this program
@@ -38,6 +38,7 @@ chosen on all rows; their values come from given.csv alone.
 
 import argparse
 import csv
+import hashlib
 import importlib.util
 import json
 import os
@@ -284,17 +285,16 @@ def trained_network(work):
     return network
 
 
-def write_policies(out, work, track):
-    """Submissions with policies: their folders."""
-    folders = [
-        write_submission(out, track, name, "the nominal model, and samples of each robot", policy={"builtin": name})
-        for name in CONTROLLERS
-    ]
+def write_policies(out, work, track, families):
+    """Submissions with policies, which play some `families` if any: their folders."""
+    robots = {"robots": families} if families else {}
+    trained_on = "the nominal model; some also on samples of each robot"
+    folders = [write_submission(out, track, name, trained_on, policy={"builtin": name}, **robots) for name in CONTROLLERS]
     process = {"file": "gaussian_process.py", "class": "GaussianProcess", "samples": 100}
     trained_on = "100 samples of each robot, which the policy takes before the trials"
-    folders.append(write_submission(out, track, "gaussian_process", trained_on, policy={"python": process}))
+    folders.append(write_submission(out, track, "gaussian_process", trained_on, policy={"python": process}, **robots))
     shutil.copy(HERE / process["file"], folders[-1])
-    if network := trained_network(work):
+    if (not families or "paper" in families) and (network := trained_network(work)):
         onnx = {"file": network.name, "inputs": ["error"], "output": "changes"}
         folders.append(write_submission(out, track, "ppo", "the nominal model", policy={"onnx": onnx}, robots=["paper"]))
         shutil.copy(network, folders[-1])
@@ -305,7 +305,7 @@ def write_answers(out, track, method, answers, robots):
     """A submission; `answers`: [(what is known of a robot, answer)]; `robots`: its families, unless it answers all."""
     rows = sum(len(q.given.trial) for q, _ in answers) * (method not in UNTRAINED)
     trained_on = f"given.csv of each robot, {rows} rows in all" if rows else "nothing"
-    out = write_submission(out, track, method, trained_on, answers="answers", real_samples=rows, **robots)
+    out = write_submission(out, track, method, trained_on, answers="answers", **robots)
     (out / "answers").mkdir(exist_ok=True)
     tables = {"names": [("robot", "effects"), *((q.folder.name, answer) for q, answer in answers)]}
     if track == "identify":
@@ -324,7 +324,10 @@ def answer(out, work, track, families, program, passed):
     """Answers of all methods to the questions of a track, to those of some `families` if any: the folders of the submissions."""
     questions, answers = work / "questions" / track, {}
     if not questions.exists():
-        subprocess.run([program, "league", "robots", track, "--out", questions, *passed], check=True)
+        unfinished = work / "unfinished" / track
+        subprocess.run([program, "league", "robots", track, "--out", unfinished, *passed], check=True)
+        questions.parent.mkdir(parents=True, exist_ok=True)
+        unfinished.rename(questions)
     every = {folder: family_of(folder) for folder in sorted(questions.iterdir())}
     folders = [(folder, work / "work" / track / folder.name) for folder in every if every[folder] in (families or every.values())]
     tasks = [(program, track, method, *both) for method in METHODS[track] for both in folders]
@@ -344,6 +347,14 @@ def answer(out, work, track, families, program, passed):
     return submissions
 
 
+def kept_for(program, passed):
+    """Name of the folder of what is kept: other programs, tracks, models or arguments have another."""
+    version = subprocess.run([program, "--version"], check=True, capture_output=True).stdout
+    files = [*Path("experiments/league").glob("*.yaml"), *HERE.glob("*.py"), *HERE.glob("*.yaml")]
+    parts = [version, *map(str.encode, passed), *(file.read_bytes() for file in sorted(files))]
+    return hashlib.blake2b(b"\0".join(parts), digest_size=8).hexdigest()
+
+
 def main():
     parser, began = argparse.ArgumentParser(usage=__doc__), time.perf_counter()
     parser.add_argument("out", type=Path)
@@ -355,12 +366,12 @@ def main():
     if not hasattr(fits.sysid, "optimize"):
         print("mujoco[sysid] is not installed: `mujoco` is left out")
         del METHODS["identify"]["mujoco"]
-    failed = False
+    failed, work = False, given.work / kept_for(given.program, passed)
     for track in given.track or (*TRIALS, *METHODS):
         if track in TRIALS:
-            folders = write_policies(given.out, given.work, track)
+            folders = write_policies(given.out, work, track, given.family)
         else:
-            folders = answer(given.out, given.work, track, given.family, given.program, passed)
+            folders = answer(given.out, work, track, given.family, given.program, passed)
         for folder in folders:
             print(folder, flush=True)
             call = [given.program, "league", "score", "--quiet", folder, *passed]

@@ -8,14 +8,15 @@ import itertools
 
 import numpy as np
 
-# Angles of the tendons (degrees), number of segments (tendons end in equal shares), distance from the backbone and length (m).
+# Angles of the tendons (degrees), number of segments (tendons end in equal shares), distance from the backbone and length (m),
+# largest bend (rad) over all segments.
 ROBOTS = {
-    4: ([0, 90, 180, 270], 1, 0.02, 0.22),
-    6: ([0, 120, 240, 60, 180, 300], 2, 0.01, 0.4),
-    9: ([0, 120, 240, 40, 160, 280, 80, 200, 320], 3, 0.015, 0.3),
+    4: ([0, 90, 180, 270], 1, 0.02, 0.22, 1.3),
+    6: ([0, 120, 240, 60, 180, 300], 2, 0.01, 0.4, 2.8),
+    9: ([0, 120, 240, 40, 160, 280, 80, 200, 320], 3, 0.015, 0.3, 2.8),
 }
 # The tip of each sample comes with the request for the next one: the last of 100 requests is answered by "enough".
-SAMPLES, LARGEST_BEND_RAD = 99, 1.3
+SAMPLES = 99
 LENGTH_SCALES_RAD, NOISES_M = (0.3, 0.6, 1.2, 2.4, 4.8), (0.0003, 0.0006, 0.0012)
 
 
@@ -34,7 +35,7 @@ def arcs_tip_m(bends_rad, length_m):
 
 class GaussianProcess:
     def begin(self, robot):
-        angles, self.segments, radius_m, self.length_m = ROBOTS[robot["tendons"]]
+        angles, self.segments, radius_m, self.length_m, largest_rad = ROBOTS[robot["tendons"]]
         directions = np.radians(angles).reshape(self.segments, -1)
         # A tendon feels the bends of its own segment and of those before it.
         self.pulls_m_per_rad = np.zeros((self.segments, 2, len(angles)))
@@ -42,7 +43,8 @@ class GaussianProcess:
             at = slice(after * directions.shape[1], (after + 1) * directions.shape[1])
             self.pulls_m_per_rad[segment, :, at] = radius_m * np.stack([np.cos(directions[after]), np.sin(directions[after])])
         draws = np.random.default_rng(0)
-        size = LARGEST_BEND_RAD / self.segments * np.sqrt(draws.uniform(size=(SAMPLES, self.segments, 1)))
+        self.largest_rad = largest_rad / self.segments
+        size = self.largest_rad * np.sqrt(draws.uniform(size=(SAMPLES, self.segments, 1)))
         turn = draws.uniform(0, 2 * np.pi, size=(SAMPLES, self.segments, 1))
         self.bends_rad, self.tips_m = size * np.concatenate([np.cos(turn), np.sin(turn)], axis=-1), []
 
@@ -93,5 +95,5 @@ class GaussianProcess:
             damped = slope @ slope.T + 0.001**2 * np.eye(len(steps))
             self.bend_rad = self.bend_rad + np.clip(np.linalg.solve(damped, slope @ wanted_m), -0.2, 0.2)
             largest = np.abs(self.bend_rad).max()
-            self.bend_rad = self.bend_rad * min(1.0, 1.2 * LARGEST_BEND_RAD / self.segments / (largest + 1e-12))
+            self.bend_rad = self.bend_rad * min(1.0, 1.2 * self.largest_rad / (largest + 1e-12))
         return self.pulls_m(self.bend_rad), bool(np.linalg.norm(error_m) < 0.001)

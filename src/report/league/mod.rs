@@ -117,11 +117,8 @@ fn table(family: &[BoardRow]) -> MarkdownTable {
         let counted = if whole.is_some() { &own[..1] } else { &own[..] };
         let count = |value: fn(&BoardRow) -> u64| counted.iter().map(|row| value(row)).sum::<u64>();
         let any = own.first()?;
-        let mut cells = vec![
-            name.to_owned(),
-            rank(whole),
-            whole.map_or("–".to_owned(), |row| with_interval(row)),
-        ];
+        let mut cells =
+            vec![name.to_owned(), rank(whole), whole.map_or("–".to_owned(), with_interval)];
         cells.extend(parts.iter().map(|part| {
             percent(part.iter().find(|row| row.name == name).map_or(f64::NAN, |row| row.error))
         }));
