@@ -1,4 +1,4 @@
-"""A baseline of the league: segments of constant curvature, and a Gaussian process for what they leave at 99 samples.
+"""A baseline of the league: segments of constant curvature, and a Gaussian process for what they leave at 100 samples.
 
 The tip of a bend is the chain of arcs plus the mean of the process; its inverse is found by damped least squares. In closed
 loop the error is integrated into the aim.
@@ -15,8 +15,7 @@ ROBOTS = {
     6: ([0, 120, 240, 60, 180, 300], 2, 0.01, 0.4, 2.8),
     9: ([0, 120, 240, 40, 160, 280, 80, 200, 320], 3, 0.015, 0.3, 2.8),
 }
-# The tip of each sample comes with the request for the next one: the last of 100 requests is answered by "enough".
-SAMPLES = 99
+SAMPLES = 100
 LENGTH_SCALES_RAD, NOISES_M = (0.3, 0.6, 1.2, 2.4, 4.8), (0.0003, 0.0006, 0.0012)
 
 
@@ -53,6 +52,7 @@ class GaussianProcess:
         taken = len(self.tips_m) - 1  # The first is the tip at home.
         if taken < SAMPLES:
             return self.pulls_m(self.bends_rad[taken])
+        # The tip of each sample comes with the request for the next one.
         self.known = np.concatenate([np.zeros((1, 2 * self.segments)), self.bends_rad.reshape(SAMPLES, -1)])[: len(self.tips_m)]
         left_m = np.array(self.tips_m) - arcs_tip_m(self.known.reshape(-1, self.segments, 2), self.length_m)
         self.mean_m = left_m.mean(axis=0)

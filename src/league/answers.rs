@@ -93,26 +93,21 @@ pub fn judge(
         Task::Name(_) => named(folder)?,
         _ => BTreeMap::new(),
     };
-    let mut faults: Vec<String> = Vec::new();
-    let mut scores = Vec::new();
     let of = |robot: &LeagueRobot| folder.join(format!("{}.csv", robot.name));
-    if !matches!(read.track.task, Task::Name(_)) {
-        // Before robots are recorded, which takes minutes.
-        let missing = robots.iter().map(of).filter(|file| !file.is_file());
-        faults.extend(missing.map(|file| format!("{}: found no such file", file.display())));
-    }
-    if !faults.is_empty() {
-        return Err(LeagueError::Input(faults.join("\n")));
-    }
-    for robot in robots {
-        let trial = match read.track.task {
-            Task::Name(_) => {
-                names.get(&robot.name).map(|answer| unnamed(answer, robot)).ok_or_else(|| {
-                    format!("{}: found no row of `{}`", folder.join(NAMES).display(), robot.name)
-                })
-            }
-            _ => predicted(&of(robot), &asked_of(read, robot)?)
-                .map(|error_m| error_m / robot.length_m()),
+    let names_robots = matches!(read.track.task, Task::Name(_));
+    // Before robots are recorded, which takes minutes.
+    let missing = robots.iter().map(of).filter(|file| !names_robots && !file.is_file());
+    let mut faults: Vec<String> =
+        missing.map(|file| format!("{}: found no such file", file.display())).collect();
+    let answered = if faults.is_empty() { robots } else { &[] };
+    let mut scores = Vec::new();
+    for robot in answered {
+        let trial = if names_robots {
+            names.get(&robot.name).map(|answer| unnamed(answer, robot)).ok_or_else(|| {
+                format!("{}: found no row of `{}`", folder.join(NAMES).display(), robot.name)
+            })
+        } else {
+            predicted(&of(robot), &asked_of(read, robot)?).map(|error_m| error_m / robot.length_m())
         };
         match trial {
             Err(fault) => faults.push(fault),

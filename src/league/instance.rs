@@ -1,7 +1,5 @@
 //! A track on one robot as an ordinary experiment, which anybody can run with `spinebench run`.
 
-use std::path::Path;
-
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -44,10 +42,8 @@ pub fn experiment(
 ) -> Result<String, LeagueError> {
     let track = &read.track;
     let mut spec = as_json(&track.experiment)?;
-    if let Some(Value::String(extended)) = spec.get_mut("extends") {
-        let folder = read.file.parent().unwrap_or(Path::new(""));
-        let file = folder.join(&*extended);
-        *extended = std::path::absolute(&file).unwrap_or(file).display().to_string();
+    if let Some(extended) = read.extended() {
+        spec["extends"] = json!(extended.display().to_string());
     }
     let (model, plant) = robots(robot, player);
     let (policies, section) = players(read, player)?;

@@ -6,7 +6,9 @@ use serde::{Deserialize, Serialize};
 
 use super::LeagueError;
 use super::robot::MEASURED;
+use crate::math::distribution::wilson_95;
 use crate::math::summary::{interval_95, mean};
+use crate::rows::league::SHARE_NOT_NAMED;
 
 /// Error of a trial that failed, in lengths of the robot: as if the tip were that far away.
 pub const FAILED: f64 = 1.0;
@@ -161,7 +163,8 @@ pub struct ScorePart<'a> {
 pub struct Summary {
     /// Mean error over robots.
     pub error: f64,
-    /// Its 95 % interval over robots, Student's t; none for a single robot.
+    /// Its 95 % interval over robots: Student's t, cut at zero; Wilson's for a share of robots.
+    /// None for a single robot.
     pub interval_95: Option<[f64; 2]>,
     /// Mean of the floor; none where a robot has none.
     pub floor: Option<f64>,
@@ -212,11 +215,23 @@ impl Score {
         let cells = || robots.iter().flatten();
         Some(Summary {
             error: mean(&errors),
-            interval_95: interval_95(&errors),
+            interval_95: self.interval_95(&errors),
             floor: floor.is_finite().then_some(floor),
             robots: robots.len() as u64,
             trials: cells().map(|cell| cell.trials).sum(),
             failed: cells().map(CellScore::failed).sum(),
+        })
+    }
+
+    /// 95 % interval of the mean over robots; none for a single one.
+    fn interval_95(&self, errors: &[f64]) -> Option<[f64; 2]> {
+        let [low, high] = interval_95(errors)?;
+        Some(if self.measure == SHARE_NOT_NAMED {
+            let not_named = errors.iter().filter(|error| **error > 0.0);
+            wilson_95(not_named.count() as u64, errors.len() as u64)
+        } else {
+            // No error is negative.
+            [low.max(0.0), high]
         })
     }
 

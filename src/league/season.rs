@@ -22,7 +22,7 @@ pub struct Season {
     pub season: String,
     /// Version of the program that scores.
     pub program: String,
-    /// Digest of the tracks, models and engines.
+    /// Digest of the tracks, the specs that they extend, models and engines.
     pub tracks: String,
     /// Seed of the development robots.
     pub public_seed: u64,
@@ -96,20 +96,20 @@ impl Season {
         Ok(*secret.bytes())
     }
 
-    /// Refuses another program or other tracks than those of the season.
+    /// Refuses another program or other tracks than those of the season in `file`.
     ///
     /// # Errors
     /// [`LeagueError::Input`] names what differs.
-    pub fn check_frozen(&self, tracks: &Path) -> Result<(), LeagueError> {
-        let found = [
-            ("program", crate::VERSION.to_owned(), &self.program),
-            ("tracks", digest(tracks)?.to_string(), &self.tracks),
+    pub fn check_frozen(&self, file: &Path, tracks: &Path) -> Result<(), LeagueError> {
+        let here = [
+            ("program", &self.program, crate::VERSION.to_owned(), "this program".to_owned()),
+            ("tracks", &self.tracks, digest(tracks)?.to_string(), tracks.display().to_string()),
         ];
-        for (key, found, expected) in found {
-            if found != *expected {
+        for (key, found, expected, of) in here {
+            if *found != expected {
                 return Err(LeagueError::input(format!(
-                    "season {}: {key}: found {found}, expected {expected}",
-                    self.season
+                    "{}: {key}: found {found}, expected {expected}, that of {of}",
+                    file.display()
                 )));
             }
         }
@@ -128,7 +128,7 @@ fn public_seed(name: &str) -> u64 {
     u32::from_le_bytes(first).into()
 }
 
-/// Digest of all that tracks depend on: their files, the models, the engines.
+/// Digest of all that tracks depend on: their files, the specs they extend, the models, the engines.
 ///
 /// # Errors
 /// [`LeagueError::Input`] for a file that cannot be read.
@@ -137,6 +137,7 @@ pub fn digest(tracks: &Path) -> Result<Digest, LeagueError> {
     for name in track::names(tracks)? {
         let read = ReadTrack::read(tracks, &name)?;
         files.extend([read.file.clone(), tracks.join(&read.track.robots)]);
+        files.extend(read.extended().iter().flat_map(|file| files_behind(file)));
         for kind in read.kinds.values() {
             files.extend(files_behind(&read.robots_folder.join(&kind.model)));
             let engine = kind.engine.iter();

@@ -141,6 +141,9 @@ impl ReadSubmission {
                 faults.push(self.outside_its_folder("answers", &answers));
             }
         }
+        if let Err(LeagueError::Input(link)) = files(&self.folder) {
+            faults.push(link);
+        }
         faults
     }
 

@@ -208,6 +208,13 @@ impl ReadTrack {
         let robots_folder = robots.parent().unwrap_or(Path::new("")).to_owned();
         Ok(ReadTrack { name: name.to_owned(), file, track, robots_folder, kinds })
     }
+
+    /// The spec that the experiment extends.
+    pub fn extended(&self) -> Option<PathBuf> {
+        let extended = self.track.experiment.get("extends")?.as_str()?;
+        let file = self.file.parent().unwrap_or(Path::new("")).join(extended);
+        Some(std::path::absolute(&file).unwrap_or(file))
+    }
 }
 
 /// Names of the tracks in a folder: its YAML files that have a task.

@@ -5,6 +5,9 @@ use crate::data::table_rows;
 /// All families, or all modes or speeds.
 pub const ALL: &str = "all";
 
+/// What is measured where effects are named: a share of robots.
+pub const SHARE_NOT_NAMED: &str = "share not named";
+
 table_rows! {
     "board.csv", key [track, season, robots, cell, name]:
     /// One submission on the robots of one family, or on all of them.

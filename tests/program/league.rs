@@ -213,6 +213,7 @@ fn check_refuses_what_a_score_could_not_stand_for() {
             "expected a place in the folder",
         ),
         ("short", answers, "sample: wrong number of tendons: found 3, expected 4"),
+        ("class", "{python: {file: policy.py, class: None}}", "found Honest, ShortSample"),
     ] {
         let folder = league.submit(name, policy);
         let output = league.league(&["check", folder.to_str().unwrap(), "--tracks", "tracks"]);
@@ -226,6 +227,18 @@ fn check_refuses_what_a_score_could_not_stand_for() {
     let output = league.league(&["check", folder.to_str().unwrap(), "--tracks", "tracks"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(said(&output).contains("this machine: engine `other`"), "{}", said(&output));
+}
+
+#[test]
+fn a_policy_sees_the_tip_of_its_last_sample() {
+    if !is_possible() {
+        return;
+    }
+    let league = League::new();
+    let policy = "{python: {file: policy.py, class: LastSample, samples: 2}}";
+    let score = league.score(&league.submit("last", policy));
+    assert_eq!(failures(&score), "{}");
+    assert_eq!(score["robot_samples"], 2);
 }
 
 #[test]

@@ -38,7 +38,11 @@ impl CheckCommand {
         let times =
             checked.times.map(|times| format!(", {:.1} ms an answer", 1e3 * times.median_s));
         let submission = &checked.read.submission;
-        let outside = submission.policy.as_ref().and_then(|policy| policy.outside(&self.folder));
+        let policy = submission.policy.as_ref();
+        let mut outside = policy.and_then(|policy| policy.outside(&self.folder));
+        if let Some(outside) = &mut outside {
+            outside.read_attributes(&confined(&checked.track));
+        }
         let has_open = matches!(&checked.track.track.task, Task::Reach { modes } if modes.iter().any(|mode| mode == "open"));
         let closed_only = if has_open
             && outside.is_some_and(|outside| outside.entry().closed_loop_only)
@@ -141,6 +145,11 @@ fn engine_faults(robots: &[LeagueRobot]) -> Vec<String> {
     one_each.into_iter().filter_map(failed).collect()
 }
 
+/// How a policy runs that plays a track.
+fn confined(track: &ReadTrack) -> ProcessOptions {
+    ProcessOptions { confined: true, answer_s: track.track.answer_s, ..ProcessOptions::default() }
+}
+
 fn unique(names: &[&str]) -> String {
     let names: std::collections::BTreeSet<&str> = names.iter().copied().collect();
     names.into_iter().collect::<Vec<_>>().join(", ")
@@ -200,11 +209,7 @@ fn answers(
     tendons: usize,
     times_s: &mut Vec<f64>,
 ) -> Result<Vec<Vec<f64>>, String> {
-    let process = ProcessOptions {
-        confined: true,
-        answer_s: track.track.answer_s,
-        ..ProcessOptions::default()
-    };
+    let process = confined(track);
     let content = std::fs::read(outside.file()).map_err(|error| error.to_string())?;
     let checked = outside.check_content(&content, tendons, &process);
     checked.map_err(|(found, expected)| format!("found {found}, expected {expected}"))?;

@@ -63,7 +63,7 @@ impl SeasonArgs {
             });
         };
         let season = Season::read(file)?;
-        season.check_frozen(&self.tracks)?;
+        season.check_frozen(file, &self.tracks)?;
         let text = match (&self.secret, &season.secret) {
             (Some(secret), _) => Some(read(secret)?),
             (None, Some(secret)) if self.sealed => Some(secret.clone()),

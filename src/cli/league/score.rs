@@ -16,6 +16,7 @@ use spinebench::league::season::digest;
 use spinebench::league::submission::{SCORE_FOLDER, SubmittedPolicy};
 use spinebench::league::track::Task;
 use spinebench::report::league;
+use spinebench::rows::league::SHARE_NOT_NAMED;
 use spinebench::runner::{Digest, Progress, Store, processor};
 use std::path::{Path, PathBuf};
 
@@ -126,7 +127,7 @@ impl ScoreCommand {
             authors: submission.authors.clone(),
             track: track.name.clone(),
             measure: if matches!(track.track.task, Task::Name(_)) {
-                "share not named"
+                SHARE_NOT_NAMED
             } else {
                 "error over length"
             }

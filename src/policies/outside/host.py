@@ -52,7 +52,10 @@ class Host:
         made = getattr(module, self.class_name, None)
         self.policy = made() if callable(made) else None
         if not callable(getattr(self.policy, "act", None)):
-            raise Fault("failed", f"no class `{self.class_name}` with a method act() in {os.path.basename(self.file)}")
+            policies = [name for name, value in vars(module).items() if callable(getattr(value, "act", None))]
+            found = f"; found {', '.join(policies)}" if policies else ""
+            file = os.path.basename(self.file)
+            raise Fault("failed", f"no class `{self.class_name}` with a method act() in {file}{found}")
         self.optional("begin", robot)
         return {"ready": {"closed_loop_only": bool(getattr(self.policy, "closed_loop_only", False))}}
 

@@ -7,7 +7,7 @@ use super::drawing::{Axis, Canvas, Dot, DotChart, DotPanel, DotRow};
 use super::page::markup::MarkdownTable;
 use super::style::{GREY, INK, Marker, TALL};
 use super::{Artifact, ReportError, captioned, csv, text};
-use crate::rows::league::{ALL, BoardRow};
+use crate::rows::league::{ALL, BoardRow, SHARE_NOT_NAMED};
 
 /// Name of the figures in errors.
 const NAME: &str = "board";
@@ -187,7 +187,7 @@ fn draw(family: &[BoardRow], width: f64) -> Canvas {
         values.filter(|value| value.is_finite()).map(|share| 100.0 * share)
     };
     // A share reaches zero.
-    let is_share = family[0].measure.starts_with("share");
+    let is_share = family[0].measure == SHARE_NOT_NAMED;
     let (x, at): (Axis, fn(f64) -> f64) = if is_share {
         (Axis::exact(&measure(family), 0.0, 100.0, 4), |share| 100.0 * share)
     } else {

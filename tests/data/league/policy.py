@@ -27,6 +27,20 @@ class ShortSample(Honest):
         return pulls_m[:3]
 
 
+class LastSample(Honest):
+    """Acts only where it has seen the tip of home and of both of its samples; answers the request after them, too."""
+
+    closed_loop_only = True
+
+    def sample(self, tip_m, pulls_m):
+        self.tips_m = [*getattr(self, "tips_m", []), tip_m]
+        return [0.002 * len(self.tips_m), 0.0, -0.002 * len(self.tips_m), 0.0]
+
+    def act(self, *view):
+        assert len(self.tips_m) == 3 and 0.01 < self.tips_m[1][0] < self.tips_m[2][0], self.tips_m
+        return super().act(*view)
+
+
 def secrets():
     """Each way to learn something that the policy may not know; it returns something, or fails."""
     parent = os.getppid()
