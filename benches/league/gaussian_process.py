@@ -1,7 +1,7 @@
 """A baseline of the league: segments of constant curvature, and a Gaussian process for what they leave at 100 samples.
 
 The tip of a bend is the chain of arcs plus the mean of the process; its inverse is found by damped least squares. In closed
-loop the error is integrated into the aim.
+loop the error is integrated into the bend.
 """
 
 import itertools
@@ -54,7 +54,7 @@ class GaussianProcess:
             return self.pulls_m(self.bends_rad[taken])
         # The tip of each sample comes with the request for the next one.
         self.known = np.concatenate([np.zeros((1, 2 * self.segments)), self.bends_rad.reshape(SAMPLES, -1)])[: len(self.tips_m)]
-        left_m = np.array(self.tips_m) - arcs_tip_m(self.known.reshape(-1, self.segments, 2), self.length_m)
+        left_m = np.array(self.tips_m) - self.arcs_m(self.known)
         self.mean_m = left_m.mean(axis=0)
         left_m, variance = left_m - self.mean_m, left_m.var()
         evidence = []
@@ -72,28 +72,39 @@ class GaussianProcess:
 
     def tip_m(self, bends_rad):
         """Predicted tips of bends (rows, 2 segments)."""
-        arcs_m = arcs_tip_m(bends_rad.reshape(len(bends_rad), self.segments, 2), self.length_m)
-        return arcs_m + self.mean_m + self.kernel(bends_rad) @ self.weights_m
+        return self.arcs_m(bends_rad) + self.mean_m + self.kernel(bends_rad) @ self.weights_m
+
+    def arcs_m(self, bends_rad):
+        return arcs_tip_m(bends_rad.reshape(-1, self.segments, 2), self.length_m)
 
     def pulls_m(self, bends_rad):
         return np.einsum("sk,skt->t", bends_rad.reshape(self.segments, 2), self.pulls_m_per_rad)
 
     def reset(self):
-        self.shift_m, self.bend_rad = np.zeros(3), None
+        self.bend_rad, self.shift_rad = None, np.zeros(2 * self.segments)
+
+    def slope_m_per_rad(self, tip_m, bend_rad):
+        """Differences of predicted tips: (bends, 3)."""
+        step_rad = 1e-4 * np.eye(len(bend_rad))
+        return (tip_m(bend_rad + step_rad) - tip_m(bend_rad[None])) / 1e-4
+
+    def changed(self, bend_rad, slope, wanted_m, damping_m_per_rad):
+        """A bend with a change that brings the tip nearer to where it is wanted, within the range that was measured."""
+        damped = slope @ slope.T + damping_m_per_rad**2 * np.eye(len(slope))
+        bend_rad = bend_rad + np.clip(np.linalg.solve(damped, slope @ wanted_m), -0.2, 0.2)
+        return bend_rad * min(1.0, 1.2 * self.largest_rad / (np.abs(bend_rad).max() + 1e-12))
 
     def act(self, tip_m, target_m, pulls_m, time_s):
         error_m = target_m - tip_m
-        if time_s > 0:  # In open loop the tip stays that at home, at time 0.
-            self.shift_m = np.clip(self.shift_m + 0.3 * error_m, -0.05, 0.05)
         if self.bend_rad is None:
             self.bend_rad = self.known[np.linalg.norm(self.tips_m - target_m, axis=1).argmin()]
-        steps = 1e-4 * np.eye(len(self.bend_rad))
         for _ in range(20):
-            tips_m = self.tip_m(self.bend_rad + np.concatenate([np.zeros((1, len(steps))), steps]))
-            slope = (tips_m[1:] - tips_m[0]) / 1e-4
-            wanted_m = target_m + self.shift_m - tips_m[0]
-            damped = slope @ slope.T + 0.001**2 * np.eye(len(steps))
-            self.bend_rad = self.bend_rad + np.clip(np.linalg.solve(damped, slope @ wanted_m), -0.2, 0.2)
-            largest = np.abs(self.bend_rad).max()
-            self.bend_rad = self.bend_rad * min(1.0, 1.2 * self.largest_rad / (largest + 1e-12))
-        return self.pulls_m(self.bend_rad), bool(np.linalg.norm(error_m) < 0.001)
+            slope = self.slope_m_per_rad(self.tip_m, self.bend_rad)
+            wanted_m = target_m - self.tip_m(self.bend_rad[None])[0]
+            self.bend_rad = self.changed(self.bend_rad, slope, wanted_m, 0.001)
+        if time_s > 0:  # In open loop the tip stays that at home, at time 0.
+            # The arcs alone tell the direction: between samples the slope of the process is uncertain.
+            bend_rad = self.bend_rad + self.shift_rad
+            slope = self.slope_m_per_rad(self.arcs_m, bend_rad)
+            self.shift_rad = self.changed(bend_rad, slope, 0.3 * error_m, 0.01) - self.bend_rad
+        return self.pulls_m(self.bend_rad + self.shift_rad), bool(np.linalg.norm(error_m) < 0.001)

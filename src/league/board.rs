@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::LeagueError;
-use super::score::{Score, ScorePart};
+use super::robot::MEASURED;
+use super::score::{RobotPart, Score, ScorePart};
 use crate::rows::league::{ALL, BoardRow};
 
 /// Times of the answers of a policy (`timing.json`): they differ from run to run.
@@ -89,28 +90,43 @@ fn check_comparable(group: &[(&Path, &TimedScore)]) -> Result<(), LeagueError> {
     Ok(())
 }
 
-/// The rows of a track: all simulated robots and each family, each for all modes or speeds and for
-/// each of them. A submission that lacks one of them has no place in the sum.
+/// The rows of a track: all simulated robots, each family and each engine, each for all modes or
+/// speeds and for each of them. A submission that lacks one of them has no place in the sum.
 fn of_track(scores: &[&TimedScore]) -> Vec<BoardRow> {
-    let families = |simulated: bool| -> BTreeSet<&str> {
-        scores.iter().flat_map(|(score, _)| score.families(simulated)).collect()
-    };
-    let simulated = families(true);
+    let simulated: BTreeSet<&str> =
+        scores.iter().flat_map(|(score, _)| score.simulated_families()).collect();
     let cells: BTreeSet<&str> = scores.iter().flat_map(|(score, _)| score.cells()).collect();
-    let all = (simulated.len() > 1).then_some(None);
     let mut rows = Vec::new();
-    for family in all.into_iter().chain(families(false).into_iter().map(Some)) {
+    for robots in robot_parts(scores) {
         let all = (cells.len() > 1).then_some(None);
         for cell in all.into_iter().chain(cells.iter().copied().map(Some)) {
             let plays = |score: &Score| {
-                (family.is_some() || score.families(true) == simulated)
+                (matches!(robots, RobotPart::Family(_)) || score.simulated_families() == simulated)
                     && (cell.is_some() || score.cells() == cells)
             };
             let playing = scores.iter().copied().filter(|(score, _)| plays(score));
-            rows.extend(ranked(&playing.collect::<Vec<_>>(), ScorePart { family, cell }));
+            rows.extend(ranked(&playing.collect::<Vec<_>>(), ScorePart { robots, cell }));
         }
     }
     rows
+}
+
+/// What robots have tables: all simulated ones, each family, each engine that simulates; where there
+/// is one family, it is all, and where there is one engine, too.
+fn robot_parts<'a>(scores: &[&'a TimedScore]) -> Vec<RobotPart<'a>> {
+    let robots = || scores.iter().flat_map(|(score, _)| &score.robots);
+    let families: BTreeSet<&str> = robots().map(|robot| robot.family.as_str()).collect();
+    let engines: BTreeSet<&str> = robots().map(|robot| robot.engine.as_str()).collect();
+    let simulated = scores.iter().flat_map(|(score, _)| score.simulated_families());
+    let has_all = simulated.collect::<BTreeSet<&str>>().len() > 1;
+    let engines = engines.into_iter().filter(|engine| *engine != MEASURED);
+    let engines: Vec<RobotPart> = engines.map(RobotPart::Engine).collect();
+    let mut parts: Vec<RobotPart> = has_all.then_some(RobotPart::All).into_iter().collect();
+    parts.extend(families.into_iter().map(RobotPart::Family));
+    if engines.len() > 1 {
+        parts.extend(engines);
+    }
+    parts
 }
 
 fn collect(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), LeagueError> {
@@ -136,7 +152,7 @@ fn ranked(scores: &[&TimedScore], part: ScorePart) -> Vec<BoardRow> {
             Some(BoardRow {
                 track: score.track.clone(),
                 season: season(score),
-                robots: part.family.unwrap_or(ALL).to_owned(),
+                robots: part.robots.to_string(),
                 cell: part.cell.unwrap_or(ALL).to_owned(),
                 rank: 1,
                 name: score.name.clone(),
@@ -168,7 +184,6 @@ fn ranked(scores: &[&TimedScore], part: ScorePart) -> Vec<BoardRow> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::league::robot::MEASURED;
     use crate::league::score::{CellScore, Digests, FORMAT, Machine, RobotScore};
 
     fn score(name: &str, robots: &[(&str, &str)]) -> Score {
@@ -222,5 +237,13 @@ mod tests {
         assert_eq!([first.0, second.0], ["also_real", "simulated"]);
         assert!((first.1 - 0.15).abs() < 1e-9 && (second.1 - 0.15).abs() < 1e-9, "{rows:?}");
         assert_eq!(of("v4").len(), 1);
+        // A single engine simulates: no tables by engine.
+        assert!(of("engine rod").is_empty(), "{rows:?}");
+        let other = score("other", &[("a", "rod"), ("b", "mujoco")]).json();
+        std::fs::write(folder.path().join("simulated").join(SCORE), other).unwrap();
+        let rows = board(folder.path()).unwrap();
+        let of_engine: Vec<_> = rows.iter().filter(|row| row.robots == "engine mujoco").collect();
+        let [row] = of_engine[..] else { panic!("{rows:?}") };
+        assert!(row.name == "other" && (row.error - 0.2).abs() < 1e-9, "{row:?}");
     }
 }

@@ -8,7 +8,7 @@ use super::LeagueError;
 use super::robot::MEASURED;
 use crate::math::distribution::wilson_95;
 use crate::math::summary::{interval_95, mean};
-use crate::rows::league::SHARE_NOT_NAMED;
+use crate::rows::league::{ALL, SHARE_NOT_NAMED};
 
 /// Error of a trial that failed, in lengths of the robot: as if the tip were that far away.
 pub const FAILED: f64 = 1.0;
@@ -148,12 +148,43 @@ fn rounded(value: f64) -> f64 {
     (value * 1e9).round() / 1e9
 }
 
-/// Part of a score: robots of a family, or all simulated ones (real robots play only where their
-/// recordings are); trials of a mode or speed, or all.
+/// Some robots of a score.
+#[derive(Clone, Copy, Debug, Default)]
+pub enum RobotPart<'a> {
+    /// All simulated ones: real robots play only where their recordings are.
+    #[default]
+    All,
+    /// Those of a family.
+    Family(&'a str),
+    /// Those that an engine plays.
+    Engine(&'a str),
+}
+
+impl RobotPart<'_> {
+    fn holds(self, robot: &RobotScore) -> bool {
+        match self {
+            RobotPart::All => robot.engine != MEASURED,
+            RobotPart::Family(family) => robot.family == family,
+            RobotPart::Engine(engine) => robot.engine == engine,
+        }
+    }
+}
+
+impl std::fmt::Display for RobotPart<'_> {
+    fn fmt(&self, out: &mut std::fmt::Formatter) -> std::fmt::Result {
+        match self {
+            RobotPart::All => write!(out, "{ALL}"),
+            RobotPart::Family(family) => write!(out, "{family}"),
+            RobotPart::Engine(engine) => write!(out, "engine {engine}"),
+        }
+    }
+}
+
+/// Part of a score: some robots; trials of a mode or speed, or all.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ScorePart<'a> {
-    /// Family of the robots.
-    pub family: Option<&'a str>,
+    /// The robots.
+    pub robots: RobotPart<'a>,
     /// Mode or speed.
     pub cell: Option<&'a str>,
 }
@@ -182,18 +213,15 @@ impl Score {
         self.robots.iter().flat_map(|robot| &robot.cells).map(|cell| cell.cell.as_str()).collect()
     }
 
-    /// Families of its robots: of all, or of the simulated ones.
-    pub fn families(&self, simulated: bool) -> BTreeSet<&str> {
-        let robots = self.robots.iter().filter(|robot| !simulated || robot.engine != MEASURED);
-        robots.map(|robot| robot.family.as_str()).collect()
+    /// Families of its simulated robots.
+    pub fn simulated_families(&self) -> BTreeSet<&str> {
+        let simulated = self.robots.iter().filter(|robot| RobotPart::All.holds(robot));
+        simulated.map(|robot| robot.family.as_str()).collect()
     }
 
     /// The score on a part of its trials; none where it has none of them.
     pub fn summary(&self, part: ScorePart) -> Option<Summary> {
-        let robots = self.robots.iter().filter(|robot| match part.family {
-            Some(family) => robot.family == family,
-            None => robot.engine != MEASURED,
-        });
+        let robots = self.robots.iter().filter(|robot| part.robots.holds(robot));
         let of_robot = |robot: &RobotScore| -> Vec<CellScore> {
             let cells =
                 robot.cells.iter().filter(|cell| part.cell.is_none_or(|name| cell.cell == name));

@@ -20,6 +20,7 @@ mod control;
 pub mod discovery;
 mod drawing;
 mod effect_picture;
+mod html;
 pub mod league;
 mod order;
 pub mod overview;

@@ -16,7 +16,7 @@ table_rows! {
         pub track: String,
         /// The season; `development` for the development robots, `_sealed` behind it for sealed ones.
         pub season: String,
-        /// Family of the robots, or `all`.
+        /// Family of the robots, `all` (simulated ones), or `engine` and the name of one.
         pub robots: String,
         /// Mode or speed, or `all`: the mean over them.
         pub cell: String,

@@ -8,7 +8,7 @@ use crate::data::calibration::{
 };
 use crate::report::ReportError;
 use crate::report::discovery::format::{millimetres, number};
-use crate::report::discovery::html::{captioned, cells, document, figure, list, section, table};
+use crate::report::html::{captioned, cells, document, figure, list, section, table};
 
 /// Groups of a kind in the table.
 const MAX_GROUPS: usize = 12;

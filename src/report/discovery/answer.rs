@@ -2,10 +2,10 @@
 //! parameters.
 
 use super::format::{NONE, enumerate, millimetres, percent, times};
-use super::html::{list, section, table};
 use super::quantity::quantities;
 use super::{DiscoveryReport, EffectText};
 use crate::data::findings::{Findings, FoundEffect, Verdict};
+use crate::report::html::{list, section, table};
 use maud::{Markup, html};
 
 /// The answer as a title.

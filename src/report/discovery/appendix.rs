@@ -3,9 +3,9 @@
 
 use super::DiscoveryReport;
 use super::format::number;
-use super::html::{list, section, table};
 use super::model_diff::{DiffLine, compare};
 use crate::data::findings::Candidate;
+use crate::report::html::{list, section, table};
 use maud::{Markup, html};
 
 /// Candidates that are shown at once.

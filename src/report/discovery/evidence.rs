@@ -4,11 +4,11 @@
 use super::DiscoveryReport;
 use super::answer::closed;
 use super::format::{NONE, enumerate, millimetres, number, percent, probability, times};
-use super::html::{captioned, cells, section, table};
 use super::residuals::{AXES, held_out};
 use super::scale::{SIGNIFICANCE_LEVEL, marked};
 use crate::data::findings::{Findings, MissingTest, ResidualRow, Verdict};
 use crate::math::summary::root_mean_square;
+use crate::report::html::{captioned, cells, section, table};
 use crate::report::scene::player;
 use maud::{Markup, html};
 

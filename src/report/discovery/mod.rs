@@ -10,7 +10,6 @@ pub(super) mod format;
 mod gap;
 mod given;
 mod heat;
-pub(super) mod html;
 mod map;
 mod model_diff;
 pub(super) mod page;

@@ -1,8 +1,8 @@
 //! `report.html`: one self-contained page for somebody who has not read the code.
 
-use super::html::{document, figure};
 use super::{DRAWINGS, DiscoveryReport, answer, appendix, evidence};
 use crate::report::ReportError;
+use crate::report::html::{document, figure};
 use maud::html;
 
 /// The page.

@@ -2,8 +2,8 @@
 
 use maud::{Markup, html};
 
-use super::discovery::html::{self, document, figure};
 use super::drawing::{Axis, Canvas, Dot, DotChart, DotPanel, DotRow};
+use super::html::{self, document, figure};
 use super::page::markup::MarkdownTable;
 use super::style::{GREY, INK, Marker, TALL};
 use super::{Artifact, ReportError, captioned, csv, text};

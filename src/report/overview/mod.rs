@@ -15,7 +15,7 @@ use maud::{Markup, PreEscaped, html};
 use std::path::Path;
 
 use super::ReportError;
-use super::discovery::html::document;
+use super::html::document;
 use crate::data::scene::Scene;
 use charts::PageData;
 

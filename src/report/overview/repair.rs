@@ -6,7 +6,7 @@ use std::path::Path;
 use super::charts::{AxisColumn, Chart, PageData};
 use super::sections::chart_of;
 use crate::data::DataError;
-use crate::report::discovery::html::{cells, table};
+use crate::report::html::{cells, table};
 use crate::report::order::distinct;
 use crate::report::published_rows;
 use crate::rows::repairs::{MonitorRow, RepairRow, RepairSummaryRow};

@@ -28,16 +28,16 @@ class ShortSample(Honest):
 
 
 class LastSample(Honest):
-    """Acts only where it has seen the tip of home and of both of its samples; answers the request after them, too."""
+    """Acts only where it has seen the tip at home and under both of its samples; answers the request after them, too."""
 
     closed_loop_only = True
 
     def sample(self, tip_m, pulls_m):
-        self.tips_m = [*getattr(self, "tips_m", []), tip_m]
-        return [0.002 * len(self.tips_m), 0.0, -0.002 * len(self.tips_m), 0.0]
+        self.seen_m = [*getattr(self, "seen_m", []), tip_m[0]]
+        return [0.002 * len(self.seen_m), 0.0, -0.002 * len(self.seen_m), 0.0]
 
     def act(self, *view):
-        assert len(self.tips_m) == 3 and 0.01 < self.tips_m[1][0] < self.tips_m[2][0], self.tips_m
+        assert len(self.seen_m) == 3 and sorted(self.seen_m) == self.seen_m, self.seen_m
         return super().act(*view)
 
 
