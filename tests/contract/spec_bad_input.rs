@@ -427,6 +427,11 @@ fn messages_of_the_parser_are_sentences() {
     assert!(tab.contains("expected YAML, which is indented by spaces"), "{tab}");
     let open = said("gp: {starts: 3");
     assert!(open.contains("found something else, expected YAML with"), "{open}");
+    let twice = "found this key twice, expected it once\n";
+    let below = said("gp:\n  starts: 3\n  starts: 4");
+    assert_eq!(below, format!("error: bad.yaml:3:3: gp.starts: {twice}"));
+    let at_root = said("seeds: 1\nseeds: 2");
+    assert_eq!(at_root, format!("error: bad.yaml:2:1: seeds: {twice}"));
 }
 
 #[test]

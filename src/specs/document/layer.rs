@@ -287,6 +287,10 @@ fn yaml(text: &str, name: &str) -> Result<Value, SpecError> {
             true => SourceLocation::Option(name.to_owned()),
             false => SourceLocation::File { file: name.to_owned(), line, column },
         };
+        if let Some((key, (line, column))) = repeated_key(&error.to_string(), text) {
+            let (found, expected) = ("this key twice".to_owned(), "it once".to_owned());
+            return SpecError::Key { place: place(line, column), key, found, expected };
+        }
         if let Some((line, column, found)) = invisible::near(text, line) {
             let expected = "YAML of visible characters and plain spaces".to_owned();
             return SpecError::Syntax { place: place(line, column), found, expected };
@@ -299,6 +303,16 @@ fn yaml(text: &str, name: &str) -> Result<Value, SpecError> {
         };
         SpecError::Syntax { place: place(line, column), found, expected }
     })
+}
+
+/// A key that stands twice in one mapping, from the message of the parser, and where it stands first.
+fn repeated_key(message: &str, text: &str) -> Option<(KeyPath, (usize, usize))> {
+    let (mapping, key) =
+        message.split(" at line ").next()?.split_once("duplicate entry with key ")?;
+    let key = key.trim_matches('"');
+    let path = KeyPath::parse(&format!("{}{key}", mapping.replace(": ", "."))).ok()?;
+    let place = locate(text, &path, PathEnd::Key)?;
+    Some((path, place))
 }
 
 /// What the parser of YAML found and what it expected, from its message.
