@@ -9,9 +9,14 @@ use crate::report::style::PAGE_WIDTH;
 /// Width of the figures on a telephone, hundredths of an inch.
 const TELEPHONE_WIDTH: f64 = 372.0;
 
-/// A self-contained document: no script, no link, nothing fetched. Its control characters become
-/// replacement characters.
+/// A self-contained document without scripts.
 pub(crate) fn document(title: &str, content: &Markup) -> String {
+    styled_document(title, include_str!("page.css"), content)
+}
+
+/// A document that fetches nothing, not even an icon. Its control characters become replacement
+/// characters.
+pub(crate) fn styled_document(title: &str, style: &str, content: &Markup) -> String {
     let page = html! {
         (DOCTYPE)
         html lang="en" {
@@ -19,8 +24,9 @@ pub(crate) fn document(title: &str, content: &Markup) -> String {
                 meta charset="utf-8";
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 meta name="color-scheme" content="light dark";
+                link rel="icon" href="data:,";
                 title { (title) }
-                style { (PreEscaped(include_str!("page.css"))) }
+                style { (PreEscaped(style)) }
             }
             body { main { (content) } }
         }

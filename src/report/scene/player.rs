@@ -1,11 +1,12 @@
 //! The player: scenes side by side on one clock and with one camera, in a page without network.
 
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, PreEscaped, html};
 
 use super::key::key;
 use super::still::still;
 use crate::data::scene::Scene;
 use crate::report::drawing::svg;
+use crate::report::html::styled_document;
 
 /// Geometry and drawing, which the live view shares.
 pub(super) const VIEW_SCRIPT: &str = include_str!("assets/view.js");
@@ -71,21 +72,7 @@ pub fn player_page(title: &str, note: &str, scenes: &[Scene]) -> String {
 
 /// A page of the viewer.
 pub(super) fn document(title: &str, content: &Markup) -> String {
-    html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                meta name="color-scheme" content="light dark";
-                link rel="icon" href="data:,";
-                title { (title) }
-                style { (PreEscaped(include_str!("assets/page.css"))) }
-            }
-            body { main { (content) } }
-        }
-    }
-    .into_string()
+    styled_document(title, include_str!("assets/page.css"), content)
 }
 
 /// JSON that stands inside a script element.
