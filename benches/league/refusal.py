@@ -5,5 +5,8 @@ class Refusal(Exception):
     """`kind`: "refused" where the request is at fault, "solver" where the simulation is."""
 
     def __init__(self, kind, message):
-        super().__init__(message)
+        super().__init__(kind, message)
         self.kind = kind
+
+    def __str__(self):
+        return self.args[1]
