@@ -3,12 +3,13 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::LeagueError;
 use super::questions::{question, recordings};
 use super::robot::{LeagueRobot, RobotQuestion};
-use super::score::{CellScore, RobotScore};
+use super::score::{CellScore, RobotScore, ScoredTrial};
 use super::track::{ReadTrack, Task};
 use crate::base::{Point3, distance_m};
 use crate::data::tables::read_csv;
@@ -24,7 +25,7 @@ pub const NAMES: &str = "names.csv";
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PredictedTip {
-    /// Trial of the question.
+    /// ScoredTrial of the question.
     pub trial: u64,
     /// Time in it, seconds.
     pub time_s: f64,
@@ -56,7 +57,7 @@ pub fn write_questions(
     robots: &[LeagueRobot],
     out: &Path,
 ) -> Result<(), LeagueError> {
-    for robot in robots {
+    robots.par_iter().try_for_each(|robot| {
         let folder = out.join(&robot.name);
         std::fs::create_dir_all(&folder).map_err(LeagueError::failed)?;
         let RobotQuestion { given, asked, .. } = asked_of(read, robot)?;
@@ -66,8 +67,8 @@ pub fn write_questions(
         if !asked.trial.is_empty() {
             asked.write(&folder.join("asked.csv")).map_err(LeagueError::failed)?;
         }
-    }
-    Ok(())
+        Ok(())
+    })
 }
 
 fn asked_of(read: &ReadTrack, robot: &LeagueRobot) -> Result<RobotQuestion, LeagueError> {
@@ -100,22 +101,26 @@ pub fn judge(
     let mut faults: Vec<String> =
         missing.map(|file| format!("{}: found no such file", file.display())).collect();
     let answered = if faults.is_empty() { robots } else { &[] };
-    let mut scores = Vec::new();
-    for robot in answered {
-        let trial = if names_robots {
-            names.get(&robot.name).map(|answer| unnamed(answer, robot)).ok_or_else(|| {
+    let trial = |robot: &LeagueRobot| -> Result<Result<ScoredTrial, String>, LeagueError> {
+        Ok(if names_robots {
+            names.get(&robot.name).map(|answer| named_trial(answer, robot)).ok_or_else(|| {
                 format!("{}: found no row of `{}`", folder.join(NAMES).display(), robot.name)
             })
         } else {
-            predicted(&of(robot), &asked_of(read, robot)?).map(|error_m| error_m / robot.length_m())
-        };
+            predicted(&of(robot), &asked_of(read, robot)?)
+                .map(|error_m| (error_m / robot.length_m(), None))
+        })
+    };
+    let trials: Vec<_> = answered.par_iter().map(trial).collect::<Result<_, _>>()?;
+    let mut scores = Vec::new();
+    for (robot, trial) in answered.iter().zip(trials) {
         match trial {
             Err(fault) => faults.push(fault),
-            Ok(error) => scores.push(RobotScore {
+            Ok(trial) => scores.push(RobotScore {
                 robot: robot.name.clone(),
                 family: robot.family.clone(),
                 engine: robot.engine.clone(),
-                cells: vec![CellScore::of("answers".to_owned(), &[(error, None)])],
+                cells: vec![CellScore::of("answers".to_owned(), &[trial])],
             }),
         }
     }
@@ -137,13 +142,22 @@ fn named(folder: &Path) -> Result<BTreeMap<String, String>, LeagueError> {
     Ok(rows.into_iter().map(|row| (row.robot, row.effects)).collect())
 }
 
-/// 0 where exactly the hidden effects are named, 1 where not.
-fn unnamed(answer: &str, robot: &LeagueRobot) -> f64 {
+/// Error 0 where exactly the hidden effects are named; otherwise 1, and what went wrong in the terms
+/// of fault diagnosis (Isermann, *Fault-Diagnosis Systems*, 2006).
+fn named_trial(answer: &str, robot: &LeagueRobot) -> ScoredTrial {
     let mut answered: Vec<&str> = answer.split_whitespace().collect();
     let mut hidden: Vec<&str> = robot.effects.iter().map(|effect| effect.card().name).collect();
     answered.sort_unstable();
     hidden.sort_unstable();
-    if answered == hidden { 0.0 } else { 1.0 }
+    if answered == hidden {
+        return (0.0, None);
+    }
+    let fault = match (hidden.is_empty(), answered.is_empty()) {
+        (true, _) => "false alarm",
+        (false, true) => "missed detection",
+        (false, false) => "wrong isolation",
+    };
+    (1.0, Some(fault.to_owned()))
 }
 
 /// Root mean square of the distance of predicted tips from the true ones, metres.

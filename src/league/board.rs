@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::LeagueError;
 use super::robot::MEASURED;
-use super::score::{RobotPart, Score, ScorePart};
+use super::score::{RobotPart, Score, ScorePart, failure_words};
 use crate::rows::league::{ALL, BoardRow};
 
 /// Times of the answers of a policy (`timing.json`): they differ from run to run.
@@ -166,7 +166,8 @@ fn ranked(scores: &[&TimedScore], part: ScorePart) -> Vec<BoardRow> {
                 tick_ms: times.map_or(f64::NAN, |times| 1e3 * times.median_s),
                 robot_count: summary.robots,
                 trials: summary.trials,
-                failed: summary.failed,
+                failed: summary.failures.values().sum(),
+                failures: failure_words(&summary.failures),
             })
         })
         .collect();

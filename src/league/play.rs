@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::LeagueError;
 use super::instance::{Player, experiment};
 use super::robot::LeagueRobot;
-use super::score::{CellScore, RobotScore};
+use super::score::{CellScore, RobotScore, ScoredTrial};
 use super::track::ReadTrack;
 use crate::data::write_atomic;
 use crate::report::Published;
@@ -83,7 +83,7 @@ pub fn write_experiments(
 }
 
 /// Trials by policy and mode or speed.
-type Trials = BTreeMap<(String, String), Vec<(f64, Option<String>)>>;
+type Trials = BTreeMap<(String, String), Vec<ScoredTrial>>;
 
 /// The cells of each policy: errors over the length of the robot.
 fn cells(published: &Published, length_m: f64) -> BTreeMap<String, Vec<CellScore>> {

@@ -105,17 +105,23 @@ pub struct CellScore {
     /// Number of trials.
     pub trials: u64,
     /// Trials that failed, by their status.
-    pub failures: BTreeMap<String, u64>,
+    pub failures: Failures,
     /// Mean error; a trial that failed counts 1.
     pub error: f64,
     /// Mean error of the floor; none where no controller of the floor plays.
     pub floor: Option<f64>,
 }
 
+/// Error of a trial, and its status where it failed.
+pub type ScoredTrial = (f64, Option<String>);
+
+/// Numbers of failed trials by their status.
+pub type Failures = BTreeMap<String, u64>;
+
 impl CellScore {
     /// The mean over trials: errors, and statuses of those that failed.
-    pub fn of(cell: String, trials: &[(f64, Option<String>)]) -> CellScore {
-        let mut failures = BTreeMap::new();
+    pub fn of(cell: String, trials: &[ScoredTrial]) -> CellScore {
+        let mut failures = Failures::new();
         let errors = trials.iter().map(|(error, failure)| {
             let Some(status) = failure
                 .as_ref()
@@ -137,11 +143,22 @@ impl CellScore {
             floor: None,
         }
     }
+}
 
-    /// Number of trials that failed.
-    pub fn failed(&self) -> u64 {
-        self.failures.values().sum()
+/// The failures of all `cells`.
+pub fn failures<'a>(cells: impl IntoIterator<Item = &'a CellScore>) -> Failures {
+    let mut sum = Failures::new();
+    for (status, count) in cells.into_iter().flat_map(|cell| &cell.failures) {
+        *sum.entry(status.clone()).or_default() += count;
     }
+    sum
+}
+
+/// Statuses with their numbers: `policy: late 3, missed detection 1`.
+pub fn failure_words(failures: &Failures) -> String {
+    let words: Vec<String> =
+        failures.iter().map(|(status, count)| format!("{status} {count}")).collect();
+    words.join(", ")
 }
 
 fn rounded(value: f64) -> f64 {
@@ -204,7 +221,7 @@ pub struct Summary {
     /// Trials.
     pub trials: u64,
     /// Trials that failed.
-    pub failed: u64,
+    pub failures: Failures,
 }
 
 impl Score {
@@ -247,7 +264,7 @@ impl Score {
             floor: floor.is_finite().then_some(floor),
             robots: robots.len() as u64,
             trials: cells().map(|cell| cell.trials).sum(),
-            failed: cells().map(CellScore::failed).sum(),
+            failures: failures(cells()),
         })
     }
 
@@ -298,7 +315,6 @@ mod tests {
             [(0.01, None), (0.03, None), (0.02, Some("policy: late".to_owned())), (f64::NAN, None)];
         let cell = CellScore::of("closed".to_owned(), &trials);
         assert!((cell.error - (0.01 + 0.03 + 1.0 + 1.0) / 4.0).abs() < 1e-12);
-        assert_eq!(cell.failed(), 2);
-        assert_eq!(cell.failures["policy: late"], 1);
+        assert_eq!(failure_words(&failures([&cell])), "not measured 1, policy: late 1");
     }
 }

@@ -46,7 +46,11 @@ table_rows! {
         pub robot_count: u64,
         /// Number of trials.
         pub trials: u64,
-        /// Trials that failed; each counts as an error of one length.
+        /// Trials that failed; each counts as an error of one length. Of the track `name`, robots whose
+        /// effects are not named.
         pub failed: u64,
+        /// Why, with numbers of trials. Of the track `name`: `false alarm` (nothing is missing),
+        /// `missed detection` (nothing was named), `wrong isolation`.
+        pub failures: String,
     }
 }

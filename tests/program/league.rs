@@ -293,6 +293,44 @@ fn anybody_verifies_a_season_by_the_same_bytes_once_its_secret_is_disclosed() {
 }
 
 #[test]
+fn a_wrong_name_is_a_missed_detection_a_wrong_isolation_or_a_false_alarm() {
+    let league = League::new();
+    let names = league.path("mine/answers");
+    std::fs::create_dir_all(&names).unwrap();
+    let submission = "name: mine\nauthors: [test]\ntrack: which\nanswers: answers\ntrained_on: nothing\nreal_samples: 0\nlicence: MIT\n";
+    std::fs::write(league.path("mine/submission.yaml"), submission).unwrap();
+    let track = "about: A small track.\ntask: {name: {trials: 1, rows: 3, step_s: 0.2, step_share: 0.1, pull_share: 1.0}}\n\
+        robots: robots.yaml\nrobots_each: 6\nhidden: {least_effects: 0, most_effects: 1, effects: [tip_load]}\nnoise_m: 0.0005\n";
+    std::fs::write(league.path("tracks/which.yaml"), track).unwrap();
+    // What went wrong with each robot, where all get one answer.
+    let faults = |answer: &str| -> Vec<String> {
+        let rows = (1..=6).map(|number| format!("rod_{number},{answer}\n")).collect::<String>();
+        std::fs::write(names.join("names.csv"), "robot,effects\n".to_owned() + &rows).unwrap();
+        let score = league.score(&league.path("mine"));
+        let cells = score["robots"].as_array().unwrap().iter().map(|robot| &robot["cells"][0]);
+        let fault = |cell: &Value| {
+            let failures = cell["failures"].to_string();
+            assert_eq!(cell["error"].as_f64(), Some(f64::from(u8::from(failures != "{}"))));
+            failures
+        };
+        cells.map(fault).collect()
+    };
+    let nothing = faults("");
+    assert!(nothing.iter().any(|fault| fault == "{}"), "{nothing:?}");
+    assert!(nothing.iter().any(|fault| fault != "{}"), "{nothing:?}");
+    for (answer, where_nothing_is_right, elsewhere) in [
+        ("", "{}", r#"{"missed detection":1}"#),
+        ("tip_load", r#"{"false alarm":1}"#, "{}"),
+        ("creep", r#"{"false alarm":1}"#, r#"{"wrong isolation":1}"#),
+    ] {
+        let expected = nothing
+            .iter()
+            .map(|fault| if fault == "{}" { where_nothing_is_right } else { elsewhere });
+        assert_eq!(faults(answer), expected.collect::<Vec<_>>(), "{answer}");
+    }
+}
+
+#[test]
 fn a_real_robot_plays_where_its_recording_is() {
     let league = League::new();
     let rows = league.path("rows");

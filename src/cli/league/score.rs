@@ -11,7 +11,9 @@ use spinebench::league::answers::judge;
 use spinebench::league::board::{SCORE, TIMING, board};
 use spinebench::league::instance::{Player, robot_samples};
 use spinebench::league::play::{PlayOptions, add_floors, play};
-use spinebench::league::score::{Digests, FORMAT, Machine, RobotScore, Score, ScorePart};
+use spinebench::league::score::{
+    Digests, FORMAT, Machine, RobotScore, Score, ScorePart, failure_words, failures,
+};
 use spinebench::league::season::digest;
 use spinebench::league::submission::{SCORE_FOLDER, SubmittedPolicy};
 use spinebench::league::track::Task;
@@ -167,9 +169,12 @@ fn named(file: &str) -> String {
 
 fn tell(score: &Score, out: &Path) {
     for robot in &score.robots {
-        let failed: u64 =
-            robot.cells.iter().map(spinebench::league::score::CellScore::failed).sum();
-        let failed = if failed > 0 { format!(", {failed} trials failed") } else { String::new() };
+        let failures = failures(&robot.cells);
+        let failed = if failures.is_empty() {
+            String::new()
+        } else {
+            format!(", failed: {}", failure_words(&failures))
+        };
         println!("{:24} {:6.2} %{failed}", robot.robot, 100.0 * robot.error());
     }
     if let Some(summary) = score.summary(ScorePart::default()) {

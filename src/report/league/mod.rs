@@ -114,8 +114,7 @@ fn table(family: &[BoardRow]) -> MarkdownTable {
     let rows = names(family).into_iter().filter_map(|name| {
         let own: Vec<&BoardRow> = family.iter().filter(|row| row.name == name).collect();
         let whole = first.iter().find(|row| row.name == name);
-        let counted = if whole.is_some() { &own[..1] } else { &own[..] };
-        let count = |value: fn(&BoardRow) -> u64| counted.iter().map(|row| value(row)).sum::<u64>();
+        let counted = if whole.is_some() { own[..1].to_vec() } else { own.clone() };
         let any = own.first()?;
         let mut cells =
             vec![name.to_owned(), rank(whole), whole.map_or("–".to_owned(), with_interval)];
@@ -127,7 +126,7 @@ fn table(family: &[BoardRow]) -> MarkdownTable {
             percent(whole.map_or(f64::NAN, |row| row.floor)),
             any.samples.to_string(),
             tick_ms.unwrap_or_else(|| "–".to_owned()),
-            format!("{} of {}", count(|row| row.failed), count(|row| row.trials)),
+            failed(&counted),
         ]);
         Some(cells)
     });
@@ -135,6 +134,16 @@ fn table(family: &[BoardRow]) -> MarkdownTable {
     let header =
         format!("Submission | Rank | Error, % | {parts}Floor, % | Samples | Tick, ms | Failed");
     MarkdownTable::new(&header, rows)
+}
+
+/// How many of the trials of some rows failed, and why.
+fn failed(rows: &[&BoardRow]) -> String {
+    let count = |value: fn(&BoardRow) -> u64| rows.iter().map(|row| value(row)).sum::<u64>();
+    let mut words = format!("{} of {}", count(|row| row.failed), count(|row| row.trials));
+    for row in rows.iter().filter(|row| !row.failures.is_empty()) {
+        words += &format!("; {}", row.failures);
+    }
+    words
 }
 
 fn markdown(rows: &[BoardRow]) -> String {
