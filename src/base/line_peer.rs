@@ -80,7 +80,7 @@ impl LinePeer {
     /// # Errors
     /// [`PeerError::Unreachable`] where it cannot be reached within `limit_s` seconds.
     pub fn connect(address: SocketAddr, limit_s: f64) -> Result<LinePeer, PeerError> {
-        let limit = Duration::from_secs_f64(limit_s);
+        let limit = duration(limit_s);
         let connected = TcpStream::connect_timeout(&address, limit).and_then(|stream| {
             stream.set_nodelay(true)?;
             Ok((stream.try_clone()?, stream))
@@ -120,7 +120,7 @@ impl LinePeer {
         if !matches!(sent, Some(Ok(()))) {
             return Err(self.ended());
         }
-        match self.answers.recv_timeout(Duration::from_secs_f64(limit_s)) {
+        match self.answers.recv_timeout(duration(limit_s)) {
             Ok(Ok(line)) if !line.is_empty() => {
                 serde_json::from_slice(&line).map_err(|_| PeerError::NoJson(shortened(&line)))
             }
@@ -176,7 +176,7 @@ impl LinePeer {
         if let Some(last) =
             String::from_utf8_lossy(&kept).lines().rev().find(|line| !line.trim().is_empty())
         {
-            let _ = write!(words, " ({})", last.trim());
+            let _ = write!(words, " ({})", printable(last.trim(), 200));
         }
         PeerError::Ended(words)
     }
@@ -225,8 +225,18 @@ fn keep_end(mut from: impl Read, kept: &Mutex<Vec<u8>>) {
 }
 
 fn shortened(line: &[u8]) -> String {
-    let text = String::from_utf8_lossy(line);
-    text.trim_end().chars().take(80).collect()
+    printable(String::from_utf8_lossy(line).trim_end(), 80)
+}
+
+/// The beginning of a text from another program, at most so many letters, without control characters.
+pub(crate) fn printable(text: &str, letters: usize) -> String {
+    text.chars().filter(|letter| !letter.is_control()).take(letters).collect()
+}
+
+/// A time limit; one that no clock holds is none.
+fn duration(limit_s: f64) -> Duration {
+    const MAX_S: f64 = 1e9;
+    Duration::try_from_secs_f64(limit_s.min(MAX_S)).unwrap_or_default()
 }
 
 /// How a process ended, in words.

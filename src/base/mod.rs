@@ -16,6 +16,7 @@ mod traits;
 mod work_share;
 
 pub use interruption::{InterruptRequest, Interrupted, interruption_point};
+pub(crate) use line_peer::printable;
 pub use line_peer::{LinePeer, PeerError};
 pub use observation::{Displacements, Observation, Point3, SeenPoint, distance_m};
 pub use option::BadOption;

@@ -1,29 +1,27 @@
 //! Answers to questions, as tables beside a submission.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::LeagueError;
-use super::questions::{question, recordings};
-use super::robot::{LeagueRobot, RobotQuestion};
+use super::questions::{asked, true_tips_m};
+use super::robot::LeagueRobot;
 use super::score::{CellScore, RobotScore, ScoredTrial};
-use super::track::{ReadTrack, Task};
+use super::track::{QuestionPlan, ReadTrack, Task};
 use crate::base::{Point3, distance_m};
+use crate::data::Recording;
 use crate::data::tables::read_csv;
-use crate::data::write_atomic;
 use crate::effects::card;
 use crate::math::summary::root_mean_square;
-use crate::specs::model_text;
+use crate::rows::league::ANSWERS;
 
 /// File of the effects that answers name.
 pub const NAMES: &str = "names.csv";
 
-/// A predicted tip: a row of `ROBOT.csv`.
+/// A predicted tip: a row of `ROBOT.csv`. Other columns, as `simulate` writes them, are passed over.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct PredictedTip {
     /// ScoredTrial of the question.
     pub trial: u64,
@@ -47,105 +45,170 @@ pub struct EffectAnswer {
     pub effects: String,
 }
 
-/// Writes the questions of all robots: for each a folder with the nominal model, what is given,
-/// and where tips are asked for, their commands.
-///
-/// # Errors
-/// [`LeagueError`] for a track without questions, and for what cannot be recorded or written.
-pub fn write_questions(
-    read: &ReadTrack,
-    robots: &[LeagueRobot],
-    out: &Path,
-) -> Result<(), LeagueError> {
-    robots.par_iter().try_for_each(|robot| {
-        let folder = out.join(&robot.name);
-        std::fs::create_dir_all(&folder).map_err(LeagueError::failed)?;
-        let RobotQuestion { given, asked, .. } = asked_of(read, robot)?;
-        let model = model_text(&robot.nominal).map_err(LeagueError::failed)?;
-        write_atomic(&folder.join("model.yaml"), model.as_bytes()).map_err(LeagueError::failed)?;
-        given.write(&folder.join("given.csv")).map_err(LeagueError::failed)?;
-        if !asked.trial.is_empty() {
-            asked.write(&folder.join("asked.csv")).map_err(LeagueError::failed)?;
-        }
-        Ok(())
-    })
+/// Answers of a submission, robot by robot.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Answers {
+    /// Tips under the commands that are asked.
+    Tips(QuestionPlan, Vec<TipsAnswer>),
+    /// Names of effects.
+    Effects(Vec<Vec<String>>),
 }
 
-fn asked_of(read: &ReadTrack, robot: &LeagueRobot) -> Result<RobotQuestion, LeagueError> {
-    let recordings = recordings(&read.track.task).ok_or_else(|| {
-        LeagueError::input(format!(
-            "track {}: found trials, expected a track with questions",
-            read.name
-        ))
-    })?;
-    question(robot, &recordings)
+/// The commands that are asked of a robot, and the predicted tips, metres.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TipsAnswer {
+    asked: Recording,
+    tips_m: Vec<Point3>,
 }
 
-/// What answers in a folder reach on each robot.
-///
-/// # Errors
-/// [`LeagueError::Input`] for a file or a row that is not as asked, all of them at once.
-pub fn judge(
-    read: &ReadTrack,
-    robots: &[LeagueRobot],
-    folder: &Path,
-) -> Result<Vec<RobotScore>, LeagueError> {
-    let names = match read.track.task {
-        Task::Name(_) => named(folder)?,
-        _ => BTreeMap::new(),
-    };
-    let of = |robot: &LeagueRobot| folder.join(format!("{}.csv", robot.name));
-    let names_robots = matches!(read.track.task, Task::Name(_));
-    // Before robots are recorded, which takes minutes.
-    let missing = robots.iter().map(of).filter(|file| !names_robots && !file.is_file());
-    let mut faults: Vec<String> =
-        missing.map(|file| format!("{}: found no such file", file.display())).collect();
-    let answered = if faults.is_empty() { robots } else { &[] };
-    let trial = |robot: &LeagueRobot| -> Result<Result<ScoredTrial, String>, LeagueError> {
-        Ok(if names_robots {
-            names.get(&robot.name).map(|answer| named_trial(answer, robot)).ok_or_else(|| {
-                format!("{}: found no row of `{}`", folder.join(NAMES).display(), robot.name)
-            })
-        } else {
-            predicted(&of(robot), &asked_of(read, robot)?)
-                .map(|error_m| (error_m / robot.length_m(), None))
-        })
-    };
-    let trials: Vec<_> = answered.par_iter().map(trial).collect::<Result<_, _>>()?;
-    let mut scores = Vec::new();
-    for (robot, trial) in answered.iter().zip(trials) {
-        match trial {
-            Err(fault) => faults.push(fault),
-            Ok(trial) => scores.push(RobotScore {
-                robot: robot.name.clone(),
-                family: robot.family.clone(),
-                engine: robot.engine.clone(),
-                cells: vec![CellScore::of("answers".to_owned(), &[trial])],
-            }),
+impl Answers {
+    /// Reads the answers in a folder to the questions of a track.
+    ///
+    /// # Errors
+    /// [`LeagueError::Input`] for files and rows that are not as asked, all of them at once, and for
+    /// a track without questions.
+    pub fn read(
+        track: &ReadTrack,
+        robots: &[LeagueRobot],
+        folder: &Path,
+    ) -> Result<Answers, LeagueError> {
+        match &track.track.task {
+            Task::Name(_) => named(robots, folder).map(Answers::Effects),
+            Task::Identify(plan) => {
+                predicted(plan, robots, folder).map(|tips| Answers::Tips(*plan, tips))
+            }
+            Task::Reach { .. } | Task::Laps { .. } => Err(LeagueError::input(format!(
+                "track {}: found trials, expected a track with questions",
+                track.name
+            ))),
         }
     }
-    if faults.is_empty() { Ok(scores) } else { Err(LeagueError::Input(faults.join("\n"))) }
+
+    /// What the answers reach on each of the robots that they were read for.
+    ///
+    /// # Errors
+    /// [`LeagueError::Failed`] for a robot that cannot follow.
+    pub fn judge(&self, robots: &[LeagueRobot]) -> Result<Vec<RobotScore>, LeagueError> {
+        let trials: Vec<ScoredTrial> = match self {
+            Answers::Effects(named) => {
+                named.iter().zip(robots).map(|(answer, robot)| named_trial(answer, robot)).collect()
+            }
+            Answers::Tips(plan, tips) => {
+                let trial = |(answer, robot)| predicted_trial(answer, robot, plan);
+                tips.par_iter().zip(robots).map(trial).collect::<Result<_, _>>()?
+            }
+        };
+        let score = |(robot, trial): (&LeagueRobot, ScoredTrial)| RobotScore {
+            robot: robot.name.clone(),
+            family: robot.family.clone(),
+            engine: robot.engine.clone(),
+            cells: vec![CellScore::of(ANSWERS.to_owned(), &[trial])],
+        };
+        Ok(robots.iter().zip(trials).map(score).collect())
+    }
 }
 
-fn named(folder: &Path) -> Result<BTreeMap<String, String>, LeagueError> {
+/// The answers, or all faults of all robots.
+fn all_or_faults<T>(answers: Vec<Result<T, String>>) -> Result<Vec<T>, LeagueError> {
+    let faults: Vec<&str> =
+        answers.iter().filter_map(|answer| answer.as_ref().err().map(String::as_str)).collect();
+    if !faults.is_empty() {
+        return Err(LeagueError::Input(faults.join("\n")));
+    }
+    Ok(answers.into_iter().flatten().collect())
+}
+
+/// The effects that `names.csv` names for each robot.
+fn named(robots: &[LeagueRobot], folder: &Path) -> Result<Vec<Vec<String>>, LeagueError> {
     let file = folder.join(NAMES);
     let rows: Vec<EffectAnswer> = read_csv(&file).map_err(LeagueError::input)?;
-    for (row, answer) in rows.iter().enumerate() {
-        if let Some(found) = answer.effects.split_whitespace().find(|name| card(name).is_none()) {
-            return Err(LeagueError::input(format!(
-                "{}:{}: effects: found `{found}`, expected names of `spinebench effects`",
-                file.display(),
+    let file = file.display();
+    let answer = |robot: &LeagueRobot| {
+        let mut own = rows.iter().enumerate().filter(|(_, row)| row.robot == robot.name);
+        let (Some((row, answer)), None) = (own.next(), own.next()) else {
+            let count = rows.iter().filter(|row| row.robot == robot.name).count();
+            return Err(format!("{file}: found {count} rows of `{}`, expected one", robot.name));
+        };
+        let effects: Vec<String> = answer.effects.split_whitespace().map(str::to_owned).collect();
+        let is_wrong = |(place, name): &(usize, &String)| {
+            card(name).is_none() || effects[..*place].contains(name)
+        };
+        match effects.iter().enumerate().find(is_wrong) {
+            None => Ok(effects),
+            Some((_, wrong)) => Err(format!(
+                "{file}:{}: effects: found `{wrong}`, expected different names of `spinebench effects`, or nothing",
                 row + 2
-            )));
+            )),
         }
+    };
+    all_or_faults(robots.iter().map(answer).collect())
+}
+
+/// The tips that `ROBOT.csv` predicts for each robot.
+fn predicted(
+    plan: &QuestionPlan,
+    robots: &[LeagueRobot],
+    folder: &Path,
+) -> Result<Vec<TipsAnswer>, LeagueError> {
+    let of = |robot: &LeagueRobot| folder.join(format!("{}.csv", robot.name));
+    // Before commands are computed, which takes a while.
+    let present = robots.iter().map(|robot| {
+        let file = of(robot);
+        if file.is_file() { Ok(()) } else { Err(format!("{}: found no such file", file.display())) }
+    });
+    all_or_faults(present.collect())?;
+    let answer = |robot: &LeagueRobot| {
+        let asked = asked(robot, plan)?;
+        Ok(read_tips(&of(robot), &asked).map(|tips_m| TipsAnswer { asked, tips_m }))
+    };
+    let answers: Result<Vec<Result<TipsAnswer, String>>, LeagueError> =
+        robots.par_iter().map(answer).collect();
+    all_or_faults(answers?)
+}
+
+/// The predicted tips in a file, whose rows must be those that are asked, metres.
+fn read_tips(file: &Path, asked: &Recording) -> Result<Vec<Point3>, String> {
+    let rows: Vec<PredictedTip> = read_csv(file).map_err(|error| error.to_string())?;
+    let file = file.display();
+    if rows.len() != asked.trial.len() {
+        let (found, expected) = (rows.len(), asked.trial.len());
+        return Err(format!("{file}: found {found} rows, expected the {expected} of the question"));
     }
-    Ok(rows.into_iter().map(|row| (row.robot, row.effects)).collect())
+    let tip_m = |(row, predicted): (usize, &PredictedTip)| {
+        let (trial, time_s) = (asked.trial[row], asked.time_s[row]);
+        let is_asked = predicted.trial == trial && (predicted.time_s - time_s).abs() < 1e-6;
+        let tip_m: Point3 = [predicted.tip_x_m, predicted.tip_y_m, predicted.tip_z_m];
+        let row = row + 2;
+        if !is_asked {
+            let PredictedTip { trial: found, time_s: found_s, .. } = predicted;
+            return Err(format!(
+                "{file}:{row}: found trial {found} at {found_s:.3} s, expected trial {trial} at {time_s:.3} s"
+            ));
+        }
+        if !tip_m.iter().all(|value| value.is_finite()) {
+            return Err(format!("{file}:{row}: found the tip {tip_m:?}, expected finite numbers"));
+        }
+        Ok(tip_m)
+    };
+    rows.iter().enumerate().map(tip_m).collect()
+}
+
+/// Root mean square of the distances of the predicted tips from the true ones, over the length.
+fn predicted_trial(
+    answer: &TipsAnswer,
+    robot: &LeagueRobot,
+    plan: &QuestionPlan,
+) -> Result<ScoredTrial, LeagueError> {
+    let true_tips_m = true_tips_m(robot, &answer.asked, plan)?;
+    let distances_m: Vec<f64> =
+        answer.tips_m.iter().zip(&true_tips_m).map(|(tip_m, tip)| distance_m(tip_m, tip)).collect();
+    Ok((root_mean_square(&distances_m) / robot.length_m(), None))
 }
 
 /// Error 0 where exactly the hidden effects are named; otherwise 1, and what went wrong in the terms
 /// of fault diagnosis (Isermann, *Fault-Diagnosis Systems*, 2006).
-fn named_trial(answer: &str, robot: &LeagueRobot) -> ScoredTrial {
-    let mut answered: Vec<&str> = answer.split_whitespace().collect();
+fn named_trial(answer: &[String], robot: &LeagueRobot) -> ScoredTrial {
+    let mut answered: Vec<&str> = answer.iter().map(String::as_str).collect();
     let mut hidden: Vec<&str> = robot.effects.iter().map(|effect| effect.card().name).collect();
     answered.sort_unstable();
     hidden.sort_unstable();
@@ -158,37 +221,4 @@ fn named_trial(answer: &str, robot: &LeagueRobot) -> ScoredTrial {
         (false, false) => "wrong isolation",
     };
     (1.0, Some(fault.to_owned()))
-}
-
-/// Root mean square of the distance of predicted tips from the true ones, metres.
-fn predicted(file: &Path, question: &RobotQuestion) -> Result<f64, String> {
-    let rows: Vec<PredictedTip> = read_csv(file).map_err(|error| error.to_string())?;
-    let asked = &question.asked;
-    if rows.len() != asked.trial.len() {
-        return Err(format!(
-            "{}: found {} rows, expected the {} of the question",
-            file.display(),
-            rows.len(),
-            asked.trial.len()
-        ));
-    }
-    let mut distances_m = Vec::with_capacity(rows.len());
-    for (row, predicted) in rows.iter().enumerate() {
-        let is_asked = predicted.trial == asked.trial[row]
-            && (predicted.time_s - asked.time_s[row]).abs() < 1e-6;
-        let tip_m: Point3 = [predicted.tip_x_m, predicted.tip_y_m, predicted.tip_z_m];
-        if !is_asked || !tip_m.iter().all(|value| value.is_finite()) {
-            return Err(format!(
-                "{}:{}: found trial {} at {:.3} s, expected trial {} at {:.3} s with a finite tip",
-                file.display(),
-                row + 2,
-                predicted.trial,
-                predicted.time_s,
-                asked.trial[row],
-                asked.time_s[row]
-            ));
-        }
-        distances_m.push(distance_m(&tip_m, &question.tips_m[row]));
-    }
-    Ok(root_mean_square(&distances_m))
 }

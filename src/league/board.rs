@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::LeagueError;
 use super::robot::MEASURED;
 use super::score::{RobotPart, Score, ScorePart, failure_words};
+use super::season::label;
 use crate::rows::league::{ALL, BoardRow};
 
 /// Times of the answers of a policy (`timing.json`): they differ from run to run.
@@ -61,26 +62,30 @@ pub fn board(folder: &Path) -> Result<Vec<BoardRow>, LeagueError> {
 
 /// The season of a score, and whether its robots were the sealed ones.
 fn season(score: &Score) -> String {
-    score.season.clone() + if score.sealed { "_sealed" } else { "" }
+    label(&score.season, score.sealed)
 }
 
 /// Refuses two scores of one name, and scores on other tracks, models or engines than the first.
 fn check_comparable(group: &[(&Path, &TimedScore)]) -> Result<(), LeagueError> {
     for (index, (file, (score, _))) in group.iter().enumerate() {
         let (first_file, (first, _)) = group[0];
-        if score.digests.tracks != first.digests.tracks {
-            return Err(LeagueError::input(format!(
-                "{}: digests.tracks: found {}, expected {} as in {}: scores on other tracks cannot be compared",
-                file.display(),
-                score.digests.tracks,
-                first.digests.tracks,
-                first_file.display()
-            )));
+        let secret = |score: &Score| score.digests.secret.clone().unwrap_or_default();
+        for (key, found, expected) in [
+            ("tracks", score.digests.tracks.clone(), first.digests.tracks.clone()),
+            ("secret", secret(score), secret(first)),
+        ] {
+            if found != expected {
+                return Err(LeagueError::input(format!(
+                    "{}: digests.{key}: found {found}, expected {expected} as in {}: scores on other robots cannot be compared",
+                    file.display(),
+                    first_file.display()
+                )));
+            }
         }
         let same = group[..index].iter().find(|(_, (other, _))| other.name == score.name);
         if let Some((other, _)) = same {
             return Err(LeagueError::input(format!(
-                "{}: name: found `{}`, expected another name than that in {}",
+                "{}: name: found a second score of `{}`, expected one; the other is {}",
                 file.display(),
                 score.name,
                 other.display()
@@ -102,7 +107,7 @@ fn of_track(scores: &[&TimedScore]) -> Vec<BoardRow> {
         for cell in all.into_iter().chain(cells.iter().copied().map(Some)) {
             let plays = |score: &Score| {
                 (matches!(robots, RobotPart::Family(_)) || score.simulated_families() == simulated)
-                    && (cell.is_some() || score.cells() == cells)
+                    && cell.map_or(score.cells() == cells, |cell| score.cells().contains(cell))
             };
             let playing = scores.iter().copied().filter(|(score, _)| plays(score));
             rows.extend(ranked(&playing.collect::<Vec<_>>(), ScorePart { robots, cell }));
@@ -135,7 +140,7 @@ fn collect(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), LeagueError> {
     for entry in entries.flatten() {
         match entry.file_type() {
             Ok(kind) if kind.is_dir() => collect(&entry.path(), files)?,
-            Ok(_) if entry.file_name() == SCORE => files.push(entry.path()),
+            Ok(kind) if kind.is_file() && entry.file_name() == SCORE => files.push(entry.path()),
             _ => {}
         }
     }
@@ -162,7 +167,7 @@ fn ranked(scores: &[&TimedScore], part: ScorePart) -> Vec<BoardRow> {
                 low_95,
                 high_95,
                 floor: summary.floor.unwrap_or(f64::NAN),
-                samples: score.real_samples + score.robot_samples,
+                samples: score.real_samples.saturating_add(score.robot_samples),
                 tick_ms: times.map_or(f64::NAN, |times| 1e3 * times.median_s),
                 robot_count: summary.robots,
                 trials: summary.trials,
@@ -206,13 +211,14 @@ mod tests {
             licence: none(),
             real_samples: 0,
             robot_samples: 0,
-            season: none(),
+            season: "development".to_owned(),
             sealed: false,
             digests: Digests {
                 submission: none(),
                 tracks: none(),
                 robots: none(),
                 program: none(),
+                secret: None,
             },
             machine: Machine { system: none(), processor: none(), guards: none() },
             robots: robots.iter().enumerate().map(robot).collect(),

@@ -2,9 +2,9 @@
 //! (docs/guide/league.md).
 //!
 //! Order: `track` (what is asked), `robot` (robots and their hidden effects, by a seed), `measured`
-//! (real robots, from recordings), `season` (what is frozen and sealed), `submission`, `instance` (a track on one robot as an
-//! ordinary experiment), `questions` (recordings to answer), `score`, `play` (a submission on
-//! all robots), `answers` (answers to questions), `board`.
+//! (real robots, from recordings), `season` (what is frozen and sealed), `submission`, `instance` (a
+//! track on one robot as an ordinary experiment), `questions` (recordings to answer), `score`,
+//! `play` (a submission on all robots), `answers` (answers to questions), `board`.
 
 pub mod answers;
 pub mod board;
@@ -37,4 +37,13 @@ impl LeagueError {
     pub(crate) fn failed(words: impl std::fmt::Display) -> LeagueError {
         LeagueError::Failed(words.to_string())
     }
+}
+
+/// What [`is_name`] expects, in words.
+const NAME: &str = "letters, digits, `_` and `-`, at most 64";
+
+/// Whether a text can name a submission, a season, a track or a robot: files are named after them.
+fn is_name(text: &str) -> bool {
+    (1..=64).contains(&text.len())
+        && text.chars().all(|letter| letter.is_ascii_alphanumeric() || "_-".contains(letter))
 }

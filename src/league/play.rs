@@ -48,6 +48,8 @@ pub fn play(
     let mut scores: BTreeMap<String, Vec<RobotScore>> = BTreeMap::new();
     for (entry, robot) in campaign.entries.iter().zip(robots) {
         for tables in entry.tables(&outcomes) {
+            refuse_lost_robot(&tables.published)
+                .map_err(|status| LeagueError::failed(format!("{}: {status}", robot.name)))?;
             for (policy, cells) in cells(&tables.published, robot.length_m()) {
                 let score = RobotScore {
                     robot: robot.name.clone(),
@@ -80,6 +82,14 @@ pub fn write_experiments(
         Ok(file)
     };
     robots.iter().map(write).collect()
+}
+
+/// The status of a trial whose robot could not be played: the policy is not at fault.
+fn refuse_lost_robot(published: &Published) -> Result<(), String> {
+    let reached = published.trials.iter().map(|row| &row.value.status);
+    let paced = published.paces.iter().map(|row| &row.value.status);
+    let lost = reached.chain(paced).find(|status| status.as_str().contains("robot server: "));
+    lost.map_or(Ok(()), |status| Err(status.as_str().to_owned()))
 }
 
 /// Trials by policy and mode or speed.

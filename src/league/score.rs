@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde::{Deserialize, Serialize};
 
-use super::LeagueError;
 use super::robot::MEASURED;
+use super::{LeagueError, NAME, is_name};
 use crate::math::distribution::wilson_95;
 use crate::math::summary::{interval_95, mean};
 use crate::rows::league::{ALL, SHARE_NOT_NAMED};
@@ -61,6 +61,9 @@ pub struct Digests {
     pub robots: String,
     /// Version of the program.
     pub program: String,
+    /// Hash of the secret that drew the robots, where they were sealed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub secret: Option<String>,
 }
 
 /// Where a score was computed.
@@ -90,6 +93,11 @@ pub struct RobotScore {
 }
 
 impl RobotScore {
+    /// Names of its modes or speeds.
+    fn cells(&self) -> BTreeSet<&str> {
+        self.cells.iter().map(|cell| cell.cell.as_str()).collect()
+    }
+
     /// Mean over its cells.
     pub fn error(&self) -> f64 {
         mean(&self.cells.iter().map(|cell| cell.error).collect::<Vec<_>>())
@@ -225,9 +233,10 @@ pub struct Summary {
 }
 
 impl Score {
-    /// Names of its modes or speeds.
+    /// Names of the modes or speeds that it played on each robot.
     pub fn cells(&self) -> BTreeSet<&str> {
-        self.robots.iter().flat_map(|robot| &robot.cells).map(|cell| cell.cell.as_str()).collect()
+        let cells = self.robots.iter().map(RobotScore::cells);
+        cells.reduce(|all, own| &all & &own).unwrap_or_default()
     }
 
     /// Families of its simulated robots.
@@ -293,7 +302,41 @@ impl Score {
         if score.format != FORMAT {
             return Err(wrong(format!("format: found {}, expected {FORMAT}", score.format)));
         }
+        score.check().map_err(wrong)?;
         Ok(score)
+    }
+
+    /// Refuses what no run can have written.
+    fn check(&self) -> Result<(), String> {
+        for (key, name) in [("name", &self.name), ("track", &self.track), ("season", &self.season)]
+        {
+            if !is_name(name) {
+                return Err(format!("{key}: found `{name}`, expected {NAME}"));
+            }
+        }
+        let mut seen = BTreeSet::new();
+        for robot in &self.robots {
+            for cell in &robot.cells {
+                let place = format!("robots: {}: {}", robot.robot, cell.cell);
+                let CellScore { trials, failures, error, floor, .. } = cell;
+                let failed =
+                    failures.values().try_fold(0_u64, |sum, count| sum.checked_add(*count));
+                if failed.is_none_or(|failed| failed > *trials) || *trials == 0 {
+                    return Err(format!(
+                        "{place}: found {trials} trials with failures {failures:?}, expected trials, and no more failures than trials"
+                    ));
+                }
+                if *error < 0.0 || floor.is_some_and(|floor| floor < 0.0) {
+                    return Err(format!(
+                        "{place}: found error {error}, floor {floor:?}, expected none below 0"
+                    ));
+                }
+                if !seen.insert((&robot.robot, &cell.cell)) {
+                    return Err(format!("{place}: found a second time, expected once"));
+                }
+            }
+        }
+        Ok(())
     }
 
     /// The text of its file.

@@ -5,14 +5,25 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::LeagueError;
 use super::robot::RobotSeed;
 use super::track::{self, ReadTrack};
+use super::{LeagueError, NAME, is_name};
 use crate::runner::Digest;
 use crate::specs::{Document, files_behind, to_yaml};
 
 /// The seed of the development robots where there is no season.
 pub const PUBLIC_SEED: u64 = 1;
+
+/// Stands for the season of a score where there is none.
+pub const DEVELOPMENT: &str = "development";
+
+/// What follows the name of a season whose sealed robots play.
+const SEALED: &str = "_sealed";
+
+/// A season as scores, tables and questions name it.
+pub fn label(season: &str, is_sealed: bool) -> String {
+    season.to_owned() + if is_sealed { SEALED } else { "" }
+}
 
 /// A season as its file gives it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -39,8 +50,13 @@ impl Season {
     /// A season of the tracks in a folder, to be scored by this program.
     ///
     /// # Errors
-    /// [`LeagueError::Input`] for tracks that cannot be read.
+    /// [`LeagueError::Input`] for a name that cannot be one, and tracks that cannot be read.
     pub fn new(name: &str, tracks: &Path) -> Result<Season, LeagueError> {
+        if !is_name(name) || name == DEVELOPMENT || name.ends_with(SEALED) {
+            return Err(LeagueError::input(format!(
+                "season: found `{name}`, expected {NAME}, other than `{DEVELOPMENT}` and `…{SEALED}`"
+            )));
+        }
         Ok(Season {
             season: name.to_owned(),
             program: crate::VERSION.to_owned(),
@@ -57,7 +73,15 @@ impl Season {
     /// [`LeagueError::Input`] for the first wrong key.
     pub fn read(file: &Path) -> Result<Season, LeagueError> {
         let document = Document::read(file, &[], &[]).map_err(LeagueError::input)?;
-        document.parse().map_err(LeagueError::input)
+        let season: Season = document.parse().map_err(LeagueError::input)?;
+        let (found, expected) = (season.public_seed, public_seed(&season.season));
+        if found != expected {
+            return Err(LeagueError::input(format!(
+                "{}: public_seed: found {found}, expected {expected}, which follows from the name",
+                file.display()
+            )));
+        }
+        Ok(season)
     }
 
     /// The text of its file.

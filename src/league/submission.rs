@@ -4,10 +4,11 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::LeagueError;
+use super::season::DEVELOPMENT;
+use super::{LeagueError, NAME, is_name};
 use crate::policies::{self, OnnxOptions, OutsidePolicy, ProgramOptions, PythonOptions};
 use crate::runner::Digest;
-use crate::specs::Document;
+use crate::specs::{Document, files_behind};
 
 /// Name of the file that describes a submission.
 pub const FILE: &str = "submission.yaml";
@@ -31,12 +32,19 @@ pub struct Submission {
     /// Folder of the answers, for tracks with questions.
     #[serde(default)]
     pub answers: Option<PathBuf>,
+    /// Whose questions they answer, as `spinebench league robots` says.
+    #[serde(default = "development")]
+    pub questions: String,
     /// What it was trained on, in words.
     pub trained_on: String,
     /// Measured samples of real or league robots that it was trained on beforehand.
     pub real_samples: u64,
     /// Licence of what is submitted.
     pub licence: String,
+}
+
+fn development() -> String {
+    DEVELOPMENT.to_owned()
 }
 
 /// A submitted policy.
@@ -103,11 +111,15 @@ impl ReadSubmission {
         let Submission { name, authors, licence, trained_on, policy, answers, .. } =
             &self.submission;
         let mut faults = Vec::new();
-        let is_name = !name.is_empty()
-            && name.chars().all(|letter| letter.is_ascii_alphanumeric() || "_-".contains(letter));
         let taken = matches!(policy, Some(SubmittedPolicy::Builtin(builtin)) if builtin == name);
-        if !is_name || policies::find(name).is_some() && !taken {
-            faults.push(format!("name: found `{name}`, expected letters, digits, `_` and `-`, and no name of a policy of this program"));
+        if !is_name(name) || policies::find(name).is_some() && !taken {
+            faults.push(format!(
+                "name: found `{name}`, expected {NAME}, and no name of a policy of this program"
+            ));
+        }
+        let behind = files_behind(&self.folder.join(FILE));
+        for extended in behind.iter().filter(|file| !self.is_within(file)) {
+            faults.push(self.outside_its_folder("extends", extended));
         }
         for (key, missing) in [
             ("authors", authors.iter().all(|author| author.trim().is_empty())),
@@ -134,6 +146,9 @@ impl ReadSubmission {
                 faults.push(self.outside_its_folder(&format!("policy.{kind}.file"), file));
             }
         }
+        if let Some(Err(option)) = outside.as_ref().map(OutsidePolicy::check) {
+            faults.push(format!("policy.{kind}.{option}"));
+        }
         if let Some(answers) = answers.as_ref().map(|answers| self.folder.join(answers)) {
             if !answers.is_dir() {
                 faults.push(format!("answers: found no folder {}", answers.display()));
@@ -158,6 +173,20 @@ impl ReadSubmission {
     fn outside_its_folder(&self, key: &str, found: &Path) -> String {
         let (found, folder) = (found.display(), self.folder.display());
         format!("{key}: found {found}, expected a place in the folder of the submission, {folder}")
+    }
+
+    /// A copy of the files that the digest covers: nothing else can serve the policy.
+    ///
+    /// # Errors
+    /// [`LeagueError::Failed`] for a file that cannot be copied.
+    pub fn copied(&self, folder: &Path) -> Result<ReadSubmission, LeagueError> {
+        for file in files(&self.folder)? {
+            let (from, to) = (self.folder.join(&file), folder.join(&file));
+            let made = std::fs::create_dir_all(to.parent().unwrap_or(folder));
+            made.and_then(|()| std::fs::copy(&from, &to))
+                .map_err(|error| LeagueError::failed(format!("{}: {error}", from.display())))?;
+        }
+        Ok(ReadSubmission { folder: folder.to_owned(), submission: self.submission.clone() })
     }
 
     /// Digest of all its files, in the order of their names, but for what a score has written.
@@ -197,10 +226,12 @@ fn files(folder: &Path) -> Result<Vec<PathBuf>, LeagueError> {
             match entry.file_type() {
                 Ok(kind) if kind.is_dir() && !is_written(&name) => pending.push(name),
                 Ok(kind) if kind.is_file() => found.push(name),
-                Ok(kind) if kind.is_symlink() => {
+                Ok(kind) if !kind.is_dir() => {
                     let file = folder.join(&name).display().to_string();
+                    let found =
+                        if kind.is_symlink() { "a link" } else { "a pipe, socket or device" };
                     return Err(LeagueError::input(format!(
-                        "{file}: found a link, expected a file: a digest covers the submission"
+                        "{file}: found {found}, expected a file: a digest covers the submission"
                     )));
                 }
                 _ => {}

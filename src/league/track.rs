@@ -5,8 +5,11 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::LeagueError;
+use super::{LeagueError, NAME, is_name};
+use crate::base::BadOption;
 use crate::benchmark::Population;
+use crate::effects::card;
+use crate::policies::ProcessOptions;
 use crate::specs::Document;
 
 /// A track as its file gives it.
@@ -47,6 +50,24 @@ fn answer_s() -> f64 {
     1.0
 }
 
+impl LeagueTrack {
+    /// Checks every range.
+    fn check(&self) -> Result<(), BadOption> {
+        BadOption::unless_within("robots_each", self.robots_each, 1..=1000, "1 to 1000")?;
+        BadOption::unless_not_negative("noise_m", self.noise_m)?;
+        let process = ProcessOptions { answer_s: self.answer_s, ..ProcessOptions::default() };
+        process.check()?;
+        match &self.task {
+            Task::Reach { .. } => Ok(()),
+            Task::Laps { lap_s, speeds, .. } => {
+                BadOption::unless_positive("lap_s", *lap_s)?;
+                speeds.iter().try_for_each(|speed| BadOption::unless_positive("speeds", *speed))
+            }
+            Task::Identify(plan) | Task::Name(plan) => plan.check(),
+        }
+    }
+}
+
 /// The task of a track.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
@@ -82,7 +103,7 @@ pub struct HiddenChange {
     pub effects: Population,
 }
 
-/// QuestionPlan of a robot: random walks from home.
+/// Recordings of a robot: random walks from home.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct QuestionPlan {
@@ -99,6 +120,18 @@ pub struct QuestionPlan {
     pub step_share: f64,
     /// Largest pull, as a share of the suited travel.
     pub pull_share: f64,
+}
+
+impl QuestionPlan {
+    fn check(&self) -> Result<(), BadOption> {
+        let expected = "1 to 1000";
+        BadOption::unless_within("trials", self.trials, 1..=1000, expected)?;
+        BadOption::unless_within("asked", self.asked, ..=1000, "0 to 1000")?;
+        BadOption::unless_within("rows", self.rows, 2..=100_000, "2 to 100000")?;
+        BadOption::unless_within("step_s", self.step_s, 1e-3..=10.0, "0.001 to 10 s")?;
+        BadOption::unless_share("step_share", self.step_share)?;
+        BadOption::unless_share("pull_share", self.pull_share)
+    }
 }
 
 /// A real robot that was recorded: each row is a pose at rest. Its rows are not part of a checkout.
@@ -196,6 +229,7 @@ impl ReadTrack {
         let document = Document::read(&file, &[], &[]).map_err(LeagueError::input)?;
         let track: LeagueTrack = document.parse().map_err(LeagueError::input)?;
         let wrong = |words: String| LeagueError::input(format!("{}: {words}", file.display()));
+        track.check().map_err(|error| wrong(error.to_string()))?;
         track.hidden.check().map_err(|error| wrong(format!("hidden.{error}")))?;
         if !track.measured.is_empty() && !matches!(track.task, Task::Identify(_)) {
             let words =
@@ -204,7 +238,9 @@ impl ReadTrack {
         }
         let robots = folder.join(&track.robots);
         let document = Document::read(&robots, &[], &[]).map_err(LeagueError::input)?;
-        let kinds = document.parse().map_err(LeagueError::input)?;
+        let kinds: RobotKinds = document.parse().map_err(LeagueError::input)?;
+        check_kinds(&kinds, &track)
+            .map_err(|words| LeagueError::input(format!("{}: {words}", robots.display())))?;
         let robots_folder = robots.parent().unwrap_or(Path::new("")).to_owned();
         Ok(ReadTrack { name: name.to_owned(), file, track, robots_folder, kinds })
     }
@@ -215,6 +251,36 @@ impl ReadTrack {
         let file = self.file.parent().unwrap_or(Path::new("")).join(extended);
         Some(std::path::absolute(&file).unwrap_or(file))
     }
+}
+
+/// Refuses robots without a name, and those in which nothing of what the track hides can be hidden.
+fn check_kinds(kinds: &RobotKinds, track: &LeagueTrack) -> Result<(), String> {
+    if kinds.is_empty() {
+        return Err("found no robots, expected some".to_owned());
+    }
+    for (name, kind) in kinds {
+        for (key, name) in [("", name), (".family", &kind.family)] {
+            if !is_name(name) {
+                return Err(format!("{name}{key}: found `{name}`, expected {NAME}"));
+            }
+        }
+        BadOption::unless_not_negative("load_kg", kind.load_kg)
+            .map_err(|error| format!("{name}.{error}"))?;
+        if let Some(unknown) = kind.effects.iter().find(|effect| card(effect).is_none()) {
+            return Err(format!(
+                "{name}.effects: found `{unknown}`, expected names of `spinebench effects`"
+            ));
+        }
+        let hidden = &track.hidden.effects;
+        let is_hidden = |effect: &String| hidden.is_empty() || hidden.contains(effect);
+        if !kind.effects.is_empty() && !kind.effects.iter().any(is_hidden) {
+            return Err(format!(
+                "{name}.effects: found none of what the track hides, expected one of {}",
+                hidden.join(", ")
+            ));
+        }
+    }
+    Ok(())
 }
 
 /// Names of the tracks in a folder: its YAML files that have a task.
@@ -232,7 +298,7 @@ pub fn names(folder: &Path) -> Result<Vec<String>, LeagueError> {
     let mut names: Vec<String> = entries
         .flatten()
         .map(|entry| entry.path())
-        .filter(|path| path.extension().is_some_and(|end| end == "yaml"))
+        .filter(|path| path.extension().is_some_and(|end| end == "yaml") && path.is_file())
         .filter(|path| std::fs::read_to_string(path).is_ok_and(|text| text.contains("\ntask:")))
         .filter_map(|path| Some(path.file_stem()?.to_str()?.to_owned()))
         .collect();

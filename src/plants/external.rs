@@ -11,7 +11,7 @@ use serde_json::{Map, Value, json};
 use super::{PlantOptions, RobotSize, check_commands};
 use crate::base::{
     BadOption, Generator, LinePeer, Observation, PeerError, Plant, PlantError, Seed, SeenPoint,
-    TendonCommand, TendonLayout,
+    TendonCommand, TendonLayout, printable,
 };
 use crate::effects::{EffectSpec, Model};
 
@@ -224,6 +224,12 @@ impl External {
         let answer = self.peer.ask(request, self.options.answer_s)?;
         let seen: Seen = Seen::deserialize(checked(&answer, "observe")?)
             .map_err(|error| PeerError::NoJson(format!("`observe`: {error}")))?;
+        let (pulls_m, tendons) = (seen.pulls_m.unwrap_or(pulls_m), self.tendons());
+        if pulls_m.len() != tendons {
+            let found = pulls_m.len();
+            let words = format!("`observe.pulls_m`: found {found} numbers, expected {tendons}");
+            return Err(PeerError::NoJson(words).into());
+        }
         let mut tip_m = seen.tip_m.map(|value| value.unwrap_or(f64::NAN));
         let valid = seen.valid && tip_m.iter().all(|value| value.is_finite());
         if let Ok(normal) = Normal::new(0.0, self.options.noise_m) {
@@ -238,7 +244,7 @@ impl External {
             tip_m,
             tip_quaternion: seen.tip_quaternion,
             points: seen.points_m.into_iter().map(point).collect(),
-            pulls_m: seen.pulls_m.unwrap_or(pulls_m),
+            pulls_m,
             tensions_n: seen.tensions_n,
             valid,
         })
@@ -267,7 +273,7 @@ fn yes() -> bool {
 fn checked<'a>(answer: &'a Value, key: &str) -> Result<&'a Value, PlantError> {
     if let Some(error) = answer.get("error") {
         let text = |key: &str| error.get(key).and_then(Value::as_str).unwrap_or_default();
-        let message = text("message").to_owned();
+        let message = printable(text("message"), 500);
         return Err(match text("kind") {
             "refused" => PlantError::Refused(message),
             "solver" => PlantError::Solver(message),
@@ -276,7 +282,10 @@ fn checked<'a>(answer: &'a Value, key: &str) -> Result<&'a Value, PlantError> {
             _ => PlantError::Stopped(message),
         });
     }
-    let missing = || PeerError::NoJson(format!("an answer without `{key}`: {answer}"));
+    let missing = || {
+        let answer = printable(&answer.to_string(), 80);
+        PeerError::NoJson(format!("an answer without `{key}`: {answer}"))
+    };
     answer.get(key).ok_or_else(|| missing().into())
 }
 

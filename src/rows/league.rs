@@ -5,6 +5,9 @@ use crate::data::table_rows;
 /// All families, or all modes or speeds.
 pub const ALL: &str = "all";
 
+/// The cell of answers, in place of a mode or speed.
+pub const ANSWERS: &str = "answers";
+
 /// What is measured where effects are named: a share of robots.
 pub const SHARE_NOT_NAMED: &str = "share not named";
 

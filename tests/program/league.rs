@@ -87,6 +87,13 @@ impl League {
         command.current_dir(self.0.path()).output().unwrap()
     }
 
+    /// A command that must end with 2 and these words.
+    fn refused(&self, arguments: &[&str], words: &str) {
+        let output = self.league(arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {}", said(&output));
+        assert!(said(&output).contains(words), "{arguments:?}: {words}: {}", said(&output));
+    }
+
     /// `league score`, which must succeed; its score.
     fn score(&self, folder: &Path) -> Value {
         let output = self.league(&["score", folder.to_str().unwrap(), "--tracks", "tracks"]);
@@ -139,6 +146,9 @@ fn a_policy_that_peeks_learns_nothing() {
     }
     let league = League::new();
     let folder = league.python("peeking", "Peeking");
+    // The digest of the submission does not cover it.
+    std::fs::create_dir_all(folder.join("score")).unwrap();
+    std::fs::write(folder.join("score/beside.txt"), "what an earlier trial has seen").unwrap();
     let score = league.score(&folder);
     assert_eq!(failures(&score), "{}", "{score}");
     assert!(!folder.join("written.txt").exists());
@@ -278,6 +288,36 @@ fn anybody_verifies_a_season_by_the_same_bytes_once_its_secret_is_disclosed() {
     let (scored, second) = score("second", &["--season", "one.yaml", "--sealed"]);
     assert!(scored.status.success(), "{}", said(&scored));
     assert_eq!(first, second.unwrap());
+    // Its name gives the public seed, and another secret draws other robots.
+    let opened = std::fs::read_to_string(league.path("one.yaml")).unwrap();
+    let at = opened.find("public_seed: ").unwrap() + "public_seed: ".len();
+    let forged = format!("{}1{}", &opened[..at], &opened[at..]);
+    std::fs::write(league.path("forged.yaml"), forged).unwrap();
+    let (forged, none) = score("forged", &["--season", "forged.yaml"]);
+    assert!(forged.status.code() == Some(2) && none.is_err(), "{}", said(&forged));
+    assert!(said(&forged).contains("public_seed: found 1"), "{}", said(&forged));
+    done(&["new-season", "one", "--out", "again.yaml", "--tracks", "tracks"]);
+    done(&["seal", "again.yaml", "--secret", "key_2"]);
+    league.submit("jacobian", "{builtin: online_jacobian}");
+    done(&[
+        "score",
+        "jacobian",
+        "--tracks",
+        "tracks",
+        "--season",
+        "again.yaml",
+        "--secret",
+        "key_2",
+        "--out",
+        "first/b",
+    ]);
+    league.refused(&["table", "first"], "digests.secret: found");
+    for name in ["a/b", "development", "x_sealed", ""] {
+        league.refused(
+            &["new-season", name, "--out", "x.yaml", "--tracks", "tracks"],
+            "season: found",
+        );
+    }
     // Other tracks are another season.
     let track = std::fs::read_to_string(league.path("tracks/small.yaml")).unwrap();
     std::fs::write(
@@ -290,6 +330,73 @@ fn anybody_verifies_a_season_by_the_same_bytes_once_its_secret_is_disclosed() {
     ]);
     assert_eq!(other.status.code(), Some(2));
     assert!(said(&other).contains("tracks: found"), "{}", said(&other));
+}
+
+#[test]
+fn a_robot_that_is_lost_is_no_failure_of_the_policy() {
+    let league = League::new();
+    let server = "import json, sys\n\
+        for line in sys.stdin:\n    \
+            if 'hello' not in line: sys.exit(3)\n    \
+            print(json.dumps({'robot': {'protocol': 1, 'tendons': 4}}), flush=True)\n";
+    std::fs::write(league.path("tracks/server.py"), server).unwrap();
+    let robots = std::fs::read_to_string(league.path("tracks/robots.yaml")).unwrap();
+    let engine = ", engine: {name: other, command: [python3, server.py]}}";
+    std::fs::write(league.path("tracks/robots.yaml"), robots.replace('}', engine)).unwrap();
+    let folder = league.submit("integral", "{builtin: integral}");
+    let output = league.league(&["score", folder.to_str().unwrap(), "--tracks", "tracks"]);
+    assert_eq!(output.status.code(), Some(1), "{}", said(&output));
+    assert!(said(&output).contains("robot server: ended: exit status 3"), "{}", said(&output));
+    assert!(!folder.join("score/score.json").exists());
+}
+
+#[test]
+fn tracks_robots_and_scores_that_cannot_be_are_refused() {
+    let league = League::new();
+    let folder = league.submit("integral", "{builtin: integral}");
+    let score = league.score(&folder);
+    let read = |file: &str| std::fs::read_to_string(league.path(file)).unwrap();
+    let refused_with = |file: &str, from: &str, to: &str, command: &[&str], words: &str| {
+        let text = read(file);
+        assert!(text.contains(from), "{from}: {text}");
+        std::fs::write(league.path(file), text.replacen(from, to, 1)).unwrap();
+        league.refused(command, words);
+        std::fs::write(league.path(file), text).unwrap();
+    };
+    let check = ["check", "integral", "--tracks", "tracks"];
+    for (file, from, to, words) in [
+        ("tracks/small.yaml", "noise_m: 0.0005", "noise_m: .nan", "small.yaml: noise_m: found NaN"),
+        ("tracks/small.yaml", "answer_s: 2.0", "answer_s: -1", "small.yaml: answer_s: found -1"),
+        (
+            "tracks/small.yaml",
+            "robots_each: 1",
+            "robots_each: 0",
+            "small.yaml: robots_each: found 0",
+        ),
+        ("tracks/robots.yaml", "rod: ", "../rod: ", "robots.yaml: ../rod: found `../rod`"),
+        (
+            "tracks/robots.yaml",
+            "load_kg",
+            "effects: [creep], load_kg",
+            "rod.effects: found none of",
+        ),
+        ("integral/submission.yaml", "name: integral", "name: a/b", "name: found `a/b`"),
+        ("integral/submission.yaml", "name: ", "extends: ../base.yaml\nname: ", "extends: found"),
+    ] {
+        std::fs::write(league.path("base.yaml"), "licence: none\n").unwrap();
+        refused_with(file, from, to, &check, words);
+    }
+    let cell = score["robots"][0]["cells"][0]["error"].to_string();
+    for (from, to, words) in [
+        ("\"season\": \"development\"", "\"season\": \"/../../evil\"", "season: found"),
+        (&format!("\"error\": {cell}"), "\"error\": -1.0", "expected none below 0"),
+        ("\"trials\": 2", "\"trials\": 0", "expected trials"),
+    ] {
+        refused_with("integral/score/score.json", from, to, &["table", "integral"], words);
+    }
+    let inside = ["score", "integral", "--tracks", "tracks", "--out", "integral/mine"];
+    league.refused(&inside, "--out: found");
+    assert!(!league.path("integral/mine").exists());
 }
 
 #[test]

@@ -5,7 +5,7 @@ use clap::Args;
 use spinebench::league::LeagueError;
 use spinebench::league::measured::measured_robots;
 use spinebench::league::robot::{LeagueRobot, RobotSeed, draw};
-use spinebench::league::season::{PUBLIC_SEED, Season};
+use spinebench::league::season::{DEVELOPMENT, PUBLIC_SEED, Season, label};
 use spinebench::league::track::ReadTrack;
 use std::path::{Path, PathBuf};
 
@@ -26,10 +26,10 @@ pub(super) struct SeasonArgs {
     pub(super) tracks: PathBuf,
     /// File of a season. Without it, the development robots.
     #[arg(long, value_name = "SEASON.yaml")]
-    season: Option<PathBuf>,
+    pub(super) season: Option<PathBuf>,
     /// File of the season's secret: play its sealed robots. A season that was opened needs none.
     #[arg(long, value_name = "FILE", requires = "season")]
-    secret: Option<PathBuf>,
+    pub(super) secret: Option<PathBuf>,
     /// Play the sealed robots of a season that was opened.
     #[arg(long, requires = "season")]
     sealed: bool,
@@ -45,11 +45,18 @@ pub(super) struct Robots {
     pub(super) season: String,
     /// What draws them.
     pub(super) seed: RobotSeed,
+    /// Hash of the secret that draws them, where they are sealed.
+    pub(super) secret: Option<String>,
 }
 
 impl Robots {
     pub(super) fn are_sealed(&self) -> bool {
-        matches!(self.seed, RobotSeed::Sealed(_))
+        self.secret.is_some()
+    }
+
+    /// The season as tables and questions name it.
+    pub(super) fn label(&self) -> String {
+        label(&self.season, self.are_sealed())
     }
 }
 
@@ -58,8 +65,9 @@ impl SeasonArgs {
     pub(super) fn robots(&self) -> Result<Robots, CommandError> {
         let Some(file) = &self.season else {
             return Ok(Robots {
-                season: "development".to_owned(),
+                season: DEVELOPMENT.to_owned(),
                 seed: RobotSeed::Public(PUBLIC_SEED),
+                secret: None,
             });
         };
         let season = Season::read(file)?;
@@ -74,7 +82,12 @@ impl SeasonArgs {
             _ => None,
         };
         let secret = text.map(|text| season.checked(&text)).transpose()?;
-        Ok(Robots { season: season.season.clone(), seed: season.seed(secret) })
+        let seed = season.seed(secret);
+        Ok(Robots {
+            season: season.season,
+            seed,
+            secret: season.sealed.filter(|_| secret.is_some()),
+        })
     }
 
     /// A track and its robots, of these families alone where there are any.

@@ -8,6 +8,7 @@ mod confine;
 mod robots;
 mod score;
 mod season;
+mod tried;
 
 use super::CommandResult;
 use clap::{Args, Subcommand};

@@ -3,10 +3,9 @@
 use super::common::SeasonArgs;
 use crate::cli::CommandResult;
 use clap::Args;
-use spinebench::league::answers::write_questions;
 use spinebench::league::instance::Player;
 use spinebench::league::play::write_experiments;
-use spinebench::league::questions::recordings;
+use spinebench::league::questions::{recordings, write_questions};
 use std::path::PathBuf;
 
 /// Write the robots of a track: an experiment for each, which `spinebench run` runs, or for a track
@@ -38,6 +37,9 @@ impl RobotsCommand {
             write_experiments(&read, &drawn, &player, &self.out)?;
         }
         println!("{} robots of `{}` in {}", drawn.len(), read.name, self.out.display());
+        if recordings(&read.track.task).is_some() && self.season.season.is_some() {
+            println!("answers to them have `questions: {}` in submission.yaml", robots.label());
+        }
         Ok(())
     }
 }

@@ -7,7 +7,7 @@ use crate::cli::program::shared::{CacheArgs, ThreadArgs};
 use crate::cli::{CommandError, CommandResult};
 use clap::Args;
 use spinebench::data::write_atomic;
-use spinebench::league::answers::judge;
+use spinebench::league::answers::Answers;
 use spinebench::league::board::{SCORE, TIMING, board};
 use spinebench::league::instance::{Player, robot_samples};
 use spinebench::league::play::{PlayOptions, add_floors, play};
@@ -45,10 +45,11 @@ impl ScoreCommand {
         let robots = self.season.robots()?;
         let checked = CheckedSubmission::read(&self.folder, &self.season, &robots)?;
         let out = self.out.clone().unwrap_or_else(|| self.folder.join(SCORE_FOLDER));
+        self.check_places(&out)?;
+        let digest = digest(&self.season.tracks)?.to_string();
         exit_on_interrupt("interrupted; no score was written");
         let scores = self.robot_scores(&checked, progress)?;
-        let score = self.score(&checked, &robots, scores)?;
-        std::fs::create_dir_all(&out).map_err(CommandError::failed)?;
+        let score = self.score(&checked, &robots, digest, scores)?;
         let write = |name: &str, text: &str| {
             write_atomic(&out.join(name), text.as_bytes()).map_err(CommandError::failed)
         };
@@ -64,12 +65,31 @@ impl ScoreCommand {
         Ok(())
     }
 
+    /// Makes the folder of the score. Neither it nor the secret may lie in the submission: its digest
+    /// covers what is there, and its policy can read it.
+    fn check_places(&self, out: &Path) -> CommandResult {
+        let folder = real_place(&self.folder);
+        for (key, place) in [("--out", Some(out)), ("--secret", self.season.secret.as_deref())] {
+            let Some(place) = place.map(real_place) else { continue };
+            let is_default = key == "--out" && place == folder.join(SCORE_FOLDER);
+            if place.starts_with(&folder) && !is_default {
+                refuse!(
+                    "{key}: found {}, expected a place outside the folder of the submission",
+                    place.display()
+                );
+            }
+        }
+        std::fs::create_dir_all(out)
+            .map_err(|error| CommandError::BadInput(format!("--out: {}: {error}", out.display())))
+    }
+
     fn robot_scores(
         &self,
         checked: &CheckedSubmission,
         progress: &Progress,
     ) -> Result<Vec<RobotScore>, CommandError> {
         let CheckedSubmission { read, track, robots, .. } = checked;
+        let scratch = checked.scratch.path();
         let submission = &read.submission;
         let Some(policy) = submission
             .policy
@@ -77,12 +97,8 @@ impl ScoreCommand {
             .filter(|_| matches!(track.track.task, Task::Reach { .. } | Task::Laps { .. }))
         else {
             let answers = submission.answers.clone().unwrap_or_default();
-            return Ok(judge(track, robots, &read.folder.join(answers))?);
+            return Ok(Answers::read(track, robots, &self.folder.join(answers))?.judge(robots)?);
         };
-        let scratch = tempfile::Builder::new()
-            .prefix("spinebench-league-")
-            .tempdir()
-            .map_err(CommandError::failed)?;
         let (player, name) = match (policy.outside(&read.folder), policy) {
             (Some(policy), _) => {
                 (Player::Submitted { name: submission.name.clone(), policy }, &submission.name)
@@ -91,9 +107,9 @@ impl ScoreCommand {
             (None, _) => return Err(CommandError::Failed("a policy without a file".to_owned())),
         };
         // A stored result would hide a policy that decides otherwise the second time.
-        let (kept, fresh) = (self.cache.store(), Store::at(scratch.path().join("store")));
+        let (kept, fresh) = (self.cache.store(), Store::at(scratch.join("store")));
         let store = if matches!(player, Player::Builtin(_)) { &kept } else { &fresh };
-        let folders = [scratch.path().join("trials"), scratch.path().join("floor")];
+        let folders = [scratch.join("trials"), scratch.join("floor")];
         let options =
             |store, specs| PlayOptions { store, threads: self.threads.jobs, progress, specs };
         let mut scores = play(track, robots, &player, &options(store, &folders[0]))?
@@ -107,6 +123,7 @@ impl ScoreCommand {
         &self,
         checked: &CheckedSubmission,
         season: &Robots,
+        tracks: String,
         robots: Vec<RobotScore>,
     ) -> Result<Score, CommandError> {
         let CheckedSubmission { read, track, robots: drawn, .. } = checked;
@@ -148,9 +165,10 @@ impl ScoreCommand {
             sealed: season.are_sealed(),
             digests: Digests {
                 submission: read.digest()?.to_string(),
-                tracks: digest(&self.season.tracks)?.to_string(),
+                tracks,
                 robots: Digest::of(drawn.join("\n").as_bytes()).to_string(),
                 program: spinebench::VERSION.to_owned(),
+                secret: season.secret.clone(),
             },
             machine: Machine {
                 system: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
@@ -160,6 +178,15 @@ impl ScoreCommand {
             robots,
         })
     }
+}
+
+/// A place without links and `..`, whether it exists or not.
+fn real_place(place: &Path) -> PathBuf {
+    let place = std::path::absolute(place).unwrap_or_else(|_| place.to_owned());
+    let there = place.ancestors().find_map(|above| Some((above, above.canonicalize().ok()?)));
+    let real = there.and_then(|(above, real)| Some(real.join(place.strip_prefix(above).ok()?)));
+    // Without the slash at the end that joining nothing leaves.
+    real.map_or(place, |real| real.components().collect())
 }
 
 /// The name of a file of a single score: that of a board, as a score.

@@ -75,7 +75,10 @@ impl SealCommand {
         season.sealed = Some(season.hash(&bytes));
         write_secret(&secret, &(digits + "\n"))
             .map_err(|error| CommandError::Failed(format!("{}: {error}", secret.display())))?;
-        write(&self.season, &season)?;
+        write(&self.season, &season).inspect_err(|_| {
+            // A secret without a season would be in the way of the next try.
+            let _ = std::fs::remove_file(&secret);
+        })?;
         println!("sealed: {}", season.sealed.unwrap_or_default());
         Ok(())
     }
@@ -107,7 +110,8 @@ impl OpenCommand {
 }
 
 fn write(file: &Path, season: &Season) -> CommandResult {
-    write_atomic(file, season.text()?.as_bytes()).map_err(CommandError::failed)
+    write_atomic(file, season.text()?.as_bytes())
+        .map_err(|error| CommandError::Failed(format!("{}: {error}", file.display())))
 }
 
 /// Writes a file that its owner alone can read.

@@ -79,15 +79,19 @@ impl OutsidePolicy {
         self
     }
 
-    /// Takes over what its file says of it.
-    pub fn read_attributes(&mut self, process: &ProcessOptions) {
+    /// Takes over what its file says of it, for a robot with so many tendons.
+    pub fn read_attributes(&mut self, tendons: usize, process: &ProcessOptions) {
         match self {
             OutsidePolicy::Onnx(_) | OutsidePolicy::Program(_) => {}
-            OutsidePolicy::Python(options) => options.read_attributes(process),
+            OutsidePolicy::Python(options) => options.read_attributes(tendons, process),
         }
     }
 
-    pub(super) fn check(&self) -> Result<(), BadOption> {
+    /// Checks every range.
+    ///
+    /// # Errors
+    /// [`BadOption`] names the first field out of range.
+    pub fn check(&self) -> Result<(), BadOption> {
         match self {
             OutsidePolicy::Onnx(options) => options.check(),
             OutsidePolicy::Python(options) => options.check(),

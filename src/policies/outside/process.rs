@@ -8,7 +8,9 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::controller::{OutsideDecider, OutsideDecision, OutsideView};
-use crate::base::{BadOption, Displacements, LinePeer, Observation, PeerError, PolicyError};
+use crate::base::{
+    BadOption, Displacements, LinePeer, Observation, PeerError, PolicyError, printable,
+};
 
 /// Version of the protocol.
 const PROTOCOL: u64 = 1;
@@ -208,8 +210,7 @@ impl ProcessDecider {
         let Some(error) = answer.get("error") else { return Ok(answer) };
         let text =
             |key: &str| error.get(key).and_then(Value::as_str).unwrap_or("failed").to_owned();
-        let words: String =
-            text("message").chars().filter(|letter| !letter.is_control()).take(200).collect();
+        let words = printable(&text("message"), 200);
         Err(match text("kind").as_str() {
             "not_finite" => PolicyError::NotFinite("answer of the policy"),
             "out_of_memory" => PolicyError::Outside(format!("out of memory: {words}")),

@@ -81,11 +81,12 @@ impl PythonOptions {
 
     /// Takes over what the class says of itself. A class that cannot be loaded says nothing;
     /// [`PythonOptions::check_content`] refuses it.
-    pub(super) fn read_attributes(&mut self, process: &ProcessOptions) {
+    pub(super) fn read_attributes(&mut self, tendons: usize, process: &ProcessOptions) {
         let closed_loop_only = match self.host(process) {
             Some(host) => (host.closed_loop_only)(self).ok(),
             None => {
-                let ready = self.process(1, process).and_then(|mut policy| policy.start()).ok();
+                let ready =
+                    self.process(tendons, process).and_then(|mut policy| policy.start()).ok();
                 ready.and_then(|ready| ready["ready"]["closed_loop_only"].as_bool())
             }
         };

@@ -7,7 +7,7 @@ use super::html::{self, document, figure};
 use super::page::markup::MarkdownTable;
 use super::style::{GREY, INK, Marker, TALL};
 use super::{Artifact, ReportError, captioned, csv, text};
-use crate::rows::league::{ALL, BoardRow, SHARE_NOT_NAMED};
+use crate::rows::league::{ALL, ANSWERS, BoardRow, SHARE_NOT_NAMED};
 
 /// Name of the figures in errors.
 const NAME: &str = "board";
@@ -38,7 +38,9 @@ pub fn board(rows: &[BoardRow]) -> Result<Vec<Artifact>, ReportError> {
 /// What ranks and dashes mean.
 const RANKS: &str = "A rank is one more than the number of submissions whose 95 % interval lies wholly below: a wide \
      interval can have a better rank than a smaller mean. A dash: a submission without all modes or speeds, or a single \
-     robot. A trial that failed counts as an error of one length of the robot.";
+     robot. A trial that failed counts as an error of one length of the robot. Tick: median time of an answer; policies \
+     of this program have none. False alarm: nothing is missing; missed detection: nothing was named; wrong isolation: \
+     another effect was named.";
 
 /// What a figure shows.
 fn caption(family: &[BoardRow]) -> String {
@@ -101,7 +103,7 @@ fn rank(row: Option<&BoardRow>) -> String {
 /// The error of a row with its interval, in per cent.
 fn with_interval(row: &BoardRow) -> String {
     let [error, low_95, high_95] = [row.error, row.low_95, row.high_95].map(percent);
-    if row.low_95.is_finite() { format!("{error} [{low_95}, {high_95}]") } else { error }
+    if row.low_95.is_finite() { format!("{error} [{low_95},\u{a0}{high_95}]") } else { error }
 }
 
 /// A table: names, ranks, errors over all modes or speeds and of each.
@@ -110,6 +112,10 @@ fn table(family: &[BoardRow]) -> MarkdownTable {
     // Where no submission has all modes, none has an error over them.
     let has_whole = cells.len() == 1 || cells.iter().any(|cell| cell[0].cell == ALL);
     let (first, parts) = cells.split_at(usize::from(has_whole));
+    // What no submission has, has no column.
+    let has_floor = first.iter().flat_map(|cell| *cell).any(|row| row.floor.is_finite());
+    let has_samples = family.iter().any(|row| row.samples > 0);
+    let has_tick = family.iter().any(|row| row.tick_ms.is_finite());
     let first = first.first().copied().unwrap_or_default();
     let rows = names(family).into_iter().filter_map(|name| {
         let own: Vec<&BoardRow> = family.iter().filter(|row| row.name == name).collect();
@@ -121,18 +127,26 @@ fn table(family: &[BoardRow]) -> MarkdownTable {
         cells.extend(parts.iter().map(|part| {
             percent(part.iter().find(|row| row.name == name).map_or(f64::NAN, |row| row.error))
         }));
-        let tick_ms = any.tick_ms.is_finite().then(|| format!("{:.2}", any.tick_ms));
-        cells.extend([
-            percent(whole.map_or(f64::NAN, |row| row.floor)),
-            any.samples.to_string(),
-            tick_ms.unwrap_or_else(|| "–".to_owned()),
-            failed(&counted),
-        ]);
+        if has_floor {
+            cells.push(percent(whole.map_or(f64::NAN, |row| row.floor)));
+        }
+        if has_samples {
+            cells.push(any.samples.to_string());
+        }
+        if has_tick {
+            let tick_ms = any.tick_ms.is_finite().then(|| format!("{:.2}", any.tick_ms));
+            cells.push(tick_ms.unwrap_or_else(|| "–".to_owned()));
+        }
+        cells.push(failed(&counted));
         Some(cells)
     });
     let parts: String = parts.iter().map(|part| format!("{}, % | ", part[0].cell)).collect();
-    let header =
-        format!("Submission | Rank | Error, % | {parts}Floor, % | Samples | Tick, ms | Failed");
+    let is_share = family[0].measure == SHARE_NOT_NAMED;
+    let [error, failures] = if is_share { ["Not named", "Why"] } else { ["Error", "Failed"] };
+    let further =
+        [(has_floor, "Floor, % | "), (has_samples, "Samples | "), (has_tick, "Tick, ms | ")];
+    let further: String = further.iter().filter(|(has, _)| *has).map(|(_, name)| *name).collect();
+    let header = format!("Submission | Rank | {error}, % | {parts}{further}{failures}");
     MarkdownTable::new(&header, rows)
 }
 
@@ -172,7 +186,7 @@ fn page(rows: &[BoardRow]) -> Result<String, ReportError> {
                 (page_table(family))
             };
             content.0 += &html! {
-                @if place == 0 { (shown) }
+                @if place == 0 { h3 { "Robots: " (family[0].robots) } (shown) }
                 @else { details { summary { "Robots: " (family[0].robots) } (shown) } }
             }
             .0;
@@ -214,11 +228,16 @@ fn draw(family: &[BoardRow], width: f64) -> Canvas {
             let has_interval = row.low_95.is_finite() && row.high_95.is_finite();
             dots.push(Dot {
                 thin: has_interval.then(|| [at(row.low_95), at(row.high_95)]),
-                words: format!("{:.2}", 100.0 * row.error),
+                // A dot at the end of the axis keeps clear of its number.
+                words: format!("{}{:.2}", if is_share { "\u{a0}" } else { "" }, 100.0 * row.error),
                 ..Dot::new(place, 0, at(row.error), Marker::Circle, INK)
             });
         }
-        let title = if cell[0].cell == ALL { "mean of all" } else { &cell[0].cell };
+        let title = match cell[0].cell.as_str() {
+            ALL => "mean of all",
+            ANSWERS => "",
+            cell => cell,
+        };
         DotPanel::new(&title.replace('_', " "), x.clone(), dots)
     });
     let chart = DotChart {

@@ -355,8 +355,9 @@ fn at_point(
 /// of it.
 fn checked(document: &Document) -> Result<(Experiment, Vec<String>), SpecError> {
     let mut experiment: Experiment = document.parse()?;
-    let policies = &mut experiment.policies;
-    policies.outside.values_mut().for_each(|policy| policy.read_attributes(&policies.process));
+    let (policies, tendons) = (&mut experiment.policies, experiment.plant.tendons());
+    let process = &policies.process;
+    policies.outside.values_mut().for_each(|policy| policy.read_attributes(tendons, process));
     let mut notes = scale(&mut experiment, document);
     check(&experiment, document)?;
     notes.extend(far_bends(&experiment));

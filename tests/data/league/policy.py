@@ -1,6 +1,7 @@
 """Policies of the tests of the league: an honest one, one that peeks, and faulty ones. Standard library only."""
 
 import ctypes
+import fcntl
 import os
 import socket
 import subprocess
@@ -53,6 +54,8 @@ def secrets():
     yield lambda: open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "secret.txt")).read()
     yield lambda: os.listdir("/tmp")
     yield lambda: open("/etc/passwd").read()
+    yield lambda: open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "score", "beside.txt")).read()
+    yield lambda: fcntl.lockf(open(__file__), fcntl.LOCK_SH)
     yield lambda: open("written.txt", "w").write("x")
     yield lambda: socket.socket(socket.AF_INET, socket.SOCK_STREAM)
     yield lambda: subprocess.run(["/bin/true"], check=True)

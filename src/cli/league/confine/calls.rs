@@ -131,13 +131,20 @@ fn refused(own: u64) -> Result<Rules, seccompiler::BackendError> {
         let others = SeccompRule::new(vec![argument(0, SeccompCmpOp::Ne, own)?])?;
         rules.insert(call, vec![others]);
     }
-    // Signals to other processes through the owner of a pipe, and locks on files of others.
+    // Signals to other processes through the owner of a pipe, and locks, by which processes of one
+    // policy could tell each other what they have seen.
     let kinds = [
         libc::F_SETOWN,
         15, // F_SETOWN_EX
         10, // F_SETSIG
         libc::F_SETLEASE,
         libc::F_NOTIFY,
+        libc::F_GETLK,
+        libc::F_SETLK,
+        libc::F_SETLKW,
+        libc::F_OFD_GETLK,
+        libc::F_OFD_SETLK,
+        libc::F_OFD_SETLKW,
     ];
     rules.insert(libc::SYS_fcntl, one_of(1, &kinds.map(|kind| kind.unsigned_abs().into()))?);
     // Without the signal at the end of the harness it would outlive it.
