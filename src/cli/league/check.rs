@@ -151,7 +151,7 @@ fn private_folder() -> std::io::Result<TempDir> {
 }
 
 /// Engines that cannot be started on this machine: their robots could not be played.
-fn engine_faults(robots: &[LeagueRobot]) -> Vec<String> {
+pub(super) fn engine_faults(robots: &[LeagueRobot]) -> Vec<String> {
     let external = robots.iter().filter(|robot| matches!(robot.plant, PlantSpec::External(_)));
     let one_each: BTreeMap<&str, &LeagueRobot> =
         external.map(|robot| (robot.engine.as_str(), robot)).collect();

@@ -107,8 +107,8 @@ impl SeasonArgs {
     }
 }
 
-/// The text of a file.
+/// The text of the file of a secret.
 pub(super) fn read(file: &Path) -> Result<String, CommandError> {
     std::fs::read_to_string(file)
-        .map_err(|error| CommandError::BadInput(format!("{}: {error}", file.display())))
+        .map_err(|error| CommandError::BadInput(format!("--secret: {}: {error}", file.display())))
 }

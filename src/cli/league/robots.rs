@@ -1,5 +1,6 @@
 //! `spinebench league robots`.
 
+use super::check::engine_faults;
 use super::common::SeasonArgs;
 use crate::cli::CommandResult;
 use clap::Args;
@@ -26,6 +27,9 @@ impl RobotsCommand {
         let robots = self.season.robots()?;
         let (read, drawn) = self.season.track(&self.track, &robots, &[])?;
         if recordings(&read.track.task).is_some() {
+            if let [fault, ..] = engine_faults(&drawn).as_slice() {
+                refuse!("{fault}");
+            }
             write_questions(&read, &drawn, &self.out)?;
         } else {
             if robots.are_sealed() {

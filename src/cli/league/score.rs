@@ -2,7 +2,7 @@
 
 use super::check::CheckedSubmission;
 use super::common::{Robots, SeasonArgs};
-use crate::cli::program::interrupted::exit_on_interrupt;
+use crate::cli::program::interrupted::exit_on_interrupt_after;
 use crate::cli::program::shared::{CacheArgs, ThreadArgs};
 use crate::cli::{CommandError, CommandResult};
 use clap::Args;
@@ -18,7 +18,7 @@ use spinebench::league::season::digest;
 use spinebench::league::submission::{SCORE_FOLDER, SubmittedPolicy};
 use spinebench::league::track::Task;
 use spinebench::report::league;
-use spinebench::rows::league::SHARE_NOT_NAMED;
+use spinebench::rows::league::{ANSWERS, SHARE_NOT_NAMED};
 use spinebench::runner::{Digest, Progress, Store, processor};
 use std::path::{Path, PathBuf};
 
@@ -47,7 +47,11 @@ impl ScoreCommand {
         let out = self.out.clone().unwrap_or_else(|| self.folder.join(SCORE_FOLDER));
         self.check_places(&out)?;
         let digest = digest(&self.season.tracks)?.to_string();
-        exit_on_interrupt("interrupted; no score was written");
+        let scratch = checked.scratch.path().to_owned();
+        exit_on_interrupt_after("interrupted; no score was written", move || {
+            // Sealed robots stand there.
+            let _ = std::fs::remove_dir_all(scratch);
+        });
         let scores = self.robot_scores(&checked, progress)?;
         let score = self.score(&checked, &robots, digest, scores)?;
         let write = |name: &str, text: &str| {
@@ -197,20 +201,26 @@ fn named(file: &str) -> String {
 fn tell(score: &Score, out: &Path) {
     for robot in &score.robots {
         let failures = failures(&robot.cells);
-        let failed = if failures.is_empty() {
-            String::new()
-        } else {
-            format!(", failed: {}", failure_words(&failures))
+        let words = match (score.measure == SHARE_NOT_NAMED, failures.is_empty()) {
+            (true, true) => "named".to_owned(),
+            (true, false) => format!("not named: {}", failures.into_keys().collect::<String>()),
+            (false, true) => format!("{:6.2} %", 100.0 * robot.error()),
+            (false, false) => {
+                format!("{:6.2} %, failed: {}", 100.0 * robot.error(), failure_words(&failures))
+            }
         };
-        println!("{:24} {:6.2} %{failed}", robot.robot, 100.0 * robot.error());
+        println!("{:24} {words}", robot.robot);
     }
     if let Some(summary) = score.summary(ScorePart::default()) {
         let interval = summary
             .interval_95
             .map(|[low, high]| format!(" [{:.2}, {:.2}]", 100.0 * low, 100.0 * high));
         let floor = summary.floor.map(|floor| format!(", floor {:.2} %", 100.0 * floor));
+        let cells = score.cells().into_iter().filter(|cell| *cell != ANSWERS);
+        let cells: Vec<&str> = cells.collect();
+        let of = if cells.is_empty() { String::new() } else { format!(" ({})", cells.join(", ")) };
         println!(
-            "{}: {} {:.2} %{}{}",
+            "{}{of}: {} {:.2} %{}{}",
             score.name,
             score.measure,
             100.0 * summary.error,
