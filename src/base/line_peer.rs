@@ -233,7 +233,7 @@ pub(crate) fn printable(text: &str, letters: usize) -> String {
     text.chars().filter(|letter| !letter.is_control()).take(letters).collect()
 }
 
-/// A time limit; one that no clock holds is none.
+/// A time limit, 30 years at most; without time where it is negative.
 fn duration(limit_s: f64) -> Duration {
     const MAX_S: f64 = 1e9;
     Duration::try_from_secs_f64(limit_s.min(MAX_S)).unwrap_or_default()

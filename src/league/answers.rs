@@ -12,7 +12,7 @@ use super::score::{CellScore, RobotScore, ScoredTrial};
 use super::track::{QuestionPlan, ReadTrack, Task};
 use crate::base::{Point3, distance_m};
 use crate::data::Recording;
-use crate::data::tables::read_csv;
+use crate::data::tables::{read_csv, read_csv_beside};
 use crate::effects::card;
 use crate::math::summary::root_mean_square;
 use crate::rows::league::ANSWERS;
@@ -23,7 +23,7 @@ pub const NAMES: &str = "names.csv";
 /// A predicted tip: a row of `ROBOT.csv`. Other columns, as `simulate` writes them, are passed over.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PredictedTip {
-    /// ScoredTrial of the question.
+    /// Trial of the question.
     pub trial: u64,
     /// Time in it, seconds.
     pub time_s: f64,
@@ -34,6 +34,9 @@ pub struct PredictedTip {
     /// Tip, metres.
     pub tip_z_m: f64,
 }
+
+/// The columns of [`PredictedTip`].
+const TIP_COLUMNS: [&str; 5] = ["trial", "time_s", "tip_x_m", "tip_y_m", "tip_z_m"];
 
 /// The effects that are named for a robot: a row of `names.csv`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -168,7 +171,9 @@ fn predicted(
 
 /// The predicted tips in a file, whose rows must be those that are asked, metres.
 fn read_tips(file: &Path, asked: &Recording) -> Result<Vec<Point3>, String> {
-    let rows: Vec<PredictedTip> = read_csv(file).map_err(|error| error.to_string())?;
+    let is_beside = |column: &str| !TIP_COLUMNS.contains(&column);
+    let (_, rows): (_, Vec<PredictedTip>) =
+        read_csv_beside(file, is_beside).map_err(|error| error.to_string())?;
     let file = file.display();
     if rows.len() != asked.trial.len() {
         let (found, expected) = (rows.len(), asked.trial.len());

@@ -65,11 +65,12 @@ fn season(score: &Score) -> String {
     label(&score.season, score.sealed)
 }
 
-/// Refuses two scores of one name, and scores on other tracks, models or engines than the first.
+/// Refuses two scores of one name, and scores on other tracks, models, engines or sealed robots than
+/// the first.
 fn check_comparable(group: &[(&Path, &TimedScore)]) -> Result<(), LeagueError> {
     for (index, (file, (score, _))) in group.iter().enumerate() {
         let (first_file, (first, _)) = group[0];
-        let secret = |score: &Score| score.digests.secret.clone().unwrap_or_default();
+        let secret = |score: &Score| score.digests.secret.clone().unwrap_or("none".to_owned());
         for (key, found, expected) in [
             ("tracks", score.digests.tracks.clone(), first.digests.tracks.clone()),
             ("secret", secret(score), secret(first)),
@@ -140,7 +141,9 @@ fn collect(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), LeagueError> {
     for entry in entries.flatten() {
         match entry.file_type() {
             Ok(kind) if kind.is_dir() => collect(&entry.path(), files)?,
-            Ok(kind) if kind.is_file() && entry.file_name() == SCORE => files.push(entry.path()),
+            Ok(_) if entry.file_name() == SCORE && entry.path().is_file() => {
+                files.push(entry.path())
+            }
             _ => {}
         }
     }

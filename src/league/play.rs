@@ -40,7 +40,9 @@ pub fn play(
     let files = write_experiments(read, robots, player, options.specs)?;
     let experiments = files.iter().map(|file| ExperimentSet::read(file, &[], &[]));
     let experiments: Vec<ExperimentSet> =
-        experiments.collect::<Result<_, _>>().map_err(LeagueError::input)?;
+        experiments.collect::<Result<_, _>>().map_err(|error| {
+            LeagueError::input(format!("{}: experiment: {error}", read.file.display()))
+        })?;
     let campaign = Campaign::expand(experiments).map_err(LeagueError::input)?;
     let run = RunOptions::new(options.threads, options.progress);
     let outcomes = execute(&campaign.graph, options.store, &campaign.wanted(), &run)
@@ -88,8 +90,13 @@ pub fn write_experiments(
 fn refuse_lost_robot(published: &Published) -> Result<(), String> {
     let reached = published.trials.iter().map(|row| &row.value.status);
     let paced = published.paces.iter().map(|row| &row.value.status);
-    let lost = reached.chain(paced).find(|status| status.as_str().contains("robot server: "));
-    lost.map_or(Ok(()), |status| Err(status.as_str().to_owned()))
+    let mut statuses = reached.chain(paced).map(Outcome::as_str);
+    let is_lost = |status: &&str| {
+        // As `PlantError::Server` has it, behind the name of a stage that failed before the trials.
+        let is_server = |words: &str| words.starts_with("robot server: ");
+        is_server(status) || status.split_once(": ").is_some_and(|(_, words)| is_server(words))
+    };
+    statuses.find(is_lost).map_or(Ok(()), |status| Err(status.to_owned()))
 }
 
 /// Trials by policy and mode or speed.

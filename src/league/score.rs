@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::{Deserialize, Serialize};
 
 use super::robot::MEASURED;
+use super::season::is_season;
 use super::{LeagueError, NAME, is_name};
 use crate::math::distribution::wilson_95;
 use crate::math::summary::{interval_95, mean};
@@ -150,6 +151,21 @@ impl CellScore {
             error: rounded(mean(&errors)),
             floor: None,
         }
+    }
+
+    /// Refuses what no run can have written.
+    fn check(&self) -> Result<(), String> {
+        let CellScore { trials, failures, error, floor, .. } = self;
+        let failed = failures.values().try_fold(0_u64, |sum, count| sum.checked_add(*count));
+        if !(1..=MAX_TRIALS).contains(trials) || failed.is_none_or(|failed| failed > *trials) {
+            return Err(format!(
+                "found {trials} trials with failures {failures:?}, expected 1 to {MAX_TRIALS} trials, and no more failures"
+            ));
+        }
+        if *error < 0.0 || floor.is_some_and(|floor| floor < 0.0) {
+            return Err(format!("found error {error}, floor {floor:?}, expected none below 0"));
+        }
+        Ok(())
     }
 }
 
@@ -308,32 +324,31 @@ impl Score {
 
     /// Refuses what no run can have written.
     fn check(&self) -> Result<(), String> {
-        for (key, name) in [("name", &self.name), ("track", &self.track), ("season", &self.season)]
-        {
-            if !is_name(name) {
-                return Err(format!("{key}: found `{name}`, expected {NAME}"));
-            }
+        let own = [("name", &self.name), ("track", &self.track)];
+        let robots = self
+            .robots
+            .iter()
+            .flat_map(|robot| [("robot", &robot.robot), ("family", &robot.family)]);
+        if let Some((key, name)) = own.into_iter().chain(robots).find(|(_, name)| !is_name(name)) {
+            return Err(format!("{key}: found `{name}`, expected {NAME}"));
+        }
+        let Score { season, sealed, digests: Digests { secret, .. }, .. } = self;
+        if !is_season(season, *sealed) || *sealed != secret.is_some() {
+            return Err(format!(
+                "season: found `{season}`, sealed: {sealed}, digests.secret: {secret:?}, expected a season, and a secret where it is sealed"
+            ));
+        }
+        if self.robots.is_empty() || self.robots.iter().any(|robot| robot.cells.is_empty()) {
+            return Err("robots: found none, or one without trials, expected trials".to_owned());
         }
         let mut seen = BTreeSet::new();
-        for robot in &self.robots {
-            for cell in &robot.cells {
-                let place = format!("robots: {}: {}", robot.robot, cell.cell);
-                let CellScore { trials, failures, error, floor, .. } = cell;
-                let failed =
-                    failures.values().try_fold(0_u64, |sum, count| sum.checked_add(*count));
-                if failed.is_none_or(|failed| failed > *trials) || *trials == 0 {
-                    return Err(format!(
-                        "{place}: found {trials} trials with failures {failures:?}, expected trials, and no more failures than trials"
-                    ));
-                }
-                if *error < 0.0 || floor.is_some_and(|floor| floor < 0.0) {
-                    return Err(format!(
-                        "{place}: found error {error}, floor {floor:?}, expected none below 0"
-                    ));
-                }
-                if !seen.insert((&robot.robot, &cell.cell)) {
-                    return Err(format!("{place}: found a second time, expected once"));
-                }
+        for (robot, cell) in
+            self.robots.iter().flat_map(|robot| robot.cells.iter().map(move |cell| (robot, cell)))
+        {
+            let place = format!("robots: {}: {}", robot.robot, cell.cell);
+            cell.check().map_err(|words| format!("{place}: {words}"))?;
+            if !seen.insert((&robot.robot, &cell.cell)) {
+                return Err(format!("{place}: found a second time, expected once"));
             }
         }
         Ok(())
@@ -344,6 +359,9 @@ impl Score {
         serde_json::to_string_pretty(self).unwrap_or_default() + "\n"
     }
 }
+
+/// Most trials in a cell of a score.
+const MAX_TRIALS: u64 = 1_000_000_000;
 
 /// Version of `score.json`.
 pub const FORMAT: u64 = 1;

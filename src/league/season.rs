@@ -20,6 +20,11 @@ pub const DEVELOPMENT: &str = "development";
 /// What follows the name of a season whose sealed robots play.
 const SEALED: &str = "_sealed";
 
+/// Whether a score may have this season, whose robots were sealed or not.
+pub(super) fn is_season(name: &str, is_sealed: bool) -> bool {
+    check_name(name).is_ok() || name == DEVELOPMENT && !is_sealed
+}
+
 /// A season as scores, tables and questions name it.
 pub fn label(season: &str, is_sealed: bool) -> String {
     season.to_owned() + if is_sealed { SEALED } else { "" }
@@ -52,11 +57,7 @@ impl Season {
     /// # Errors
     /// [`LeagueError::Input`] for a name that cannot be one, and tracks that cannot be read.
     pub fn new(name: &str, tracks: &Path) -> Result<Season, LeagueError> {
-        if !is_name(name) || name == DEVELOPMENT || name.ends_with(SEALED) {
-            return Err(LeagueError::input(format!(
-                "season: found `{name}`, expected {NAME}, other than `{DEVELOPMENT}` and `…{SEALED}`"
-            )));
-        }
+        check_name(name).map_err(LeagueError::input)?;
         Ok(Season {
             season: name.to_owned(),
             program: crate::VERSION.to_owned(),
@@ -74,11 +75,12 @@ impl Season {
     pub fn read(file: &Path) -> Result<Season, LeagueError> {
         let document = Document::read(file, &[], &[]).map_err(LeagueError::input)?;
         let season: Season = document.parse().map_err(LeagueError::input)?;
+        let wrong = |words: String| LeagueError::input(format!("{}: {words}", file.display()));
+        check_name(&season.season).map_err(wrong)?;
         let (found, expected) = (season.public_seed, public_seed(&season.season));
         if found != expected {
-            return Err(LeagueError::input(format!(
-                "{}: public_seed: found {found}, expected {expected}, which follows from the name",
-                file.display()
+            return Err(wrong(format!(
+                "public_seed: found {found}, expected {expected}, which follows from the name"
             )));
         }
         Ok(season)
@@ -144,6 +146,16 @@ impl Season {
     pub fn seed(&self, secret: Option<[u8; 32]>) -> RobotSeed {
         secret.map_or(RobotSeed::Public(self.public_seed), RobotSeed::Sealed)
     }
+}
+
+/// Refuses a name that cannot be that of a season.
+fn check_name(name: &str) -> Result<(), String> {
+    if is_name(name) && name != DEVELOPMENT && !name.ends_with(SEALED) {
+        return Ok(());
+    }
+    Err(format!(
+        "season: found `{name}`, expected {NAME}, other than `{DEVELOPMENT}` and `…{SEALED}`"
+    ))
 }
 
 /// The seed of the development robots of a season: 32 bits of the hash of its name.

@@ -1,6 +1,6 @@
 //! Submissions: a folder with `submission.yaml` and what it names.
 
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
@@ -64,15 +64,20 @@ pub enum SubmittedPolicy {
 impl SubmittedPolicy {
     /// The policy from outside with its file in `folder`; none for one of this program.
     pub fn outside(&self, folder: &Path) -> Option<OutsidePolicy> {
-        let policy = match self {
-            SubmittedPolicy::Onnx(options) => OutsidePolicy::Onnx(options.clone()),
-            SubmittedPolicy::Python(options) => OutsidePolicy::Python(options.clone()),
-            SubmittedPolicy::Program(options) => OutsidePolicy::Program(options.clone()),
-            SubmittedPolicy::Builtin(_) => return None,
-        };
+        let policy = self.as_written()?;
         let file = folder.join(policy.file());
         let file = std::path::absolute(&file).unwrap_or(file);
         Some(policy.with_file(file))
+    }
+
+    /// The policy from outside with its file as the submission names it.
+    fn as_written(&self) -> Option<OutsidePolicy> {
+        match self {
+            SubmittedPolicy::Onnx(options) => Some(OutsidePolicy::Onnx(options.clone())),
+            SubmittedPolicy::Python(options) => Some(OutsidePolicy::Python(options.clone())),
+            SubmittedPolicy::Program(options) => Some(OutsidePolicy::Program(options.clone())),
+            SubmittedPolicy::Builtin(_) => None,
+        }
     }
 
     /// Its kind in tables.
@@ -138,22 +143,24 @@ impl ReadSubmission {
             ));
         }
         let kind = policy.as_ref().map_or("", SubmittedPolicy::kind);
-        let outside = policy.as_ref().and_then(|policy| policy.outside(&self.folder));
+        let outside = policy.as_ref().and_then(SubmittedPolicy::as_written);
         if let Some(file) = outside.as_ref().map(OutsidePolicy::file) {
-            if !file.is_file() {
-                faults.push(format!("policy.{kind}.file: found no file {}", file.display()));
-            } else if !self.is_within(file) {
+            let place = self.folder.join(file);
+            if !place.is_file() {
+                faults.push(format!("policy.{kind}.file: found no file {}", place.display()));
+            } else if !stays_below(file) || !self.is_within(&place) {
                 faults.push(self.outside_its_folder(&format!("policy.{kind}.file"), file));
             }
         }
         if let Some(Err(option)) = outside.as_ref().map(OutsidePolicy::check) {
             faults.push(format!("policy.{kind}.{option}"));
         }
-        if let Some(answers) = answers.as_ref().map(|answers| self.folder.join(answers)) {
-            if !answers.is_dir() {
-                faults.push(format!("answers: found no folder {}", answers.display()));
-            } else if !self.is_within(&answers) {
-                faults.push(self.outside_its_folder("answers", &answers));
+        if let Some(answers) = answers {
+            let place = self.folder.join(answers);
+            if !place.is_dir() {
+                faults.push(format!("answers: found no folder {}", place.display()));
+            } else if !stays_below(answers) || !self.is_within(&place) {
+                faults.push(self.outside_its_folder("answers", answers));
             }
         }
         if let Err(LeagueError::Input(link)) = files(&self.folder) {
@@ -211,6 +218,11 @@ pub const SCORE_FOLDER: &str = "score";
 /// Whether a place below the folder of a submission is written by a score or by Python.
 fn is_written(below: &Path) -> bool {
     below.starts_with(SCORE_FOLDER) || below.iter().any(|name| name == "__pycache__")
+}
+
+/// Whether a place in a submission is named from its folder downwards.
+fn stays_below(place: &Path) -> bool {
+    place.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir))
 }
 
 /// The files of a folder and those below it, sorted.

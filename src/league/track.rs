@@ -9,7 +9,7 @@ use super::{LeagueError, NAME, is_name};
 use crate::base::BadOption;
 use crate::benchmark::Population;
 use crate::effects::card;
-use crate::policies::ProcessOptions;
+use crate::policies::{self, ProcessOptions};
 use crate::specs::Document;
 
 /// A track as its file gives it.
@@ -51,17 +51,39 @@ fn answer_s() -> f64 {
 }
 
 impl LeagueTrack {
+    /// What is hidden in its robots, by key: from the beginning, and from a change on.
+    fn hidden_effects(&self) -> Vec<(&'static str, &Population)> {
+        let mut hidden = vec![("hidden", &self.hidden)];
+        if let Task::Laps { change: Some(change), .. } = &self.task {
+            hidden.push(("task.laps.change.effects", &change.effects));
+        }
+        hidden
+    }
+
     /// Checks every range.
     fn check(&self) -> Result<(), BadOption> {
         BadOption::unless_within("robots_each", self.robots_each, 1..=1000, "1 to 1000")?;
         BadOption::unless_not_negative("noise_m", self.noise_m)?;
         let process = ProcessOptions { answer_s: self.answer_s, ..ProcessOptions::default() };
         process.check()?;
+        if let Some(unknown) = self.floor.iter().find(|name| policies::find(name).is_none()) {
+            return BadOption::unless(false, "floor", unknown, "policies of this program");
+        }
         match &self.task {
-            Task::Reach { .. } => Ok(()),
-            Task::Laps { lap_s, speeds, .. } => {
+            Task::Reach { modes } => {
+                let is_new = |place: usize| !modes[..place].contains(&modes[place]);
+                let is_good = !modes.is_empty() && (0..modes.len()).all(is_new);
+                BadOption::unless(is_good, "modes", modes.join(", "), "different modes")
+            }
+            Task::Laps { lap_s, speeds, change } => {
                 BadOption::unless_positive("lap_s", *lap_s)?;
-                speeds.iter().try_for_each(|speed| BadOption::unless_positive("speeds", *speed))
+                BadOption::unless_counted("speeds", speeds.len())?;
+                speeds.iter().try_for_each(|speed| BadOption::unless_positive("speeds", *speed))?;
+                let between_s = change.as_ref().map_or([0.0; 2], |change| change.between_s);
+                BadOption::unless_all_finite("between_s", &between_s)?;
+                let is_good = 0.0 <= between_s[0] && between_s[0] <= between_s[1];
+                let expected = "two times from 0 s on, the earlier one first";
+                BadOption::unless(is_good, "between_s", format!("{between_s:?}"), expected)
             }
             Task::Identify(plan) | Task::Name(plan) => plan.check(),
         }
@@ -230,7 +252,9 @@ impl ReadTrack {
         let track: LeagueTrack = document.parse().map_err(LeagueError::input)?;
         let wrong = |words: String| LeagueError::input(format!("{}: {words}", file.display()));
         track.check().map_err(|error| wrong(error.to_string()))?;
-        track.hidden.check().map_err(|error| wrong(format!("hidden.{error}")))?;
+        for (key, population) in track.hidden_effects() {
+            population.check().map_err(|error| wrong(format!("{key}.{error}")))?;
+        }
         if !track.measured.is_empty() && !matches!(track.task, Task::Identify(_)) {
             let words =
                 "measured: found recorded robots, expected none: the task is not `identify`";
@@ -255,7 +279,7 @@ impl ReadTrack {
 
 /// Refuses robots without a name, and those in which nothing of what the track hides can be hidden.
 fn check_kinds(kinds: &RobotKinds, track: &LeagueTrack) -> Result<(), String> {
-    if kinds.is_empty() {
+    if kinds.is_empty() && track.measured.is_empty() {
         return Err("found no robots, expected some".to_owned());
     }
     for (name, kind) in kinds {
@@ -271,13 +295,14 @@ fn check_kinds(kinds: &RobotKinds, track: &LeagueTrack) -> Result<(), String> {
                 "{name}.effects: found `{unknown}`, expected names of `spinebench effects`"
             ));
         }
-        let hidden = &track.hidden.effects;
-        let is_hidden = |effect: &String| hidden.is_empty() || hidden.contains(effect);
-        if !kind.effects.is_empty() && !kind.effects.iter().any(is_hidden) {
-            return Err(format!(
-                "{name}.effects: found none of what the track hides, expected one of {}",
-                hidden.join(", ")
-            ));
+        for (key, Population { effects, .. }) in track.hidden_effects() {
+            let is_hidden = |effect: &String| effects.is_empty() || effects.contains(effect);
+            if !kind.effects.is_empty() && !kind.effects.iter().any(is_hidden) {
+                return Err(format!(
+                    "{name}.effects: found none of `{key}` of the track, expected one of {}",
+                    effects.join(", ")
+                ));
+            }
         }
     }
     Ok(())

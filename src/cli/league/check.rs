@@ -1,17 +1,17 @@
 //! `spinebench league check`.
 
-use super::common::{Robots, SeasonArgs};
-use super::tried::{STEP_S, confined, tried};
+use super::common::{Robots, SeasonArgs, engine_faults};
+use super::places::{private_folder, refuse_inside};
+use super::tried::{confined, tried};
 use crate::cli::{CommandError, CommandResult};
 use clap::Args;
+use spinebench::league::LeagueError;
 use spinebench::league::answers::Answers;
 use spinebench::league::board::TickTimes;
 use spinebench::league::questions::recordings;
 use spinebench::league::robot::LeagueRobot;
 use spinebench::league::submission::{FILE, ReadSubmission};
 use spinebench::league::track::{ReadTrack, Task};
-use spinebench::plants::PlantSpec;
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
@@ -30,7 +30,7 @@ impl CheckCommand {
         let checked = CheckedSubmission::read(&self.folder, &self.season, &robots)?;
         let has_questions = recordings(&checked.track.track.task).is_some();
         if let (true, Some(answers)) = (has_questions, &checked.read.submission.answers) {
-            Answers::read(&checked.track, &checked.robots, &self.folder.join(answers))?;
+            checked.answers(answers)?;
         }
         let times =
             checked.times.map(|times| format!(", {:.1} ms an answer", 1e3 * times.median_s));
@@ -62,6 +62,8 @@ impl CheckCommand {
 
 /// A submission without faults, its track and robots, and how fast its policy answers.
 pub(super) struct CheckedSubmission {
+    /// Its folder.
+    folder: PathBuf,
     /// A copy of what its digest covers, in `scratch`.
     pub(super) read: ReadSubmission,
     pub(super) scratch: TempDir,
@@ -77,6 +79,9 @@ impl CheckedSubmission {
         season: &SeasonArgs,
         robots: &Robots,
     ) -> Result<CheckedSubmission, CommandError> {
+        if let Some(secret) = &season.secret {
+            refuse_inside(folder, "--secret", secret)?;
+        }
         let read = ReadSubmission::read(folder)?;
         let submission = &read.submission;
         let (track, drawn) = season.track(&submission.track, robots, &submission.robots)?;
@@ -121,7 +126,7 @@ impl CheckedSubmission {
         if !faults.is_empty() {
             return Err(all(folder, &faults));
         }
-        let scratch = private_folder().map_err(CommandError::failed)?;
+        let scratch = private_folder("interrupted; nothing was written")?;
         let read = read.copied(&scratch.path().join("submission"))?;
         if let (Some(policy), false) = (&read.submission.policy, has_questions) {
             match tried(policy, &read, &track, &drawn) {
@@ -130,9 +135,22 @@ impl CheckedSubmission {
             }
         }
         if faults.is_empty() {
-            return Ok(CheckedSubmission { read, scratch, track, robots: drawn, times });
+            let folder = folder.to_owned();
+            return Ok(CheckedSubmission { folder, read, scratch, track, robots: drawn, times });
         }
         Err(all(folder, &faults))
+    }
+
+    /// The answers in a folder of the submission. Errors name the files of the user, not the copy.
+    pub(super) fn answers(&self, folder: &Path) -> Result<Answers, CommandError> {
+        let copy = self.read.folder.display().to_string();
+        let answers = Answers::read(&self.track, &self.robots, &self.read.folder.join(folder));
+        answers.map_err(|error| match error {
+            LeagueError::Input(words) => {
+                CommandError::BadInput(words.replace(&copy, &self.folder.display().to_string()))
+            }
+            failed => failed.into(),
+        })
     }
 }
 
@@ -140,28 +158,6 @@ impl CheckedSubmission {
 fn all(folder: &Path, faults: &[String]) -> CommandError {
     let file = folder.join(FILE);
     CommandError::BadInput(format!("{}:\n  {}", file.display(), faults.join("\n  ")))
-}
-
-/// A folder that no other user can read: it holds experiments with the hidden effects.
-fn private_folder() -> std::io::Result<TempDir> {
-    let mut builder = tempfile::Builder::new();
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o700));
-    builder.prefix("spinebench-league-").tempdir()
-}
-
-/// Engines that cannot be started on this machine: their robots could not be played.
-pub(super) fn engine_faults(robots: &[LeagueRobot]) -> Vec<String> {
-    let external = robots.iter().filter(|robot| matches!(robot.plant, PlantSpec::External(_)));
-    let one_each: BTreeMap<&str, &LeagueRobot> =
-        external.map(|robot| (robot.engine.as_str(), robot)).collect();
-    let failed = |(engine, robot): (&str, &LeagueRobot)| {
-        let error = robot.plant.build(STEP_S).err()?;
-        Some(format!(
-            "this machine: engine `{engine}`: found {error}, expected a robot that can be played; without MuJoCo: `pip install -r benches/league/requirements.txt`"
-        ))
-    };
-    one_each.into_iter().filter_map(failed).collect()
 }
 
 fn unique(names: &[&str]) -> String {

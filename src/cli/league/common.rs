@@ -7,7 +7,12 @@ use spinebench::league::measured::measured_robots;
 use spinebench::league::robot::{LeagueRobot, RobotSeed, draw};
 use spinebench::league::season::{DEVELOPMENT, PUBLIC_SEED, Season, label};
 use spinebench::league::track::ReadTrack;
+use spinebench::plants::PlantSpec;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+
+/// Duration of a control step, seconds: the paper's 5 Hz.
+pub(super) const STEP_S: f64 = 0.2;
 
 impl From<LeagueError> for CommandError {
     fn from(error: LeagueError) -> CommandError {
@@ -111,4 +116,18 @@ impl SeasonArgs {
 pub(super) fn read(file: &Path) -> Result<String, CommandError> {
     std::fs::read_to_string(file)
         .map_err(|error| CommandError::BadInput(format!("--secret: {}: {error}", file.display())))
+}
+
+/// Engines that cannot be started on this machine: their robots could not be played.
+pub(super) fn engine_faults(robots: &[LeagueRobot]) -> Vec<String> {
+    let external = robots.iter().filter(|robot| matches!(robot.plant, PlantSpec::External(_)));
+    let one_each: BTreeMap<&str, &LeagueRobot> =
+        external.map(|robot| (robot.engine.as_str(), robot)).collect();
+    let failed = |(engine, robot): (&str, &LeagueRobot)| {
+        let error = robot.plant.build(STEP_S).err()?;
+        Some(format!(
+            "this machine: engine `{engine}`: found {error}, expected a robot that can be played; without MuJoCo: `pip install -r benches/league/requirements.txt`"
+        ))
+    };
+    one_each.into_iter().filter_map(failed).collect()
 }

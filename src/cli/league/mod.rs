@@ -5,6 +5,7 @@ mod board;
 mod check;
 mod common;
 mod confine;
+mod places;
 mod robots;
 mod score;
 mod season;

@@ -1,7 +1,6 @@
 //! `spinebench league robots`.
 
-use super::check::engine_faults;
-use super::common::SeasonArgs;
+use super::common::{SeasonArgs, engine_faults};
 use crate::cli::CommandResult;
 use clap::Args;
 use spinebench::league::instance::Player;
@@ -27,10 +26,14 @@ impl RobotsCommand {
         let robots = self.season.robots()?;
         let (read, drawn) = self.season.track(&self.track, &robots, &[])?;
         if recordings(&read.track.task).is_some() {
-            if let [fault, ..] = engine_faults(&drawn).as_slice() {
-                refuse!("{fault}");
+            let faults = engine_faults(&drawn);
+            if !faults.is_empty() {
+                refuse!("{}", faults.join("\n"));
             }
             write_questions(&read, &drawn, &self.out)?;
+            if self.season.season.is_some() {
+                println!("answers state `questions: {}` in submission.yaml", robots.label());
+            }
         } else {
             if robots.are_sealed() {
                 refuse!(
@@ -41,9 +44,6 @@ impl RobotsCommand {
             write_experiments(&read, &drawn, &player, &self.out)?;
         }
         println!("{} robots of `{}` in {}", drawn.len(), read.name, self.out.display());
-        if recordings(&read.track.task).is_some() && self.season.season.is_some() {
-            println!("answers to them have `questions: {}` in submission.yaml", robots.label());
-        }
         Ok(())
     }
 }

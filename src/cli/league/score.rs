@@ -2,12 +2,11 @@
 
 use super::check::CheckedSubmission;
 use super::common::{Robots, SeasonArgs};
-use crate::cli::program::interrupted::exit_on_interrupt_after;
+use super::places::{real_place, refuse_inside};
 use crate::cli::program::shared::{CacheArgs, ThreadArgs};
 use crate::cli::{CommandError, CommandResult};
 use clap::Args;
 use spinebench::data::write_atomic;
-use spinebench::league::answers::Answers;
 use spinebench::league::board::{SCORE, TIMING, board};
 use spinebench::league::instance::{Player, robot_samples};
 use spinebench::league::play::{PlayOptions, add_floors, play};
@@ -43,15 +42,19 @@ pub(crate) struct ScoreCommand {
 impl ScoreCommand {
     pub(crate) fn execute(&self, progress: &Progress) -> CommandResult {
         let robots = self.season.robots()?;
-        let checked = CheckedSubmission::read(&self.folder, &self.season, &robots)?;
         let out = self.out.clone().unwrap_or_else(|| self.folder.join(SCORE_FOLDER));
-        self.check_places(&out)?;
+        if self
+            .out
+            .as_ref()
+            .is_some_and(|out| real_place(out) != real_place(&self.folder.join(SCORE_FOLDER)))
+        {
+            refuse_inside(&self.folder, "--out", &out)?;
+        }
+        let checked = CheckedSubmission::read(&self.folder, &self.season, &robots)?;
+        std::fs::create_dir_all(&out).map_err(|error| {
+            CommandError::BadInput(format!("--out: {}: {error}", out.display()))
+        })?;
         let digest = digest(&self.season.tracks)?.to_string();
-        let scratch = checked.scratch.path().to_owned();
-        exit_on_interrupt_after("interrupted; no score was written", move || {
-            // Sealed robots stand there.
-            let _ = std::fs::remove_dir_all(scratch);
-        });
         let scores = self.robot_scores(&checked, progress)?;
         let score = self.score(&checked, &robots, digest, scores)?;
         let write = |name: &str, text: &str| {
@@ -69,24 +72,6 @@ impl ScoreCommand {
         Ok(())
     }
 
-    /// Makes the folder of the score. Neither it nor the secret may lie in the submission: its digest
-    /// covers what is there, and its policy can read it.
-    fn check_places(&self, out: &Path) -> CommandResult {
-        let folder = real_place(&self.folder);
-        for (key, place) in [("--out", Some(out)), ("--secret", self.season.secret.as_deref())] {
-            let Some(place) = place.map(real_place) else { continue };
-            let is_default = key == "--out" && place == folder.join(SCORE_FOLDER);
-            if place.starts_with(&folder) && !is_default {
-                refuse!(
-                    "{key}: found {}, expected a place outside the folder of the submission",
-                    place.display()
-                );
-            }
-        }
-        std::fs::create_dir_all(out)
-            .map_err(|error| CommandError::BadInput(format!("--out: {}: {error}", out.display())))
-    }
-
     fn robot_scores(
         &self,
         checked: &CheckedSubmission,
@@ -101,7 +86,7 @@ impl ScoreCommand {
             .filter(|_| matches!(track.track.task, Task::Reach { .. } | Task::Laps { .. }))
         else {
             let answers = submission.answers.clone().unwrap_or_default();
-            return Ok(Answers::read(track, robots, &self.folder.join(answers))?.judge(robots)?);
+            return Ok(checked.answers(&answers)?.judge(robots)?);
         };
         let (player, name) = match (policy.outside(&read.folder), policy) {
             (Some(policy), _) => {
@@ -182,15 +167,6 @@ impl ScoreCommand {
             robots,
         })
     }
-}
-
-/// A place without links and `..`, whether it exists or not.
-fn real_place(place: &Path) -> PathBuf {
-    let place = std::path::absolute(place).unwrap_or_else(|_| place.to_owned());
-    let there = place.ancestors().find_map(|above| Some((above, above.canonicalize().ok()?)));
-    let real = there.and_then(|(above, real)| Some(real.join(place.strip_prefix(above).ok()?)));
-    // Without the slash at the end that joining nothing leaves.
-    real.map_or(place, |real| real.components().collect())
 }
 
 /// The name of a file of a single score: that of a board, as a score.

@@ -1,5 +1,6 @@
 //! A submitted policy on requests near home, before it plays.
 
+use super::common::STEP_S;
 use spinebench::base::{Observation, Policy, Seed};
 use spinebench::league::board::TickTimes;
 use spinebench::league::robot::LeagueRobot;
@@ -17,8 +18,6 @@ pub(super) fn confined(track: &ReadTrack) -> ProcessOptions {
     ProcessOptions { confined: true, answer_s: track.track.answer_s, ..ProcessOptions::default() }
 }
 
-/// Duration of a control step, seconds: the paper's 5 Hz.
-pub(super) const STEP_S: f64 = 0.2;
 /// Number of answers whose time is measured on each robot.
 const TIMED: usize = 20;
 

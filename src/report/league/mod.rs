@@ -155,7 +155,8 @@ fn failed(rows: &[&BoardRow]) -> String {
     let count = |value: fn(&BoardRow) -> u64| rows.iter().map(|row| value(row)).sum::<u64>();
     let mut words = format!("{} of {}", count(|row| row.failed), count(|row| row.trials));
     for row in rows.iter().filter(|row| !row.failures.is_empty()) {
-        words += &format!("; {}", row.failures);
+        let cell = if rows.len() > 1 { format!("{}: ", row.cell) } else { String::new() };
+        words += &format!("; {cell}{}", row.failures);
     }
     words
 }
@@ -228,7 +229,7 @@ fn draw(family: &[BoardRow], width: f64) -> Canvas {
             let has_interval = row.low_95.is_finite() && row.high_95.is_finite();
             dots.push(Dot {
                 thin: has_interval.then(|| [at(row.low_95), at(row.high_95)]),
-                // A dot at the end of the axis keeps clear of its number.
+                // Numbers keep clear of a dot at the end of the axis.
                 words: format!("{}{:.2}", if is_share { "\u{a0}" } else { "" }, 100.0 * row.error),
                 ..Dot::new(place, 0, at(row.error), Marker::Circle, INK)
             });
