@@ -9,14 +9,15 @@ use crate::report::style::PAGE_WIDTH;
 /// Width of the figures on a telephone, hundredths of an inch.
 const TELEPHONE_WIDTH: f64 = 372.0;
 
-/// A self-contained document without scripts.
+/// A self-contained document: no script, no link, nothing fetched.
 pub(crate) fn document(title: &str, content: &Markup) -> String {
-    styled_document(title, include_str!("page.css"), content)
+    let style = html! { style { (PreEscaped(include_str!("page.css"))) } };
+    document_with_head(title, &style, content)
 }
 
-/// A document that fetches nothing, not even an icon. Its control characters become replacement
+/// A document with further elements in its head. Its control characters become replacement
 /// characters.
-pub(crate) fn styled_document(title: &str, style: &str, content: &Markup) -> String {
+pub(crate) fn document_with_head(title: &str, head: &Markup, content: &Markup) -> String {
     let page = html! {
         (DOCTYPE)
         html lang="en" {
@@ -24,9 +25,8 @@ pub(crate) fn styled_document(title: &str, style: &str, content: &Markup) -> Str
                 meta charset="utf-8";
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 meta name="color-scheme" content="light dark";
-                link rel="icon" href="data:,";
                 title { (title) }
-                style { (PreEscaped(style)) }
+                (head)
             }
             body { main { (content) } }
         }

@@ -6,7 +6,7 @@ use super::key::key;
 use super::still::still;
 use crate::data::scene::Scene;
 use crate::report::drawing::svg;
-use crate::report::html::styled_document;
+use crate::report::html::document_with_head;
 
 /// Geometry and drawing, which the live view shares.
 pub(super) const VIEW_SCRIPT: &str = include_str!("assets/view.js");
@@ -72,7 +72,12 @@ pub fn player_page(title: &str, note: &str, scenes: &[Scene]) -> String {
 
 /// A page of the viewer.
 pub(super) fn document(title: &str, content: &Markup) -> String {
-    styled_document(title, include_str!("assets/page.css"), content)
+    let head = html! {
+        // A browser asks a server for no icon.
+        link rel="icon" href="data:,";
+        style { (PreEscaped(include_str!("assets/page.css"))) }
+    };
+    document_with_head(title, &head, content)
 }
 
 /// JSON that stands inside a script element.
