@@ -122,23 +122,19 @@ impl CheckedSubmission {
             )),
             _ => {}
         }
-        let mut times = None;
         if !faults.is_empty() {
             return Err(all(folder, &faults));
         }
         let scratch = private_folder("interrupted; nothing was written")?;
         let read = read.copied(&scratch.path().join("submission"))?;
-        if let (Some(policy), false) = (&read.submission.policy, has_questions) {
-            match tried(policy, &read, &track, &drawn) {
-                Ok(found) => times = found,
-                Err(found) => faults.extend(found),
+        let times = match &read.submission.policy {
+            Some(policy) if !has_questions => {
+                tried(policy, &read, &track, &drawn).map_err(|faults| all(folder, &faults))?
             }
-        }
-        if faults.is_empty() {
-            let folder = folder.to_owned();
-            return Ok(CheckedSubmission { folder, read, scratch, track, robots: drawn, times });
-        }
-        Err(all(folder, &faults))
+            _ => None,
+        };
+        let folder = folder.to_owned();
+        Ok(CheckedSubmission { folder, read, scratch, track, robots: drawn, times })
     }
 
     /// The answers in a folder of the submission. Errors name the files of the user, not the copy.

@@ -43,11 +43,7 @@ impl ScoreCommand {
     pub(crate) fn execute(&self, progress: &Progress) -> CommandResult {
         let robots = self.season.robots()?;
         let out = self.out.clone().unwrap_or_else(|| self.folder.join(SCORE_FOLDER));
-        if self
-            .out
-            .as_ref()
-            .is_some_and(|out| real_place(out) != real_place(&self.folder.join(SCORE_FOLDER)))
-        {
+        if real_place(&out) != real_place(&self.folder.join(SCORE_FOLDER)) {
             refuse_inside(&self.folder, "--out", &out)?;
         }
         let checked = CheckedSubmission::read(&self.folder, &self.season, &robots)?;
