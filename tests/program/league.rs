@@ -74,6 +74,17 @@ impl League {
         folder
     }
 
+    /// A submission `mine` of answers to a track, with `further` keys.
+    fn answering(&self, track: &str, further: &str) -> PathBuf {
+        let folder = self.path("mine");
+        std::fs::create_dir_all(folder.join("answers")).unwrap();
+        let text = format!(
+            "name: mine\nauthors: [test]\ntrack: {track}\n{further}answers: answers\ntrained_on: nothing\nreal_samples: 0\nlicence: MIT\n"
+        );
+        std::fs::write(folder.join("submission.yaml"), text).unwrap();
+        folder
+    }
+
     fn python(&self, name: &str, class: &str) -> PathBuf {
         self.submit(name, &format!("{{python: {{file: policy.py, class: {class}}}}}"))
     }
@@ -413,10 +424,7 @@ fn a_season_is_bound_to_its_name_and_its_secret() {
 #[test]
 fn a_wrong_name_is_a_missed_detection_a_wrong_isolation_or_a_false_alarm() {
     let league = League::new();
-    let names = league.path("mine/answers");
-    std::fs::create_dir_all(&names).unwrap();
-    let submission = "name: mine\nauthors: [test]\ntrack: which\nanswers: answers\ntrained_on: nothing\nreal_samples: 0\nlicence: MIT\n";
-    std::fs::write(league.path("mine/submission.yaml"), submission).unwrap();
+    let names = league.answering("which", "").join("answers");
     let track = "about: A small track.\ntask: {name: {trials: 1, rows: 3, step_s: 0.2, step_share: 0.1, pull_share: 1.0}}\n\
         robots: robots.yaml\nrobots_each: 6\nhidden: {least_effects: 0, most_effects: 1, effects: [tip_load]}\nnoise_m: 0.0005\n";
     std::fs::write(league.path("tracks/which.yaml"), track).unwrap();
@@ -464,9 +472,7 @@ fn what_simulate_writes_is_an_answer() {
     std::fs::write(league.path("tracks/unseen.yaml"), track).unwrap();
     let robots = league.league(&["robots", "unseen", "--out", "questions", "--tracks", "tracks"]);
     assert!(robots.status.success(), "{}", said(&robots));
-    std::fs::create_dir_all(league.path("mine/answers")).unwrap();
-    let submission = "name: mine\nauthors: [test]\ntrack: unseen\nanswers: answers\ntrained_on: nothing\nreal_samples: 0\nlicence: MIT\n";
-    std::fs::write(league.path("mine/submission.yaml"), submission).unwrap();
+    let folder = league.answering("unseen", "");
     let asked = |file: &str| league.path(&format!("questions/rod_1/{file}"));
     let mut simulate = Command::new(env!("CARGO_BIN_EXE_spinebench"));
     simulate
@@ -475,14 +481,13 @@ fn what_simulate_writes_is_an_answer() {
         .arg(asked("model.yaml"))
         .arg("--commands")
         .arg(asked("asked.csv"));
-    simulate.arg("--out").arg(league.path("mine/answers/rod_1.csv"));
+    simulate.arg("--out").arg(folder.join("answers/rod_1.csv"));
     let simulated = simulate.output().unwrap();
     assert!(simulated.status.success(), "{}", said(&simulated));
     let score = league.score(&league.path("mine"));
     assert!(score["robots"][0]["cells"][0]["error"].as_f64().unwrap() > 0.0, "{score}");
     // Answers to the questions of another season would be scored on other robots.
-    std::fs::write(league.path("mine/submission.yaml"), submission.to_owned() + "questions: one\n")
-        .unwrap();
+    league.answering("unseen", "questions: one\n");
     league.refused(&["check", "mine", "--tracks", "tracks"], "questions: found `one`");
 }
 
@@ -519,10 +524,7 @@ fn a_real_robot_plays_where_its_recording_is() {
     // The row without a tip is not asked.
     assert!(asked.lines().count() == 3 && !asked.contains("tip"), "{asked}");
 
-    let folder = league.path("mine");
-    std::fs::create_dir_all(folder.join("answers")).unwrap();
-    let submission = "name: mine\nauthors: [test]\ntrack: unseen\nrobots: [arm]\nanswers: answers\ntrained_on: nothing\nreal_samples: 0\nlicence: MIT\n";
-    std::fs::write(folder.join("submission.yaml"), submission).unwrap();
+    let folder = league.answering("unseen", "robots: [arm]\n");
     // 2.2 mm beside tips of a robot of 220 mm.
     let answer =
         "trial,time_s,tip_x_m,tip_y_m,tip_z_m\n0,2,0.0122,0.01,0.21\n0,4,0.02,0.0222,0.2\n";
