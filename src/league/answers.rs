@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::LeagueError;
-use super::questions::{asked, true_tips_m};
+use super::questions::{asked, plan_of, true_tips_m};
 use super::robot::LeagueRobot;
 use super::score::{CellScore, RobotScore, ScoredTrial};
 use super::track::{QuestionPlan, ReadTrack, Task};
@@ -75,15 +75,10 @@ impl Answers {
         robots: &[LeagueRobot],
         folder: &Path,
     ) -> Result<Answers, LeagueError> {
+        let plan = plan_of(track)?;
         match &track.track.task {
             Task::Name(_) => named(robots, folder).map(Answers::Effects),
-            Task::Identify(plan) => {
-                predicted(plan, robots, folder).map(|tips| Answers::Tips(*plan, tips))
-            }
-            Task::Reach { .. } | Task::Laps { .. } => Err(LeagueError::input(format!(
-                "track {}: found trials, expected a track with questions",
-                track.name
-            ))),
+            _ => predicted(&plan, robots, folder).map(|tips| Answers::Tips(plan, tips)),
         }
     }
 
@@ -101,11 +96,8 @@ impl Answers {
                 tips.par_iter().zip(robots).map(trial).collect::<Result<_, _>>()?
             }
         };
-        let score = |(robot, trial): (&LeagueRobot, ScoredTrial)| RobotScore {
-            robot: robot.name.clone(),
-            family: robot.family.clone(),
-            engine: robot.engine.clone(),
-            cells: vec![CellScore::of(ANSWERS.to_owned(), &[trial])],
+        let score = |(robot, trial): (&LeagueRobot, ScoredTrial)| {
+            RobotScore::of(robot, vec![CellScore::of(ANSWERS.to_owned(), &[trial])])
         };
         Ok(robots.iter().zip(trials).map(score).collect())
     }

@@ -53,13 +53,7 @@ pub fn play(
             refuse_lost_robot(&tables.published)
                 .map_err(|status| LeagueError::failed(format!("{}: {status}", robot.name)))?;
             for (policy, cells) in cells(&tables.published, robot.length_m()) {
-                let score = RobotScore {
-                    robot: robot.name.clone(),
-                    family: robot.family.clone(),
-                    engine: robot.engine.clone(),
-                    cells,
-                };
-                scores.entry(policy).or_default().push(score);
+                scores.entry(policy).or_default().push(RobotScore::of(robot, cells));
             }
         }
     }

@@ -22,6 +22,19 @@ pub fn recordings(task: &Task) -> Option<QuestionPlan> {
     }
 }
 
+/// The recordings of a track with questions.
+///
+/// # Errors
+/// [`LeagueError::Input`] for a track with trials.
+pub(super) fn plan_of(read: &ReadTrack) -> Result<QuestionPlan, LeagueError> {
+    recordings(&read.track.task).ok_or_else(|| {
+        LeagueError::input(format!(
+            "track {}: found trials, expected a track with questions",
+            read.name
+        ))
+    })
+}
+
 /// Writes the questions of all robots: for each a folder with the nominal model, what is given,
 /// and where tips are asked for, their commands.
 ///
@@ -32,12 +45,7 @@ pub fn write_questions(
     robots: &[LeagueRobot],
     out: &Path,
 ) -> Result<(), LeagueError> {
-    let plan = recordings(&read.track.task).ok_or_else(|| {
-        LeagueError::input(format!(
-            "track {}: found trials, expected a track with questions",
-            read.name
-        ))
-    })?;
+    let plan = plan_of(read)?;
     robots.par_iter().try_for_each(|robot| {
         let folder = out.join(&robot.name);
         std::fs::create_dir_all(&folder).map_err(LeagueError::failed)?;

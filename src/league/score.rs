@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde::{Deserialize, Serialize};
 
-use super::robot::MEASURED;
+use super::robot::{LeagueRobot, MEASURED};
 use super::season::is_season;
 use super::{LeagueError, NAME, is_name};
 use crate::math::distribution::wilson_95;
@@ -94,6 +94,16 @@ pub struct RobotScore {
 }
 
 impl RobotScore {
+    /// Cells of a robot.
+    pub(super) fn of(robot: &LeagueRobot, cells: Vec<CellScore>) -> RobotScore {
+        RobotScore {
+            robot: robot.name.clone(),
+            family: robot.family.clone(),
+            engine: robot.engine.clone(),
+            cells,
+        }
+    }
+
     /// Names of its modes or speeds.
     fn cells(&self) -> BTreeSet<&str> {
         self.cells.iter().map(|cell| cell.cell.as_str()).collect()
